@@ -1,0 +1,134 @@
+//! What a ray meets: hits, their flags, and questions to ask.
+
+use glam::{DVec2, DVec3};
+
+use crate::math::Ray;
+
+/// One meeting of a ray and a surface, in f64.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
+    pub t: f64,
+    /// Which surface, counted in the order they were given.
+    pub surface: u32,
+    /// The surface parameters, in the surface's own knot domain.
+    pub uv: DVec2,
+    /// The point on the surface, `S(u, v)`.
+    pub point: DVec3,
+    /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where
+    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set).
+    pub normal: DVec3,
+    /// What else is known of the hit.
+    pub flags: HitFlags,
+    /// Where a secondary ray starts that leaves this hit.
+    pub root: Root,
+}
+
+/// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
+#[derive(Clone, Copy, Debug)]
+pub struct Root {
+    /// The surface the root lies on.
+    pub(crate) surface: u32,
+    /// The Bézier piece it was found on.
+    pub(crate) patch: u32,
+    /// Its parameters in that piece's unit square.
+    pub(crate) st: DVec2,
+    /// Its place in space.
+    pub(crate) point: DVec3,
+    /// How far the true root may be from `point`, in scene units.
+    pub(crate) error: f64,
+}
+
+/// Facts about a hit, one bit each; the numbers are the `flags` column of `cast`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HitFlags(u8);
+
+impl HitFlags {
+    /// No facts.
+    pub const NONE: Self = Self(0);
+    /// Floating point could not decide the answer.
+    pub const DOUBTFUL: Self = Self(1);
+    /// The hit lies on the border of the surface's domain, to within rounding.
+    pub const BORDER: Self = Self(2);
+    /// The surface has no normal here.
+    pub const NO_NORMAL: Self = Self(4);
+    /// The hit lies on a trim edge, to within rounding.
+    pub const TRIM_EDGE: Self = Self(8);
+    /// The ray runs inside the surface; the hit is an end of that stretch.
+    pub const INSIDE: Self = Self(16);
+
+    /// Whether every bit of `other` is set.
+    pub fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// These bits and those of `other`.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Sets the bits of `other`.
+    pub fn insert(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+
+    /// The bits as a number.
+    pub fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether no bit is set.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// A ray to trace and, if it is a secondary ray, the root it leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    /// The ray.
+    pub ray: Ray,
+    /// The root the ray starts on: that root itself is not reported again.
+    pub from: Option<Root>,
+}
+
+impl Query {
+    /// A ray that starts nowhere in particular.
+    pub fn primary(ray: Ray) -> Self {
+        Self { ray, from: None }
+    }
+
+    /// A ray that leaves a hit: the hit itself is not met again.
+    pub fn leaving(ray: Ray, hit: &Hit) -> Self {
+        Self { ray, from: Some(hit.root) }
+    }
+}
+
+/// The first hit, or a proved miss, or a doubtful answer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Answer {
+    /// The hit with the smallest `t`.
+    pub hit: Option<Hit>,
+    /// Whether floating point could not decide some part of the answer.
+    pub doubtful: bool,
+}
+
+/// Whether anything lies on the ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Occlusion {
+    /// Whether some surface is met.
+    pub occluded: bool,
+    /// Whether floating point could not decide.
+    pub doubtful: bool,
+}
+
+/// Whether neighbouring rays of a batch are alike, so that packets pay off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Coherence {
+    /// Neighbours start and point alike (primary rays, shadow rays of one light).
+    Coherent,
+    /// Nothing is known.
+    #[default]
+    Incoherent,
+}

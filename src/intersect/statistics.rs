@@ -1,0 +1,34 @@
+//! What the work of tracing cost.
+
+use std::ops::AddAssign;
+
+/// Counts of the work done by a [`Tracer`](super::Tracer), for those who ask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Rays asked about.
+    pub rays: u64,
+    /// Nodes of the hierarchy visited.
+    pub nodes: u64,
+    /// Leaves tested against a ray after their boxes were met.
+    pub leaf_tests: u64,
+    /// Newton steps taken.
+    pub newton_iterations: u64,
+    /// Calls of the exact solver.
+    pub exact_calls: u64,
+    /// Parameter boxes the exact solver looked at.
+    pub exact_boxes: u64,
+    /// Answers flagged doubtful.
+    pub doubtful: u64,
+}
+
+impl AddAssign for Statistics {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.nodes += other.nodes;
+        self.leaf_tests += other.leaf_tests;
+        self.newton_iterations += other.newton_iterations;
+        self.exact_calls += other.exact_calls;
+        self.exact_boxes += other.exact_boxes;
+        self.doubtful += other.doubtful;
+    }
+}

@@ -1,0 +1,3 @@
+//! The program `nurbray`.
+
+fn main() {}

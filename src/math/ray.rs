@@ -1,0 +1,120 @@
+//! A ray and the part of it that counts.
+
+use glam::DVec3;
+use thiserror::Error;
+
+/// The half line `o + t d` for `t_min < t < t_max`.
+///
+/// `t` is measured in units of `d`, whatever its length; the range is open, so the
+/// default `(0, ∞)` leaves out the origin itself.
+///
+/// # Invariants, checked once in [`Ray::with_range`]
+/// - origin and direction are finite, and the direction is not zero;
+/// - `t_min < t_max`, neither is NaN; either may be infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    t_min: f64,
+    t_max: f64,
+}
+
+/// Why numbers cannot be a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RayError {
+    /// The origin is not finite.
+    #[error("the origin ({}, {}, {}) is not finite", .0.x, .0.y, .0.z)]
+    Origin(DVec3),
+    /// The direction is not finite.
+    #[error("the direction ({}, {}, {}) is not finite", .0.x, .0.y, .0.z)]
+    Direction(DVec3),
+    /// The direction has no length.
+    #[error("the direction is zero: a ray needs a direction of any other length")]
+    NoDirection,
+    /// The range of `t` is empty or not a number.
+    #[error("t_min {t_min} and t_max {t_max}: a ray needs t_min < t_max")]
+    Range {
+        /// The lower end as given.
+        t_min: f64,
+        /// The upper end as given.
+        t_max: f64,
+    },
+}
+
+impl Ray {
+    /// The ray `o + t d` with `t` in `(0, ∞)`.
+    ///
+    /// # Errors
+    /// When the origin or the direction is not finite, or the direction is zero.
+    pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, RayError> {
+        Self::with_range(origin, direction, 0.0, f64::INFINITY)
+    }
+
+    /// The ray `o + t d` with `t` in `(t_min, t_max)`.
+    ///
+    /// # Errors
+    /// As [`Ray::new`], and when not `t_min < t_max`.
+    pub fn with_range(
+        origin: DVec3,
+        direction: DVec3,
+        t_min: f64,
+        t_max: f64,
+    ) -> Result<Self, RayError> {
+        if !origin.is_finite() {
+            return Err(RayError::Origin(origin));
+        }
+        if !direction.is_finite() {
+            return Err(RayError::Direction(direction));
+        }
+        if direction == DVec3::ZERO {
+            return Err(RayError::NoDirection);
+        }
+        let ordered = t_min < t_max; // false for NaN
+        if !ordered {
+            return Err(RayError::Range { t_min, t_max });
+        }
+        Ok(Self { origin, direction, t_min, t_max })
+    }
+
+    /// Where `t = 0`.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The direction as given; its length is the unit of `t`.
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The open lower end of the range.
+    pub fn t_min(&self) -> f64 {
+        self.t_min
+    }
+
+    /// The open upper end of the range.
+    pub fn t_max(&self) -> f64 {
+        self.t_max
+    }
+
+    /// The point `o + t d`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_what_is_not_a_ray() {
+        let (o, d) = (DVec3::ZERO, DVec3::X);
+        assert_eq!(Ray::new(o, DVec3::ZERO), Err(RayError::NoDirection));
+        assert!(matches!(Ray::new(DVec3::NAN, d), Err(RayError::Origin(_))));
+        assert!(matches!(Ray::new(o, DVec3::INFINITY), Err(RayError::Direction(_))));
+        assert!(matches!(Ray::with_range(o, d, 1.0, 1.0), Err(RayError::Range { .. })));
+        assert!(matches!(Ray::with_range(o, d, f64::NAN, 1.0), Err(RayError::Range { .. })));
+        assert!(Ray::new(o, DVec3::splat(1e-300)).is_ok());
+    }
+}
