@@ -1,1 +1,15 @@
-//! render.
+//! Light: settings, samples, tiles, integrators and the film they fill.
+
+mod aov;
+mod film;
+mod pixels;
+mod rect;
+mod sampler;
+mod settings;
+mod sums;
+
+pub use aov::{Aov, AovSet, Channel};
+pub use film::{Counters, Film, FilmError, MergeError};
+pub use rect::{PixelRect, RectError};
+pub use sampler::{Dimensions, Sampler};
+pub use settings::{MAX_PIXELS, MAX_SIDE, MAX_THREADS, RenderSettings, SettingsError};
