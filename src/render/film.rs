@@ -197,6 +197,30 @@ impl Film {
 }
 
 #[cfg(test)]
+impl Film {
+    /// A film of made-up samples, painted in two tiles: the left columns and the others.
+    pub(crate) fn made_up(settings: &RenderSettings) -> Self {
+        let mut film = Self::new(settings).unwrap();
+        let ([x0, y0], [x1, y1]) = (film.window().min(), film.window().max());
+        let middle = x0 + 2.min(x1 - x0 - 1);
+        for (min, max) in [([x0, y0], [middle, y1]), ([middle, y0], [x1, y1])] {
+            let window = PixelRect::new(min, max).unwrap();
+            let mut pixels = Pixels::empty(window, settings.aovs, settings.samples.start);
+            let width = window.width() as usize;
+            for sample in settings.samples.clone() {
+                let x = |index| min[0] as usize + index % width;
+                let y = |index| min[1] as usize + index / width;
+                pixels.push(|i| tests::seen(sample, y(i) * settings.size.0 as usize + x(i)));
+            }
+            let counters =
+                Counters { rays: u64::from(settings.samples.end), ..Counters::default() };
+            film.insert(&pixels, counters);
+        }
+        film
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::super::pixels::{FirstHit, Sample};
     use super::super::{Aov, AovSet};
@@ -207,7 +231,7 @@ mod tests {
     }
 
     /// A made-up sample: pixel 0 is never hit, pixel 1 by odd samples only, others always.
-    fn seen(sample: u32, index: usize) -> Sample {
+    pub(super) fn seen(sample: u32, index: usize) -> Sample {
         let x = 0.1 + f64::from(sample) * 1.37 + index as f64;
         let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then(|| FirstHit {
             distance: x as f32,
@@ -220,21 +244,8 @@ mod tests {
         Sample { radiance: [x.sin().abs(), x.cos().abs() * 1e8, 1e-8 * x], albedo, hit }
     }
 
-    /// A film of made-up samples, tile by tile.
     fn film(samples: Range<u32>) -> Film {
-        let settings = settings(samples.clone());
-        let mut film = Film::new(&settings).unwrap();
-        for tile in [([0, 0], [2, 2]), ([2, 0], [3, 2])] {
-            let window = PixelRect::new(tile.0, tile.1).unwrap();
-            let mut pixels = Pixels::empty(window, settings.aovs, samples.start);
-            let (x, width) = (tile.0[0] as usize, window.width() as usize);
-            for sample in samples.clone() {
-                pixels.push(|index| seen(sample, index / width * 3 + index % width + x));
-            }
-            let counters = Counters { rays: u64::from(samples.end), ..Counters::default() };
-            film.insert(&pixels, counters);
-        }
-        film
+        Film::made_up(&settings(samples))
     }
 
     #[test]
