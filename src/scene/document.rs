@@ -1,12 +1,11 @@
 //! The scene as written: plain data, with the places errors will name.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{
-    Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written,
-};
+use super::{Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written};
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
 /// checks it and makes it ready to trace.
@@ -84,8 +83,8 @@ pub struct Part {
 /// The geometry of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A control net of its own.
-    Net(Net),
+    /// A control net of its own; objects made from one file share it.
+    Net(Arc<Net>),
     /// One the program knows by name.
     Named(NamedShape),
 }

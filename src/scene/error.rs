@@ -5,8 +5,9 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::with_place;
-use super::{CameraError, ImportNote, Place, ShapeError, TransformError, UnknownName};
+use super::{CameraError, ImportNote, Place, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
+use crate::geometry::shapes::ShapeError;
 use crate::intersect::BuildError;
 
 /// Why a scene cannot be shown, and where its author wrote what is at fault.
@@ -135,7 +136,8 @@ fn not_imported(notes: &[ImportNote]) -> String {
     match notes {
         [] => String::new(),
         [first, rest @ ..] => {
-            let more = if rest.is_empty() { String::new() } else { format!("; {} more", rest.len()) };
+            let more =
+                if rest.is_empty() { String::new() } else { format!("; {} more", rest.len()) };
             format!(" (not imported: {}: {}{more})", first.what, first.why)
         }
     }

@@ -171,9 +171,6 @@ mod tests {
             message(Transform::Matrix([[0.0; 4]; 3])),
             "the matrix flattens space: its determinant is 0 within rounding"
         );
-        assert_eq!(
-            message(Transform::Translate(DVec3::NAN)),
-            "a transform needs finite numbers"
-        );
+        assert_eq!(message(Transform::Translate(DVec3::NAN)), "a transform needs finite numbers");
     }
 }

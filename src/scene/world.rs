@@ -217,3 +217,247 @@ fn place_part(
         SceneError::new(part.place.clone(), fault)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::geometry::{KnotError, SurfaceError};
+    use crate::scene::{
+        CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Place, Projection, Transform,
+    };
+
+    fn part(shape: NamedShape) -> Part {
+        let shape = Shape::Named(shape);
+        Part { name: String::new(), place: Place::file("s.toml").at_line(3, 4), shape }
+    }
+
+    fn object(shape: NamedShape) -> Object {
+        let default_name = shape.name().to_owned();
+        Object { default_name, parts: vec![part(shape)], ..Object::default() }
+    }
+
+    fn scene(objects: Vec<Object>) -> Scene {
+        Scene { place: Place::file("s.toml"), objects, ..Scene::default() }
+    }
+
+    fn here<T>(value: T) -> Written<T> {
+        Written::new(value, Place::file("s.toml").at_line(41, 7))
+    }
+
+    fn message(scene: &Scene) -> String {
+        World::new(scene).unwrap_err().to_string()
+    }
+
+    fn bilinear() -> Net {
+        let points = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+        let points = points.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        Net {
+            degree: [1, 1],
+            knots: [here(Knots::ClampedUniform), here(Knots::ClampedUniform)],
+            size: [2, 2],
+            points: Written::new(points, Place::file("s.toml").at_line(50, 1)),
+            weights: None,
+        }
+    }
+
+    fn net_scene(net: Net) -> Scene {
+        let mut object = object(NamedShape::DeckPatch);
+        object.name = Some(here("lid".to_owned()));
+        object.parts[0].shape = Shape::Net(Arc::new(net));
+        scene(vec![object])
+    }
+
+    const SPHERE: NamedShape = NamedShape::Sphere { radius: 1.0 };
+
+    #[test]
+    fn transforms_apply_in_the_order_listed() {
+        let mut thing = object(SPHERE);
+        thing.transform = vec![
+            here(Transform::Scale(DVec3::splat(2.0))),
+            here(Transform::Rotate { axis: DVec3::Y, degrees: 90.0 }),
+            here(Transform::Translate(DVec3::new(10.0, 0.0, 0.0))),
+        ];
+        let world = World::new(&scene(vec![thing])).unwrap();
+        let pole = world.surfaces[0].surface.point_at(0.0, 0.0);
+        assert!((pole - DVec3::new(12.0, 0.0, 0.0)).length() < 1e-14, "{pole}");
+    }
+
+    #[test]
+    fn reverse_turns_the_normal_and_keeps_the_domain() {
+        let (plain, mut turned) = (object(SPHERE), object(SPHERE));
+        turned.reverse = true;
+        let world = World::new(&scene(vec![plain, turned])).unwrap();
+        let [plain, turned] = [&world.surfaces[0].surface, &world.surfaces[1].surface];
+        assert_eq!(plain.domain(), turned.domain());
+        let (p, q) = (plain.point_at(0.3, 0.2), turned.point_at(0.7, 0.2));
+        assert!((p - q).length() < 1e-15);
+        assert!(plain.normal(0.3, 0.2).unwrap().dot(p) > 0.99);
+        assert!(turned.normal(0.7, 0.2).unwrap().dot(p) < -0.99);
+    }
+
+    #[test]
+    fn every_surface_gets_a_name_of_its_own() {
+        let mut pair = object(SPHERE);
+        pair.default_name = "sphere".into();
+        pair.parts = vec![part(SPHERE), part(SPHERE), part(SPHERE)];
+        pair.parts[1].name = "cap".into();
+        pair.parts[2].name = "cap".into();
+        let mut named = object(SPHERE);
+        named.name = Some(here("sphere".into()));
+        let world = World::new(&scene(vec![object(SPHERE), named, pair])).unwrap();
+        let names: Vec<_> = world.surfaces.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["sphere 2", "sphere", "sphere 3/0", "sphere 3/cap", "sphere 3/cap 2"]);
+        assert_eq!(world.bvh.surface_count(), 5);
+    }
+
+    #[test]
+    fn materials_by_name_and_the_default() {
+        let red = Material { name: "red".into(), texture: Texture::Constant([1.0, 0.0, 0.0]) };
+        let mut painted = object(SPHERE);
+        painted.material = Some(here("red".into()));
+        let mut scene = scene(vec![object(SPHERE), painted.clone(), object(SPHERE)]);
+        scene.materials.push(here(red.clone()));
+        let world = World::new(&scene).unwrap();
+        let used: Vec<_> = world.surfaces.iter().map(|s| s.material).collect();
+        assert_eq!(used, [1, 0, 1]);
+        assert_eq!(world.materials[1].texture, Texture::Constant(DEFAULT_COLOR));
+
+        // A scene may say what the default is.
+        scene.materials.push(here(Material { name: "default".into(), ..red.clone() }));
+        let world = World::new(&scene).unwrap();
+        assert_eq!(world.materials.len(), 2);
+        assert_eq!(world.materials[world.surfaces[0].material].texture, red.texture);
+
+        scene.objects[1].material = Some(here("rad".into()));
+        assert_eq!(
+            message(&scene),
+            "s.toml:41:7: object \"sphere 2\": unknown material \"rad\"; did you mean \"red\"?"
+        );
+    }
+
+    #[test]
+    fn names_are_given_once() {
+        let mut first = object(SPHERE);
+        first.name = Some(Written::new("lid".into(), Place::file("s.toml").at_line(2, 1)));
+        let mut second = object(SPHERE);
+        second.name = Some(here("lid".into()));
+        assert_eq!(
+            message(&scene(vec![first, second])),
+            "s.toml:41:7: the object name \"lid\" is taken: it is given at 2:1"
+        );
+        let red = Material { name: "red".into(), texture: Texture::Constant([1.0, 0.0, 0.0]) };
+        let mut scene = scene(vec![object(SPHERE)]);
+        scene.materials = vec![red.clone().into(), red.into()];
+        assert_eq!(message(&scene), "the material name \"red\" is taken");
+    }
+
+    #[test]
+    fn numbers_that_are_no_surface() {
+        let mut net = bilinear();
+        net.knots[0] = here(Knots::Values(vec![0.0, 0.0, 1.0]));
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:41:7: surface \"lid\", direction u: 3 knots, but 2 points of degree 1 need 4"
+        );
+        let mut net = bilinear();
+        net.knots[1] = here(Knots::Multiplicities(vec![(0.0, 2), (1.0, 3)]));
+        let error = World::new(&net_scene(net)).unwrap_err();
+        let SceneFault::Surface { error: SurfaceError::Knots { error, .. }, .. } = error.fault()
+        else {
+            panic!("{error}")
+        };
+        assert!(matches!(error, KnotError::Multiplicity { times: 3, .. }), "{error}");
+
+        let mut net = bilinear();
+        net.weights = Some(here(vec![1.0, 1.0, -2.0, 1.0]));
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:41:7: surface \"lid\": the weight of control point (1, 0) is -2: \
+             it must be positive and finite"
+        );
+        let mut net = bilinear();
+        net.points.value.fill(DVec3::ONE);
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:50:1: surface \"lid\": all control points are (1, 1, 1): \
+             the surface has no extent"
+        );
+    }
+
+    #[test]
+    fn other_messages() {
+        assert_eq!(
+            message(&scene(vec![object(NamedShape::Torus { major: 1.0, minor: 2.0 })])),
+            "s.toml:3:4: surface \"torus\": minor radius 2: it must be smaller than the major \
+             radius 1, else the torus meets itself"
+        );
+        let mut flat = object(SPHERE);
+        flat.transform = vec![here(Transform::Scale(DVec3::new(1.0, 1.0, 0.0)))];
+        assert_eq!(
+            message(&scene(vec![flat])),
+            "s.toml:41:7: object \"sphere\": scale (1, 1, 0) flattens space: no factor may be 0"
+        );
+        assert_eq!(message(&scene(vec![])), "s.toml: there is no surface to show");
+        let mut curves = scene(vec![]);
+        let note = |what: &str| ImportNote {
+            place: Place::default(),
+            what: what.into(),
+            why: "it is a curve".into(),
+        };
+        curves.notes = vec![note("curve 0"), note("curve 1")];
+        assert_eq!(
+            message(&curves),
+            "s.toml: there is no surface to show (not imported: curve 0: it is a curve; 1 more)"
+        );
+    }
+
+    #[test]
+    fn a_camera_is_found_that_shows_everything_at_every_size() {
+        for size in [1e-8, 1.0, 1e8] {
+            for lens in [Lens::default(), Lens::Orthographic { height: None }] {
+                let mut thing = object(NamedShape::Sphere { radius: size });
+                thing.transform =
+                    vec![here(Transform::Translate(DVec3::new(5.0 * size, 0.0, 0.0)))];
+                let mut scene = scene(vec![thing]);
+                scene.camera.lens = lens;
+                let world = World::new(&scene).unwrap();
+
+                // Every ray through the picture's border passes the sphere by, but not by far.
+                let center = DVec3::new(5.0 * size, 0.0, 0.0);
+                for aspect in [0.3, 1.0, 1.7] {
+                    for film in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)] {
+                        let ray = world.camera.ray(DVec2::new(film.0, film.1), aspect);
+                        let direction = ray.direction().normalize();
+                        let miss = (center - ray.origin()).cross(direction).length() / size;
+                        let widest = 1.2 * f64::max(aspect, 1.0 / aspect);
+                        assert!((1.0..widest).contains(&miss), "{miss} {film:?} {aspect} {size}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_author_says_of_the_camera_is_kept() {
+        let mut scene = scene(vec![object(SPHERE)]);
+        let top = DVec3::new(0.0, 0.0, 9.0);
+        scene.camera = CameraSpec { look_from: Some(top), ..CameraSpec::default() };
+        let world = World::new(&scene).unwrap();
+        assert_eq!(world.camera.view().look_from, top);
+        assert!(world.camera.view().look_at.length() < 1e-15);
+        assert_eq!(world.camera.up(), DVec3::Y, "seen from above, y is up");
+        let fov = Lens::DEFAULT_FOV;
+        assert_eq!(world.camera.projection(), Projection::Perspective { fov });
+
+        scene.camera.place = Place::file("s.toml").at_line(1, 1);
+        scene.camera.look_at = Some(top);
+        assert_eq!(
+            message(&scene),
+            "s.toml:1:1: camera: look_from and look_at are the same point (0, 0, 9)"
+        );
+    }
+}
