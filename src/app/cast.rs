@@ -6,7 +6,6 @@ mod trace;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::anyhow;
 use nurbray::intersect::Coherence;
 use nurbray::io::{read_rays, write_rows};
 use nurbray::math::Ray;
@@ -88,6 +87,6 @@ fn cast<const N: usize>(
     let traced = trace(rays, &progress);
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
-    write_rows(&arguments.output, &traced.rows).map_err(|error| anyhow!(error)).or_failed()?;
+    write_rows(&arguments.output, &traced.rows).or_failed()?;
     Ok((Counts { hits: traced.hits, doubtful: traced.doubtful }, seconds))
 }

@@ -5,13 +5,16 @@
 
 mod args;
 mod audit;
+mod border;
 mod cast;
 mod console;
 mod failure;
 mod info;
+mod input;
 mod output;
 mod progress;
 mod render;
+mod table;
 mod threads;
 
 use std::process::ExitCode;
@@ -29,7 +32,7 @@ pub(crate) fn run() -> ExitCode {
             // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2).
             // A closed pipe is the reader's choice, and there is nowhere left to complain.
             let _ = message.print();
-            return if message.use_stderr() { failure::WRONG_USE } else { ExitCode::SUCCESS };
+            return ExitCode::from(if message.use_stderr() { failure::WRONG_USE } else { 0 });
         }
     };
     match dispatch(&arguments.command) {

@@ -5,7 +5,7 @@ use nurbray::intersect::{Kernel, SurfaceBvh};
 use rayon::prelude::*;
 
 use super::class::{Class, shares};
-use super::judge::{Judge, is_doubtful};
+use super::judge::{Judge, Truth, is_doubtful};
 use super::rays::RaySource;
 use super::tally::Tally;
 
@@ -67,16 +67,17 @@ fn chunk(
     indices: std::ops::Range<u64>,
 ) -> Tally {
     let mut tracer = what.bvh.tracer_with(what.kernel);
-    let mut truth = Vec::new();
+    let mut hits = Vec::new();
     let mut tally = Tally::default();
     for index in indices {
-        let Some(query) = source.query(class, index, &mut tracer) else {
+        let Some(shot) = source.shot(class, index, &mut tracer) else {
             continue;
         };
-        let answer = tracer.first_hit(&query);
-        truth.clear();
-        let undecided = tracer.exact_hits(&query, &mut truth);
-        tally.add(&query.ray, judge.judge(&query.ray, &answer, &truth, undecided));
+        let answer = tracer.first_hit(&shot.query);
+        hits.clear();
+        let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
+        let truth = Truth { hits: &hits, undecided };
+        tally.add(&shot.query.ray, judge.judge(&shot, &answer, &truth));
         tally.doubtful += u64::from(is_doubtful(&answer));
         tally.undecided += u64::from(undecided);
     }

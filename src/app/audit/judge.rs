@@ -5,15 +5,17 @@ use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
-use super::sites::{Sites, magnitude};
+use super::super::border::magnitude;
+use super::rays::Shot;
+use super::sites::{Site, Sites};
 
 /// What is wrong with an answer that carries no doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// The exact solver has a certain hit, the fast path none.
+    /// There is a certain hit, the fast path has none. Certain are hits of the exact solver
+    /// without doubt, and the point of a surface the ray was aimed at.
     Miss,
-    /// The fast path's hit lies behind a certain hit of the exact solver, by more than the
-    /// error bound of `t`.
+    /// The fast path's hit lies behind a certain hit, by more than the error bound of `t`.
     WrongRoot,
     /// The fast path's hit is not on the surface and the ray to within the error bound, or not
     /// in the ray's range, or no root of the exact solver lies there.
@@ -27,6 +29,15 @@ pub(crate) struct Finding {
     pub(crate) fault: Option<Fault>,
     /// The residual of the fast path's hit over the largest coordinate magnitude.
     pub(crate) error: Option<f64>,
+}
+
+/// What is known of the answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Truth<'a> {
+    /// All hits by the exact solver, in order of `t`.
+    pub(crate) hits: &'a [Hit],
+    /// Whether the exact solver could not decide everything.
+    pub(crate) undecided: bool,
 }
 
 /// Where a hit is and how exact it can be.
@@ -48,6 +59,11 @@ struct Measure {
 /// roots) this is `4 √(b · radius)`.
 const TANGENT_FACTOR: f64 = 4.0;
 
+/// A ray that passes a surface at a distance `b` with `|N·d| = c` surely crosses it if the
+/// radius of curvature exceeds `2 b / c²`: with rounding for `b` and this for `c` that is
+/// 1e-11 of the coordinates' size.
+const SURE_INCIDENCE: f64 = 0.01;
+
 /// Compares answers for one set of surfaces.
 #[derive(Debug)]
 pub(crate) struct Judge<'a> {
@@ -66,44 +82,56 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Compares the fast path's answer with all roots by the exact solver, in order of `t`.
-    /// `undecided` says that the exact solver could not decide everything.
-    pub(crate) fn judge(
-        &self,
-        ray: &Ray,
-        answer: &Answer,
-        truth: &[Hit],
-        undecided: bool,
-    ) -> Finding {
+    /// Compares the fast path's answer with what is known.
+    pub(crate) fn judge(&self, shot: &Shot, answer: &Answer, truth: &Truth<'_>) -> Finding {
+        let ray = &shot.query.ray;
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
         let fault = match measured {
             _ if is_doubtful(answer) => None,
-            Some((hit, measure)) => self.fault_of_hit(ray, (&hit, &measure), truth, undecided),
-            None => truth.iter().any(|hit| self.is_due(ray, hit)).then_some(Fault::Miss),
+            Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
+            None => {
+                let due = truth.hits.iter().any(|hit| self.is_due(ray, hit));
+                (due || self.target(shot).is_some()).then_some(Fault::Miss)
+            }
         };
         Finding { fault, error }
     }
 
     fn fault_of_hit(
         &self,
-        ray: &Ray,
+        shot: &Shot,
         (hit, measure): (&Hit, &Measure),
-        truth: &[Hit],
-        undecided: bool,
+        truth: &Truth<'_>,
     ) -> Option<Fault> {
+        let ray = &shot.query.ray;
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         let on_both = measure.residual <= measure.bound; // false for NaN
         if !(in_range && on_both) {
             return Some(Fault::FalseHit);
         }
         let same = |root: &Hit| self.same_root(ray, (hit, measure), root);
-        if truth.iter().any(|root| root.t < hit.t && self.is_due(ray, root) && !same(root)) {
+        let behind = |root: &Hit| root.t < hit.t && self.is_due(ray, root) && !same(root);
+        let behind_target = self.target(shot).is_some_and(|last| hit.t > last);
+        if behind_target || truth.hits.iter().any(behind) {
             return Some(Fault::WrongRoot);
         }
-        let known = truth.iter().any(same);
-        let excused = undecided || self.at_range_end(ray, hit, measure) || outside(hit, measure);
+        let known = truth.hits.iter().any(same);
+        let excused = truth.undecided
+            || self.at_range_end(ray, hit, measure) || outside(hit, measure);
         (!known && !excused).then_some(Fault::FalseHit)
+    }
+
+    /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
+    /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface.
+    fn target(&self, shot: &Shot) -> Option<f64> {
+        let (site, t) = shot.target?;
+        let ray = &shot.query.ray;
+        let length = ray.direction().length();
+        let normal = self.surfaces[site.surface].normal(site.u, site.v)?;
+        let incidence = normal.dot(ray.direction()).abs() / length;
+        let bound = self.at(ray, site, t).bound;
+        (incidence >= SURE_INCIDENCE).then(|| t + self.slack(bound, incidence) / length)
     }
 
     /// Whether the fast path owes this root: it is certain, well inside the range, and not in
@@ -146,22 +174,27 @@ impl<'a> Judge<'a> {
     }
 
     fn measure(&self, ray: &Ray, hit: &Hit) -> Measure {
-        let index = hit.surface as usize;
-        let Some(surface) = self.surfaces.get(index) else {
+        let surface = hit.surface as usize;
+        if surface >= self.surfaces.len() {
             // A surface that does not exist: nothing is near it.
             return Measure { residual: f64::NAN, magnitude: 1.0, bound: 0.0, incidence: 0.0 };
-        };
-        let at = surface.derivatives(hit.uv.x, hit.uv.y);
-        let magnitude = ray.origin().abs().max_element().max(self.magnitudes[index]);
+        }
+        self.at(ray, Site { surface, u: hit.uv.x, v: hit.uv.y }, hit.t)
+    }
+
+    fn at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
+        let surface = &self.surfaces[site.surface];
+        let at = surface.derivatives(site.u, site.v);
+        let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);
         let normal = at.du.cross(at.dv).normalize_or_zero();
 
         // The promise, twice: once for the hit and once for this evaluation of the surface as
         // authored, not by its pieces. What (u, v) lose by being rounded in their own domain
         // comes on top.
         let factor = residual_factor(surface.knots_u().degree(), surface.knots_v().degree());
-        let parameters = hit.uv.x.abs() * at.du.length() + hit.uv.y.abs() * at.dv.length();
+        let parameters = site.u.abs() * at.du.length() + site.v.abs() * at.dv.length();
         Measure {
-            residual: at.point.distance(ray.at(hit.t)),
+            residual: at.point.distance(ray.at(t)),
             magnitude,
             bound: 2.0 * (factor * magnitude + UNIT_ROUNDOFF * parameters),
             incidence: normal.dot(ray.direction().normalize()).abs(),

@@ -17,6 +17,21 @@ const TRIES: u64 = 16;
 /// How many sizes of the model away the rays of [`Class::Far`] start.
 const FAR: f64 = 1e6;
 
+/// A ray to ask about, and what is known of the answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shot {
+    /// The ray, and the root it leaves, if it leaves one.
+    pub(crate) query: Query,
+    /// A point of a surface that the ray passes within rounding, and its `t`.
+    pub(crate) target: Option<(Site, f64)>,
+}
+
+impl Shot {
+    fn untargeted(ray: Ray) -> Self {
+        Self { query: Query::primary(ray), target: None }
+    }
+}
+
 /// Makes rays that are hard for one model: always the same ones for the same seed.
 #[derive(Debug)]
 pub(crate) struct RaySource<'a> {
@@ -38,27 +53,31 @@ impl<'a> RaySource<'a> {
     /// Ray `index` of a class. The tracer finds the hits that secondary rays leave.
     ///
     /// Returns `None` if no ray came out of several tries.
-    pub(crate) fn query(&self, class: Class, index: u64, tracer: &mut Tracer<'_>) -> Option<Query> {
+    pub(crate) fn shot(&self, class: Class, index: u64, tracer: &mut Tracer<'_>) -> Option<Shot> {
         (0..TRIES).find_map(|attempt| {
             let stream = class.stream() + (attempt << 32); // the first try is the plain stream
             let mut random = Random::new(self.seed, stream, index);
             match class {
                 Class::Leaving => self.leaving(&mut random, tracer),
-                _ => self.ray(class, &mut random).map(Query::primary),
+                _ => self.primary(class, &mut random),
             }
         })
     }
 
-    fn ray(&self, class: Class, random: &mut Random) -> Option<Ray> {
+    fn primary(&self, class: Class, random: &mut Random) -> Option<Shot> {
         let sites = &self.sites;
-        match class {
+        let ray = match class {
+            Class::Aimed => return self.through(random, sites.anywhere(random)),
+            Class::Lengths => return self.of_any_length(random),
+            Class::Borders => {
+                let border = sites.border(random);
+                return self.through(random, sites.on_border(random, border));
+            }
+            Class::Lines => return self.through(random, sites.on_line(random)),
+            Class::Corners => return self.through(random, sites.on_corner(random)),
+            Class::Poles => return self.through(random, sites.on_pole(random)?),
+            Class::Far => return self.from_far(random),
             Class::Random | Class::Leaving => self.random(random),
-            Class::Aimed => self.through(random, sites.anywhere(random)),
-            Class::Lengths => self.of_any_length(random),
-            Class::Borders => self.through(random, sites.on_border(random).1),
-            Class::Lines => self.through(random, sites.on_line(random)),
-            Class::Corners => self.through(random, sites.on_corner(random)),
-            Class::Poles => self.through(random, sites.on_pole(random)?),
             Class::SeamPlanes => self.in_seam_plane(random),
             Class::Axes => self.along_axis(random),
             Class::Chords => {
@@ -72,15 +91,11 @@ impl<'a> RaySource<'a> {
                 self.along(random, surface.point, direction)
             }
             Class::Origins => {
-                let site = if random.coin() { sites.anywhere(random) } else { sites.on_line(random) };
+                let site = self.anywhere_or_on_line(random);
                 Ray::new(sites.point(site), random.direction()).ok()
             }
-            Class::Far => {
-                let target = sites.point(sites.anywhere(random));
-                let direction = random.direction();
-                Ray::new(target - FAR * sites.radius() * direction, direction).ok()
-            }
-        }
+        };
+        ray.map(Shot::untargeted)
     }
 
     /// From a sphere of twice the model's radius to a point of its bounding box.
@@ -91,9 +106,29 @@ impl<'a> RaySource<'a> {
         Ray::new(origin, centre + half * DVec3::new(x, y, z) - origin).ok()
     }
 
-    fn through(&self, random: &mut Random, site: Site) -> Option<Ray> {
+    /// Through a point of a surface in any direction.
+    fn through(&self, random: &mut Random, site: Site) -> Option<Shot> {
         let direction = random.direction();
-        self.along(random, self.sites.point(site), direction)
+        self.shoot(site, random.between(0.01, 3.0) * self.sites.radius(), direction)
+    }
+
+    fn from_far(&self, random: &mut Random) -> Option<Shot> {
+        let site = self.sites.anywhere(random);
+        let direction = random.direction();
+        self.shoot(site, FAR * self.sites.radius(), direction)
+    }
+
+    fn of_any_length(&self, random: &mut Random) -> Option<Shot> {
+        let site = self.sites.anywhere(random);
+        let direction = f64::powf(10.0, random.between(-8.0, 8.0)) * random.direction();
+        let t = random.between(0.01, 3.0) * self.sites.radius() / direction.length();
+        self.shoot(site, t, direction)
+    }
+
+    /// Through a point of a surface at `t`.
+    fn shoot(&self, site: Site, t: f64, direction: DVec3) -> Option<Shot> {
+        let ray = Ray::new(self.sites.point(site) - t * direction, direction).ok()?;
+        Some(Shot { query: Query::primary(ray), target: Some((site, t)) })
     }
 
     /// Through a point, from up to three radii before it.
@@ -103,21 +138,17 @@ impl<'a> RaySource<'a> {
         Ray::new(point - back * direction, direction).ok()
     }
 
-    fn of_any_length(&self, random: &mut Random) -> Option<Ray> {
-        let ray = self.through(random, self.sites.anywhere(random))?;
-        let length = f64::powf(10.0, random.between(-8.0, 8.0));
-        Ray::new(ray.origin(), length * ray.direction()).ok()
+    /// A point of a surface: half of them where pieces meet or are halved.
+    fn anywhere_or_on_line(&self, random: &mut Random) -> Site {
+        if random.coin() { self.sites.anywhere(random) } else { self.sites.on_line(random) }
     }
 
     /// Through two points of the plane of three points of one border. If the border is a plane
     /// curve, the ray lies in its plane, and meets the surface on the border or not at all.
     fn in_seam_plane(&self, random: &mut Random) -> Option<Ray> {
-        let (border, first) = self.sites.on_border(random);
-        let a = self.sites.point(first);
-        let [b, c] = [(); 2].map(|()| self.sites.along(random, &border)).map(|t| {
-            let point = self.sites.point(border.site(t));
-            point - a
-        });
+        let border = self.sites.border(random);
+        let [a, b, c] = [(); 3].map(|()| self.sites.point(self.sites.on_border(random, border)));
+        let (b, c) = (b - a, c - a);
         if random.coin() {
             return self.along(random, a, b); // a chord of the border itself
         }
@@ -147,12 +178,7 @@ impl<'a> RaySource<'a> {
     /// Past the silhouette at a point: in a tangent direction, 10⁻ᵏ radii of curvature to the
     /// inside or the outside. On a sphere these are the rays at 1 ∓ 10⁻ᵏ radii of its centre.
     fn grazing(&self, random: &mut Random, k: u8) -> Option<Ray> {
-        let site = if random.coin() {
-            self.sites.anywhere(random)
-        } else {
-            self.sites.on_line(random)
-        };
-        let surface = self.sites.derivatives(site);
+        let surface = self.sites.derivatives(self.anywhere_or_on_line(random));
         let normal = surface.du.cross(surface.dv).try_normalize()?;
         let [a, b] = [(); 2].map(|()| random.between(-1.0, 1.0));
         let direction = a * surface.du + b * surface.dv;
@@ -168,16 +194,11 @@ impl<'a> RaySource<'a> {
     }
 
     /// A ray that leaves the first hit of another, in any direction.
-    fn leaving(&self, random: &mut Random, tracer: &mut Tracer<'_>) -> Option<Query> {
-        let site = if random.coin() {
-            self.sites.anywhere(random)
-        } else {
-            self.sites.on_line(random)
-        };
-        let primary = self.through(random, site)?;
-        let hit = tracer.first_hit(&Query::primary(primary)).hit?;
+    fn leaving(&self, random: &mut Random, tracer: &mut Tracer<'_>) -> Option<Shot> {
+        let first = self.through(random, self.anywhere_or_on_line(random))?;
+        let hit = tracer.first_hit(&first.query).hit?;
         let ray = Ray::new(hit.point, random.direction()).ok()?;
-        Some(Query::leaving(ray, &hit))
+        Some(Shot { query: Query::leaving(ray, &hit), target: None })
     }
 }
 

@@ -1,9 +1,8 @@
 //! The audit's result as a table and as JSON.
 
-use std::fmt::Write as _;
-
 use serde_json::{Value, json};
 
+use super::super::table::{count, table};
 use super::class::Class;
 use super::tally::Tally;
 
@@ -78,14 +77,18 @@ impl Report {
         self.total.misses + self.total.wrong_roots + self.total.false_hits
     }
 
-    /// Rays whose answer the fast path flags.
-    pub(crate) fn doubtful(&self) -> u64 {
-        self.total.doubtful
-    }
-
-    /// Rays made.
-    pub(crate) fn rays(&self) -> u64 {
-        self.total.rays
+    /// One sentence for people.
+    pub(crate) fn verdict(&self) -> String {
+        let Row { rays, misses, wrong_roots, false_hits, doubtful, .. } = self.total;
+        let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
+        let open = format!("{doubtful} of {rays} rays doubtful ({share:.3} %)");
+        match self.faults() {
+            0 => format!("no unflagged miss, no wrong root, no false hit; {open}\n"),
+            _ => format!(
+                "FAULTS: {misses} unflagged misses, {wrong_roots} wrong roots, {false_hits} false \
+                 hits; {open}\n"
+            ),
+        }
     }
 
     /// `classes`, one object each, and `total`.
@@ -100,8 +103,7 @@ impl Report {
 
     /// One line a class and one for all of them.
     pub(crate) fn table(&self) -> String {
-        let mut table = format!(
-            "{:<12}{:>10}{:>10}{:>8}{:>8}{:>8}{:>10}{:>11}{:>11}{:>9}{:>9}\n",
+        let heading = [
             "class",
             "rays",
             "hits",
@@ -112,18 +114,12 @@ impl Report {
             "undecided",
             "error 50%",
             "99%",
-            "max"
-        );
+            "max",
+        ];
+        let mut lines = vec![heading.map(str::to_owned).to_vec()];
         let total = [("total".to_owned(), self.total)];
-        for (name, row) in self.rows.iter().chain(&total) {
-            let [median, most, max] = row.errors.map(|error| match error {
-                Some(error) => format!("{error:.1e}"),
-                None => "-".into(),
-            });
-            // Writing to a String does not fail.
-            let _ = writeln!(
-                table,
-                "{name:<12}{:>10}{:>10}{:>8}{:>8}{:>8}{:>10}{:>11}{median:>11}{most:>9}{max:>9}",
+        lines.extend(self.rows.iter().chain(&total).map(|(name, row)| {
+            let counts = [
                 row.rays,
                 row.hits,
                 row.misses,
@@ -131,9 +127,15 @@ impl Report {
                 row.false_hits,
                 row.doubtful,
                 row.undecided,
-            );
-        }
-        table
+            ];
+            let errors = row.errors.map(|error| match error {
+                Some(error) => format!("{error:.1e}"),
+                None => "-".into(),
+            });
+            let counts = counts.iter().map(u64::to_string);
+            [name.clone()].into_iter().chain(counts).chain(errors).collect()
+        }));
+        table(&lines, &[0])
     }
 }
 

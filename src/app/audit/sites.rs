@@ -3,6 +3,7 @@
 use glam::DVec3;
 use nurbray::geometry::{NurbsSurface, SurfaceDerivatives};
 
+use super::super::border::Border;
 use super::random::Random;
 
 /// A point of a surface, by its parameters.
@@ -16,35 +17,9 @@ pub(crate) struct Site {
     pub(crate) v: f64,
 }
 
-/// One of the four borders of a surface's domain: one parameter is fixed, the other runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Border {
-    /// Which surface.
-    pub(crate) surface: usize,
-    /// Which parameter is fixed: 0 for u, 1 for v.
-    pub(crate) fixed: usize,
-    /// What it is fixed at: an end of the domain.
-    pub(crate) at: f64,
-}
-
-impl Border {
-    /// The point where the other parameter is `t`.
-    pub(crate) fn site(&self, t: f64) -> Site {
-        let (u, v) = if self.fixed == 0 { (self.at, t) } else { (t, self.at) };
-        Site { surface: self.surface, u, v }
-    }
-}
-
 /// The deepest halving of a piece whose lines are aimed at: leaves are rarely smaller than a
 /// sixteenth of a piece.
 const HALVINGS: i32 = 4;
-
-/// How many points of a border are looked at to find whether it is one point.
-const POLE_SAMPLES: usize = 16;
-
-/// A border whose points lie within this many roundings of one another is a pole: evaluation
-/// errs by a few roundings for each degree.
-const POLE_ROUNDINGS: f64 = 64.0;
 
 /// The surfaces of a model, and how to find places on them.
 #[derive(Debug)]
@@ -52,7 +27,7 @@ pub(crate) struct Sites<'a> {
     surfaces: &'a [NurbsSurface],
     /// For each surface and direction the non-empty spans between knots.
     spans: Vec<[Vec<(f64, f64)>; 2]>,
-    poles: Vec<Border>,
+    poles: Vec<(usize, Border)>,
     centre: DVec3,
     half_extent: DVec3,
 }
@@ -71,18 +46,17 @@ impl<'a> Sites<'a> {
             })
             .collect();
         let (low, high) = bounds(surfaces);
-        let mut sites = Self {
+        let borders = surfaces.iter().enumerate().flat_map(|(index, surface)| {
+            Border::all(surface).map(|border| (index, border))
+        });
+        let poles = borders.filter(|(index, border)| border.pole(&surfaces[*index]).is_some());
+        Some(Self {
             surfaces,
             spans,
-            poles: Vec::new(),
+            poles: poles.collect(),
             centre: 0.5 * (low + high),
             half_extent: 0.5 * (high - low),
-        };
-        sites.poles = (0..surfaces.len())
-            .flat_map(|surface| sites.borders(surface))
-            .filter(|border| sites.is_pole(border))
-            .collect();
-        Some(sites)
+        })
     }
 
     /// The middle of the model's bounding box.
@@ -123,16 +97,22 @@ impl<'a> Sites<'a> {
         Site { surface, u, v }
     }
 
-    /// A point of some border, and that border.
-    pub(crate) fn on_border(&self, random: &mut Random) -> (Border, Site) {
+    /// Some border, and the surface it belongs to.
+    pub(crate) fn border(&self, random: &mut Random) -> (usize, Border) {
         let surface = self.surface(random);
-        let border = self.borders(surface)[random.below(4)];
-        (border, border.site(self.along(random, &border)))
+        (surface, Border::all(&self.surfaces[surface])[random.below(4)])
     }
 
-    /// A parameter on a border.
-    pub(crate) fn along(&self, random: &mut Random, border: &Border) -> f64 {
-        self.within_span(random, border.surface, 1 - border.fixed)
+    /// A point of a border.
+    pub(crate) fn on_border(
+        &self,
+        random: &mut Random,
+        (surface, border): (usize, Border),
+    ) -> Site {
+        let spans = border.knots(&self.surfaces[surface]).spans();
+        let spans: Vec<_> = spans.map(|span| (span.start, span.end)).collect();
+        let (u, v) = border.uv(within(random, &spans));
+        Site { surface, u, v }
     }
 
     /// A point of a line along which pieces meet or are halved.
@@ -157,8 +137,8 @@ impl<'a> Sites<'a> {
 
     /// A point of a collapsed border; `None` if there is none.
     pub(crate) fn on_pole(&self, random: &mut Random) -> Option<Site> {
-        let border = *self.poles.get(random.below(self.poles.len()))?;
-        Some(border.site(self.along(random, &border)))
+        let pole = *self.poles.get(random.below(self.poles.len()))?;
+        Some(self.on_border(random, pole))
     }
 
     /// Two points with one parameter in common and the other in the same span: on a ruling,
@@ -181,9 +161,7 @@ impl<'a> Sites<'a> {
     }
 
     fn within_span(&self, random: &mut Random, surface: usize, direction: usize) -> f64 {
-        let spans = &self.spans[surface][direction];
-        let (start, end) = spans[random.below(spans.len())];
-        random.between(start, end)
+        within(random, &self.spans[surface][direction])
     }
 
     /// A knot, or a point that halves a span up to `HALVINGS` times.
@@ -196,30 +174,12 @@ impl<'a> Sites<'a> {
             share => start + share * (end - start),
         }
     }
-
-    fn borders(&self, surface: usize) -> [Border; 4] {
-        let [u, v] = self.surfaces[surface].domain();
-        [(0, u.0), (0, u.1), (1, v.0), (1, v.1)]
-            .map(|(fixed, at)| Border { surface, fixed, at })
-    }
-
-    fn is_pole(&self, border: &Border) -> bool {
-        let spans = &self.spans[border.surface][1 - border.fixed];
-        let (start, end) = (spans[0].0, spans[spans.len() - 1].1);
-        let at = |k: usize| {
-            let t = start + (end - start) * k as f64 / POLE_SAMPLES as f64;
-            self.point(border.site(t))
-        };
-        let first = at(0);
-        let rounding = POLE_ROUNDINGS * f64::EPSILON * magnitude(&self.surfaces[border.surface]);
-        (1..=POLE_SAMPLES).all(|k| at(k).distance(first) <= rounding)
-    }
 }
 
-/// The largest coordinate of a surface's control points, in absolute value.
-pub(crate) fn magnitude(surface: &NurbsSurface) -> f64 {
-    let largest = |point: DVec3| point.abs().max_element();
-    surface.control().iter().map(|c| largest(c.truncate() / c.w)).fold(0.0, f64::max)
+/// Anywhere in one of these spans, each as often as the others.
+fn within(random: &mut Random, spans: &[(f64, f64)]) -> f64 {
+    let (start, end) = spans[random.below(spans.len())];
+    random.between(start, end)
 }
 
 /// The smallest and largest coordinates of all control points.
