@@ -176,6 +176,16 @@ impl Camera {
         self.projection
     }
 
+    /// The unit direction to the right in the picture.
+    pub fn right(&self) -> DVec3 {
+        self.right
+    }
+
+    /// The unit direction up in the picture.
+    pub fn up(&self) -> DVec3 {
+        self.up
+    }
+
     /// The unit direction of the view.
     pub fn forward(&self) -> DVec3 {
         self.axis.direction()
