@@ -13,8 +13,9 @@ use crate::intersect::Statistics;
 ///
 /// - `R G B` is the mean radiance over the pixel (box filter), background included,
 ///   linear with Rec. 709 primaries.
-/// - `A` is the coverage, the share of samples that hit a surface. With a black
-///   background (the default) colour is thus premultiplied, as compositing expects.
+/// - `A` is the coverage, the share of samples that hit a surface. Over a black background
+///   colour is thus premultiplied, as compositing expects; from `R G B` over another one
+///   take `(1 − A) · background`.
 /// - [`Aov`](super::Aov) says what the data channels hold.
 ///
 /// Films of neighbouring sample ranges can be merged: the result is the film of the
@@ -192,6 +193,11 @@ impl Film {
     /// Puts a painted tile in its place.
     pub(super) fn insert(&mut self, tile: &Pixels, counters: Counters) {
         self.pixels.insert(tile);
+        self.count(counters);
+    }
+
+    /// Counts more of what was traced.
+    pub(super) fn count(&mut self, counters: Counters) {
         self.counters += counters;
     }
 }
