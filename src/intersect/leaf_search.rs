@@ -81,9 +81,8 @@ pub(super) fn search(
 
     if certified(leaf, ray, error) {
         let widened = widened(leaf, WIDENING);
-        let starts_here = question
-            .from
-            .is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
+        let starts_here =
+            question.from.is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
         if starts_here {
             return; // the one root is the one the ray starts on
         }
@@ -138,7 +137,7 @@ pub(super) fn search_exactly(
 }
 
 /// How far a computed point of the piece may be from the true one, for this ray.
-fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
+pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude)
 }
 
@@ -287,7 +286,10 @@ impl Solution {
 
 /// Whether a point lies within rounding of a side that is a border of the surface.
 fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
-    side_distances(st, jet).into_iter().zip(piece.border).any(|(d, border)| border && d <= 4.0 * error)
+    side_distances(st, jet)
+        .into_iter()
+        .zip(piece.border)
+        .any(|(d, border)| border && d <= 4.0 * error)
 }
 
 /// How far, to first order, a point is from the four sides of its piece.

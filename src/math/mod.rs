@@ -1,8 +1,8 @@
 //! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on glam only.
 
 mod aabb;
-mod interval;
 pub mod bernstein;
+mod interval;
 mod ray;
 mod ray_frame;
 pub mod rounding;

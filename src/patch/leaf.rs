@@ -146,7 +146,12 @@ impl Part {
         };
         let mut answered = self.net.clone();
         let slack = LEAF_SLACK;
-        bernstein::restrict_net(&mut answered, degree, grown(slack, 0, true), grown(slack, 1, true));
+        bernstein::restrict_net(
+            &mut answered,
+            degree,
+            grown(slack, 0, true),
+            grown(slack, 1, true),
+        );
         let bounds = Aabb::around(answered.iter().map(|&c| euclidean(c))).grown(noise);
         let oriented = OrientedBox::around(&answered, self.chords(piece), noise);
 

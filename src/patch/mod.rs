@@ -12,4 +12,4 @@ pub use oriented_box::{OrientedBox, Passage};
 pub use piece::Piece;
 pub use set::{PatchSet, PatchSetError};
 pub use tangents::{Certificate, CollapsedSide, Pole};
-pub use tensor::{Jet, Jet2, TensorPatch};
+pub use tensor::{Jet, TensorPatch};

@@ -55,7 +55,7 @@ impl OrientedBox {
         let center = origin + middle.x * axes[0] + middle.y * axes[1] + middle.z * axes[2];
         let lengths = DVec3::from_array(dual.map(DVec3::length));
         let thinnest = 4.0 * noise * lengths + f64::MIN_POSITIVE;
-        let half = (0.5 * (high - low)).max(0.0) * (1.0 + 1e-12) + thinnest;
+        let half = (0.5 * (high - low)).max(DVec3::ZERO) * (1.0 + 1e-12) + thinnest;
         let rows = [dual[0] / half.x, dual[1] / half.y, dual[2] / half.z];
         Self { center, rows, lengths: lengths / half }
     }

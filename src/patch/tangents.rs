@@ -127,7 +127,10 @@ impl Net<'_> {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
-            (0..=rows).flat_map(|i| (0..=columns).map(move |j| (i, j))).map(|(i, j)| pick(i, j)).collect()
+            (0..=rows)
+                .flat_map(|i| (0..=columns).map(move |j| (i, j)))
+                .map(|(i, j)| pick(i, j))
+                .collect()
         };
         match side {
             CollapsedSide::T(0) => ([p, q], self.control.to_vec(), false),
@@ -273,9 +276,8 @@ impl Tangents {
 
         // How far from the root a point with a small residual may be.
         let determinant = (1.0 - 1.0 / MARGIN) * area * m;
-        let turning = |which: usize, factor: &Field| {
-            self.weight_slopes[which].magnitude() * factor.length()
-        };
+        let turning =
+            |which: usize, factor: &Field| self.weight_slopes[which].magnitude() * factor.length();
         let longest_s = self.along_s.length() + turning(0, &self.factor_s);
         let longest_t = self.along_t.length() + turning(1, &self.factor_t);
         let spread = match pole {

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
+use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, rounding};
 
@@ -29,23 +30,6 @@ pub struct Jet {
     pub ds: DVec3,
     /// `S_t`.
     pub dt: DVec3,
-}
-
-/// A point of a piece with its first and second derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct Jet2 {
-    /// `S`.
-    pub point: DVec3,
-    /// `S_s`.
-    pub ds: DVec3,
-    /// `S_t`.
-    pub dt: DVec3,
-    /// `S_ss`.
-    pub dss: DVec3,
-    /// `S_st`.
-    pub dst: DVec3,
-    /// `S_tt`.
-    pub dtt: DVec3,
 }
 
 impl TensorPatch {
@@ -86,8 +70,7 @@ impl TensorPatch {
     pub fn jet(&self, st: DVec2) -> Jet {
         let [p, q] = self.degree;
         let (lower_s, lower_t) = (bernstein::basis(p - 1, st.x), bernstein::basis(q - 1, st.y));
-        let (bs, bt) =
-            (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
+        let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
         let (ds, dt) = (
             bernstein::derivative_from_lower(p, &lower_s),
             bernstein::derivative_from_lower(q, &lower_t),
@@ -129,8 +112,9 @@ impl TensorPatch {
         self.jet(st).point
     }
 
-    /// The point, first and second derivatives at `(s, t)`.
-    pub fn jet2(&self, st: DVec2) -> Jet2 {
+    /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
+    /// `t` in the names.
+    pub fn derivatives(&self, st: DVec2) -> SurfaceDerivatives {
         let [p, q] = self.degree;
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
         let sum = |order_s: usize, order_t: usize| -> DVec4 {
@@ -146,15 +130,15 @@ impl TensorPatch {
         // Quotient rule, e.g. S_st = (X_st − S_s W_t − S_t W_s − S W_st) / W.
         let w = value.w;
         let point = value.truncate() / w;
-        let ds = (a.truncate() - a.w * point) / w;
-        let dt = (b.truncate() - b.w * point) / w;
-        Jet2 {
+        let du = (a.truncate() - a.w * point) / w;
+        let dv = (b.truncate() - b.w * point) / w;
+        SurfaceDerivatives {
             point,
-            ds,
-            dt,
-            dss: (aa.truncate() - 2.0 * a.w * ds - aa.w * point) / w,
-            dst: (ab.truncate() - a.w * dt - b.w * ds - ab.w * point) / w,
-            dtt: (bb.truncate() - 2.0 * b.w * dt - bb.w * point) / w,
+            du,
+            dv,
+            duu: (aa.truncate() - 2.0 * a.w * du - aa.w * point) / w,
+            duv: (ab.truncate() - a.w * dv - b.w * du - ab.w * point) / w,
+            dvv: (bb.truncate() - 2.0 * b.w * dv - bb.w * point) / w,
         }
     }
 }
@@ -171,11 +155,10 @@ fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
         [0.0; bernstein::MAX_DEGREE + 1]
     } else {
         let lowest = bernstein::basis(degree - 2, t);
-        bernstein::derivative_from_lower(degree, &bernstein::derivative_from_lower(degree - 1, &lowest))
+        bernstein::derivative_from_lower(
+            degree,
+            &bernstein::derivative_from_lower(degree - 1, &lowest),
+        )
     };
-    [
-        bernstein::raised(degree, t, &lower),
-        bernstein::derivative_from_lower(degree, &lower),
-        second,
-    ]
+    [bernstein::raised(degree, t, &lower), bernstein::derivative_from_lower(degree, &lower), second]
 }

@@ -192,10 +192,8 @@ impl ExactSolver {
         if ranges.iter().any(|range| range.lo > amplified || range.hi < -amplified) {
             return Verdict::Empty;
         }
-        let clips = [
-            self.preconditioned.clip(0, 0, amplified),
-            self.preconditioned.clip(1, 1, amplified),
-        ];
+        let clips =
+            [self.preconditioned.clip(0, 0, amplified), self.preconditioned.clip(1, 1, amplified)];
         let [Some(mut s), Some(mut t)] = clips else { return Verdict::Empty };
 
         // Krawczyk's test on the box of side 1.
@@ -223,7 +221,7 @@ impl ExactSolver {
     /// Clipping and halving where the Jacobian is singular to working precision.
     fn clipped_plainly(&mut self, rect: Rect, exhausted: [bool; 2], error: f64) -> Verdict {
         self.preconditioned.assign(&self.net, glam::DMat2::IDENTITY);
-        let mut part = [[0.0, 1.0]; 2];
+        let mut part: Rect = [[0.0, 1.0]; 2];
         for axis in 0..2 {
             for component in 0..2 {
                 let Some([from, to]) = self.preconditioned.clip(component, axis, error) else {
@@ -267,9 +265,8 @@ impl ExactSolver {
             let st = inner(task.rect, x);
             let jet = task.patch.jet(st);
             let at = task.ray.coordinates(jet.point).truncate();
-            let project = |v: DVec3| {
-                DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v))
-            };
+            let project =
+                |v: DVec3| DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v));
             let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
             let jacobian =
                 glam::DMat2::from_cols(project(jet.ds) * sides.x, project(jet.dt) * sides.y);
