@@ -103,8 +103,7 @@ mod tests {
         let color = |id: u32| hue((f64::from(id) * GOLDEN).fract());
         for id in 0..1000 {
             for next in id + 1..id + 5 {
-                let distance: f64 =
-                    (0..3).map(|k| (color(id)[k] - color(next)[k]).abs()).sum();
+                let distance: f64 = (0..3).map(|k| (color(id)[k] - color(next)[k]).abs()).sum();
                 assert!(distance > 0.3, "{id} and {next}: {distance}");
             }
         }

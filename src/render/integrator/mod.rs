@@ -8,8 +8,8 @@ use super::Counters;
 use crate::intersect::{Answer, Coherence, Query, Tracer};
 use crate::scene::{IntegratorKind, Rgb, World};
 
-pub(super) use direct::albedo;
 use direct::Direct;
+pub(super) use direct::albedo;
 use false_color::HitColor;
 
 /// A way to find what camera rays see, ready for one world, with its scratch memory.
