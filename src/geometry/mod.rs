@@ -33,3 +33,5 @@ mod refine_tests;
 mod curve_tests;
 #[cfg(test)]
 mod knots_tests;
+#[cfg(test)]
+mod normal_tests;
