@@ -1,7 +1,7 @@
 //! Files that are written whole or not at all.
 
 use std::ffi::OsStr;
-use std::fs::{self, File, Metadata, OpenOptions};
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub enum WriteError {
 /// Where the bytes go.
 enum Target {
     /// A file in a folder that is (or is not yet) there: replaced by renaming.
-    File { path: PathBuf, folder: PathBuf, old: Option<Metadata> },
+    File { path: PathBuf, folder: PathBuf, old: Option<Permissions> },
     /// A device or a pipe (`/dev/null`): written into, for it must not be replaced.
     Stream,
 }
@@ -106,6 +106,7 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     if !folder.is_dir() {
         return Err(WriteError::NoFolder { path: path.to_owned(), folder });
     }
+    let old = old.map(|old| old.permissions());
     Ok(Target::File { path: file, folder, old })
 }
 
@@ -117,7 +118,7 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     {
         use std::os::unix::fs::PermissionsExt;
         // What `File::create` asks for; the system takes the user's mask off.
-        builder.permissions(fs::Permissions::from_mode(0o666));
+        builder.permissions(Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder).map_err(without_path)
 }
@@ -126,13 +127,13 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
 fn replace(
     path: &Path,
     folder: &Path,
-    old: Option<Metadata>,
+    old: Option<Permissions>,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut file = temporary(folder)?;
     fill(file.as_file_mut(), write)?;
     if let Some(old) = old {
-        file.as_file().set_permissions(old.permissions())?;
+        file.as_file().set_permissions(old)?;
     }
     // On the disk before the rename, lest a power cut leave a name without contents.
     file.as_file().sync_all()?;

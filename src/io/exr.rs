@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 
 use super::{WriteError, write_atomically};
 use crate::render::{Channel, Film};
-use crate::scene::{Camera, Projection};
+use crate::scene::{Camera, Projection, Rgb};
 
 /// How precisely colour is stored. Data channels are 32 bits always: 16 would lose
 /// positions and mix up ids.
@@ -40,6 +40,8 @@ pub struct ExrNotes<'a> {
     pub duration: Duration,
     /// Where it was taken from.
     pub camera: &'a Camera,
+    /// What is behind everything, so that it can be taken away again.
+    pub background: Rgb,
 }
 
 /// Writes all channels of a film as one layer of an OpenEXR file, ZIP-compressed.
@@ -49,7 +51,7 @@ pub struct ExrNotes<'a> {
 /// `software` (with version), `capDate` (UTC), `worldToCamera`, `screenWindowWidth`, and
 /// as text `nurbray:command`, `nurbray:version`, `nurbray:seed`, `nurbray:spp`,
 /// `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
-/// `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives the same
+/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives the same
 /// pixels; the header tells the time and so differs.
 ///
 /// # Errors
@@ -135,6 +137,7 @@ fn layer_attributes(film: &Film, notes: &ExrNotes<'_>) -> LayerAttributes {
         ("integrator", settings.integrator.to_string()),
         ("seconds", format!("{:.3}", notes.duration.as_secs_f64())),
         ("camera", camera_words(notes.camera)),
+        ("background", notes.background.map(|x| x.to_string()).join(",")),
         ("rays", counters.rays.to_string()),
         ("hits", counters.hits.to_string()),
         ("doubtful", counters.doubtful.to_string()),
@@ -232,7 +235,13 @@ mod tests {
 
     fn notes<'a>(camera: &'a Camera, command: &'a str) -> ExrNotes<'a> {
         let time = UNIX_EPOCH + Duration::from_secs(1_700_000_000);
-        ExrNotes { command, time, duration: Duration::from_millis(1250), camera }
+        ExrNotes {
+            command,
+            time,
+            duration: Duration::from_millis(1250),
+            camera,
+            background: [0.0, 0.25, 1.0],
+        }
     }
 
     fn film(crop: Option<PixelRect>) -> Film {
@@ -329,6 +338,7 @@ mod tests {
         assert_eq!([told("seed"), told("spp"), told("samples")], ["9", "3", "2..5"]);
         assert_eq!([told("integrator"), told("seconds")], ["direct", "1.250"]);
         assert_eq!(told("camera"), "perspective fov 90 look_from 0,-4,1 look_at 0,0,1 up 0,0,1");
+        assert_eq!(told("background"), "0,0.25,1");
         assert_eq!(attributes.capture_date, Some(text("2023:11:14 22:13:20")));
         let software = attributes.software_name.as_ref().unwrap().to_string();
         assert!(software.starts_with("nurbray "));

@@ -13,8 +13,9 @@ use crate::intersect::Statistics;
 ///
 /// - `R G B` is the mean radiance over the pixel (box filter), background included,
 ///   linear with Rec. 709 primaries.
-/// - `A` is the coverage, the share of samples that hit a surface. With a black
-///   background (the default) colour is thus premultiplied, as compositing expects.
+/// - `A` is the coverage, the share of samples that hit a surface. Over a black background
+///   colour is thus premultiplied, as compositing expects; from `R G B` over another one
+///   take `(1 − A) · background`.
 /// - [`Aov`](super::Aov) says what the data channels hold.
 ///
 /// Films of neighbouring sample ranges can be merged: the result is the film of the
@@ -192,6 +193,11 @@ impl Film {
     /// Puts a painted tile in its place.
     pub(super) fn insert(&mut self, tile: &Pixels, counters: Counters) {
         self.pixels.insert(tile);
+        self.count(counters);
+    }
+
+    /// Counts more of what was traced.
+    pub(super) fn count(&mut self, counters: Counters) {
         self.counters += counters;
     }
 }
@@ -233,7 +239,7 @@ mod tests {
     /// A made-up sample: pixel 0 is never hit, pixel 1 by odd samples only, others always.
     pub(super) fn seen(sample: u32, index: usize) -> Sample {
         let x = 0.1 + f64::from(sample) * 1.37 + index as f64;
-        let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then(|| FirstHit {
+        let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then_some(FirstHit {
             distance: x as f32,
             point: [1.0, 2.0, x as f32],
             normal: [0.0, 0.6, 0.8],
