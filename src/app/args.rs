@@ -4,10 +4,12 @@ mod values;
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use nurbray::intersect::Kernel;
+use nurbray::render::AovSet;
+use nurbray::scene::IntegratorKind;
 
 pub(crate) use values::{Crop, SampleRange, Size};
 
@@ -77,12 +79,13 @@ pub(crate) struct RenderArguments {
     pub(crate) samples: Option<SampleRange>,
 
     /// What a pixel shows [default: the scene's]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) integrator: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = integrators())]
+    pub(crate) integrator: Option<IntegratorKind>,
 
-    /// Which AOVs the .exr holds, by comma [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub(crate) aov: Option<Vec<String>>,
+    /// Which AOVs the .exr holds besides colour: names from Z,P,N,uv,Albedo,id, or all, or none
+    /// [default: all]
+    #[arg(long, value_name = "LIST")]
+    pub(crate) aov: Option<AovSet>,
 
     /// Render only the pixels X0 <= x < X1, Y0 <= y < Y1, counted from the top left
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop)]
@@ -137,21 +140,19 @@ pub(crate) struct WorkArguments {
 #[derive(Debug, Args)]
 pub(crate) struct KernelArguments {
     /// Which code searches for hits
-    #[arg(long, value_name = "NAME", default_value = Kernel::default().name(),
-        value_parser = kernel_names())]
-    kernel: String,
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = kernels())]
+    pub(crate) kernel: Kernel,
 }
 
-impl KernelArguments {
-    /// The kernel named.
-    pub(crate) fn kernel(&self) -> Kernel {
-        // The parser lets only names of kernels through.
-        self.kernel.parse().unwrap_or_default()
-    }
+fn kernels() -> impl TypedValueParser<Value = Kernel> {
+    let names = Kernel::ALL.iter().map(|kernel| kernel.name());
+    // Only names of kernels come this far.
+    PossibleValuesParser::new(names).map(|name| name.parse().unwrap_or_default())
 }
 
-fn kernel_names() -> PossibleValuesParser {
-    PossibleValuesParser::new(Kernel::ALL.iter().map(|kernel| kernel.name()))
+fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {
+    let names = IntegratorKind::ALL.iter().map(|kind| kind.name());
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<IntegratorKind>())
 }
 
 /// `nurbray cast`.

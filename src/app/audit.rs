@@ -18,7 +18,7 @@ use nurbray::math::Ray;
 use serde_json::json;
 
 use super::args::AuditArguments;
-use super::failure::{FAILED, Failure, OrFail};
+use super::failure::{Failure, OrFail};
 use super::progress::Progress;
 use super::{console, input, output, threads};
 use check::Audit;
@@ -88,11 +88,11 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let surfaces: Vec<_> =
         world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
 
-    let kernel = arguments.kernel.kernel();
+    let kernel = arguments.kernel.kernel;
     let what = Audit { bvh: &world.bvh, surfaces: &surfaces, kernel, seed: arguments.seed };
-    let progress = Progress::of_rays("auditing", arguments.rays);
+    let progress = Progress::new("auditing", arguments.rays);
     let start = Instant::now();
-    let classes = pool.install(|| check::audit(&what, arguments.rays, &|count| progress.add(count)));
+    let classes = pool.install(|| check::audit(&what, arguments.rays, &|count| progress.add_rays(count)));
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
 
@@ -120,7 +120,10 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     } else {
         console::print(&format!("{}\n{}", report.table(), report.verdict()))?;
     }
-    Ok(if report.faults() == 0 { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    match report.accusation() {
+        None => Ok(ExitCode::SUCCESS),
+        Some(accusation) => Err(Failure::work(accusation)),
+    }
 }
 
 fn row(ray: &Ray) -> [f64; 8] {

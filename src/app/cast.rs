@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
 
     let tracing = Tracing {
         bvh: &world.bvh,
-        kernel: arguments.work.kernel.kernel(),
+        kernel: arguments.work.kernel.kernel,
         coherence: if arguments.coherent { Coherence::Coherent } else { Coherence::Incoherent },
     };
     let (counts, seconds) = if arguments.all {
@@ -82,7 +82,7 @@ fn cast<const N: usize>(
     rays: &[Ray],
     trace: impl FnOnce(&[Ray], &Progress) -> Traced<N>,
 ) -> Result<(Counts, f64), Failure> {
-    let progress = Progress::of_rays("casting", rays.len() as u64);
+    let progress = Progress::new("casting", rays.len() as u64);
     let start = Instant::now();
     let traced = trace(rays, &progress);
     let seconds = start.elapsed().as_secs_f64();

@@ -8,7 +8,7 @@ use anyhow::Error;
 pub(crate) const WRONG_USE: u8 = 2;
 
 /// Exit code 1: the input was fine, the work was not.
-pub(crate) const FAILED: u8 = 1;
+const FAILED: u8 = 1;
 
 /// Why a subcommand did not do its work.
 #[derive(Debug)]
@@ -23,6 +23,11 @@ impl Failure {
     /// Wrong use, in the program's own words.
     pub(crate) fn input(message: impl Into<String>) -> Self {
         Self::Input(Error::msg(message.into()))
+    }
+
+    /// The work failed, in the program's own words.
+    pub(crate) fn work(message: impl Into<String>) -> Self {
+        Self::Work(Error::msg(message.into()))
     }
 
     /// What to tell the user.

@@ -13,7 +13,7 @@ use super::args::InfoArguments;
 use super::failure::Failure;
 use super::{console, input};
 use facts::{Facts, SurfaceFacts};
-use gaps::{Edge, Fit, Gap};
+use gaps::Gap;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\

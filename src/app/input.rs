@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use nurbray::io::load_input;
+//STUB
 use nurbray::scene::{Scene, World};
 
 use super::failure::{Failure, OrFail};

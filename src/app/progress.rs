@@ -1,7 +1,7 @@
 //! How far the work is: a bar on a terminal, a few plain lines elsewhere.
 
-use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use super::console;
 
 /// Plain lines appear at each of so many equal parts of the work, and no oftener than this:
-/// work that takes seconds needs none, work of hours has ten.
+/// work of seconds needs none, work of hours has ten.
 const PARTS: u64 = 10;
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -21,7 +21,7 @@ pub(crate) struct Progress {
     what: &'static str,
     total: u64,
     done: AtomicU64,
-    rays: AtomicU64,
+    rays: Arc<AtomicU64>,
     start: Instant,
     display: Display,
 }
@@ -35,30 +35,36 @@ enum Display {
 }
 
 impl Progress {
-    /// Work counted in rays.
-    pub(crate) fn of_rays(what: &'static str, total: u64) -> Self {
+    /// Work of `total` rays or other units.
+    pub(crate) fn new(what: &'static str, total: u64) -> Self {
+        let rays = Arc::new(AtomicU64::new(0));
         let display = if io::stderr().is_terminal() {
-            Display::Bar(bar(what, total))
+            Display::Bar(bar(what, total, &rays))
         } else {
             Display::Lines(Mutex::new((Instant::now(), 0)))
         };
-        let counter = AtomicU64::new(0);
-        Self { what, total, done: counter, rays: AtomicU64::new(0), start: Instant::now(), display }
+        Self { what, total, done: AtomicU64::new(0), rays, start: Instant::now(), display }
     }
 
     /// Shows nothing.
     pub(crate) fn silent() -> Self {
-        Self { display: Display::Silent, ..Self::of_rays("", 0) }
+        let rays = Arc::default();
+        let (done, start, display) = (AtomicU64::new(0), Instant::now(), Display::Silent);
+        Self { what: "", total: 0, done, rays, start, display }
     }
 
-    /// `count` more rays are traced.
-    pub(crate) fn add(&self, count: u64) {
+    /// `count` more rays are traced, and rays are what the work is counted in.
+    pub(crate) fn add_rays(&self, count: u64) {
+        self.rays.fetch_add(count, Ordering::Relaxed);
         let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
-        match &self.display {
-            Display::Silent => {}
-            Display::Bar(bar) => bar.inc(count),
-            Display::Lines(last) => self.maybe_line(last, done),
-        }
+        self.show(done);
+    }
+
+    /// `done` units of the work are finished, and so many rays are traced in all.
+    pub(crate) fn set(&self, done: u64, rays: u64) {
+        self.rays.store(rays, Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
+        self.show(done);
     }
 
     /// The work is done: the bar goes, the lines stay.
@@ -68,49 +74,74 @@ impl Progress {
         }
     }
 
+    fn show(&self, done: u64) {
+        match &self.display {
+            Display::Silent => {}
+            Display::Bar(bar) => bar.set_position(done),
+            Display::Lines(last) => self.maybe_line(last, done),
+        }
+    }
+
     fn maybe_line(&self, last: &Mutex<(Instant, u64)>, done: u64) {
         let part = done.saturating_mul(PARTS) / self.total.max(1);
-        // Another thread is writing a line just now: this one is not needed.
+        // While another thread writes a line, this one is not needed.
         let Ok(mut last) = last.try_lock() else { return };
         let finished = done >= self.total; // the summary says so
         if part > last.1 && last.0.elapsed() >= PLAIN_INTERVAL && !finished {
             *last = (Instant::now(), part);
-            console::say(&self.line(done));
+            console::say(&self.line(done, self.start.elapsed()));
         }
     }
 
-    fn line(&self, done: u64) -> String {
-        let elapsed = self.start.elapsed().as_secs_f64();
+    fn line(&self, done: u64, elapsed: Duration) -> String {
+        let elapsed = elapsed.as_secs_f64();
         let share = done as f64 / self.total as f64;
-        let left = elapsed / share - elapsed;
-        format!(
-            "{}: {:.0} %, {:.3} Mrays/s, {} left",
-            self.what,
-            100.0 * share,
-            done as f64 / elapsed * 1e-6,
-            duration(left)
-        )
+        let rate = self.rays.load(Ordering::Relaxed) as f64 / elapsed * 1e-6;
+        let left = duration(elapsed / share - elapsed);
+        format!("{}: {:.0} %, {rate:.3} Mrays/s, {left} left", self.what, 100.0 * share)
     }
 }
 
-fn bar(what: &'static str, total: u64) -> ProgressBar {
-    let template = "{msg} {wide_bar} {percent:>3} % {rate} ETA {eta}";
+fn bar(what: &'static str, total: u64, rays: &Arc<AtomicU64>) -> ProgressBar {
+    let rays = Arc::clone(rays);
+    let rate = move |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        let traced = rays.load(Ordering::Relaxed) as f64;
+        let rate = traced / state.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
+        let _ = write!(text, "{:.3} Mrays/s", rate * 1e-6);
+    };
+    let template = "{msg} {wide_bar} {percent:>3} %  {rate}  ETA {eta}";
     let style = ProgressStyle::with_template(template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            let _ = write!(text, "{:.3} Mrays/s", state.per_sec() * 1e-6);
-        });
+        .with_key("rate", rate);
     ProgressBar::new(total).with_style(style).with_message(what)
 }
 
-/// Seconds as people say them: `7 s`, `3 min 20 s`, `2 h 5 min`.
+/// Seconds as people say them: `0.25 s`, `7.1 s`, `3 min 20 s`, `2 h 5 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
-    let mut text = String::new();
-    let _ = match whole {
-        0..60 => write!(text, "{whole} s"),
-        60..3600 => write!(text, "{} min {} s", whole / 60, whole % 60),
-        _ => write!(text, "{} h {} min", whole / 3600, whole / 60 % 60),
-    };
-    text
+    match whole {
+        0..10 => format!("{seconds:.2} s"),
+        10..60 => format!("{seconds:.1} s"),
+        60..3600 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", whole / 3600, whole / 60 % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plain_line_says_share_rate_and_time_left() {
+        let progress = Progress { what: "rendering", total: 40, ..Progress::silent() };
+        progress.set(10, 3_000_000);
+        let line = progress.line(10, Duration::from_secs(30));
+        assert_eq!(line, "rendering: 25 %, 0.100 Mrays/s, 1 min 30 s left");
+    }
+
+    #[test]
+    fn durations() {
+        let said = [0.256, 7.1, 59.4, 200.0, 7500.0].map(duration);
+        assert_eq!(said, ["0.26 s", "7.10 s", "59.4 s", "3 min 20 s", "2 h 5 min"]);
+    }
 }

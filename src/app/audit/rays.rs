@@ -67,15 +67,15 @@ impl<'a> RaySource<'a> {
     fn primary(&self, class: Class, random: &mut Random) -> Option<Shot> {
         let sites = &self.sites;
         let ray = match class {
-            Class::Aimed => return self.through(random, sites.anywhere(random)),
+            Class::Aimed => return self.through(sites.anywhere(random), random),
             Class::Lengths => return self.of_any_length(random),
             Class::Borders => {
                 let border = sites.border(random);
-                return self.through(random, sites.on_border(random, border));
+                return self.through(sites.on_border(random, border), random);
             }
-            Class::Lines => return self.through(random, sites.on_line(random)),
-            Class::Corners => return self.through(random, sites.on_corner(random)),
-            Class::Poles => return self.through(random, sites.on_pole(random)?),
+            Class::Lines => return self.through(sites.on_line(random), random),
+            Class::Corners => return self.through(sites.on_corner(random), random),
+            Class::Poles => return self.through(sites.on_pole(random)?, random),
             Class::Far => return self.from_far(random),
             Class::Random | Class::Leaving => self.random(random),
             Class::SeamPlanes => self.in_seam_plane(random),
@@ -107,7 +107,7 @@ impl<'a> RaySource<'a> {
     }
 
     /// Through a point of a surface in any direction.
-    fn through(&self, random: &mut Random, site: Site) -> Option<Shot> {
+    fn through(&self, site: Site, random: &mut Random) -> Option<Shot> {
         let direction = random.direction();
         self.shoot(site, random.between(0.01, 3.0) * self.sites.radius(), direction)
     }
@@ -195,7 +195,7 @@ impl<'a> RaySource<'a> {
 
     /// A ray that leaves the first hit of another, in any direction.
     fn leaving(&self, random: &mut Random, tracer: &mut Tracer<'_>) -> Option<Shot> {
-        let first = self.through(random, self.anywhere_or_on_line(random))?;
+        let first = self.through(self.anywhere_or_on_line(random), random)?;
         let hit = tracer.first_hit(&first.query).hit?;
         let ray = Ray::new(hit.point, random.direction()).ok()?;
         Some(Shot { query: Query::leaving(ray, &hit), target: None })

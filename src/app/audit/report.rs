@@ -77,18 +77,27 @@ impl Report {
         self.total.misses + self.total.wrong_roots + self.total.false_hits
     }
 
-    /// One sentence for people.
+    /// How the answers without faults stand, in one sentence.
     pub(crate) fn verdict(&self) -> String {
-        let Row { rays, misses, wrong_roots, false_hits, doubtful, .. } = self.total;
+        let Row { rays, doubtful, .. } = self.total;
         let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
-        let open = format!("{doubtful} of {rays} rays doubtful ({share:.3} %)");
-        match self.faults() {
-            0 => format!("no unflagged miss, no wrong root, no false hit; {open}\n"),
-            _ => format!(
-                "FAULTS: {misses} unflagged misses, {wrong_roots} wrong roots, {false_hits} false \
-                 hits; {open}\n"
-            ),
-        }
+        let faults = match self.faults() {
+            0 => "no unflagged miss, no wrong root, no false hit; ",
+            _ => "",
+        };
+        format!("{faults}{doubtful} of {} doubtful ({share:.3} %)\n", count(rays, "ray"))
+    }
+
+    /// What is at fault, in one sentence; `None` if nothing is.
+    pub(crate) fn accusation(&self) -> Option<String> {
+        let Row { rays, misses, wrong_roots, false_hits, .. } = self.total;
+        (self.faults() > 0).then(|| {
+            format!(
+                "of {} without doubt: {misses} missed, {wrong_roots} with a wrong root, \
+                 {false_hits} with a false hit",
+                count(rays, "ray")
+            )
+        })
     }
 
     /// `classes`, one object each, and `total`.

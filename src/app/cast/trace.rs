@@ -61,7 +61,7 @@ pub(super) fn first_hits(
         let queries: Vec<Query> = rays.iter().copied().map(Query::primary).collect();
         let mut answers = Vec::new();
         tracer.first_hits(&queries, tracing.coherence, &mut answers);
-        progress.add(rays.len() as u64);
+        progress.add_rays(rays.len() as u64);
 
         let doubtful = |flags: f64| flags as u8 & HitFlags::DOUBTFUL.bits() != 0;
         let rows: Vec<_> = answers.iter().map(first_row).collect();
@@ -93,7 +93,7 @@ pub(super) fn all_hits(
             part.hits += hits.len() as u64;
             part.doubtful += u64::from(open);
         }
-        progress.add(rays.len() as u64);
+        progress.add_rays(rays.len() as u64);
         part
     });
     Traced::joined(parts.collect())
