@@ -35,3 +35,5 @@ mod curve_tests;
 mod knots_tests;
 #[cfg(test)]
 mod normal_tests;
+#[cfg(test)]
+mod surface_tests;

@@ -12,7 +12,9 @@ pub use circles::{
     quarter_circle_quartic,
 };
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
-pub use quadrics::{hemisphere, octant_biquadratic, octant_of_the_note, plane, sphere};
+pub use quadrics::{
+    hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
+};
 pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 
 use thiserror::Error;
