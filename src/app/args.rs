@@ -257,8 +257,7 @@ mod tests {
     #[test]
     fn negative_coordinates_are_values_and_not_options() {
         let line = "nurbray render a.toml -o a.exr --look-from -1,-2.5,3e0 --exposure -1";
-        let Command::Render(render) =
-            Arguments::try_parse_from(line.split(' ')).unwrap().command
+        let Command::Render(render) = Arguments::try_parse_from(line.split(' ')).unwrap().command
         else {
             panic!("render was asked for");
         };

@@ -85,14 +85,14 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(None)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
-    let surfaces: Vec<_> =
-        world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
 
     let kernel = arguments.kernel.kernel;
     let what = Audit { bvh: &world.bvh, surfaces: &surfaces, kernel, seed: arguments.seed };
     let progress = Progress::new("auditing", arguments.rays);
     let start = Instant::now();
-    let classes = pool.install(|| check::audit(&what, arguments.rays, &|count| progress.add_rays(count)));
+    let classes =
+        pool.install(|| check::audit(&what, arguments.rays, &|count| progress.add_rays(count)));
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
 

@@ -51,9 +51,8 @@ impl Border {
     /// The point the border is collapsed to: its points agree to within rounding.
     pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
         let (start, end) = self.knots(surface).domain();
-        let at = |k: usize| {
-            self.point(surface, start + (end - start) * k as f64 / POLE_SAMPLES as f64)
-        };
+        let at =
+            |k: usize| self.point(surface, start + (end - start) * k as f64 / POLE_SAMPLES as f64);
         let first = at(0);
         let close = 2.0 * rounding(surface);
         (1..=POLE_SAMPLES).all(|k| at(k).distance(first) <= close).then_some(first)
@@ -92,7 +91,8 @@ mod tests {
             let poles: Vec<DVec3> = borders.iter().filter_map(|b| b.pole(&sphere)).collect();
             assert_eq!(poles.len(), 2);
             assert!(poles.iter().all(|pole| (pole.length() / radius - 1.0).abs() < 1e-15));
-            let seams: Vec<&Border> = borders.iter().filter(|b| b.pole(&sphere).is_none()).collect();
+            let seams: Vec<&Border> =
+                borders.iter().filter(|b| b.pole(&sphere).is_none()).collect();
             let (start, end) = seams[0].knots(&sphere).domain();
             let t = 0.3 * start + 0.7 * end;
             let [a, b] = [seams[0], seams[1]].map(|seam| seam.point(&sphere, t));

@@ -31,9 +31,18 @@ pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value}\n"))
 }
 
-/// The one error of a failed run, causes after colons.
+/// The one error of a failed run.
 pub(crate) fn error(reason: &Error) {
-    say(&format!("error: {reason:#}"));
+    say(&format!("error: {}", with_causes(reason)));
+}
+
+/// An error with its causes after colons, but for those it tells of itself.
+fn with_causes(reason: &Error) -> String {
+    reason.chain().fold(String::new(), |told, cause| match cause.to_string() {
+        cause if told.is_empty() => cause,
+        cause if told.contains(&cause) => told,
+        cause => format!("{told}: {cause}"),
+    })
 }
 
 /// Something the user should know, though the work goes on.
@@ -44,4 +53,18 @@ pub(crate) fn warning(message: &str) {
 /// A line on stderr. If stderr is closed there is nobody to tell, which is no reason to stop.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_cause_is_told_twice() {
+        let cause = || Error::msg("the disk is full");
+        let silent = cause().context("cannot write a.exr");
+        assert_eq!(with_causes(&silent), "cannot write a.exr: the disk is full");
+        let telling = cause().context("cannot write a.exr: the disk is full");
+        assert_eq!(with_causes(&telling), "cannot write a.exr: the disk is full");
+    }
 }

@@ -44,8 +44,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let (world, build) = input::prepare(&scene)?;
     let facts = Facts::new(&world);
-    let surfaces: Vec<_> =
-        world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
     let fit = gaps::fit(&surfaces, facts.size());
     let input = arguments.input.display().to_string();
     if arguments.json {
@@ -88,9 +87,10 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
 }
 
 fn surface_json(surface: &SurfaceFacts) -> Value {
-    let collapsed = surface.collapsed.iter().map(|(border, point)| {
-        json!({ "edge": border.to_string(), "point": point.to_array() })
-    });
+    let collapsed = surface
+        .collapsed
+        .iter()
+        .map(|(border, point)| json!({ "edge": border.to_string(), "point": point.to_array() }));
     json!({
         "index": surface.index,
         "name": surface.name,

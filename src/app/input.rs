@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 //STUB
+use nurbray::io::load_input;
 use nurbray::scene::{Scene, World};
 
 use super::failure::{Failure, OrFail};

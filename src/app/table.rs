@@ -15,7 +15,11 @@ pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
     for row in rows {
         let cells = row.iter().enumerate().map(|(column, cell)| {
             let width = widths[column];
-            if words.contains(&column) { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if words.contains(&column) {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
         });
         text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
         text.push('\n');

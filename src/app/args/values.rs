@@ -49,7 +49,7 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     const NEED: &str = "a crop is X0,Y0,X1,Y1 in pixels from the top left, such as 0,0,512,384";
     let [x0, y0, x1, y1] = list(text).ok_or(NEED)?;
     if x0 >= x1 || y0 >= y1 {
-        return Err(format!("no pixels: a crop needs X0 < X1 and Y0 < Y1 ({NEED})"));
+        return Err("there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into());
     }
     Ok(Crop { x0, y0, x1, y1 })
 }
@@ -60,7 +60,7 @@ pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
     let (first, end) = text.split_once("..").ok_or(NEED)?;
     match (first.parse(), end.parse()) {
         (Ok(first), Ok(end)) if first < end => Ok(SampleRange { first, end }),
-        (Ok(_), Ok(_)) => Err(format!("no samples: A must be smaller than B ({NEED})")),
+        (Ok(_), Ok(_)) => Err("there are no samples in it: A must be smaller than B".into()),
         _ => Err(NEED.into()),
     }
 }
@@ -90,7 +90,8 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 
 /// Exactly `N` values between commas.
 fn list<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
-    let values: Vec<T> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    let values: Vec<T> =
+        text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
     values.try_into().ok()
 }
 
@@ -101,7 +102,9 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!(size("640x480"), Ok(Size { width: 640, height: 480 }));
-        for wrong in ["640", "640x", "x480", "0x480", "640x-1", "640x480x3", "1e3x2", "99999999999x1"] {
+        for wrong in
+            ["640", "640x", "x480", "0x480", "640x-1", "640x480x3", "1e3x2", "99999999999x1"]
+        {
             assert!(size(wrong).is_err(), "{wrong}");
         }
     }

@@ -83,3 +83,26 @@ fn chunk(
     }
     tally
 }
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::BuildOptions;
+
+    use super::*;
+
+    #[test]
+    fn the_tallies_do_not_depend_on_the_threads() {
+        let surfaces = [shapes::sphere(1.0).unwrap(), shapes::torus(3.0, 0.5).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let what = Audit { bvh: &bvh, surfaces: &surfaces, kernel: Kernel::default(), seed: 9 };
+        let [one, three] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| audit(&what, 4000, &|_| ()))
+        });
+        for ((class, one), (_, three)) in one.iter().zip(&three) {
+            assert_eq!(format!("{one:?}"), format!("{three:?}"), "{}", class.name());
+        }
+        assert_eq!(one.iter().map(|(_, tally)| tally.rays).sum::<u64>(), 4000);
+    }
+}

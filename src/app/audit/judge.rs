@@ -117,8 +117,8 @@ impl<'a> Judge<'a> {
             return Some(Fault::WrongRoot);
         }
         let known = truth.hits.iter().any(same);
-        let excused = truth.undecided
-            || self.at_range_end(ray, hit, measure) || outside(hit, measure);
+        let excused =
+            truth.undecided || self.at_range_end(ray, hit, measure) || outside(hit, measure);
         (!known && !excused).then_some(Fault::FalseHit)
     }
 
@@ -210,4 +210,97 @@ pub(crate) fn is_doubtful(answer: &Answer) -> bool {
 /// Whether the ray passes a border on its outside, farther off than half the slack.
 fn outside(hit: &Hit, measure: &Measure) -> bool {
     hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
+
+    use super::*;
+
+    /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
+    fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let direction = DVec3::new(-0.6, -0.48, -0.64);
+        let query = Query::primary(Ray::new(-3.0 * direction, direction).unwrap());
+        let mut tracer = bvh.tracer();
+        let answer = tracer.first_hit(&query);
+        let mut hits = Vec::new();
+        assert!(!tracer.all_hits(&query, &mut hits));
+        assert_eq!(hits.len(), 2);
+        let judge = Judge::new(&surfaces);
+        let shot = Shot { query, target: None };
+        let ruling = |answer: Answer, hits: &[Hit]| {
+            judge.judge(&shot, &answer, &Truth { hits, undecided: false })
+        };
+        check(&ruling, answer, &hits);
+    }
+
+    #[test]
+    fn what_is_right_has_no_fault() {
+        head_on(|ruling, answer, hits| {
+            let finding = ruling(answer, hits);
+            assert_eq!(finding.fault, None);
+            assert!(finding.error.unwrap() < 1e-15);
+            // One rounding of t is no other root.
+            let hit = answer.hit.unwrap();
+            let moved = Answer { hit: Some(Hit { t: hit.t.next_up(), ..hit }), ..answer };
+            assert_eq!(ruling(moved, hits).fault, None);
+            assert_eq!(ruling(Answer::default(), &[]), Finding { fault: None, error: None });
+        });
+    }
+
+    #[test]
+    fn a_lost_hit_is_a_miss_unless_it_is_doubted() {
+        head_on(|ruling, answer, hits| {
+            let lost = Answer { hit: None, ..answer };
+            assert_eq!(ruling(lost, hits).fault, Some(Fault::Miss));
+            assert_eq!(ruling(Answer { doubtful: true, ..lost }, hits).fault, None);
+            let mut doubted = hits.to_vec();
+            doubted.iter_mut().for_each(|hit| hit.flags.insert(HitFlags::DOUBTFUL));
+            assert_eq!(ruling(lost, &doubted).fault, None);
+        });
+    }
+
+    #[test]
+    fn the_far_side_is_a_wrong_root() {
+        head_on(|ruling, answer, hits| {
+            let far = Answer { hit: Some(hits[1]), ..answer };
+            assert_eq!(ruling(far, hits).fault, Some(Fault::WrongRoot));
+            assert_eq!(ruling(Answer { doubtful: true, ..far }, hits).fault, None);
+        });
+    }
+
+    #[test]
+    fn what_is_not_there_is_a_false_hit() {
+        head_on(|ruling, answer, hits| {
+            let hit = answer.hit.unwrap();
+            let falsified = |hit: Hit| ruling(Answer { hit: Some(hit), ..answer }, hits).fault;
+            assert_eq!(falsified(Hit { t: hit.t - 1e-12, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(falsified(Hit { t: f64::NAN, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(falsified(Hit { surface: 7, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(ruling(answer, &[]).fault, Some(Fault::FalseHit));
+        });
+    }
+
+    #[test]
+    fn a_target_counts_though_the_exact_solver_has_missed_it() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let judge = Judge::new(&surfaces);
+        let site = Site { surface: 0, u: 0.4, v: 0.3 };
+        let point = surfaces[0].point_at(site.u, site.v);
+        let shot = |direction: DVec3| {
+            let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
+            Shot { query: Query::primary(ray), target: Some((site, 2.0)) }
+        };
+        let nothing = Truth { hits: &[], undecided: false };
+        let head_on = judge.judge(&shot(-point), &Answer::default(), &nothing);
+        assert_eq!(head_on.fault, Some(Fault::Miss));
+        let tangent =
+            judge.judge(&shot(point.any_orthonormal_vector()), &Answer::default(), &nothing);
+        assert_eq!(tangent.fault, None);
+    }
 }

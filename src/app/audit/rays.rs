@@ -76,7 +76,7 @@ impl<'a> RaySource<'a> {
             Class::Lines => return self.through(sites.on_line(random), random),
             Class::Corners => return self.through(sites.on_corner(random), random),
             Class::Poles => return self.through(sites.on_pole(random)?, random),
-            Class::Far => return self.from_far(random),
+            Class::Far => return self.far_away(random),
             Class::Random | Class::Leaving => self.random(random),
             Class::SeamPlanes => self.in_seam_plane(random),
             Class::Axes => self.along_axis(random),
@@ -112,7 +112,7 @@ impl<'a> RaySource<'a> {
         self.shoot(site, random.between(0.01, 3.0) * self.sites.radius(), direction)
     }
 
-    fn from_far(&self, random: &mut Random) -> Option<Shot> {
+    fn far_away(&self, random: &mut Random) -> Option<Shot> {
         let site = self.sites.anywhere(random);
         let direction = random.direction();
         self.shoot(site, FAR * self.sites.radius(), direction)
@@ -207,4 +207,119 @@ fn tangent(surface: &SurfaceDerivatives, random: &mut Random) -> Option<DVec3> {
     surface.du.cross(surface.dv).try_normalize()?;
     let [a, b] = [(); 2].map(|()| random.between(-1.0, 1.0));
     (a * surface.du + b * surface.dv).try_normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::{BuildOptions, SurfaceBvh};
+
+    use super::*;
+
+    fn bvh(surfaces: &[NurbsSurface]) -> SurfaceBvh {
+        SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn every_class_has_rays_for_every_shape_at_every_size() {
+        for scale in [1e-8, 1.0, 1e8] {
+            let shapes = [
+                shapes::sphere(scale),
+                shapes::torus(3.0 * scale, scale),
+                shapes::cylinder(scale, scale),
+                shapes::plane(scale, scale),
+            ];
+            for shape in shapes {
+                let surfaces = [shape.unwrap()];
+                let bvh = bvh(&surfaces);
+                let mut tracer = bvh.tracer();
+                let source = RaySource::new(&surfaces, 1).unwrap();
+                for class in source.classes() {
+                    let made = (0..20).filter(|&i| source.shot(class, i, &mut tracer).is_some());
+                    assert_eq!(made.count(), 20, "{} at {scale}", class.name());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn only_models_with_poles_have_rays_through_them() {
+        let has_poles = |surface| {
+            let surfaces = [surface];
+            RaySource::new(&surfaces, 0).unwrap().classes().contains(&Class::Poles)
+        };
+        assert!(has_poles(shapes::sphere(1.0).unwrap()));
+        assert!(has_poles(shapes::cone(1.0, 1.0).unwrap()));
+        assert!(!has_poles(shapes::torus(3.0, 1.0).unwrap()));
+        assert!(!has_poles(shapes::plane(1.0, 1.0).unwrap()));
+    }
+
+    #[test]
+    fn the_seed_and_the_index_make_the_ray() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = bvh(&surfaces);
+        let mut tracer = bvh.tracer();
+        let mut ray = |seed, index| {
+            let source = RaySource::new(&surfaces, seed).unwrap();
+            source.shot(Class::Aimed, index, &mut tracer).unwrap().query.ray
+        };
+        assert_eq!(ray(1, 2), ray(1, 2));
+        assert_ne!(ray(1, 2), ray(1, 3));
+        assert_ne!(ray(1, 2), ray(2, 2));
+    }
+
+    #[test]
+    fn aimed_rays_pass_their_target_within_rounding() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = bvh(&surfaces);
+        let mut tracer = bvh.tracer();
+        let source = RaySource::new(&surfaces, 3).unwrap();
+        for class in [Class::Aimed, Class::Lengths, Class::Borders, Class::Corners, Class::Poles] {
+            for index in 0..100 {
+                let shot = source.shot(class, index, &mut tracer).unwrap();
+                let (site, t) = shot.target.unwrap();
+                let off = shot.query.ray.at(t).distance(surfaces[0].point_at(site.u, site.v));
+                assert!(off < 4e-15, "{} {index}: {off}", class.name());
+            }
+        }
+    }
+
+    #[test]
+    fn on_a_sphere_grazing_rays_pass_its_centre_at_one_radius_more_or_less() {
+        let surfaces = [shapes::sphere(2.0).unwrap()];
+        let bvh = bvh(&surfaces);
+        let mut tracer = bvh.tracer();
+        let source = RaySource::new(&surfaces, 4).unwrap();
+        for k in 1..=10 {
+            for index in 0..50 {
+                let ray = source.shot(Class::Grazing(k), index, &mut tracer).unwrap().query.ray;
+                let distance = ray.origin().cross(ray.direction()).length();
+                let off = (distance / 2.0 - 1.0).abs();
+                let wanted = f64::powi(10.0, -i32::from(k));
+                assert!((off - wanted).abs() < 1e-14, "{k} {index}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_seam_planes_lie_in_the_plane_of_a_plane_border() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = bvh(&surfaces);
+        let mut tracer = bvh.tracer();
+        let source = RaySource::new(&surfaces, 5).unwrap();
+        // The seam is half of a great circle from pole to pole; its plane is that of two of
+        // its points and the centre.
+        let [a, b] = [0.2, 0.4].map(|share| {
+            let [u, v] = surfaces[0].domain();
+            surfaces[0].point_at(u.0 + share * (u.1 - u.0), v.0)
+        });
+        let normal = a.cross(b).normalize();
+        let in_plane =
+            (0..100).filter_map(|index| source.shot(Class::SeamPlanes, index, &mut tracer));
+        for shot in in_plane {
+            let ray = shot.query.ray;
+            assert!(normal.dot(ray.origin()).abs() < 1e-13, "{ray:?}");
+            assert!(normal.dot(ray.direction()).abs() < 1e-12, "{ray:?}");
+        }
+    }
 }

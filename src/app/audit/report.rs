@@ -158,7 +158,7 @@ mod tests {
     fn report() -> Report {
         let ray = Ray::new(DVec3::ZERO, DVec3::X).unwrap();
         let mut tally = Tally::default();
-        tally.add(&ray, Finding { fault: None, error: Some(1.25e-16) });
+        tally.add(&ray, Finding { fault: None, error: Some(1.5e-16) });
         tally.add(&ray, Finding { fault: Some(Fault::Miss), error: None });
         Report::new(vec![(Class::Random, tally), (Class::Grazing(10), Tally::default())])
     }
@@ -169,9 +169,12 @@ mod tests {
         let lines: Vec<&str> = table.lines().collect();
         assert_eq!(lines.len(), 4);
         let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-        let random = ["random", "2", "1", "1", "0", "0", "0", "0", "1.2e-16", "1.2e-16", "1.2e-16"];
+        let random = ["random", "2", "1", "1", "0", "0", "0", "0", "1.5e-16", "1.5e-16", "1.5e-16"];
         assert_eq!(words(lines[1]), random);
-        assert_eq!(words(lines[2]), "grazing-10 0 0 0 0 0 0 0 - - -".split(' ').collect::<Vec<_>>());
+        assert_eq!(
+            words(lines[2]),
+            "grazing-10 0 0 0 0 0 0 0 - - -".split(' ').collect::<Vec<_>>()
+        );
         assert!(lines[3].starts_with("total"));
         assert!(lines.iter().all(|line| line.len() == lines[0].len()));
     }
@@ -181,7 +184,7 @@ mod tests {
         let (classes, total) = report().json();
         assert_eq!(classes[0]["class"], "random");
         assert_eq!(classes[0]["misses"], 1);
-        assert_eq!(classes[0]["error_max"], 1.25e-16);
+        assert_eq!(classes[0]["error_max"], 1.5e-16);
         assert_eq!(classes[1]["error_max"], Value::Null);
         assert_eq!(total["rays"], 2);
         assert_eq!(report().faults(), 1);

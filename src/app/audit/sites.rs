@@ -46,9 +46,10 @@ impl<'a> Sites<'a> {
             })
             .collect();
         let (low, high) = bounds(surfaces);
-        let borders = surfaces.iter().enumerate().flat_map(|(index, surface)| {
-            Border::all(surface).map(|border| (index, border))
-        });
+        let borders = surfaces
+            .iter()
+            .enumerate()
+            .flat_map(|(index, surface)| Border::all(surface).map(|border| (index, border)));
         let poles = borders.filter(|(index, border)| border.pole(&surfaces[*index]).is_some());
         Some(Self {
             surfaces,

@@ -55,11 +55,6 @@ impl Tally {
         self.offenders.extend(other.offenders);
     }
 
-    /// Misses, wrong roots and false hits together.
-    pub(crate) fn faults(&self) -> u64 {
-        self.misses + self.wrong_roots + self.false_hits
-    }
-
     /// The rays at fault, in the order they were made.
     pub(crate) fn offenders(&self) -> &[Ray] {
         &self.offenders
@@ -111,6 +106,6 @@ mod tests {
             all.merge(one);
         }
         assert_eq!((all.misses, all.wrong_roots, all.false_hits), (1, 2, 1));
-        assert_eq!((all.rays, all.hits, all.faults(), all.offenders().len()), (4, 0, 4, 4));
+        assert_eq!((all.rays, all.hits, all.offenders().len()), (4, 0, 4));
     }
 }

@@ -69,8 +69,7 @@ pub(crate) fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
         let extended = edge.border.pole(surface).is_none();
         extended.then(|| (*edge, BorderCurve::new(surface, edge.border)))
     };
-    let curves: Vec<(Edge, BorderCurve<'_>)> =
-        edges.par_iter().filter_map(curve).collect();
+    let curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
 
     let boxes: Vec<Aabb> = curves.iter().map(|(_, c)| c.bounds().grown(NEAR * size)).collect();
     let pairs = overlapping(&boxes);

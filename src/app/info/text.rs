@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use glam::DVec3;
 use nurbray::math::Aabb;
 use nurbray::scene::ImportNote;
 
@@ -11,6 +12,10 @@ use super::gaps::{Edge, Fit, NEAR};
 
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;
+
+/// Coordinates smaller than this share of a box's largest are its padding: about a hundred
+/// roundings, where six digits are shown.
+const PADDING: f64 = 1e-13;
 
 /// The whole report.
 pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) -> String {
@@ -64,8 +69,10 @@ fn collapsed(surfaces: &[SurfaceFacts]) -> String {
     let rows: Vec<Vec<String>> = edges.collect();
     match rows.len() {
         0 => "\nno collapsed edges\n".into(),
-        number => format!("\n{} (poles):\n", count(number as u64, "collapsed edge"))
-            + &table(&rows, &[0, 1, 2]),
+        number => {
+            format!("\n{} (poles):\n", count(number as u64, "collapsed edge"))
+                + &table(&rows, &[0, 1, 2])
+        }
     }
 }
 
@@ -119,6 +126,11 @@ fn not_imported(notes: &[ImportNote]) -> String {
     text
 }
 
+/// Boxes are padded by a few roundings; what is no more than that is shown as 0.
 fn bounds(bounds: Aabb) -> String {
-    format!("{} to {}", short_point(bounds.min), short_point(bounds.max))
+    let padding = PADDING * bounds.magnitude();
+    let shown = |corner: DVec3| {
+        short_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
+    };
+    format!("{} to {}", shown(bounds.min), shown(bounds.max))
 }

@@ -62,9 +62,8 @@ mod tests {
 
     #[test]
     fn unknown_extensions_are_refused_with_the_known_ones() {
-        let message = |path: &str| {
-            pictures(&[PathBuf::from(path)]).unwrap_err().reason().to_string()
-        };
+        let message =
+            |path: &str| pictures(&[PathBuf::from(path)]).unwrap_err().reason().to_string();
         assert_eq!(message("a.jpg"), "a.jpg: cannot write .jpg files; known are .exr and .png");
         assert_eq!(message("a"), "a: no extension says how to write it; known are .exr and .png");
     }
