@@ -96,24 +96,31 @@ impl Progress {
     fn line(&self, done: u64, elapsed: Duration) -> String {
         let elapsed = elapsed.as_secs_f64();
         let share = done as f64 / self.total as f64;
-        let rate = self.rays.load(Ordering::Relaxed) as f64 / elapsed * 1e-6;
+        let rate = rate(self.rays.load(Ordering::Relaxed), elapsed);
         let left = duration(elapsed / share - elapsed);
-        format!("{}: {:.0} %, {rate:.3} Mrays/s, {left} left", self.what, 100.0 * share)
+        format!("{}: {:.0} %, {rate}, {left} left", self.what, 100.0 * share)
     }
 }
 
 fn bar(what: &'static str, total: u64, rays: &Arc<AtomicU64>) -> ProgressBar {
     let rays = Arc::clone(rays);
     let rate = move |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-        let traced = rays.load(Ordering::Relaxed) as f64;
-        let rate = traced / state.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
-        let _ = write!(text, "{:.3} Mrays/s", rate * 1e-6);
+        let rate = rate(rays.load(Ordering::Relaxed), state.elapsed().as_secs_f64());
+        let _ = text.write_str(&rate);
     };
     let template = "{msg} {wide_bar} {percent:>3} %  {rate}  ETA {eta}";
     let style = ProgressStyle::with_template(template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("rate", rate);
     ProgressBar::new(total).with_style(style).with_message(what)
+}
+
+/// Rays a second, in millions or thousands.
+fn rate(rays: u64, seconds: f64) -> String {
+    match rays as f64 / seconds.max(f64::MIN_POSITIVE) {
+        slow @ ..1e5 => format!("{:.3} krays/s", slow * 1e-3),
+        fast => format!("{:.3} Mrays/s", fast * 1e-6),
+    }
 }
 
 /// Seconds as people say them: `0.25 s`, `7.1 s`, `3 min 20 s`, `2 h 5 min`.
@@ -137,6 +144,12 @@ mod tests {
         progress.set(10, 3_000_000);
         let line = progress.line(10, Duration::from_secs(30));
         assert_eq!(line, "rendering: 25 %, 0.100 Mrays/s, 1 min 30 s left");
+    }
+
+    #[test]
+    fn slow_work_is_told_in_thousands() {
+        assert_eq!(rate(2500, 1.0), "2.500 krays/s");
+        assert_eq!(rate(25_000_000, 10.0), "2.500 Mrays/s");
     }
 
     #[test]
