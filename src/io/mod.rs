@@ -3,6 +3,8 @@
 pub mod geomdl;
 mod load;
 mod load_error;
+#[cfg(test)]
+mod mangled;
 mod message;
 pub mod scene_toml;
 mod source;
