@@ -114,6 +114,36 @@ fn derivatives_follow_the_quotient_rule() {
     }
 }
 
+/// Knots outside the domain, repeated across its ends, or more often than the degree.
+#[test]
+fn odd_ends_are_clamped_without_moving_the_curve() {
+    let vectors: [(usize, &[f64]); 6] = [
+        (2, &[-2., -1., 0., 0., 0., 1., 2., 3.]),
+        (2, &[-2., -1., 0., 0., 1., 1., 2., 3.]),
+        (2, &[0., 0., 0., 1., 1., 1., 2., 2., 3.]),
+        (2, &[-2., -1., 0., 0.5, 1., 1., 1., 2., 3.]),
+        (3, &[-1., -1., -1., -1., 0., 0., 0., 0., 1., 1., 2., 2., 2., 2.]),
+        (4, &[0., 1., 2., 3., 4., 5., 6., 7., 8., 9.]),
+    ];
+    for (degree, values) in vectors {
+        let knots = KnotVector::new(degree, values.to_vec()).unwrap();
+        let points: Vec<(f64, f64)> =
+            (0..knots.point_count()).map(|i| (i as f64, (3 * i % 7) as f64)).collect();
+        let weights = (0..points.len()).map(|i| 1.0 + (i % 3) as f64).collect();
+        let curve = NurbsCurve::new(knots, plane(&points), Some(weights)).unwrap();
+        let (start, end) = curve.domain();
+        let others = [curve.clamped(), curve.bezier_form(), curve.elevated(1).unwrap()];
+        for k in 0..=40 {
+            let t = start + f64::from(k) * (end - start) / 40.0;
+            let point = curve.point_at(t);
+            for other in &others {
+                assert!(other.knots().is_clamped());
+                close(other.point_at(t), point.x, point.y);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_jump_belongs_to_the_piece_that_begins_there() {
     let knots = KnotVector::with_multiplicities(1, &[(0.0, 2), (1.0, 2), (2.0, 2)]).unwrap();

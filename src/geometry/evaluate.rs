@@ -130,19 +130,23 @@ const NEAR: f64 = 1e-6;
 
 /// Which way leads into a domain from `t`: ±1 at its ends, 0 inside.
 fn side(t: f64, (start, end): (f64, f64)) -> f64 {
-    match t {
-        _ if t <= start => 1.0,
-        _ if t >= end => -1.0,
-        _ => 0.0,
+    if t <= start {
+        1.0
+    } else if t >= end {
+        -1.0
+    } else {
+        0.0
     }
 }
 
 /// The end of a domain that is close to `t`, or `t` itself.
 fn near_end(t: f64, (start, end): (f64, f64)) -> f64 {
     let near = NEAR * (end - start);
-    match t {
-        _ if t - start <= near => start,
-        _ if end - t <= near => end,
-        _ => t,
+    if t - start <= near {
+        start
+    } else if end - t <= near {
+        end
+    } else {
+        t
     }
 }

@@ -210,6 +210,36 @@ mod tests {
     }
 
     #[test]
+    fn our_own_scenes_are_short_and_say_what_to_look_at() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut scenes = 0;
+        for path in paths.filter(|path| path.extension().is_some_and(|e| e == "toml")) {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.starts_with("# ") && text.contains("ook at"), "{}", path.display());
+            assert!(text.lines().count() <= 25, "{}", path.display());
+            let scene = load_input(&path).unwrap_or_else(|error| panic!("{error}"));
+            assert!(scene.notes.is_empty(), "{}", path.display());
+            World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            scenes += 1;
+        }
+        assert!(scenes >= 8, "{scenes} scenes");
+    }
+
+    #[test]
+    fn the_teapot_has_its_patches_where_newell_put_them() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
+        let world = World::new(&load_input(&path).unwrap()).unwrap();
+        assert_eq!(world.surfaces.len(), 32);
+        assert_eq!(world.surfaces[0].name, "teapot/rim 1");
+        // Tip of the spout, corner of the first rim patch, middle of the bottom.
+        let corner = |k: usize, u, v| world.surfaces[k].surface.point_at(u, v).to_array();
+        assert_eq!(corner(18, 0.0, 0.0), [2.7, 0.0, 2.4]);
+        assert_eq!(corner(0, 0.0, 0.0), [1.4, 0.0, 2.4]);
+        assert_eq!(corner(28, 0.0, 0.0), [0.0, 0.0, 0.0]);
+    }
+
+    #[test]
     fn missing_files_and_who_mentions_them() {
         let scene = b"[[object]]\nshape = { file = 'rof.json' }\n";
         assert_eq!(

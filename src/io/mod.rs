@@ -5,6 +5,8 @@ mod exr;
 pub mod geomdl;
 mod load;
 mod load_error;
+#[cfg(test)]
+mod mangled;
 mod message;
 mod npy;
 mod npy_header;
