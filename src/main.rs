@@ -1,3 +1,9 @@
-//! The program `nurbray`.
+//! The program `nurbray`: parse, run, print one error, say how it went.
 
-fn main() {}
+mod app;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    app::run()
+}

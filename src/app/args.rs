@@ -1,0 +1,276 @@
+//! What the user may type.
+
+mod values;
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use glam::DVec3;
+use nurbray::intersect::Kernel;
+use nurbray::render::AovSet;
+use nurbray::scene::IntegratorKind;
+
+pub(crate) use values::{Crop, SampleRange, Size};
+
+/// More threads than any machine of today has processors; a slip of the finger such as
+/// `--threads 10000` is refused before the system is asked for their stacks.
+const MAX_THREADS: i64 = 1024;
+
+/// The whole command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "nurbray",
+    version,
+    about = "Ray traces NURBS surfaces directly: no tessellation, exact silhouettes, f64 hits",
+    arg_required_else_help = true,
+    max_term_width = 100,
+    after_help = "INPUT is a scene (.toml) or a bare model file (geomdl .json), which is framed and \
+                  lit by default.\n\
+                  Exit codes: 0 done, 1 failed, 2 wrong use or bad input.\n\n\
+                  Example:\n  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png"
+)]
+pub(crate) struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The subcommands that work.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a picture
+    Render(RenderArguments),
+    /// Trace rays from a file and write what they hit
+    Cast(CastArguments),
+    /// Check the fast path against the exact solver on random and nasty rays
+    Audit(AuditArguments),
+    /// List what a scene or model holds, its gaps, and what was not imported
+    Info(InfoArguments),
+}
+
+/// `nurbray render`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Samples depend on --seed, the pixel, the sample's number and the dimension only: crops and \
+sample ranges are the same pixels as the whole picture, on any number of threads.
+
+Example:
+  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64")]
+pub(crate) struct RenderArguments {
+    /// Scene (.toml) or bare model (.json)
+    pub(crate) input: PathBuf,
+
+    /// Picture to write; may be given several times. The extension says how: .exr holds linear
+    /// light and every AOV, .png the picture only (sRGB, with --exposure)
+    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// Width and height in pixels, such as 1024x768 [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub(crate) size: Option<Size>,
+
+    /// Samples a pixel [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) spp: Option<u32>,
+
+    /// Take only samples A to B-1 of each pixel, to split work between runs
+    #[arg(long, value_name = "A..B", value_parser = values::samples)]
+    pub(crate) samples: Option<SampleRange>,
+
+    /// What a pixel shows [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = integrators())]
+    pub(crate) integrator: Option<IntegratorKind>,
+
+    /// Which AOVs the .exr holds besides colour: names from Z,P,N,uv,Albedo,id, or all, or none
+    /// [default: all]
+    #[arg(long, value_name = "LIST")]
+    pub(crate) aov: Option<AovSet>,
+
+    /// Render only the pixels X0 <= x < X1, Y0 <= y < Y1, counted from the top left
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop)]
+    pub(crate) crop: Option<Crop>,
+
+    /// Put the camera here; without --look-at it looks at the model's centre
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) look_from: Option<DVec3>,
+
+    /// Point the camera here
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) look_at: Option<DVec3>,
+
+    /// Which way is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) up: Option<DVec3>,
+
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG", value_parser = values::field_of_view, allow_hyphen_values = true)]
+    pub(crate) fov: Option<f64>,
+
+    /// Brightness of the .png in stops: +1 doubles the light [default: the scene's]
+    #[arg(long, value_name = "EV", value_parser = values::finite, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f64>,
+
+    /// Which samples to take: pictures of different seeds have independent noise
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// How to use the processor.
+    #[command(flatten)]
+    pub(crate) work: WorkArguments,
+
+    /// No progress, no summary: nothing on stderr but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// How to use the processor.
+#[derive(Debug, Args)]
+pub(crate) struct WorkArguments {
+    /// Number of threads [default: one for each processor]; it changes no result
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    pub(crate) threads: Option<u16>,
+
+    /// How to use each thread.
+    #[command(flatten)]
+    pub(crate) kernel: KernelArguments,
+}
+
+/// Which code to trace with.
+#[derive(Debug, Args)]
+pub(crate) struct KernelArguments {
+    /// Which code searches for hits
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = kernels())]
+    pub(crate) kernel: Kernel,
+}
+
+fn kernels() -> impl TypedValueParser<Value = Kernel> {
+    let names = Kernel::ALL.iter().map(|kernel| kernel.name());
+    // Only names of kernels come this far.
+    PossibleValuesParser::new(names).map(|name| name.parse().unwrap_or_default())
+}
+
+fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {
+    let names = IntegratorKind::ALL.iter().map(|kind| kind.name());
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<IntegratorKind>())
+}
+
+/// `nurbray cast`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+RAYS.npy: float64, shape (n, 6): origin x y z, direction x y z; or (n, 8) with t_min, t_max.
+  The hit point is o + t d with d as given; t is in (0, inf) unless the file says otherwise.
+HITS.npy: float64, shape (n, 11): t, surface, u, v, x, y, z, nx, ny, nz, flags.
+  A miss is NaN in all but flags. surface counts as `nurbray info` lists them; (u, v) lies in the
+  surface's own knot domain; the normal is S_u x S_v normalised, not turned towards the ray.
+  flags, by bit: 0 doubtful (1), 1 at a border (2), 2 normal undefined (4), 3 at a trim edge (8),
+  4 the ray runs inside the surface (16).
+With --all: shape (m, 12), the ray's number first, sorted by ray, then t. A ray without hits has
+  no row, unless it is doubtful: then it has one row of NaN. A doubtful ray has at least one row
+  with bit 0.
+With --json one object on stdout: rays, hits, doubtful (rays), build_seconds, trace_seconds (no
+  reading or writing of files), bytes (of the prepared surfaces), threads, kernel.
+
+Example:
+  nurbray cast model.json --rays rays.npy -o hits.npy --json")]
+pub(crate) struct CastArguments {
+    /// Scene (.toml) or bare model (.json)
+    pub(crate) input: PathBuf,
+
+    /// Rays to trace, a NumPy file
+    #[arg(long, value_name = "RAYS.npy")]
+    pub(crate) rays: PathBuf,
+
+    /// Hits to write, a NumPy file
+    #[arg(short, long, value_name = "HITS.npy")]
+    pub(crate) output: PathBuf,
+
+    /// Every hit of each ray, not only the first
+    #[arg(long)]
+    pub(crate) all: bool,
+
+    /// Neighbouring rays are alike: trace them in packets (the hits are the same)
+    #[arg(long)]
+    pub(crate) coherent: bool,
+
+    /// How to use the processor.
+    #[command(flatten)]
+    pub(crate) work: WorkArguments,
+
+    /// Print the counts and times as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `nurbray audit`.
+#[derive(Debug, Args)]
+#[command(after_help = super::audit::HELP)]
+pub(crate) struct AuditArguments {
+    /// Scene (.toml) or bare model (.json)
+    pub(crate) input: PathBuf,
+
+    /// How many rays, of all classes together
+    #[arg(long, value_name = "N", default_value_t = 100_000,
+        value_parser = clap::value_parser!(u64).range(1..=super::audit::MAX_RAYS))]
+    pub(crate) rays: u64,
+
+    /// Which rays: the same seed makes the same rays, on any number of threads
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+
+    /// Which code to check.
+    #[command(flatten)]
+    pub(crate) kernel: KernelArguments,
+
+    /// Print the classes as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Write the rays at fault here, a NumPy file of shape (n, 8) that `nurbray cast` reads
+    #[arg(long, value_name = "RAYS.npy")]
+    pub(crate) offenders: Option<PathBuf>,
+}
+
+/// `nurbray info`.
+#[derive(Debug, Args)]
+#[command(after_help = super::info::HELP)]
+pub(crate) struct InfoArguments {
+    /// Scene (.toml) or bare model (.json)
+    pub(crate) input: PathBuf,
+
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn clap_finds_the_arguments_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn negative_coordinates_are_values_and_not_options() {
+        let line = "nurbray render a.toml -o a.exr --look-from -1,-2.5,3e0 --exposure -1";
+        let Command::Render(render) = Arguments::try_parse_from(line.split(' ')).unwrap().command
+        else {
+            panic!("render was asked for");
+        };
+        assert_eq!(render.look_from, Some(DVec3::new(-1.0, -2.5, 3.0)));
+        assert_eq!(render.exposure, Some(-1.0));
+    }
+
+    #[test]
+    fn every_subcommand_shows_an_example_that_parses() {
+        for command in Arguments::command().get_subcommands() {
+            let help = command.get_after_help().unwrap().to_string();
+            let example = help.split("Example:\n  ").nth(1).unwrap().trim();
+            Arguments::try_parse_from(example.split_whitespace()).unwrap();
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Values of several numbers, and the ranges of single ones.
+
+use glam::DVec3;
+
+/// Width and height of a picture in pixels, both at least 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    /// Pixels from left to right.
+    pub(crate) width: u32,
+    /// Pixels from top to bottom.
+    pub(crate) height: u32,
+}
+
+/// The pixels `x0 ≤ x < x1`, `y0 ≤ y < y1`: at least one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Crop {
+    /// Left edge.
+    pub(crate) x0: u32,
+    /// Upper edge.
+    pub(crate) y0: u32,
+    /// Just right of the last column.
+    pub(crate) x1: u32,
+    /// Just below the last row.
+    pub(crate) y1: u32,
+}
+
+/// The samples `first ≤ i < end` of each pixel: at least one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SampleRange {
+    /// The first to take.
+    pub(crate) first: u32,
+    /// The first not to take.
+    pub(crate) end: u32,
+}
+
+/// Parses `1024x768`.
+pub(crate) fn size(text: &str) -> Result<Size, String> {
+    const NEED: &str = "a size is WIDTHxHEIGHT in pixels, such as 1024x768";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(NEED)?;
+    let [width, height] = [width, height].map(|side| side.parse().ok().filter(|&side| side > 0));
+    match (width, height) {
+        (Some(width), Some(height)) => Ok(Size { width, height }),
+        _ => Err(NEED.into()),
+    }
+}
+
+/// Parses `X0,Y0,X1,Y1`.
+pub(crate) fn crop(text: &str) -> Result<Crop, String> {
+    const NEED: &str = "a crop is X0,Y0,X1,Y1 in pixels from the top left, such as 0,0,512,384";
+    let [x0, y0, x1, y1] = list(text).ok_or(NEED)?;
+    if x0 >= x1 || y0 >= y1 {
+        return Err("there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into());
+    }
+    Ok(Crop { x0, y0, x1, y1 })
+}
+
+/// Parses `A..B`.
+pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
+    const NEED: &str = "a range of samples is A..B, B not included, such as 0..16";
+    let (first, end) = text.split_once("..").ok_or(NEED)?;
+    match (first.parse(), end.parse()) {
+        (Ok(first), Ok(end)) if first < end => Ok(SampleRange { first, end }),
+        (Ok(_), Ok(_)) => Err("there are no samples in it: A must be smaller than B".into()),
+        _ => Err(NEED.into()),
+    }
+}
+
+/// Parses `X,Y,Z`.
+pub(crate) fn point(text: &str) -> Result<DVec3, String> {
+    const NEED: &str = "three finite numbers X,Y,Z are needed, such as 1,-2.5,4";
+    let point = DVec3::from_array(list(text).ok_or(NEED)?);
+    if point.is_finite() { Ok(point) } else { Err(NEED.into()) }
+}
+
+/// Parses a vertical field of view: a picture needs an angle between 0 and 180 degrees.
+pub(crate) fn field_of_view(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("degrees between 0 and 180, ends not included, are needed, such as 35".into()),
+    }
+}
+
+/// Parses a finite number.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("a finite number is needed, such as -1.5".into()),
+    }
+}
+
+/// Exactly `N` values between commas.
+fn list<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let values: Vec<T> =
+        text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    values.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x480"), Ok(Size { width: 640, height: 480 }));
+        for wrong in
+            ["640", "640x", "x480", "0x480", "640x-1", "640x480x3", "1e3x2", "99999999999x1"]
+        {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn crops() {
+        assert_eq!(crop("0,1,2,3"), Ok(Crop { x0: 0, y0: 1, x1: 2, y1: 3 }));
+        for wrong in ["", "0,1,2", "0,1,2,3,4", "2,1,2,3", "0,3,2,3", "-1,0,2,3", "a,0,2,3"] {
+            assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn ranges_of_samples() {
+        assert_eq!(samples("4..8"), Ok(SampleRange { first: 4, end: 8 }));
+        for wrong in ["4", "8..4", "4..4", "..4", "4..", "-1..4", "4..=8"] {
+            assert!(samples(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn points() {
+        assert_eq!(point("1,-2.5, 4e-3"), Ok(DVec3::new(1.0, -2.5, 4e-3)));
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "1,inf,3", "1;2;3"] {
+            assert!(point(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn angles_and_stops() {
+        assert_eq!(field_of_view("35"), Ok(35.0));
+        for wrong in ["0", "180", "-5", "nan", "wide"] {
+            assert!(field_of_view(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(finite("-1.5"), Ok(-1.5));
+        assert!(finite("inf").is_err() && finite("nan").is_err());
+    }
+}

@@ -1,0 +1,133 @@
+//! `nurbray audit`: the fast path against the exact solver, on random and nasty rays.
+
+mod check;
+mod class;
+mod judge;
+mod random;
+mod rays;
+mod report;
+mod sites;
+mod tally;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use nurbray::io::write_rows;
+use nurbray::math::Ray;
+use serde_json::json;
+
+use super::args::AuditArguments;
+use super::failure::{Failure, OrFail};
+use super::progress::Progress;
+use super::{console, input, output, threads};
+use check::Audit;
+use report::Report;
+
+/// The most rays of one audit: the error of every hit is kept for the quantiles, 8 GB of them.
+pub(crate) const MAX_RAYS: u64 = 1_000_000_000;
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+Rays are made from the model's own surfaces, by class:
+  random       from around the model to points of its bounding box
+  aimed        in any direction through any point of a surface
+  lengths      as aimed, with directions 1e-8 to 1e8 long
+  borders      through borders: seams, shared edges, free edges
+  lines        through knot lines and the lines that halve pieces
+  corners      through points where such lines meet
+  poles        through edges collapsed to a point (if the model has any)
+  seam-planes  in the plane of three points of a border
+  axes         parallel to an axis, in faces of bounding boxes too
+  chords       through two points of one iso-parameter line: rulings
+  grazing-k    past a silhouette at 1 - 10^-k and 1 + 10^-k radii of curvature
+  tangents     in the tangent plane of a point, through it
+  origins      starting on a surface, to within rounding
+  leaving      leaving a hit, as secondary rays do
+  far          as aimed, from a million sizes away
+
+Columns, for each class:
+  rays         rays made
+  hits         rays for which the fast path has a hit
+  misses       the fast path has no hit and no doubt, but there is a certain hit
+  wrong        the fast path's hit lies behind a certain hit by more than the bound of t
+               (JSON: wrong_roots)
+  false        the fast path's hit has a residual above the bound or lies outside the ray's
+               range, or the exact solver, without doubt, has no root there (JSON: false_hits)
+  doubtful     rays whose answer the fast path flags; they are not judged
+  undecided    rays for which the exact solver could not decide everything; its certain hits
+               still count
+  error        |S(u, v) - (o + t d)| / M over all hits: 50 %, 99 %, the largest
+               (JSON: error_50, error_99, error_max; null without hits)
+Certain is a hit of the exact solver without doubt, and the point a ray was aimed at where
+|N.d| >= 0.01; not, if it lies within the bound of an end of the ray's range, or the ray passes
+a border on its outside by more than a quarter of the bound.
+M is the largest coordinate magnitude of the ray's origin and the surface. The bound of the
+residual, for degrees p and q and e = 2^-53, is b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|):
+the promise 4 (p + q + 4) e M twice, for the hit and for checking it, and the rounding of u and v.
+The bound of t, in units of length, is the sum of both hits' b over |N.d|, at most
+4 sqrt(b R) with R the radius of the model; hits between which the ray stays within b of the
+surface are one.
+
+The exit code is 1 if there is a miss, a wrong root or a false hit.
+With --json one object: input, rays, seed, kernel, threads, seconds, classes (a list; each has
+class and the columns), total (the columns).
+RAYS.npy has a row (origin, direction, t_min, t_max) for each ray at fault, in order of the
+classes; rays of the class leaving start on the hit they leave.
+
+Example:
+  nurbray audit scenes/teapot.toml --rays 1000000 --offenders offenders.npy";
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
+    let outputs: Vec<&Path> = arguments.offenders.iter().map(AsRef::as_ref).collect();
+    output::check(&outputs, &[&arguments.input])?;
+    let scene = input::read(&arguments.input)?;
+    let pool = threads::pool(None)?;
+    let (world, _) = pool.install(|| input::prepare(&scene))?;
+    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+
+    let kernel = arguments.kernel.kernel;
+    let what = Audit { bvh: &world.bvh, surfaces: &surfaces, kernel, seed: arguments.seed };
+    let progress = Progress::new("auditing", arguments.rays);
+    let start = Instant::now();
+    let classes =
+        pool.install(|| check::audit(&what, arguments.rays, &|count| progress.add_rays(count)));
+    let seconds = start.elapsed().as_secs_f64();
+    progress.finish();
+
+    let offenders: Vec<Ray> =
+        classes.iter().flat_map(|(_, tally)| tally.offenders()).copied().collect();
+    let report = Report::new(classes);
+    if let Some(path) = &arguments.offenders {
+        let rows: Vec<[f64; 8]> = offenders.iter().map(row).collect();
+        write_rows(path, &rows).or_failed()?;
+    }
+
+    let threads = pool.current_num_threads();
+    if arguments.json {
+        let (classes, total) = report.json();
+        console::print_json(&json!({
+            "input": arguments.input.display().to_string(),
+            "rays": arguments.rays,
+            "seed": arguments.seed,
+            "kernel": kernel.name(),
+            "threads": threads,
+            "seconds": seconds,
+            "classes": classes,
+            "total": total,
+        }))?;
+    } else {
+        console::print(&format!("{}\n{}", report.table(), report.verdict()))?;
+    }
+    match report.accusation() {
+        None => Ok(ExitCode::SUCCESS),
+        Some(accusation) => Err(Failure::work(accusation)),
+    }
+}
+
+fn row(ray: &Ray) -> [f64; 8] {
+    let [x, y, z] = ray.origin().to_array();
+    let [dx, dy, dz] = ray.direction().to_array();
+    [x, y, z, dx, dy, dz, ray.t_min(), ray.t_max()]
+}

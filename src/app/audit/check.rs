@@ -1,0 +1,108 @@
+//! The audit itself: every ray by the fast path and by the exact solver, on all threads.
+
+use nurbray::geometry::NurbsSurface;
+use nurbray::intersect::{Kernel, SurfaceBvh};
+use rayon::prelude::*;
+
+use super::class::{Class, shares};
+use super::judge::{Judge, Truth, is_doubtful};
+use super::rays::RaySource;
+use super::tally::Tally;
+
+/// Rays a thread takes at a time: some milliseconds' work, and few enough that all threads are
+/// busy to the end of a short audit. The result does not depend on it.
+const CHUNK: u64 = 512;
+
+/// What to audit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Audit<'a> {
+    /// The surfaces, ready to trace.
+    pub(crate) bvh: &'a SurfaceBvh,
+    /// The same surfaces as authored, in the same order.
+    pub(crate) surfaces: &'a [NurbsSurface],
+    /// The code to check.
+    pub(crate) kernel: Kernel,
+    /// Which rays.
+    pub(crate) seed: u64,
+}
+
+/// Audits with so many rays; `done` is called with the number of rays finished, from any
+/// thread. Returns the classes in order, each with its tally; none if there is no surface.
+pub(crate) fn audit(
+    what: &Audit<'_>,
+    rays: u64,
+    done: &(impl Fn(u64) + Sync),
+) -> Vec<(Class, Tally)> {
+    let Some(source) = RaySource::new(what.surfaces, what.seed) else {
+        return Vec::new();
+    };
+    let judge = Judge::new(what.surfaces);
+    let classes = source.classes();
+    let shares = shares(&classes, rays);
+    classes
+        .into_iter()
+        .zip(shares)
+        .map(|(class, share)| {
+            let starts: Vec<u64> = (0..share).step_by(CHUNK as usize).collect();
+            let tallies: Vec<Tally> = starts
+                .into_par_iter()
+                .map(|start| {
+                    let end = (start + CHUNK).min(share);
+                    let tally = chunk(what, (&source, &judge), class, start..end);
+                    done(end - start);
+                    tally
+                })
+                .collect();
+            let mut whole = Tally::default();
+            tallies.into_iter().for_each(|tally| whole.merge(tally));
+            (class, whole)
+        })
+        .collect()
+}
+
+fn chunk(
+    what: &Audit<'_>,
+    (source, judge): (&RaySource<'_>, &Judge<'_>),
+    class: Class,
+    indices: std::ops::Range<u64>,
+) -> Tally {
+    let mut tracer = what.bvh.tracer_with(what.kernel);
+    let mut hits = Vec::new();
+    let mut tally = Tally::default();
+    for index in indices {
+        let Some(shot) = source.shot(class, index, &mut tracer) else {
+            continue;
+        };
+        let answer = tracer.first_hit(&shot.query);
+        hits.clear();
+        let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
+        let truth = Truth { hits: &hits, undecided };
+        tally.add(&shot.query.ray, judge.judge(&shot, &answer, &truth));
+        tally.doubtful += u64::from(is_doubtful(&answer));
+        tally.undecided += u64::from(undecided);
+    }
+    tally
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::BuildOptions;
+
+    use super::*;
+
+    #[test]
+    fn the_tallies_do_not_depend_on_the_threads() {
+        let surfaces = [shapes::sphere(1.0).unwrap(), shapes::torus(3.0, 0.5).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let what = Audit { bvh: &bvh, surfaces: &surfaces, kernel: Kernel::default(), seed: 9 };
+        let [one, three] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| audit(&what, 4000, &|_| ()))
+        });
+        for ((class, one), (_, three)) in one.iter().zip(&three) {
+            assert_eq!(format!("{one:?}"), format!("{three:?}"), "{}", class.name());
+        }
+        assert_eq!(one.iter().map(|(_, tally)| tally.rays).sum::<u64>(), 4000);
+    }
+}

@@ -1,0 +1,306 @@
+//! Whether the fast path's answer is right, given all roots from the exact solver.
+
+use nurbray::geometry::NurbsSurface;
+use nurbray::intersect::{Answer, Hit, HitFlags};
+use nurbray::math::Ray;
+use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
+
+use super::super::border::magnitude;
+use super::rays::Shot;
+use super::sites::{Site, Sites};
+
+/// What is wrong with an answer that carries no doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// There is a certain hit, the fast path has none. Certain are hits of the exact solver
+    /// without doubt, and the point of a surface the ray was aimed at.
+    Miss,
+    /// The fast path's hit lies behind a certain hit, by more than the error bound of `t`.
+    WrongRoot,
+    /// The fast path's hit is not on the surface and the ray to within the error bound, or not
+    /// in the ray's range, or no root of the exact solver lies there.
+    FalseHit,
+}
+
+/// What was found out about one ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Finding {
+    /// What is wrong, if anything.
+    pub(crate) fault: Option<Fault>,
+    /// The residual of the fast path's hit over the largest coordinate magnitude.
+    pub(crate) error: Option<f64>,
+}
+
+/// What is known of the answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Truth<'a> {
+    /// All hits by the exact solver, in order of `t`.
+    pub(crate) hits: &'a [Hit],
+    /// Whether the exact solver could not decide everything.
+    pub(crate) undecided: bool,
+}
+
+/// Where a hit is and how exact it can be.
+#[derive(Clone, Copy, Debug)]
+struct Measure {
+    /// `|S(u, v) − (o + t d)|`, by the surface as authored.
+    residual: f64,
+    /// The largest coordinate magnitude of the ray's origin and the surface.
+    magnitude: f64,
+    /// What the residual may be.
+    bound: f64,
+    /// `|N·d|` for unit vectors; 0 where there is no normal.
+    incidence: f64,
+}
+
+/// At `|N·d| → 0` a root moves by the square root of the residual: by `√(8 r b)` for a
+/// residual of `b` on a radius of curvature `r`, one root on each side of the tangent point.
+/// With r up to two radii of the model (flatter ones are compared by the residual between the
+/// roots) this is `4 √(b · radius)`.
+const TANGENT_FACTOR: f64 = 4.0;
+
+/// A ray that passes a surface at a distance `b` with `|N·d| = c` surely crosses it if the
+/// radius of curvature exceeds `2 b / c²`: with rounding for `b` and this for `c` that is
+/// 1e-11 of the coordinates' size.
+const SURE_INCIDENCE: f64 = 0.01;
+
+/// Compares answers for one set of surfaces.
+#[derive(Debug)]
+pub(crate) struct Judge<'a> {
+    surfaces: &'a [NurbsSurface],
+    magnitudes: Vec<f64>,
+    radius: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// A judge for the surfaces hits refer to.
+    pub(crate) fn new(surfaces: &'a [NurbsSurface]) -> Self {
+        Self {
+            surfaces,
+            magnitudes: surfaces.iter().map(magnitude).collect(),
+            radius: Sites::new(surfaces).map_or(0.0, |sites| sites.radius()),
+        }
+    }
+
+    /// Compares the fast path's answer with what is known.
+    pub(crate) fn judge(&self, shot: &Shot, answer: &Answer, truth: &Truth<'_>) -> Finding {
+        let ray = &shot.query.ray;
+        let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
+        let error = measured.map(|(_, m)| m.residual / m.magnitude);
+        let fault = match measured {
+            _ if is_doubtful(answer) => None,
+            Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
+            None => {
+                let due = truth.hits.iter().any(|hit| self.is_due(ray, hit));
+                (due || self.target(shot).is_some()).then_some(Fault::Miss)
+            }
+        };
+        Finding { fault, error }
+    }
+
+    fn fault_of_hit(
+        &self,
+        shot: &Shot,
+        (hit, measure): (&Hit, &Measure),
+        truth: &Truth<'_>,
+    ) -> Option<Fault> {
+        let ray = &shot.query.ray;
+        let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
+        let on_both = measure.residual <= measure.bound; // false for NaN
+        if !(in_range && on_both) {
+            return Some(Fault::FalseHit);
+        }
+        let same = |root: &Hit| self.same_root(ray, (hit, measure), root);
+        let behind = |root: &Hit| root.t < hit.t && self.is_due(ray, root) && !same(root);
+        let behind_target = self.target(shot).is_some_and(|last| hit.t > last);
+        if behind_target || truth.hits.iter().any(behind) {
+            return Some(Fault::WrongRoot);
+        }
+        let known = truth.hits.iter().any(same);
+        let excused =
+            truth.undecided || self.at_range_end(ray, hit, measure) || outside(hit, measure);
+        (!known && !excused).then_some(Fault::FalseHit)
+    }
+
+    /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
+    /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface.
+    fn target(&self, shot: &Shot) -> Option<f64> {
+        let (site, t) = shot.target?;
+        let ray = &shot.query.ray;
+        let length = ray.direction().length();
+        let normal = self.surfaces[site.surface].normal(site.u, site.v)?;
+        let incidence = normal.dot(ray.direction()).abs() / length;
+        let bound = self.at(ray, site, t).bound;
+        (incidence >= SURE_INCIDENCE).then(|| t + self.slack(bound, incidence) / length)
+    }
+
+    /// Whether the fast path owes this root: it is certain, well inside the range, and not in
+    /// the outer half of the slack around a border, where the promise leaves both answers open.
+    fn is_due(&self, ray: &Ray, root: &Hit) -> bool {
+        let measure = self.measure(ray, root);
+        !root.flags.contains(HitFlags::DOUBTFUL)
+            && !self.at_range_end(ray, root, &measure)
+            && !outside(root, &measure)
+    }
+
+    /// Whether two hits are one root: their `t` agree to within their error bounds, or the
+    /// surface between them cannot be told from the ray.
+    fn same_root(&self, ray: &Ray, (hit, measure): (&Hit, &Measure), root: &Hit) -> bool {
+        let other = self.measure(ray, root);
+        let bound = measure.bound + other.bound;
+        let incidence = measure.incidence.min(other.incidence);
+        let tolerance = self.slack(bound, incidence);
+        if (hit.t - root.t).abs() * ray.direction().length() <= tolerance {
+            return true;
+        }
+        if hit.surface != root.surface {
+            return false;
+        }
+        let between = Hit { t: 0.5 * (hit.t + root.t), uv: 0.5 * (hit.uv + root.uv), ..*hit };
+        let between = self.measure(ray, &between);
+        between.residual <= between.bound
+    }
+
+    /// Whether a hit is so near an end of the range that rounding decides if it lies inside.
+    fn at_range_end(&self, ray: &Ray, hit: &Hit, measure: &Measure) -> bool {
+        let slack = self.slack(measure.bound, measure.incidence);
+        let near = |end: f64| (hit.t - end).abs() * ray.direction().length() <= slack;
+        near(ray.t_min()) || near(ray.t_max())
+    }
+
+    /// How far along the ray a root may be off, as a length.
+    fn slack(&self, bound: f64, incidence: f64) -> f64 {
+        (bound / incidence).min(TANGENT_FACTOR * (bound * self.radius).sqrt())
+    }
+
+    fn measure(&self, ray: &Ray, hit: &Hit) -> Measure {
+        let surface = hit.surface as usize;
+        if surface >= self.surfaces.len() {
+            // A surface that does not exist: nothing is near it.
+            return Measure { residual: f64::NAN, magnitude: 1.0, bound: 0.0, incidence: 0.0 };
+        }
+        self.at(ray, Site { surface, u: hit.uv.x, v: hit.uv.y }, hit.t)
+    }
+
+    fn at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
+        let surface = &self.surfaces[site.surface];
+        let at = surface.derivatives(site.u, site.v);
+        let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);
+        let normal = at.du.cross(at.dv).normalize_or_zero();
+
+        // The promise, twice: once for the hit and once for this evaluation of the surface as
+        // authored, not by its pieces. What (u, v) lose by being rounded in their own domain
+        // comes on top.
+        let factor = residual_factor(surface.knots_u().degree(), surface.knots_v().degree());
+        let parameters = site.u.abs() * at.du.length() + site.v.abs() * at.dv.length();
+        Measure {
+            residual: at.point.distance(ray.at(t)),
+            magnitude,
+            bound: 2.0 * (factor * magnitude + UNIT_ROUNDOFF * parameters),
+            incidence: normal.dot(ray.direction().normalize()).abs(),
+        }
+    }
+}
+
+/// Whether the fast path left anything open.
+pub(crate) fn is_doubtful(answer: &Answer) -> bool {
+    answer.doubtful || answer.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
+}
+
+/// Whether the ray passes a border on its outside, farther off than half the slack.
+fn outside(hit: &Hit, measure: &Measure) -> bool {
+    hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
+
+    use super::*;
+
+    /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
+    fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let direction = DVec3::new(-0.6, -0.48, -0.64);
+        let query = Query::primary(Ray::new(-3.0 * direction, direction).unwrap());
+        let mut tracer = bvh.tracer();
+        let answer = tracer.first_hit(&query);
+        let mut hits = Vec::new();
+        assert!(!tracer.all_hits(&query, &mut hits));
+        assert_eq!(hits.len(), 2);
+        let judge = Judge::new(&surfaces);
+        let shot = Shot { query, target: None };
+        let ruling = |answer: Answer, hits: &[Hit]| {
+            judge.judge(&shot, &answer, &Truth { hits, undecided: false })
+        };
+        check(&ruling, answer, &hits);
+    }
+
+    #[test]
+    fn what_is_right_has_no_fault() {
+        head_on(|ruling, answer, hits| {
+            let finding = ruling(answer, hits);
+            assert_eq!(finding.fault, None);
+            assert!(finding.error.unwrap() < 1e-15);
+            // One rounding of t is no other root.
+            let hit = answer.hit.unwrap();
+            let moved = Answer { hit: Some(Hit { t: hit.t.next_up(), ..hit }), ..answer };
+            assert_eq!(ruling(moved, hits).fault, None);
+            assert_eq!(ruling(Answer::default(), &[]), Finding { fault: None, error: None });
+        });
+    }
+
+    #[test]
+    fn a_lost_hit_is_a_miss_unless_it_is_doubted() {
+        head_on(|ruling, answer, hits| {
+            let lost = Answer { hit: None, ..answer };
+            assert_eq!(ruling(lost, hits).fault, Some(Fault::Miss));
+            assert_eq!(ruling(Answer { doubtful: true, ..lost }, hits).fault, None);
+            let mut doubted = hits.to_vec();
+            doubted.iter_mut().for_each(|hit| hit.flags.insert(HitFlags::DOUBTFUL));
+            assert_eq!(ruling(lost, &doubted).fault, None);
+        });
+    }
+
+    #[test]
+    fn the_far_side_is_a_wrong_root() {
+        head_on(|ruling, answer, hits| {
+            let far = Answer { hit: Some(hits[1]), ..answer };
+            assert_eq!(ruling(far, hits).fault, Some(Fault::WrongRoot));
+            assert_eq!(ruling(Answer { doubtful: true, ..far }, hits).fault, None);
+        });
+    }
+
+    #[test]
+    fn what_is_not_there_is_a_false_hit() {
+        head_on(|ruling, answer, hits| {
+            let hit = answer.hit.unwrap();
+            let falsified = |hit: Hit| ruling(Answer { hit: Some(hit), ..answer }, hits).fault;
+            assert_eq!(falsified(Hit { t: hit.t - 1e-12, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(falsified(Hit { t: f64::NAN, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(falsified(Hit { surface: 7, ..hit }), Some(Fault::FalseHit));
+            assert_eq!(ruling(answer, &[]).fault, Some(Fault::FalseHit));
+        });
+    }
+
+    #[test]
+    fn a_target_counts_though_the_exact_solver_has_missed_it() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let judge = Judge::new(&surfaces);
+        let site = Site { surface: 0, u: 0.4, v: 0.3 };
+        let point = surfaces[0].point_at(site.u, site.v);
+        let shot = |direction: DVec3| {
+            let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
+            Shot { query: Query::primary(ray), target: Some((site, 2.0)) }
+        };
+        let nothing = Truth { hits: &[], undecided: false };
+        let head_on = judge.judge(&shot(-point), &Answer::default(), &nothing);
+        assert_eq!(head_on.fault, Some(Fault::Miss));
+        let tangent =
+            judge.judge(&shot(point.any_orthonormal_vector()), &Answer::default(), &nothing);
+        assert_eq!(tangent.fault, None);
+    }
+}

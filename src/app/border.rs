@@ -1,0 +1,114 @@
+//! The four borders of a surface's domain as curves in space.
+
+use std::fmt;
+
+use glam::DVec3;
+use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::math::rounding::residual_factor;
+
+/// How many points of a border are looked at to find whether it is one point.
+const POLE_SAMPLES: usize = 16;
+
+/// One border of a surface's domain: one parameter is fixed, the other runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Border {
+    /// Which parameter is fixed: 0 for u, 1 for v.
+    fixed: usize,
+    /// What it is fixed at: an end of the domain.
+    at: f64,
+}
+
+impl Border {
+    /// The borders `u = u₀`, `u = u₁`, `v = v₀`, `v = v₁`.
+    pub(crate) fn all(surface: &NurbsSurface) -> [Self; 4] {
+        let [u, v] = surface.domain();
+        [(0, u.0), (0, u.1), (1, v.0), (1, v.1)].map(|(fixed, at)| Self { fixed, at })
+    }
+
+    /// The surface parameters where the running one is `t`.
+    pub(crate) fn uv(&self, t: f64) -> (f64, f64) {
+        if self.fixed == 0 { (self.at, t) } else { (t, self.at) }
+    }
+
+    /// The knots of the parameter that runs.
+    pub(crate) fn knots<'a>(&self, surface: &'a NurbsSurface) -> &'a KnotVector {
+        if self.fixed == 0 { surface.knots_v() } else { surface.knots_u() }
+    }
+
+    /// The point where the running parameter is `t`.
+    pub(crate) fn point(&self, surface: &NurbsSurface, t: f64) -> DVec3 {
+        let (u, v) = self.uv(t);
+        surface.point_at(u, v)
+    }
+
+    /// The point at `t`, and how fast it moves with `t`.
+    pub(crate) fn tangent(&self, surface: &NurbsSurface, t: f64) -> (DVec3, DVec3) {
+        let (u, v) = self.uv(t);
+        let at = surface.derivatives(u, v);
+        (at.point, if self.fixed == 0 { at.dv } else { at.du })
+    }
+
+    /// The point the border is collapsed to: its points agree to within rounding.
+    pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
+        let (start, end) = self.knots(surface).domain();
+        let at =
+            |k: usize| self.point(surface, start + (end - start) * k as f64 / POLE_SAMPLES as f64);
+        let first = at(0);
+        let close = 2.0 * rounding(surface);
+        (1..=POLE_SAMPLES).all(|k| at(k).distance(first) <= close).then_some(first)
+    }
+}
+
+impl fmt::Display for Border {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
+    }
+}
+
+/// The largest coordinate of a surface's control points, in absolute value.
+pub(crate) fn magnitude(surface: &NurbsSurface) -> f64 {
+    let largest = |point: DVec3| point.abs().max_element();
+    surface.control().iter().map(|c| largest(c.truncate() / c.w)).fold(0.0, f64::max)
+}
+
+/// How far a computed point of a surface may be from the true one.
+pub(crate) fn rounding(surface: &NurbsSurface) -> f64 {
+    let [p, q] = [surface.knots_u(), surface.knots_v()].map(KnotVector::degree);
+    residual_factor(p, q) * magnitude(surface)
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::shapes;
+
+    use super::*;
+
+    #[test]
+    fn a_sphere_has_two_poles_and_two_seams_at_every_size() {
+        for radius in [1e-8, 1.0, 1e8] {
+            let sphere = shapes::sphere(radius).unwrap();
+            let borders = Border::all(&sphere);
+            let poles: Vec<DVec3> = borders.iter().filter_map(|b| b.pole(&sphere)).collect();
+            assert_eq!(poles.len(), 2);
+            assert!(poles.iter().all(|pole| (pole.length() / radius - 1.0).abs() < 1e-15));
+            let seams: Vec<&Border> =
+                borders.iter().filter(|b| b.pole(&sphere).is_none()).collect();
+            let (start, end) = seams[0].knots(&sphere).domain();
+            let t = 0.3 * start + 0.7 * end;
+            let [a, b] = [seams[0], seams[1]].map(|seam| seam.point(&sphere, t));
+            assert!(a.distance(b) <= rounding(&sphere));
+        }
+    }
+
+    #[test]
+    fn tangents_are_derivatives_of_points() {
+        let torus = shapes::torus(3.0, 1.0).unwrap();
+        for border in Border::all(&torus) {
+            let (start, end) = border.knots(&torus).domain();
+            let (t, h) = (0.37 * start + 0.63 * end, 1e-6 * (end - start));
+            let ahead = border.point(&torus, t + h) - border.point(&torus, t - h);
+            let (_, tangent) = border.tangent(&torus, t);
+            assert!((ahead / (2.0 * h) - tangent).length() < 1e-7 * tangent.length());
+        }
+    }
+}

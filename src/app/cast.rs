@@ -1,0 +1,92 @@
+//! `nurbray cast`: rays from a file, hits into a file.
+
+mod table;
+mod trace;
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use nurbray::intersect::Coherence;
+use nurbray::io::{read_rays, write_rows};
+use nurbray::math::Ray;
+use serde_json::json;
+
+use super::args::CastArguments;
+use super::failure::{Failure, OrFail};
+use super::progress::Progress;
+use super::{console, input, output, threads};
+use trace::{Traced, Tracing};
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
+    output::check(&[&arguments.output], &[&arguments.input, &arguments.rays])?;
+    let rays = read_rays(&arguments.rays).or_bad_input()?;
+    let scene = input::read(&arguments.input)?;
+    let pool = threads::pool(arguments.work.threads)?;
+    let (world, build) = pool.install(|| input::prepare(&scene))?;
+
+    let tracing = Tracing {
+        bvh: &world.bvh,
+        kernel: arguments.work.kernel.kernel,
+        coherence: if arguments.coherent { Coherence::Coherent } else { Coherence::Incoherent },
+    };
+    let (counts, seconds) = if arguments.all {
+        cast(arguments, &rays, |rays, progress| {
+            pool.install(|| trace::all_hits(&tracing, rays, progress))
+        })?
+    } else {
+        cast(arguments, &rays, |rays, progress| {
+            pool.install(|| trace::first_hits(&tracing, rays, progress))
+        })?
+    };
+
+    let bytes = world.bvh.bytes();
+    let threads = pool.current_num_threads();
+    if arguments.json {
+        console::print_json(&json!({
+            "rays": rays.len(),
+            "hits": counts.hits,
+            "doubtful": counts.doubtful,
+            "build_seconds": build.as_secs_f64(),
+            "trace_seconds": seconds,
+            "bytes": bytes,
+            "threads": threads,
+            "kernel": tracing.kernel.name(),
+        }))?;
+    } else {
+        let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
+        console::print(&format!(
+            "{} rays, {} hits, {} doubtful; {seconds:.3} s on {threads} {} ({rate:.3} Mrays/s, \
+             kernel {}); {}\n",
+            rays.len(),
+            counts.hits,
+            counts.doubtful,
+            if threads == 1 { "thread" } else { "threads" },
+            tracing.kernel,
+            arguments.output.display(),
+        ))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Hits and doubtful rays.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    hits: u64,
+    doubtful: u64,
+}
+
+/// Traces and writes; returns the counts and the seconds that tracing took.
+fn cast<const N: usize>(
+    arguments: &CastArguments,
+    rays: &[Ray],
+    trace: impl FnOnce(&[Ray], &Progress) -> Traced<N>,
+) -> Result<(Counts, f64), Failure> {
+    let progress = Progress::new("casting", rays.len() as u64);
+    let start = Instant::now();
+    let traced = trace(rays, &progress);
+    let seconds = start.elapsed().as_secs_f64();
+    progress.finish();
+    write_rows(&arguments.output, &traced.rows).or_failed()?;
+    Ok((Counts { hits: traced.hits, doubtful: traced.doubtful }, seconds))
+}

@@ -1,0 +1,100 @@
+//! Rays to rows, on all threads of the pool this runs in, in the order of the rays.
+
+use nurbray::intersect::{Coherence, HitFlags, Kernel, Query, SurfaceBvh};
+use nurbray::math::Ray;
+use rayon::prelude::*;
+
+use super::super::progress::Progress;
+use super::table::{ALL_COLUMNS, COLUMNS, Doubt, all_rows, first_row};
+
+/// Rays a thread takes at a time. Fixed, so that neither packets nor hits depend on the number
+/// of threads; some milliseconds' work.
+const CHUNK: usize = 4096;
+
+/// What to trace, and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tracing<'a> {
+    /// The surfaces.
+    pub(super) bvh: &'a SurfaceBvh,
+    /// The code that searches.
+    pub(super) kernel: Kernel,
+    /// Whether neighbouring rays are alike.
+    pub(super) coherence: Coherence,
+}
+
+/// The rows of all rays, and counts.
+#[derive(Debug)]
+pub(super) struct Traced<const N: usize> {
+    /// What goes into the file.
+    pub(super) rows: Vec<[f64; N]>,
+    /// Hits among the rows.
+    pub(super) hits: u64,
+    /// Rays whose answer is doubtful.
+    pub(super) doubtful: u64,
+}
+
+impl<const N: usize> Traced<N> {
+    fn new() -> Self {
+        Self { rows: Vec::new(), hits: 0, doubtful: 0 }
+    }
+
+    fn joined(parts: Vec<Self>) -> Self {
+        let mut whole = Self::new();
+        whole.rows.reserve_exact(parts.iter().map(|part| part.rows.len()).sum());
+        for part in parts {
+            whole.rows.extend(part.rows);
+            whole.hits += part.hits;
+            whole.doubtful += part.doubtful;
+        }
+        whole
+    }
+}
+
+/// The first hit of each ray: a row for every ray.
+pub(super) fn first_hits(
+    tracing: &Tracing<'_>,
+    rays: &[Ray],
+    progress: &Progress,
+) -> Traced<COLUMNS> {
+    let parts = rays.par_chunks(CHUNK).map(|rays| {
+        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
+        let queries: Vec<Query> = rays.iter().copied().map(Query::primary).collect();
+        let mut answers = Vec::new();
+        tracer.first_hits(&queries, tracing.coherence, &mut answers);
+        progress.add_rays(rays.len() as u64);
+
+        let doubtful = |flags: f64| flags as u8 & HitFlags::DOUBTFUL.bits() != 0;
+        let rows: Vec<_> = answers.iter().map(first_row).collect();
+        Traced {
+            hits: answers.iter().filter(|answer| answer.hit.is_some()).count() as u64,
+            doubtful: rows.iter().filter(|row| doubtful(row[COLUMNS - 1])).count() as u64,
+            rows,
+        }
+    });
+    Traced::joined(parts.collect())
+}
+
+/// Every hit of each ray, by increasing `t`.
+pub(super) fn all_hits(
+    tracing: &Tracing<'_>,
+    rays: &[Ray],
+    progress: &Progress,
+) -> Traced<ALL_COLUMNS> {
+    let parts = rays.par_chunks(CHUNK).enumerate().map(|(chunk, rays)| {
+        let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
+        let mut hits = Vec::new();
+        let mut part = Traced::new();
+        for (offset, &ray) in rays.iter().enumerate() {
+            hits.clear();
+            let open = tracer.all_hits(&Query::primary(ray), &mut hits)
+                || hits.iter().any(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
+            let doubt = if open { Doubt::Open } else { Doubt::None };
+            part.rows.extend(all_rows(chunk * CHUNK + offset, &hits, doubt));
+            part.hits += hits.len() as u64;
+            part.doubtful += u64::from(open);
+        }
+        progress.add_rays(rays.len() as u64);
+        part
+    });
+    Traced::joined(parts.collect())
+}

@@ -1,0 +1,122 @@
+//! `nurbray info`: what a scene or model holds, how its borders fit, what is not shown.
+
+mod border_curve;
+mod facts;
+mod gaps;
+mod text;
+
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+use super::args::InfoArguments;
+use super::failure::Failure;
+use super::{console, input};
+use facts::{Facts, SurfaceFacts};
+use gaps::Gap;
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+Gaps: each border of each surface is sampled at 33 points or more, and each point's nearest point
+on every other border is found by Newton's method. Two borders run side by side where at least a
+quarter of the points of one lie within 1e-3 of the model's size (and 1/20 of the shorter border's
+length) of the other. They meet if none of these points is farther off than rounding,
+4 (p + q + 4) 2^-53 M for each surface; else the largest distance is listed as a gap, through
+which rays may pass. Gaps narrower than the samples are long may be missed.
+
+With --json one object:
+  input, build_seconds
+  surfaces       a list, in the order hits count them: index, name, material, degree [p, q],
+                 rational, size [nu, nv] (control points), domain [[u0, u1], [v0, v1]], pieces,
+                 leaves, bytes (of its pieces and leaves), bounds [min, max],
+                 collapsed_edges (a list: edge, point)
+  total          surfaces, control_points, pieces, leaves, bytes (with the hierarchy), bounds
+  borders        total, collapsed, meeting, nearly_meeting, free
+  gaps           a list, the widest first: surfaces [i, j], edges, width, relative (to the size
+                 of the bounding box), at [x, y, z]
+  not_imported   a list: file, line, column (null where unknown), what, why
+
+Example:
+  nurbray info scenes/teapot.toml";
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
+    let scene = input::read(&arguments.input)?;
+    let (world, build) = input::prepare(&scene)?;
+    let facts = Facts::new(&world);
+    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    let fit = gaps::fit(&surfaces, facts.size());
+    let input = arguments.input.display().to_string();
+    if arguments.json {
+        let not_imported = scene.notes.iter().map(|note| {
+            let position = note.place.position();
+            json!({
+                "file": note.place.label(),
+                "line": position.map(|at| at.0),
+                "column": position.map(|at| at.1),
+                "what": note.what,
+                "why": note.why,
+            })
+        });
+        console::print_json(&json!({
+            "input": input,
+            "build_seconds": build.as_secs_f64(),
+            "surfaces": facts.surfaces.iter().map(surface_json).collect::<Value>(),
+            "total": {
+                "surfaces": facts.surfaces.len(),
+                "control_points": facts.control_points(),
+                "pieces": facts.pieces(),
+                "leaves": facts.leaves(),
+                "bytes": facts.bytes,
+                "bounds": bounds_json(facts.bounds),
+            },
+            "borders": {
+                "total": fit.borders,
+                "collapsed": fit.collapsed,
+                "meeting": fit.meeting,
+                "nearly_meeting": fit.nearly,
+                "free": fit.free,
+            },
+            "gaps": fit.gaps.iter().map(|gap| gap_json(gap, facts.size())).collect::<Value>(),
+            "not_imported": not_imported.collect::<Value>(),
+        }))?;
+    } else {
+        console::print(&text::text(&input, &facts, &fit, &scene.notes))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn surface_json(surface: &SurfaceFacts) -> Value {
+    let collapsed = surface
+        .collapsed
+        .iter()
+        .map(|(border, point)| json!({ "edge": border.to_string(), "point": point.to_array() }));
+    json!({
+        "index": surface.index,
+        "name": surface.name,
+        "material": surface.material,
+        "degree": surface.degree,
+        "rational": surface.rational,
+        "size": surface.size,
+        "domain": surface.domain.map(|(start, end)| [start, end]),
+        "pieces": surface.pieces,
+        "leaves": surface.leaves,
+        "bytes": surface.bytes,
+        "bounds": bounds_json(surface.bounds),
+        "collapsed_edges": collapsed.collect::<Value>(),
+    })
+}
+
+fn bounds_json(bounds: nurbray::math::Aabb) -> Value {
+    json!([bounds.min.to_array(), bounds.max.to_array()])
+}
+
+fn gap_json(gap: &Gap, size: f64) -> Value {
+    json!({
+        "surfaces": gap.edges.map(|edge| edge.surface),
+        "edges": gap.edges.map(|edge| edge.border.to_string()),
+        "width": gap.width,
+        "relative": gap.width / size,
+        "at": gap.at.to_array(),
+    })
+}

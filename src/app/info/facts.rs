@@ -1,0 +1,101 @@
+//! What is known of each surface that is ready to trace.
+
+use glam::DVec3;
+use nurbray::math::Aabb;
+use nurbray::patch::{Leaf, Piece};
+use nurbray::scene::World;
+
+use super::super::border::Border;
+
+/// What is known of all surfaces.
+#[derive(Clone, Debug)]
+pub(super) struct Facts {
+    /// The surfaces, in the order hits count them.
+    pub(super) surfaces: Vec<SurfaceFacts>,
+    /// Memory of everything that is ready to trace, the hierarchy too.
+    pub(super) bytes: usize,
+    /// Holds all surfaces.
+    pub(super) bounds: Aabb,
+}
+
+/// What is known of one surface.
+#[derive(Clone, Debug)]
+pub(super) struct SurfaceFacts {
+    pub(super) index: usize,
+    pub(super) name: String,
+    pub(super) material: String,
+    pub(super) degree: [usize; 2],
+    pub(super) rational: bool,
+    /// Control points in u and in v.
+    pub(super) size: [usize; 2],
+    pub(super) domain: [(f64, f64); 2],
+    pub(super) pieces: usize,
+    pub(super) leaves: usize,
+    /// Memory of its pieces and leaves.
+    pub(super) bytes: usize,
+    pub(super) bounds: Aabb,
+    /// The borders that are one point, and that point.
+    pub(super) collapsed: Vec<(Border, DVec3)>,
+}
+
+impl Facts {
+    /// Collects them.
+    pub(super) fn new(world: &World) -> Self {
+        let mut surfaces: Vec<SurfaceFacts> =
+            (0..world.surfaces.len()).map(|index| authored(world, index)).collect();
+        let patches = world.bvh.patches();
+        for piece in patches.pieces() {
+            let surface = &mut surfaces[piece.surface as usize];
+            surface.pieces += 1;
+            surface.bytes += size_of::<Piece>() + size_of_val(piece.patch.control());
+        }
+        for leaf in patches.leaves() {
+            let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
+            surface.leaves += 1;
+            surface.bytes += size_of::<Leaf>();
+            surface.bounds = surface.bounds.union(leaf.bounds);
+        }
+        Self { surfaces, bytes: world.bvh.bytes(), bounds: patches.bounds() }
+    }
+
+    /// The diagonal of the bounding box.
+    pub(super) fn size(&self) -> f64 {
+        self.bounds.size().length()
+    }
+
+    /// Control points of all surfaces.
+    pub(super) fn control_points(&self) -> usize {
+        self.surfaces.iter().map(|surface| surface.size[0] * surface.size[1]).sum()
+    }
+
+    /// Bézier pieces of all surfaces.
+    pub(super) fn pieces(&self) -> usize {
+        self.surfaces.iter().map(|surface| surface.pieces).sum()
+    }
+
+    /// Leaves of all surfaces.
+    pub(super) fn leaves(&self) -> usize {
+        self.surfaces.iter().map(|surface| surface.leaves).sum()
+    }
+}
+
+/// What the author of a surface knows of it; the pieces are counted elsewhere.
+fn authored(world: &World, index: usize) -> SurfaceFacts {
+    let instance = &world.surfaces[index];
+    let surface = &instance.surface;
+    let collapsed = Border::all(surface).into_iter();
+    SurfaceFacts {
+        index,
+        name: instance.name.clone(),
+        material: world.materials[instance.material].name.clone(),
+        degree: [surface.knots_u().degree(), surface.knots_v().degree()],
+        rational: surface.is_rational(),
+        size: surface.size().into(),
+        domain: surface.domain(),
+        pieces: 0,
+        leaves: 0,
+        bytes: 0,
+        bounds: Aabb::EMPTY,
+        collapsed: collapsed.filter_map(|b| Some((b, b.pole(surface)?))).collect(),
+    }
+}

@@ -1,0 +1,196 @@
+//! Borders that nearly meet: gaps that let rays through.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+use nurbray::geometry::NurbsSurface;
+use nurbray::math::Aabb;
+use rayon::prelude::*;
+
+use super::super::border::{Border, rounding};
+use super::border_curve::BorderCurve;
+
+/// Borders farther apart than this share of the model's size are apart on purpose.
+pub(crate) const NEAR: f64 = 1e-3;
+
+/// Nor do borders nearly meet that are farther apart than this share of the shorter one's
+/// length: at a corner of a small surface all of its borders are near one another.
+pub(crate) const NEAR_LENGTH: f64 = 0.05;
+
+/// The share of a border's points that must be near the other for the two to run side by
+/// side. Two borders that meet at a corner of more than 12° have a smaller share: 0.05 / sin 12°.
+pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
+
+/// A border of one of the surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edge {
+    /// Which surface.
+    pub(crate) surface: usize,
+    /// Which of its borders.
+    pub(crate) border: Border,
+}
+
+/// Two borders that run side by side without meeting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gap {
+    /// The borders, in the order of the surfaces.
+    pub(crate) edges: [Edge; 2],
+    /// The largest distance found between them, where they run side by side.
+    pub(crate) width: f64,
+    /// Where that is.
+    pub(crate) at: DVec3,
+}
+
+/// How the borders of a model fit together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fit {
+    /// Borders in all: four a surface.
+    pub(crate) borders: usize,
+    /// Of these, collapsed to a point.
+    pub(crate) collapsed: usize,
+    /// Of the others, those that meet another to within rounding.
+    pub(crate) meeting: usize,
+    /// Those that run beside another, but nearly meet it only.
+    pub(crate) nearly: usize,
+    /// Those with no other beside them.
+    pub(crate) free: usize,
+    /// The gaps, the widest first.
+    pub(crate) gaps: Vec<Gap>,
+}
+
+/// Compares every border with every other that comes near it.
+pub(crate) fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
+    let edges = surfaces.iter().enumerate().flat_map(|(index, surface)| {
+        Border::all(surface).map(|border| Edge { surface: index, border })
+    });
+    let edges: Vec<Edge> = edges.collect();
+    let curve = |edge: &Edge| {
+        let surface = &surfaces[edge.surface];
+        let extended = edge.border.pole(surface).is_none();
+        extended.then(|| (*edge, BorderCurve::new(surface, edge.border)))
+    };
+    let curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
+
+    let boxes: Vec<Aabb> = curves.iter().map(|(_, c)| c.bounds().grown(NEAR * size)).collect();
+    let pairs = overlapping(&boxes);
+    let sides: Vec<_> = pairs
+        .par_iter()
+        .filter_map(|&[i, j]| Some(([i, j], side_by_side(&curves[i].1, &curves[j].1, size)?)))
+        .collect();
+
+    let mut meeting = BTreeSet::new();
+    let mut beside = BTreeSet::new();
+    let mut gaps = Vec::new();
+    for ([i, j], (width, at)) in sides {
+        let edges = [i, j].map(|k| curves[k].0);
+        let met = width <= edges.iter().map(|edge| rounding(&surfaces[edge.surface])).sum();
+        if met {
+            meeting.extend([i, j]);
+        } else {
+            beside.extend([i, j]);
+            gaps.push(Gap { edges, width, at });
+        }
+    }
+    gaps.sort_by(|a, b| b.width.total_cmp(&a.width)); // stable: equal ones keep their order
+    let nearly = beside.difference(&meeting).count();
+    Fit {
+        borders: edges.len(),
+        collapsed: edges.len() - curves.len(),
+        meeting: meeting.len(),
+        nearly,
+        free: curves.len() - meeting.len() - nearly,
+        gaps,
+    }
+}
+
+/// The largest distance between two borders where they run side by side, and where; `None`
+/// if they do not.
+fn side_by_side(a: &BorderCurve<'_>, b: &BorderCurve<'_>, size: f64) -> Option<(f64, DVec3)> {
+    let near = (NEAR * size).min(NEAR_LENGTH * a.length().min(b.length()));
+    // One may run along a part of the other only: then not all points of the longer are near.
+    let one_way = |from: &BorderCurve<'_>, to: &BorderCurve<'_>| {
+        let distances = from.points().filter_map(|point| Some((to.distance(point, near)?, point)));
+        let distances: Vec<(f64, DVec3)> = distances.collect();
+        let enough = distances.len() as f64 >= SIDE_BY_SIDE * from.points().len() as f64;
+        let widest = distances.into_iter().max_by(|x, y| x.0.total_cmp(&y.0));
+        widest.filter(|_| enough)
+    };
+    let ways = [one_way(a, b), one_way(b, a)];
+    ways.into_iter().flatten().max_by(|x, y| x.0.total_cmp(&y.0))
+}
+
+/// All pairs of boxes that have a point in common, by sweeping along x.
+fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_by(|&i, &j| boxes[i].min.x.total_cmp(&boxes[j].min.x));
+    let mut open: Vec<usize> = Vec::new();
+    let mut pairs = Vec::new();
+    for next in order {
+        open.retain(|&other| boxes[other].max.x >= boxes[next].min.x);
+        let common = |&&other: &&usize| {
+            boxes[other].min.cmple(boxes[next].max).all()
+                && boxes[next].min.cmple(boxes[other].max).all()
+        };
+        pairs.extend(open.iter().filter(common).map(|&k| [k.min(next), k.max(next)]));
+        open.push(next);
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use nurbray::geometry::shapes;
+
+    use super::*;
+
+    fn plane_at(x: f64, y: f64, z: f64) -> NurbsSurface {
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        plane.transformed(&DAffine3::from_translation(DVec3::new(x, y, z))).unwrap()
+    }
+
+    #[test]
+    fn a_gap_is_as_wide_as_it_was_made_at_every_size() {
+        for scale in [1e-8, 1.0, 1e8] {
+            for width in [1e-4, 1e-7, 1e-10] {
+                let sheets = [plane_at(0.0, 0.0, 0.0), plane_at(1.0 + width, 0.0, 0.0)];
+                let enlarge = DAffine3::from_scale(DVec3::splat(scale));
+                let sheets = sheets.map(|sheet| sheet.transformed(&enlarge).unwrap());
+                let fit = fit(&sheets, 2.0 * scale);
+                assert_eq!((fit.borders, fit.nearly, fit.free), (8, 2, 6), "{scale} {width}");
+                assert_eq!(fit.gaps.len(), 1);
+                let found = fit.gaps[0].width / scale;
+                assert!((found - width).abs() < 1e-14, "{scale}: {found} for {width}");
+            }
+        }
+    }
+
+    #[test]
+    fn sheets_that_meet_or_are_apart_have_no_gap() {
+        let meet = fit(&[plane_at(0.0, 0.0, 0.0), plane_at(1.0, 0.0, 0.0)], 2.0);
+        assert_eq!((meet.meeting, meet.free, meet.gaps.len()), (2, 6, 0));
+        let apart = fit(&[plane_at(0.0, 0.0, 0.0), plane_at(1.1, 0.0, 0.0)], 2.0);
+        assert_eq!((apart.meeting, apart.free, apart.gaps.len()), (0, 8, 0));
+    }
+
+    #[test]
+    fn a_short_border_may_lie_along_a_part_of_a_long_one() {
+        let halved = plane_at(0.0, 0.0, 0.0).split_v(0.5).unwrap();
+        let beside = plane_at(1.0 + 1e-6, 0.0, 0.0);
+        let fit = fit(&[halved.0, halved.1, beside], 2.0);
+        let gaps: Vec<f64> = fit.gaps.iter().map(|gap| gap.width).collect();
+        assert_eq!(gaps.len(), 2, "{:?}", fit.gaps);
+        assert!(gaps.iter().all(|width| (width - 1e-6).abs() < 1e-14), "{gaps:?}");
+        assert_eq!(fit.meeting, 2); // the halves along their cut
+    }
+
+    #[test]
+    fn seams_and_poles_of_closed_shapes_fit() {
+        let sphere = fit(&[shapes::sphere(1.0).unwrap()], 2.0);
+        assert_eq!((sphere.collapsed, sphere.meeting, sphere.free), (2, 2, 0));
+        let torus = fit(&[shapes::torus(3.0, 1.0).unwrap()], 8.0);
+        assert_eq!((torus.collapsed, torus.meeting, torus.free), (0, 4, 0));
+        assert!(sphere.gaps.is_empty() && torus.gaps.is_empty());
+    }
+}

@@ -1,0 +1,136 @@
+//! The facts as tables for people.
+
+use std::fmt::Write as _;
+
+use glam::DVec3;
+use nurbray::math::Aabb;
+use nurbray::scene::ImportNote;
+
+use super::super::table::{count, short, short_bytes, short_point, table};
+use super::facts::{Facts, SurfaceFacts};
+use super::gaps::{Edge, Fit, NEAR};
+
+/// More gaps than this are counted, not listed: `--json` has them all.
+const GAPS_LISTED: usize = 20;
+
+/// Coordinates smaller than this share of a box's largest are its padding: about a hundred
+/// roundings, where six digits are shown.
+const PADDING: f64 = 1e-13;
+
+/// The whole report.
+pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) -> String {
+    let mut text = format!(
+        "{input}: {}, {}, {}, {}, {}\nbounds: {}\n\n",
+        count(facts.surfaces.len() as u64, "surface"),
+        count(facts.control_points() as u64, "control point"),
+        count(facts.pieces() as u64, "piece"),
+        count(facts.leaves() as u64, "leaf").replace("leafs", "leaves"),
+        short_bytes(facts.bytes),
+        bounds(facts.bounds),
+    );
+    text += &surfaces(&facts.surfaces);
+    text += &collapsed(&facts.surfaces);
+    text += &borders(fit, facts);
+    text += &not_imported(notes);
+    text
+}
+
+fn surfaces(surfaces: &[SurfaceFacts]) -> String {
+    let heading = [
+        "#", "name", "degree", "rational", "size", "pieces", "leaves", "bytes", "u", "v", "bounds",
+    ];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(surfaces.iter().map(|surface| {
+        let [u, v] = surface.domain.map(|(start, end)| format!("{}..{}", short(start), short(end)));
+        vec![
+            surface.index.to_string(),
+            surface.name.clone(),
+            format!("{}x{}", surface.degree[0], surface.degree[1]),
+            if surface.rational { "yes" } else { "no" }.to_owned(),
+            format!("{}x{}", surface.size[0], surface.size[1]),
+            surface.pieces.to_string(),
+            surface.leaves.to_string(),
+            short_bytes(surface.bytes),
+            u,
+            v,
+            bounds(surface.bounds),
+        ]
+    }));
+    table(&rows, &[1, 3, 8, 9, 10])
+}
+
+fn collapsed(surfaces: &[SurfaceFacts]) -> String {
+    let edges = surfaces.iter().flat_map(|surface| {
+        surface.collapsed.iter().map(move |(border, point)| {
+            let name = format!("{} {}", surface.index, surface.name);
+            vec![format!("  {name}"), border.to_string(), format!("at {}", short_point(*point))]
+        })
+    });
+    let rows: Vec<Vec<String>> = edges.collect();
+    match rows.len() {
+        0 => "\nno collapsed edges\n".into(),
+        number => {
+            format!("\n{} (poles):\n", count(number as u64, "collapsed edge"))
+                + &table(&rows, &[0, 1, 2])
+        }
+    }
+}
+
+fn borders(fit: &Fit, facts: &Facts) -> String {
+    let mut text = format!(
+        "\n{}: {} collapsed, {} meeting another to within rounding, {} nearly meeting, {} free\n",
+        count(fit.borders as u64, "border"),
+        fit.collapsed,
+        fit.meeting,
+        fit.nearly,
+        fit.free
+    );
+    if fit.gaps.is_empty() {
+        let _ = writeln!(text, "no gaps up to {NEAR:e} of the size");
+        return text;
+    }
+    let _ = writeln!(text, "{}, widest first:", count(fit.gaps.len() as u64, "gap"));
+    let edge = |edge: &Edge| {
+        let name = &facts.surfaces[edge.surface].name;
+        format!("{} {name}, {}", edge.surface, edge.border)
+    };
+    let rows: Vec<Vec<String>> = fit
+        .gaps
+        .iter()
+        .take(GAPS_LISTED)
+        .map(|gap| {
+            let relative = gap.width / facts.size();
+            vec![
+                format!("  {}", edge(&gap.edges[0])),
+                format!("| {}", edge(&gap.edges[1])),
+                format!("{:.2e} ({relative:.1e} of the size)", gap.width),
+                format!("at {}", short_point(gap.at)),
+            ]
+        })
+        .collect();
+    text += &table(&rows, &[0, 1, 2, 3]);
+    if let Some(more) = fit.gaps.len().checked_sub(GAPS_LISTED).filter(|&more| more > 0) {
+        let _ = writeln!(text, "  and {more} more (--json lists all)");
+    }
+    text
+}
+
+fn not_imported(notes: &[ImportNote]) -> String {
+    if notes.is_empty() {
+        return "\neverything in the file was imported\n".into();
+    }
+    let mut text = format!("\n{} not imported:\n", count(notes.len() as u64, "thing"));
+    for note in notes {
+        let _ = writeln!(text, "  {note}");
+    }
+    text
+}
+
+/// Boxes are padded by a few roundings; what is no more than that is shown as 0.
+fn bounds(bounds: Aabb) -> String {
+    let padding = PADDING * bounds.magnitude();
+    let shown = |corner: DVec3| {
+        short_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
+    };
+    format!("{} to {}", shown(bounds.min), shown(bounds.max))
+}

@@ -1,0 +1,54 @@
+//! The program: what the user typed becomes calls of the library, one file a subcommand.
+//!
+//! Results go to stdout, everything else to stderr. The exit code is 0 when the work is
+//! done, 1 when it failed, 2 when the command line or the input is wrong.
+
+mod args;
+mod audit;
+mod border;
+mod cast;
+mod console;
+mod failure;
+mod info;
+mod input;
+mod output;
+mod progress;
+mod render;
+mod table;
+mod threads;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use failure::Failure;
+
+/// Runs the command line this process was started with.
+pub(crate) fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2).
+            // A closed pipe is the reader's choice, and there is nowhere left to complain.
+            let _ = message.print();
+            return ExitCode::from(if message.use_stderr() { failure::WRONG_USE } else { 0 });
+        }
+    };
+    match dispatch(&arguments.command) {
+        Ok(code) => code,
+        Err(failure) => {
+            console::error(failure.reason());
+            failure.exit_code()
+        }
+    }
+}
+
+fn dispatch(command: &Command) -> Result<ExitCode, Failure> {
+    match command {
+        Command::Render(arguments) => render::run(arguments),
+        Command::Cast(arguments) => cast::run(arguments),
+        Command::Audit(arguments) => audit::run(arguments),
+        Command::Info(arguments) => info::run(arguments),
+    }
+}

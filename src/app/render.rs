@@ -1,0 +1,207 @@
+//! `nurbray render`: a scene to pictures.
+
+mod picture;
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant, SystemTime};
+
+use nurbray::io::{ExrNotes, ExrPrecision, write_exr, write_png};
+use nurbray::render::{AovSet, Film, PixelRect, RenderSettings, render};
+use nurbray::scene::{CameraSpec, Lens, Place, RenderDefaults, World};
+
+use super::args::RenderArguments;
+use super::failure::{Failure, OrFail};
+use super::progress::{Progress, duration};
+use super::table::count;
+use super::{console, input, output, threads};
+use picture::{Format, Picture};
+
+/// Progress is counted in thousandths, for the number of tiles is known to the renderer only;
+/// no bar is wider.
+const PROGRESS_STEPS: u64 = 1000;
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
+    // Whatever can be refused is refused before the work begins.
+    let pictures = picture::pictures(&arguments.outputs)?;
+    let paths: Vec<&Path> = pictures.iter().map(|picture| picture.path).collect();
+    output::check(&paths, &[&arguments.input])?;
+    let mut scene = input::read(&arguments.input)?;
+    let settings = settings(arguments, &scene.settings, &pictures)?;
+    override_camera(arguments, &mut scene.camera)?;
+    warn_of_lost_aovs(arguments, &pictures);
+
+    let pool = threads::pool(arguments.work.threads)?;
+    let (world, _) = pool.install(|| input::prepare(&scene))?;
+    drop(pool); // rendering has threads of its own
+
+    let start = Instant::now();
+    let progress = match arguments.quiet {
+        true => Progress::silent(),
+        false => Progress::new("rendering", PROGRESS_STEPS),
+    };
+    let film = render(&world, &settings, &|at| {
+        progress.set(at.tiles_done as u64 * PROGRESS_STEPS / at.tiles.max(1) as u64, at.rays);
+    });
+    progress.finish();
+    let (film, took) = (film.or_failed()?, start.elapsed());
+    for picture in &pictures {
+        write(picture, &film, &world, (arguments, took))?;
+    }
+    if !arguments.quiet {
+        console::say(&summary(&film, took));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the command line says, and where it says nothing, the scene.
+fn settings(
+    arguments: &RenderArguments,
+    scene: &RenderDefaults,
+    pictures: &[Picture<'_>],
+) -> Result<RenderSettings, Failure> {
+    let mut settings = RenderSettings::from(scene);
+    if let Some(size) = arguments.size {
+        settings.size = (size.width, size.height);
+    }
+    if let Some(spp) = arguments.spp {
+        settings.samples = 0..spp;
+    }
+    if let Some(range) = arguments.samples {
+        if arguments.spp.is_some_and(|spp| range.end > spp) {
+            let (end, spp) = (range.end, settings.samples.end);
+            return Err(Failure::input(format!(
+                "--samples up to {end}: --spp {spp} has the samples 0 to {} only",
+                spp - 1
+            )));
+        }
+        settings.samples = range.first..range.end;
+    }
+    if let Some(crop) = arguments.crop {
+        let rect = PixelRect::new([crop.x0, crop.y0], [crop.x1, crop.y1]).or_bad_input()?;
+        settings.crop = Some(rect);
+    }
+    // An EXR holds everything unless told otherwise; a PNG can hold none of it.
+    let exr = pictures.iter().any(|picture| picture.format == Format::Exr);
+    settings.aovs = match arguments.aov {
+        Some(aovs) => aovs,
+        None if exr => AovSet::all(),
+        None => AovSet::NONE,
+    };
+    settings.integrator = arguments.integrator.unwrap_or(settings.integrator);
+    settings.seed = arguments.seed.unwrap_or(settings.seed);
+    settings.threads = arguments.work.threads.map_or(0, usize::from);
+    settings.kernel = arguments.work.kernel.kernel;
+    settings.check().or_bad_input()?;
+    Ok(settings)
+}
+
+/// Moves the camera as the command line says.
+fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
+    let RenderArguments { look_from, look_at, up, fov, .. } = arguments;
+    let (look_from, look_at, up, fov) = (*look_from, *look_at, *up, *fov);
+    if look_from.is_none() && look_at.is_none() && up.is_none() && fov.is_none() {
+        return Ok(());
+    }
+    camera.place = Place::default(); // what is wrong now is not the scene's fault
+    if look_from.is_some() {
+        camera.look_from = look_from;
+        camera.look_at = None; // the centre, unless --look-at says otherwise
+    }
+    camera.look_at = look_at.or(camera.look_at);
+    camera.up = up.or(camera.up);
+    match (&mut camera.lens, fov) {
+        (_, None) => Ok(()),
+        (Lens::Perspective { fov }, given) => {
+            *fov = given;
+            Ok(())
+        }
+        (Lens::Orthographic { .. }, Some(_)) => Err(Failure::input(format!(
+            "--fov: the camera of {} is orthographic and has no field of view",
+            arguments.input.display()
+        ))),
+    }
+}
+
+/// AOVs that were asked for and end up nowhere.
+fn warn_of_lost_aovs(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
+    let Some(aovs) = arguments.aov.filter(|aovs| !aovs.is_empty()) else { return };
+    if pictures.iter().all(|picture| picture.format == Format::Png) {
+        let png = pictures.first().map_or_else(String::new, |p| p.path.display().to_string());
+        console::warning(&format!(
+            "{png}: a PNG holds colour only, {aovs} will be in no file; -o with an .exr holds them"
+        ));
+    }
+}
+
+fn write(
+    picture: &Picture<'_>,
+    film: &Film,
+    world: &World,
+    (arguments, took): (&RenderArguments, Duration),
+) -> Result<(), Failure> {
+    match picture.format {
+        Format::Exr => {
+            let command = command_line(std::env::args_os());
+            let notes = ExrNotes {
+                command: &command,
+                time: SystemTime::now(),
+                duration: took,
+                camera: &world.camera,
+                background: world.background,
+            };
+            write_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
+        }
+        Format::Png => {
+            let exposure = arguments.exposure.unwrap_or(world.settings.exposure);
+            // What a PNG leaves out was said before the work began.
+            write_png(picture.path, film, exposure).map(drop).or_failed()
+        }
+    }
+}
+
+/// The command as it can be typed again.
+fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,=:+@%".contains(c);
+    let quoted = arguments.enumerate().map(|(index, argument)| {
+        let argument = match index {
+            0 => "nurbray".into(),
+            _ => argument.to_string_lossy().into_owned(),
+        };
+        match !argument.is_empty() && argument.chars().all(plain) {
+            true => argument,
+            false => format!("'{}'", argument.replace('\'', r"'\''")),
+        }
+    });
+    quoted.collect::<Vec<_>>().join(" ")
+}
+
+/// Size, samples, time, speed, doubt.
+fn summary(film: &Film, took: Duration) -> String {
+    let (settings, counters) = (film.settings(), film.counters());
+    let (width, height) = settings.size;
+    let seconds = took.as_secs_f64();
+    let crop = settings.crop.map_or_else(String::new, |crop| format!(" (crop {crop})"));
+    format!(
+        "{width}x{height}{crop}, {} spp, {}, {:.3} Mrays/s, {} doubtful of {}",
+        settings.samples.len(),
+        duration(seconds),
+        counters.rays as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6,
+        counters.doubtful,
+        count(counters.rays, "ray"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_can_be_typed_again() {
+        let typed = ["/usr/bin/nurbray", "render", "my scene.toml", "-o", "a.exr", "it's", ""];
+        let line = command_line(typed.into_iter().map(OsString::from));
+        assert_eq!(line, r"nurbray render 'my scene.toml' -o a.exr 'it'\''s' ''");
+    }
+}

@@ -1,0 +1,112 @@
+//! Tables and numbers for people.
+
+use glam::DVec3;
+
+/// Lines of cells under one another: words to the left, all else to the right. The first row
+/// is the heading; its first cell and those of `words` hold words.
+pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells = row.iter().enumerate().map(|(column, cell)| {
+            let width = widths[column];
+            if words.contains(&column) {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
+        });
+        text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// A number with up to six significant digits, without trailing zeros.
+pub(crate) fn short(number: f64) -> String {
+    const DIGITS: i32 = 6;
+    let exponent = number.abs().log10().floor();
+    if number == 0.0 || !number.is_finite() {
+        return format!("{number}").replace("-0", "0");
+    }
+    if !(-4.0..f64::from(DIGITS)).contains(&exponent) {
+        let text = format!("{number:.*e}", DIGITS as usize - 1);
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{power}", trimmed(digits));
+    }
+    let decimals = (DIGITS - 1 - exponent as i32).max(0) as usize;
+    trimmed(&format!("{number:.decimals$}")).to_owned()
+}
+
+/// `(x, y, z)`, each number shortened.
+pub(crate) fn short_point(point: DVec3) -> String {
+    let [x, y, z] = point.to_array().map(short);
+    format!("({x}, {y}, {z})")
+}
+
+/// `512 B`, `12.3 kB`, `4.56 MB`, in powers of 1000.
+pub(crate) fn short_bytes(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        ..1e3 => format!("{bytes} B"),
+        ..1e6 => format!("{:.1} kB", bytes / 1e3),
+        ..1e9 => format!("{:.1} MB", bytes / 1e6),
+        _ => format!("{:.1} GB", bytes / 1e9),
+    }
+}
+
+/// `1 ray`, `2 rays`: a count with its noun.
+pub(crate) fn count(number: u64, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{plural}")
+}
+
+fn trimmed(decimal: &str) -> &str {
+    if decimal.contains('.') {
+        decimal.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        decimal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_lose_no_size() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (1.0 / 3.0, "0.333333"),
+            (123456.7, "123457"),
+            (100.0, "100"),
+            (1e6, "1e6"),
+            (1.5e-9, "1.5e-9"),
+            (-2e8 / 3.0, "-6.66667e7"),
+            (0.0001, "0.0001"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(short(number), text);
+        }
+        assert_eq!(short_bytes(999), "999 B");
+        assert_eq!(short_bytes(12_340_000), "12.3 MB");
+        assert_eq!(count(1, "ray"), "1 ray");
+        assert_eq!(count(0, "ray"), "0 rays");
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let rows = [["name", "n"], ["é", "10"], ["long one", "9"]];
+        let rows = rows.map(|row| row.map(str::to_owned).to_vec());
+        assert_eq!(table(&rows, &[0]), "name       n\né         10\nlong one   9\n");
+    }
+}

@@ -1,0 +1,80 @@
+//! `nurbray audit`.
+
+use crate::sandbox::{SPHERE, SQUARE, Sandbox};
+
+fn sandbox() -> Sandbox {
+    Sandbox::with(&[("sphere.toml", SPHERE), ("square.json", SQUARE)])
+}
+
+#[test]
+fn a_row_for_each_class_and_one_for_all() {
+    let run = sandbox().run("audit sphere.toml --rays 2000").succeeded();
+    let rows: Vec<Vec<&str>> =
+        run.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(rows[0][..6], ["class", "rays", "hits", "misses", "wrong", "false"]);
+    let total = rows.iter().find(|row| row.first() == Some(&"total")).unwrap();
+    assert_eq!((total[1], &total[3..6]), ("2000", &["0", "0", "0"][..]));
+    let classes: Vec<&str> = rows[1..].iter().map_while(|row| row.first().copied()).collect();
+    assert_eq!(classes.len(), 25, "{classes:?}"); // 24 classes and the total
+    assert!(run.stdout.contains("no unflagged miss, no wrong root, no false hit; "));
+}
+
+#[test]
+fn json_has_the_same_classes_on_any_day() {
+    let sandbox = sandbox();
+    let [a, b, other] = ["5", "5", "6"].map(|seed| {
+        let line = format!("audit square.json --rays 1500 --seed {seed} --json");
+        sandbox.run(&line).succeeded().json()
+    });
+    assert_eq!(a["classes"], b["classes"]);
+    assert_ne!(a["classes"], other["classes"]);
+    assert_eq!((a["rays"].as_u64(), a["seed"].as_u64()), (Some(1500), Some(5)));
+    assert_eq!((a["input"].as_str(), a["kernel"].as_str()), (Some("square.json"), Some("scalar")));
+    for key in ["threads", "seconds"] {
+        assert!(a[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+
+    let classes = a["classes"].as_array().unwrap();
+    assert!(classes.iter().all(|class| class["class"] != "poles")); // a square has none
+    let keys = [
+        "rays",
+        "hits",
+        "misses",
+        "wrong_roots",
+        "false_hits",
+        "doubtful",
+        "undecided",
+        "error_50",
+        "error_99",
+        "error_max",
+    ];
+    for row in classes.iter().chain([&a["total"]]) {
+        assert!(keys.iter().all(|key| row.get(key).is_some()), "{row}");
+    }
+    let rays: u64 = classes.iter().map(|class| class["rays"].as_u64().unwrap()).sum();
+    assert_eq!(Some(rays), a["total"]["rays"].as_u64());
+    assert!(a["total"]["error_max"].as_f64().unwrap() < 1e-13);
+}
+
+#[test]
+fn offenders_can_be_cast() {
+    let sandbox = sandbox();
+    sandbox.run("audit sphere.toml --rays 500 --offenders bad.npy").succeeded();
+    assert_eq!(sandbox.table("bad.npy", 8).row_count(), 0);
+    sandbox.run("cast sphere.toml --rays bad.npy -o hits.npy").succeeded();
+}
+
+#[test]
+fn wrong_outputs_are_refused_first() {
+    let sandbox = sandbox();
+    sandbox
+        .run("audit none.toml --offenders no/bad.npy")
+        .failed(2, "cannot write no/bad.npy: there is no folder no");
+    sandbox
+        .run("audit sphere.toml --offenders sphere.toml")
+        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
+    sandbox
+        .run("audit sphere.toml --rays 0")
+        .misused("invalid value '0' for '--rays <N>': 0 is not in 1..=1000000000");
+    assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
+}

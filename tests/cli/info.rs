@@ -1,0 +1,84 @@
+//! `nurbray info`.
+
+use serde_json::json;
+
+use crate::sandbox::{SHEETS_WITH_A_GAP, SPHERE, SQUARE, Sandbox};
+
+#[test]
+fn a_sphere_is_closed_and_has_two_poles() {
+    let sandbox = Sandbox::with(&[("sphere.toml", SPHERE)]);
+    let run = sandbox.run("info sphere.toml --json").succeeded();
+    assert_eq!(run.stderr, "");
+    let json = run.json();
+    let ball = &json["surfaces"][0];
+    assert_eq!((ball["index"].as_u64(), ball["name"].as_str()), (Some(0), Some("ball")));
+    assert_eq!(ball["material"], "default");
+    assert_eq!(ball["degree"], json!([3, 3]));
+    assert_eq!(ball["rational"], true);
+    assert_eq!(ball["size"], json!([4, 7]));
+    assert_eq!(ball["domain"], json!([[0.0, 1.0], [0.0, 1.0]]));
+    assert_eq!(ball["pieces"], 2);
+    assert!(ball["leaves"].as_u64().unwrap() >= 2 && ball["bytes"].as_u64().unwrap() > 0);
+    for (corner, sign) in ball["bounds"].as_array().unwrap().iter().zip([-1.0, 1.0]) {
+        for x in corner.as_array().unwrap() {
+            let x = x.as_f64().unwrap();
+            assert!(sign * x > 0.999 && sign * x < 1.2, "{corner}");
+        }
+    }
+    let poles = ball["collapsed_edges"].as_array().unwrap();
+    let edges: Vec<&str> = poles.iter().map(|pole| pole["edge"].as_str().unwrap()).collect();
+    assert_eq!(edges, ["u = 0", "u = 1"]);
+    assert_eq!(poles[0]["point"].as_array().unwrap().len(), 3);
+
+    assert_eq!(json["total"]["surfaces"], 1);
+    assert_eq!(json["total"]["control_points"], 28);
+    let borders =
+        json!({ "total": 4, "collapsed": 2, "meeting": 2, "nearly_meeting": 0, "free": 0 });
+    assert_eq!(json["borders"], borders);
+    assert_eq!((&json["gaps"], &json["not_imported"]), (&json!([]), &json!([])));
+    assert_eq!(json["input"], "sphere.toml");
+}
+
+#[test]
+fn gaps_are_listed_with_their_width() {
+    let sandbox = Sandbox::with(&[("sheets.toml", SHEETS_WITH_A_GAP)]);
+    let json = sandbox.run("info sheets.toml --json").succeeded().json();
+    assert_eq!(json["borders"]["nearly_meeting"], 2);
+    let gap = &json["gaps"][0];
+    assert_eq!(json["gaps"].as_array().unwrap().len(), 1);
+    assert_eq!(gap["surfaces"], json!([0, 1]));
+    let width = gap["width"].as_f64().unwrap();
+    assert!((width - 1e-7).abs() < 1e-14, "{width}");
+    let relative = gap["relative"].as_f64().unwrap();
+    assert!((relative - 1e-7 / 20_f64.sqrt()).abs() < 1e-12, "{relative}");
+
+    let text = sandbox.run("info sheets.toml").succeeded().stdout;
+    assert!(text.contains("\n1 gap, widest first:\n"), "{text}");
+    assert!(text.contains("0 left, ") && text.contains("| 1 right, "), "{text}");
+    assert!(text.contains("1.00e-7 (2.2e-8 of the size)"), "{text}");
+}
+
+#[test]
+fn what_is_not_imported_is_listed_with_its_place() {
+    let sandbox = Sandbox::with(&[("square.json", SQUARE)]);
+    let run = sandbox.run("info square.json").succeeded();
+    assert!(run.stdout.contains("\n1 thing not imported:\n  square.json:"), "{}", run.stdout);
+    let json = sandbox.run("info square.json --json").succeeded().json();
+    let note = &json["not_imported"][0];
+    assert_eq!(note["file"], "square.json");
+    assert!(note["line"].as_u64().unwrap() > 1 && note["column"].as_u64().is_some());
+    assert!(note["what"].is_string() && note["why"].as_str().unwrap().contains("trim"), "{note}");
+}
+
+#[test]
+fn people_get_tables() {
+    let sandbox = Sandbox::with(&[("sphere.toml", SPHERE)]);
+    let text = sandbox.run("info sphere.toml").succeeded().stdout;
+    assert!(text.starts_with("sphere.toml: 1 surface, 28 control points, 2 pieces, "), "{text}");
+    assert!(text.contains("2 collapsed edges (poles):\n  0 ball  u = 0  at "), "{text}");
+    assert!(
+        text.contains("4 borders: 2 collapsed, 2 meeting another to within rounding, "),
+        "{text}"
+    );
+    assert!(text.ends_with("everything in the file was imported\n"), "{text}");
+}

@@ -1,0 +1,9 @@
+//! The program as its users meet it: every subcommand, every exit code, every message.
+#![cfg(test)]
+
+mod audit;
+mod cast;
+mod info;
+mod render;
+mod sandbox;
+mod usage;

@@ -1,0 +1,236 @@
+//! `nurbray render`.
+
+use exr::prelude::read_first_flat_layer_from_file;
+
+use crate::sandbox::{SPHERE, Sandbox};
+
+fn sandbox() -> Sandbox {
+    Sandbox::with(&[("sphere.toml", SPHERE)])
+}
+
+fn channels(sandbox: &Sandbox, name: &str) -> Vec<String> {
+    let image = read_first_flat_layer_from_file(sandbox.path(name)).unwrap();
+    let list = image.layer_data.channel_data.list;
+    list.iter().map(|channel| channel.name.to_string()).collect()
+}
+
+/// Width and height, as the header chunk of a PNG says.
+fn png_size(bytes: &[u8]) -> (u32, u32) {
+    let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+    (number(16), number(20))
+}
+
+#[test]
+fn writes_every_picture_asked_for_and_a_summary() {
+    let sandbox = sandbox();
+    let run = sandbox.run("render sphere.toml -o a.exr -o b.PNG").succeeded();
+    assert_eq!(run.stdout, "");
+    assert_eq!(sandbox.files(), ["a.exr", "b.PNG", "sphere.toml"]);
+    assert_eq!(png_size(&sandbox.bytes("b.PNG")), (24, 16));
+    assert_eq!(sandbox.bytes("a.exr")[..4], [0x76, 0x2f, 0x31, 0x01]);
+
+    let summary: Vec<&str> = run.stderr.trim_end().split(", ").collect();
+    assert_eq!(summary[..2], ["24x16", "2 spp"], "{}", run.stderr);
+    assert!(summary[2].ends_with(" s") && summary[3].ends_with(" Mrays/s"), "{}", run.stderr);
+    assert!(summary[4].contains("doubtful of"), "{}", run.stderr);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let run = sandbox().run("render sphere.toml -o a.png --quiet").succeeded();
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn an_exr_holds_the_aovs_asked_for_and_tells_how_it_was_made() {
+    let sandbox = sandbox();
+    sandbox.run("render sphere.toml -o all.exr").succeeded();
+    let mut all = channels(&sandbox, "all.exr");
+    all.sort();
+    let mut expected: Vec<&str> =
+        "R G B A Z P.X P.Y P.Z N.X N.Y N.Z uv.U uv.V Albedo.R Albedo.G Albedo.B id"
+            .split(' ')
+            .collect();
+    expected.sort_unstable();
+    assert_eq!(all, expected);
+
+    sandbox.run("render sphere.toml -o some.exr --aov z,id --seed 7").succeeded();
+    assert_eq!(channels(&sandbox, "some.exr"), ["A", "B", "G", "R", "Z", "id"]);
+    let told = String::from_utf8_lossy(&sandbox.bytes("some.exr")).into_owned();
+    assert!(told.contains("nurbray render sphere.toml -o some.exr --aov z,id --seed 7"));
+
+    sandbox.run("render sphere.toml -o none.exr --aov none").succeeded();
+    assert_eq!(channels(&sandbox, "none.exr"), ["A", "B", "G", "R"]);
+}
+
+#[test]
+fn a_png_that_cannot_hold_what_is_asked_for_warns() {
+    let sandbox = sandbox();
+    let run = sandbox.run("render sphere.toml -o a.png --aov Z,N --quiet").succeeded();
+    let warning = "warning: a.png: a PNG holds colour only, Z,N will be in no file; \
+                   -o with an .exr holds them\n";
+    assert_eq!(run.stderr, warning);
+    let both = sandbox.run("render sphere.toml -o a.png -o a.exr --aov Z,N --quiet").succeeded();
+    assert_eq!(both.stderr, ""); // the EXR holds them
+}
+
+#[test]
+fn pixels_depend_on_neither_threads_nor_kernel_nor_time() {
+    let sandbox = sandbox();
+    for threads in 1..=3 {
+        sandbox
+            .run(&format!("render sphere.toml -o {threads}.png --threads {threads}"))
+            .succeeded();
+    }
+    sandbox.run("render sphere.toml -o scalar.png --kernel scalar").succeeded();
+    for other in ["2.png", "3.png", "scalar.png"] {
+        assert_eq!(sandbox.bytes("1.png"), sandbox.bytes(other));
+    }
+}
+
+#[test]
+fn the_command_line_overrides_the_scene() {
+    // A plain ball looks alike from everywhere, for the default lights go with the camera.
+    let material = "[[material]]\nname = \"default\"\nlines = { count = [3, 5] }\n";
+    let sandbox = Sandbox::with(&[("sphere.toml", &format!("{SPHERE}{material}"))]);
+    sandbox.run("render sphere.toml -o plain.png").succeeded();
+    let options = [
+        "--size 16x24",
+        "--spp 3",
+        "--samples 2..4",
+        "--seed 5",
+        "--exposure -2",
+        "--integrator normal",
+        "--look-from 3,0,0.5",
+        "--look-at 0,0,0.5",
+        "--up 1,0,0.2",
+        "--fov 60",
+        "--crop 4,2,12,10",
+    ];
+    for option in options {
+        sandbox.run(&format!("render sphere.toml -o other.png {option}")).succeeded();
+        assert_ne!(sandbox.bytes("plain.png"), sandbox.bytes("other.png"), "{option}");
+    }
+    assert_eq!(png_size(&sandbox.bytes("other.png")), (8, 8));
+}
+
+/// From (0, -9, 0) the centre of the sphere is in the middle of the picture, and so is the
+/// point (0, -1, 0), 8 away; at the edge of a narrow view there is still sphere.
+#[test]
+fn look_from_alone_looks_at_the_centre() {
+    let sandbox = sandbox();
+    let line = "render sphere.toml -o a.exr --aov Z,P --size 1x1 --spp 1 --fov 0.001 \
+                --look-from 0,-9,0";
+    sandbox.run(line).succeeded();
+    let image = read_first_flat_layer_from_file(sandbox.path("a.exr")).unwrap();
+    let value = |name: &str| {
+        let list = &image.layer_data.channel_data.list;
+        let channel = list.iter().find(|channel| channel.name.to_string() == name).unwrap();
+        channel.sample_data.value_by_flat_index(0).to_f32()
+    };
+    assert!((value("Z") - 8.0).abs() < 1e-3, "{}", value("Z"));
+    assert!((value("P.Y") + 1.0).abs() < 1e-3, "{}", value("P.Y"));
+}
+
+#[test]
+fn wrong_outputs_are_refused_before_anything_is_read() {
+    let sandbox = sandbox();
+    std::fs::create_dir(sandbox.path("folder.png")).unwrap();
+    for (outputs, error) in [
+        ("-o a.jpg", "a.jpg: cannot write .jpg files; known are .exr and .png"),
+        ("-o a", "a: no extension says how to write it; known are .exr and .png"),
+        ("-o no/a.png", "cannot write no/a.png: there is no folder no"),
+        ("-o folder.png", "cannot write folder.png: it is a folder"),
+        ("-o a.png -o ./a.png", "./a.png is given twice as output"),
+    ] {
+        sandbox.run(&format!("render none.toml {outputs}")).failed(2, error);
+    }
+    assert_eq!(sandbox.files(), ["folder.png", "sphere.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_input_is_not_overwritten() {
+    let sandbox = sandbox();
+    std::os::unix::fs::symlink(sandbox.path("sphere.toml"), sandbox.path("a.png")).unwrap();
+    sandbox
+        .run("render sphere.toml -o a.png")
+        .failed(2, "a.png would be overwritten: it is an input of this run");
+    assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
+}
+
+#[test]
+fn wrong_settings_are_refused() {
+    let sandbox = sandbox();
+    for (options, error) in [
+        ("--size 70000x10", "size 70000x10: a side of a picture has at most 65536 pixels"),
+        ("--crop 0,0,25,16", "crop 0,0,25,16 reaches beyond the picture of size 24x16"),
+        ("--spp 4 --samples 2..5", "--samples up to 5: --spp 4 has the samples 0 to 3 only"),
+        (
+            "--look-from 1,2,3 --look-at 1,2,3",
+            "camera: look_from and look_at are the same point (1, 2, 3)",
+        ),
+        ("--up 0,0,0", "camera: up (0, 0, 0) must not be zero or run along the view"),
+    ] {
+        sandbox.run(&format!("render sphere.toml -o a.png {options}")).failed(2, error);
+    }
+    for (options, first_line) in [
+        (
+            "--size 10",
+            "invalid value '10' for '--size <WxH>': a size is WIDTHxHEIGHT in pixels, such as 1024x768",
+        ),
+        ("--spp 0", "invalid value '0' for '--spp <N>': 0 is not in 1..=4294967295"),
+        (
+            "--samples 5..5",
+            "invalid value '5..5' for '--samples <A..B>': there are no samples in it: A must be smaller than B",
+        ),
+        (
+            "--crop 5,0,5,9",
+            "invalid value '5,0,5,9' for '--crop <X0,Y0,X1,Y1>': there are no pixels in it: \
+             a crop needs X0 < X1 and Y0 < Y1",
+        ),
+        (
+            "--look-from 1,2",
+            "invalid value '1,2' for '--look-from <X,Y,Z>': three finite numbers X,Y,Z are needed, such as 1,-2.5,4",
+        ),
+        (
+            "--fov 180",
+            "invalid value '180' for '--fov <DEG>': degrees between 0 and 180, ends not included, \
+             are needed, such as 35",
+        ),
+        (
+            "--exposure nan",
+            "invalid value 'nan' for '--exposure <EV>': a finite number is needed, such as -1.5",
+        ),
+        (
+            "--aov Z,albeda",
+            "invalid value 'Z,albeda' for '--aov <LIST>': unknown AOV \"albeda\"; did you mean \"Albedo\"?",
+        ),
+        ("--integrator nromal", "invalid value 'nromal' for '--integrator <NAME>'"),
+    ] {
+        sandbox.run(&format!("render sphere.toml -o a.png {options}")).misused(first_line);
+    }
+    assert_eq!(sandbox.files(), ["sphere.toml"]);
+}
+
+#[test]
+fn a_field_of_view_needs_a_perspective_camera() {
+    let scene = format!("[camera]\northographic = {{ height = 3 }}\n{SPHERE}");
+    let sandbox = Sandbox::with(&[("flat.toml", &scene)]);
+    let error = "--fov: the camera of flat.toml is orthographic and has no field of view";
+    sandbox.run("render flat.toml -o a.png --fov 30").failed(2, error);
+    sandbox.run("render flat.toml -o a.png --look-from 5,5,5").succeeded();
+}
+
+#[test]
+fn a_failed_run_leaves_older_pictures_alone() {
+    let sandbox = sandbox();
+    std::fs::write(sandbox.path("a.png"), "older").unwrap();
+    let run = sandbox.run("render sphere.toml -o a.png --crop 0,0,99,99");
+    assert_eq!(run.code, 2);
+    assert_eq!(sandbox.bytes("a.png"), b"older");
+    sandbox.run("render sphere.toml -o a.png").succeeded();
+    assert_ne!(sandbox.bytes("a.png"), b"older");
+    assert_eq!(sandbox.files(), ["a.png", "sphere.toml"]);
+}
