@@ -1,5 +1,11 @@
-//! Numbers: rays, intervals, Bernstein polynomials. Depends on glam only.
+//! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on glam only.
 
+mod aabb;
+pub mod bernstein;
 mod ray;
+mod ray_frame;
+pub mod rounding;
 
+pub use aabb::Aabb;
 pub use ray::{Ray, RayError};
+pub use ray_frame::RayFrame;

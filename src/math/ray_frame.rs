@@ -1,0 +1,98 @@
+//! A ray as the meeting of two planes.
+
+use glam::DVec3;
+
+use super::Ray;
+
+/// Coordinates in which a ray is the third axis.
+///
+/// `x` and `y` are the distances from two perpendicular planes that meet in the ray, `z`
+/// the distance along it in scene units: a point lies on the ray's line where
+/// `x = y = 0`, and its ray parameter is `t = z / |d|` (Kajiya 1982).
+#[derive(Clone, Copy, Debug)]
+pub struct RayFrame {
+    /// The ray's origin.
+    pub origin: DVec3,
+    /// The unit direction.
+    pub axis: DVec3,
+    /// The unit normals of the two planes.
+    pub normals: [DVec3; 2],
+    /// `1 / |d|`: takes a distance to the ray parameter.
+    pub t_from_z: f64,
+    /// The range of `z`, from the ray's range of `t`.
+    pub z_range: [f64; 2],
+    /// The largest coordinate magnitude of the origin.
+    pub magnitude: f64,
+}
+
+impl RayFrame {
+    /// The frame of a ray, whatever the length of its direction.
+    pub fn new(ray: &Ray) -> Self {
+        let (axis, length) = unit_and_length(ray.direction());
+        let normals = perpendicular(axis);
+        let z_range = [ray.t_min() * length, ray.t_max() * length];
+        let origin = ray.origin();
+        let magnitude = origin.abs().max_element();
+        Self { origin, axis, normals, t_from_z: 1.0 / length, z_range, magnitude }
+    }
+
+    /// The point's distances from the two planes and along the ray.
+    pub fn coordinates(&self, point: DVec3) -> DVec3 {
+        let from_origin = point - self.origin;
+        DVec3::new(
+            self.normals[0].dot(from_origin),
+            self.normals[1].dot(from_origin),
+            self.axis.dot(from_origin),
+        )
+    }
+}
+
+/// The unit vector along `v` and the length of `v`; scaled first, so that neither the
+/// squares of tiny nor those of huge components are lost.
+fn unit_and_length(v: DVec3) -> (DVec3, f64) {
+    let largest = v.abs().max_element();
+    let scaled = v / largest;
+    let length = scaled.length();
+    (scaled / length, largest * length)
+}
+
+/// Two unit vectors perpendicular to a unit vector and to each other, without a branch
+/// on its direction (Duff et al., "Building an orthonormal basis, revisited", 2017).
+fn perpendicular(axis: DVec3) -> [DVec3; 2] {
+    let sign = 1f64.copysign(axis.z);
+    let a = -1.0 / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    [
+        DVec3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x),
+        DVec3::new(b, sign + axis.y * axis.y * a, -axis.y),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_orthonormal_for_any_direction_and_length() {
+        let directions = [
+            DVec3::X,
+            -DVec3::Z,
+            DVec3::new(1.0, -2.0, 3.0),
+            DVec3::new(1e-200, 2e-200, -1e-200),
+            DVec3::new(1e200, 1e200, 0.0),
+            DVec3::new(1e-9, 1e-9, -1.0),
+        ];
+        for d in directions {
+            let frame = RayFrame::new(&Ray::new(DVec3::ONE, d).unwrap());
+            let [x, y, z] = [frame.normals[0], frame.normals[1], frame.axis];
+            for (a, b, expected) in
+                [(x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0)]
+            {
+                assert!((a.dot(b) - expected).abs() < 1e-15, "{d}");
+            }
+            let t = 7.0;
+            let z = frame.coordinates(DVec3::ONE + t * d).z;
+            assert!((z * frame.t_from_z - t).abs() < 1e-14 * t || d.length() == 0.0, "{d}");
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What rounding costs: the unit roundoff and the bounds built on it.
+
+/// The unit roundoff of f64, `u = 2⁻⁵³`: one operation errs by at most this, relatively.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// How far a computed point of a Bézier piece may be from the true one, per unit of the
+/// largest coordinate: `C(p, q) · u` with `C = 4 (p + q + 4)`.
+///
+/// A basis function of degree `p` is a product of `p` rounded powers and two rounded
+/// constants, so it errs by at most `(2p + 2) u`; the sum over `(p + 1)(q + 1)` positive
+/// terms adds `(p + q + 2) u`, numerator and denominator double that for a rational
+/// piece, and the difference to the ray's origin and the dot product with a plane's
+/// normal add the rest (Higham 2002, ch. 3). The worst case would be about
+/// `6 (p + q + 4)`; errors of random sign stay well below half of it, and the bound
+/// taken here is the promise the tests hold us to.
+pub fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
+    4.0 * (degree_u + degree_v + 4) as f64 * UNIT_ROUNDOFF
+}
+
+/// The largest f32 not above `x`.
+pub fn f32_below(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+}
+
+/// The smallest f32 not below `x`.
+pub fn f32_above(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn f32_conversions_enclose() {
+        for x in [0.1, -0.1, 1e30, -1e-30, 1.0, 0.0, 16777217.0, 1e300, -1e300, 1e-320] {
+            assert!(f64::from(f32_below(x)) <= x && x <= f64::from(f32_above(x)), "{x}");
+            assert!(f32_above(x) <= f32_below(x).next_up(), "{x}: not the nearest two");
+        }
+    }
+}
