@@ -1,7 +1,20 @@
 //! Curves and surfaces as authored: knot vectors, control nets, weights.
 
+mod arrange;
+mod basis;
+mod derivatives;
+mod evaluate;
+mod knot_error;
 mod knots;
+mod line;
+mod refine;
+pub mod shapes;
 mod surface;
+mod surface_error;
 
-pub use knots::KnotVector;
+pub use basis::{BasisDerivatives, BasisValues};
+pub use derivatives::SurfaceDerivatives;
+pub use knot_error::KnotError;
+pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
 pub use surface::NurbsSurface;
+pub use surface_error::{Direction, SurfaceError};

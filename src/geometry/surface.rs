@@ -1,24 +1,167 @@
 //! Tensor-product NURBS surfaces.
 
-use glam::DVec4;
+use glam::{DVec3, DVec4, Vec4Swizzles};
 
-use super::KnotVector;
+use super::{Direction, KnotVector, SurfaceError};
 
-/// A tensor-product NURBS surface.
+/// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
+///
+/// Stored is the homogeneous net `(w x, w y, w z, w)`, v fastest: point `(i, j)` is at
+/// index `i nv + j`. What is stored is the truth: the products as they were rounded.
+///
+/// # Invariants, checked once on construction and relied on everywhere else
+/// - the net has `nu × nv` points, the numbers the knot vectors ask for;
+/// - all coordinates are finite, all weights positive, finite and not subnormal;
+/// - the control points are not all the same (within rounding).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsSurface {
     knots: [KnotVector; 2],
     control: Vec<DVec4>,
+    rational: bool,
 }
 
+/// Control points closer together than this, relative to their largest coordinate, cannot
+/// be told from one point whose coordinates were multiplied and divided by a weight.
+const SAME_POINT: f64 = 4.0 * f64::EPSILON;
+
 impl NurbsSurface {
-    /// The knot vector in u.
+    /// A surface from its knots, its control points (v fastest), and their weights;
+    /// without weights it is polynomial.
+    ///
+    /// # Errors
+    /// When one of the invariants above does not hold.
+    pub fn new(
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        points: Vec<DVec3>,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self, SurfaceError> {
+        check_count(&knots_u, &knots_v, points.len())?;
+        let nv = knots_v.point_count();
+        if let Some(k) = points.iter().position(|point| !point.is_finite()) {
+            return Err(SurfaceError::Point { i: k / nv, j: k % nv, point: points[k] });
+        }
+        let weights = weights.unwrap_or_else(|| vec![1.0; points.len()]);
+        if weights.len() != points.len() {
+            let (weights, points) = (weights.len(), points.len());
+            return Err(SurfaceError::WeightCount { weights, points });
+        }
+        let control = points.iter().zip(&weights).map(|(&point, &w)| (w * point).extend(w));
+        Self::from_homogeneous(knots_u, knots_v, control.collect())
+    }
+
+    /// A surface from its knots and its homogeneous control points `(w x, w y, w z, w)`,
+    /// v fastest.
+    ///
+    /// # Errors
+    /// When one of the invariants above does not hold.
+    pub fn from_homogeneous(
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        control: Vec<DVec4>,
+    ) -> Result<Self, SurfaceError> {
+        check_count(&knots_u, &knots_v, control.len())?;
+        let nv = knots_v.point_count();
+        for (k, point) in control.iter().enumerate() {
+            let (i, j, weight) = (k / nv, k % nv, point.w);
+            let usable = weight.is_normal() && weight > 0.0;
+            if !usable {
+                return Err(SurfaceError::Weight { i, j, weight });
+            }
+            if !point.is_finite() || !(point.xyz() / weight).is_finite() {
+                return Err(SurfaceError::Point { i, j, point: point.xyz() / weight });
+            }
+        }
+        let surface = Self::assembled([knots_u, knots_v], control);
+        surface.check_extent()?;
+        Ok(surface)
+    }
+
+    /// A surface from parts that an operation on a valid one has left valid.
+    pub(super) fn assembled(knots: [KnotVector; 2], control: Vec<DVec4>) -> Self {
+        debug_assert_eq!(control.len(), knots[0].point_count() * knots[1].point_count());
+        let rational = control.iter().any(|point| point.w != control[0].w);
+        Self { knots, control, rational }
+    }
+
+    /// Refuses a surface whose control points all coincide.
+    pub(super) fn check_extent(&self) -> Result<(), SurfaceError> {
+        let euclidean = |point: &DVec4| point.xyz() / point.w;
+        let first = euclidean(&self.control[0]);
+        let (mut low, mut high) = (first, first);
+        for point in self.control.iter().map(euclidean) {
+            low = low.min(point);
+            high = high.max(point);
+        }
+        let magnitude = low.abs().max(high.abs()).max_element();
+        let extended = (high - low).max_element() > SAME_POINT * magnitude;
+        if extended { Ok(()) } else { Err(SurfaceError::NoExtent { point: first }) }
+    }
+
+    /// The knots in u.
     pub fn knots_u(&self) -> &KnotVector {
         &self.knots[0]
+    }
+
+    /// The knots in v.
+    pub fn knots_v(&self) -> &KnotVector {
+        &self.knots[1]
+    }
+
+    /// The knots in one direction.
+    pub fn knots(&self, direction: Direction) -> &KnotVector {
+        match direction {
+            Direction::U => &self.knots[0],
+            Direction::V => &self.knots[1],
+        }
+    }
+
+    /// The numbers of control points along u and along v.
+    pub fn size(&self) -> (usize, usize) {
+        (self.knots[0].point_count(), self.knots[1].point_count())
     }
 
     /// The homogeneous control net `(w x, w y, w z, w)`, v fastest.
     pub fn control(&self) -> &[DVec4] {
         &self.control
+    }
+
+    /// Control point `(i, j)` in space.
+    pub fn point(&self, i: usize, j: usize) -> DVec3 {
+        let point = self.homogeneous(i, j);
+        point.xyz() / point.w
+    }
+
+    /// The weight of control point `(i, j)`.
+    pub fn weight(&self, i: usize, j: usize) -> f64 {
+        self.homogeneous(i, j).w
+    }
+
+    pub(super) fn homogeneous(&self, i: usize, j: usize) -> DVec4 {
+        self.control[i * self.knots[1].point_count() + j]
+    }
+
+    /// Whether the weights differ; with equal weights the surface is polynomial.
+    pub fn is_rational(&self) -> bool {
+        self.rational
+    }
+
+    /// The domain in u and in v.
+    pub fn domain(&self) -> [(f64, f64); 2] {
+        [self.knots[0].domain(), self.knots[1].domain()]
+    }
+}
+
+/// Multiplies with care: counts come from files.
+fn check_count(
+    knots_u: &KnotVector,
+    knots_v: &KnotVector,
+    points: usize,
+) -> Result<(), SurfaceError> {
+    let (nu, nv) = (knots_u.point_count(), knots_v.point_count());
+    if nu.checked_mul(nv) == Some(points) {
+        Ok(())
+    } else {
+        Err(SurfaceError::PointCount { points, nu, nv })
     }
 }

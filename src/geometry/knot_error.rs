@@ -1,0 +1,108 @@
+//! Why numbers cannot be the knots of a spline.
+
+use thiserror::Error;
+
+use super::knots::{MAX_DEGREE, MAX_POINTS};
+
+/// Why numbers cannot be the knots of a spline: what was found and what is needed.
+///
+/// A reader that catches one adds the file, the line, the surface's name and the direction.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum KnotError {
+    /// The degree is 0 or above [`MAX_DEGREE`].
+    #[error("degree {degree}: degrees from 1 to {MAX_DEGREE} are supported")]
+    Degree {
+        /// The degree as given.
+        degree: usize,
+    },
+    /// Fewer control points than a spline of this degree has in a single span.
+    #[error("{points} points of degree {degree}: at least {} are needed", degree + 1)]
+    TooFewPoints {
+        /// The number of control points given, or left by the number of knots.
+        points: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// Too few knots for even one span.
+    #[error("{knots} knots: degree {degree} needs at least {}", 2 * degree + 2)]
+    TooFewKnots {
+        /// The number of knots given.
+        knots: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// More control points in one direction than [`MAX_POINTS`]; nothing was allocated.
+    #[error("{points} points: at most {MAX_POINTS} in one direction are supported")]
+    TooManyPoints {
+        /// The number of control points asked for.
+        points: usize,
+    },
+    /// The number of knots does not match the degree and the control points.
+    #[error("{knots} knots, but {points} points of degree {degree} need {}", points + degree + 1)]
+    Count {
+        /// The number of knots given.
+        knots: usize,
+        /// The number of control points.
+        points: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// A knot is NaN or infinite.
+    #[error("knot {index} is {knot}: knots must be finite numbers")]
+    NotFinite {
+        /// Which knot, counted from 0.
+        index: usize,
+        /// Its value.
+        knot: f64,
+    },
+    /// A knot is smaller than the one before it.
+    #[error("knot {index} is {knot} after {before}: knots must not decrease")]
+    Order {
+        /// Which knot, counted from 0.
+        index: usize,
+        /// The knot before it.
+        before: f64,
+        /// Its value.
+        knot: f64,
+    },
+    /// A knot is repeated so often that a control point would have no influence at all.
+    #[error("knot {knot} is repeated {times} times: degree {degree} allows up to {}", degree + 1)]
+    Multiplicity {
+        /// The repeated value.
+        knot: f64,
+        /// How often it occurs.
+        times: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// A knot is listed with multiplicity 0.
+    #[error("knot {knot} is listed with multiplicity 0: leave it out or give at least 1")]
+    NoMultiplicity {
+        /// The value.
+        knot: f64,
+    },
+    /// The domain has no length.
+    #[error(
+        "the domain [{start}, {end}] is empty: knots {degree} and {last} (counted from 0) \
+         must differ"
+    )]
+    EmptyDomain {
+        /// The knot at index `degree`.
+        start: f64,
+        /// The knot at index `last`.
+        end: f64,
+        /// The degree.
+        degree: usize,
+        /// The number of control points, the index of the domain's last knot.
+        last: usize,
+    },
+    /// The knots lie so far apart that their differences overflow.
+    #[error("the knots run from {first} to {last}: their difference is not a finite number")]
+    TooWide {
+        /// The first knot.
+        first: f64,
+        /// The last knot.
+        last: f64,
+    },
+}

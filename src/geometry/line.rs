@@ -1,0 +1,99 @@
+//! One line of homogeneous control points along one knot vector: what curves and the rows
+//! and columns of surfaces have in common.
+//!
+//! Everything here forms convex combinations only, coordinate by coordinate, and keeps a
+//! coordinate that is equal in both points as it is, bit for bit. So weights stay
+//! positive, equal weights stay equal, flat nets stay flat and collapsed edges collapsed.
+
+use glam::DVec4;
+
+use super::knots::KnotVector;
+
+/// `(1 − α) a + α b` for `0 ≤ α ≤ 1`, coordinates that are equal kept as they are.
+pub(crate) fn mix(a: DVec4, b: DVec4, alpha: f64) -> DVec4 {
+    let beta = 1.0 - alpha;
+    let one = |a: f64, b: f64| if a == b { a } else { beta * a + alpha * b };
+    DVec4::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z), one(a.w, b.w))
+}
+
+/// Inserts the knots `new`, in increasing order, into a line of control points: the
+/// control points of the same spline over the knots it had and the new ones.
+///
+/// The new knots must lie in the domain and no knot may end up with more than `p + 1`
+/// copies. Adding the last of them duplicates a control point: there the spline falls apart.
+///
+/// Boehm 1980. Inserting `t`, with `s` knots equal to `t` and the others below `t` ending
+/// at index `l`, replaces `P_{l+s−p}, …, P_l` by `Q_i = (1 − αᵢ) P_{i−1} + αᵢ Pᵢ`,
+/// `αᵢ = (t − tᵢ) / (tᵢ₊ₚ − tᵢ)`, for `i` from `l + s − p + 1` to `l`, and `P_l`. Going from left to right,
+/// everything right of `t` is still untouched, so that one sweep does all insertions.
+pub(crate) fn refine(knots: &KnotVector, points: &[DVec4], new: &[f64]) -> Vec<DVec4> {
+    let p = knots.degree();
+    let old = knots.values();
+    let mut done_knots = Vec::with_capacity(old.len() + new.len());
+    let mut done = Vec::with_capacity(points.len() + new.len());
+    let (mut next_knot, mut next_point) = (0, 0);
+    for &t in new {
+        // Take over all knots up to t, and all points up to the last one that t changes.
+        let upto = next_knot + old[next_knot..].partition_point(|&knot| knot <= t);
+        done_knots.extend_from_slice(&old[next_knot..upto]);
+        next_knot = upto;
+        let below = done_knots.partition_point(|&knot| knot < t); // l + 1
+        if below > done.len() {
+            let missing = below - done.len();
+            done.extend_from_slice(&points[next_point..next_point + missing]);
+            next_point += missing;
+        }
+
+        // Insert: from the right, so that the old points are still there to be combined.
+        let (l, last) = (below - 1, done_knots.len() - 1);
+        done.insert(l + 1, done[l]);
+        for i in (last + 1 - p..=l).rev() {
+            let right = old[next_knot + (i + p - done_knots.len())];
+            let left = done_knots[i];
+            done[i] = mix(done[i - 1], done[i], (t - left) / (right - left));
+        }
+        done_knots.push(t);
+    }
+    done.extend_from_slice(&points[next_point..]);
+    done
+}
+
+/// The knots `old` together with `new`, both in increasing order.
+pub(crate) fn merged(old: &[f64], new: &[f64]) -> Vec<f64> {
+    let mut values = Vec::with_capacity(old.len() + new.len());
+    let mut rest = new;
+    for &knot in old {
+        let before = rest.partition_point(|&t| t < knot);
+        values.extend_from_slice(&rest[..before]);
+        rest = &rest[before..];
+        values.push(knot);
+    }
+    values.extend_from_slice(rest);
+    values
+}
+
+/// The part of a spline between two parameters `start < end` of its domain, clamped:
+/// both become knots of multiplicity `p + 1` and the ends of the domain.
+///
+/// On the domain's own ends this turns an unclamped or periodic spline into a clamped one.
+pub(crate) fn restrict(
+    knots: &KnotVector,
+    points: &[DVec4],
+    (start, end): (f64, f64),
+) -> (KnotVector, Vec<DVec4>) {
+    let p = knots.degree();
+    let missing = |t| p.saturating_sub(knots.multiplicity(t));
+    let mut new = vec![start; missing(start)];
+    new.extend(std::iter::repeat_n(end, missing(end)));
+    let values = merged(knots.values(), &new);
+    let points = refine(knots, points, &new);
+
+    // With p copies of each end present, the points from `first` to `beyond − 1` alone
+    // decide what happens between them, whatever knots lie outside.
+    let last_start = values.partition_point(|&knot| knot <= start) - 1;
+    let beyond = values.partition_point(|&knot| knot < end);
+    let mut kept = vec![start; p + 1];
+    kept.extend_from_slice(&values[last_start + 1..beyond]);
+    kept.extend(std::iter::repeat_n(end, p + 1));
+    (KnotVector::derived(p, kept), points[last_start - p..beyond].to_vec())
+}

@@ -1,0 +1,45 @@
+//! Named shapes: exact quadrics and the documents' patches as NURBS surfaces.
+//!
+//! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside.
+
+mod documents;
+mod quadrics;
+mod revolved;
+
+pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
+pub use quadrics::{hemisphere, octant_biquadratic, octant_of_the_note, plane, sphere};
+pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
+
+use thiserror::Error;
+
+/// Why numbers cannot be the measures of a shape.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A radius, width or height is not a usable length.
+    #[error("{measure} {value}: it must be positive and finite (from 1e-150 to 1e150)")]
+    Length {
+        /// Which measure.
+        measure: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The tube of a torus is as thick as its circle, or thicker.
+    #[error(
+        "minor radius {minor}: it must be smaller than the major radius {major}, \
+         else the torus meets itself"
+    )]
+    Torus {
+        /// The radius of the circle in the middle of the tube.
+        major: f64,
+        /// The radius of the tube.
+        minor: f64,
+    },
+}
+
+/// Lengths outside this range would overflow or vanish when a later step squares them.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+fn check_length(measure: &'static str, value: f64) -> Result<(), ShapeError> {
+    if LENGTHS.contains(&value) { Ok(()) } else { Err(ShapeError::Length { measure, value }) }
+}

@@ -1,0 +1,162 @@
+//! Spheres as in the source note, and the plane.
+//!
+//! D. Eberly, "Representing a Circle or a Sphere with NURBS", 2003–2015 (its tables 2 and 3).
+
+use glam::{DVec3, DVec4};
+
+use super::{ShapeError, check_length};
+use crate::geometry::{KnotVector, NurbsSurface};
+
+/// The half circle `x ≥ 0` from `(0, 1)` to `(0, −1)`, as `(x, y, w)` with `x`, `y` not yet
+/// multiplied by `w`. Its square sum is 1 because the weights are 1/3 and `x` is 2.
+const HALF_CIRCLE: [(f64, f64, f64); 4] =
+    [(0.0, 1.0, 1.0), (2.0, 1.0, 1.0 / 3.0), (2.0, -1.0, 1.0 / 3.0), (0.0, -1.0, 1.0)];
+
+/// The circle in the plane of x and y that starts at `(1, 0)`, as `(x, y, w)`: two half
+/// circles, stretched to what a row of a sphere's net needs.
+const AROUND: [(f64, f64, f64); 7] = [
+    (1.0, 0.0, 1.0),
+    (1.0, 2.0, 1.0 / 3.0),
+    (-1.0, 2.0, 1.0 / 3.0),
+    (-1.0, 0.0, 1.0),
+    (-1.0, -2.0, 1.0 / 3.0),
+    (1.0, -2.0, 1.0 / 3.0),
+    (1.0, 0.0, 1.0),
+];
+
+/// The sphere of the source note, around the origin: bicubic, 4 × 7 control points.
+///
+/// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y`; both in
+/// `[0, 1]`, with the half planes of `v = 1/2` and of the seam `v = 0 = 1` both at `y = 0`.
+/// The note's parametrisation is oriented outward as it stands.
+///
+/// # Errors
+/// When the radius is not positive and finite.
+pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
+    check_length("radius", radius)?;
+    let half = 0.5;
+    let values = vec![0.0, 0.0, 0.0, 0.0, half, half, half, 1.0, 1.0, 1.0, 1.0];
+    Ok(spherical(radius, KnotVector::derived(3, values), &AROUND))
+}
+
+/// Half of [`sphere`], `y ≥ 0`: a single bicubic piece of 4 × 4 control points.
+///
+/// # Errors
+/// When the radius is not positive and finite.
+pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
+    check_length("radius", radius)?;
+    Ok(spherical(radius, unit_knots(3), &AROUND[..4]))
+}
+
+/// The product of the half circle from pole to pole and a circle around.
+fn spherical(radius: f64, knots_v: KnotVector, around: &[(f64, f64, f64)]) -> NurbsSurface {
+    let control = HALF_CIRCLE.iter().flat_map(|&(r, z, weight)| {
+        around.iter().map(move |&(x, y, w)| {
+            let w = weight * w;
+            (w * radius * DVec3::new(r * x, r * y, z)).extend(w)
+        })
+    });
+    NurbsSurface::assembled([unit_knots(3), knots_v], control.collect())
+}
+
+/// The octant `x, y, z ≥ 0` of a sphere around the origin, biquadratic, on the unit square.
+///
+/// `u` runs around from the plane `y = 0` to `x = 0`, `v` up from the equator `z = 0` to
+/// the pole. It is [`octant_of_the_note`] with its parameters exchanged, which turns the
+/// normals outward.
+///
+/// # Errors
+/// When the radius is not positive and finite.
+pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
+    Ok(octant_of_the_note(radius)?.swapped())
+}
+
+/// The biquadratic octant with the source note's parameters, whose normals point *inward*:
+/// `((1−u²)(1−v²), (1−u²) 2v, 2u (1+v²)) / ((1+u²)(1+v²))` on the unit square.
+///
+/// `u = 1` is the pole, `v` runs around. (The note gives the triangle `u + v ≤ 1` as its
+/// domain, which covers only three quarters of the octant.)
+///
+/// # Errors
+/// When the radius is not positive and finite.
+pub fn octant_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
+    check_length("radius", radius)?;
+    // Bézier coefficients of 1 − t², 2t and 1 + t².
+    let quarter = [(1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 2.0, 2.0)];
+    let control = quarter.iter().flat_map(|&(r, z, weight)| {
+        quarter
+            .iter()
+            .map(move |&(x, y, w)| (radius * DVec3::new(r * x, r * y, z * w)).extend(weight * w))
+    });
+    Ok(NurbsSurface::assembled([unit_knots(2), unit_knots(2)], control.collect()))
+}
+
+/// The rectangle of this width (along x) and height (along y) around the origin in the
+/// plane `z = 0`, facing `+z`; `(u, v)` in the unit square.
+///
+/// # Errors
+/// When width or height is not positive and finite.
+pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
+    check_length("width", width)?;
+    check_length("height", height)?;
+    let (x, y) = (width / 2.0, height / 2.0);
+    let corner = |x, y| DVec4::new(x, y, 0.0, 1.0);
+    let control = vec![corner(-x, -y), corner(-x, y), corner(x, -y), corner(x, y)];
+    Ok(NurbsSurface::assembled([unit_knots(1), unit_knots(1)], control))
+}
+
+/// The knots of one Bézier piece on `[0, 1]`.
+pub(super) fn unit_knots(degree: usize) -> KnotVector {
+    let mut values = vec![0.0; degree + 1];
+    values.extend(std::iter::repeat_n(1.0, degree + 1));
+    KnotVector::derived(degree, values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: DVec3, b: [f64; 3]) {
+        assert!((a - DVec3::from(b)).length() <= 1e-14 * a.length().max(1.0), "{a} is not {b:?}");
+    }
+
+    #[test]
+    fn sphere_has_the_values_of_the_source_note() {
+        let sphere = sphere(1.0).unwrap();
+        let cases = [
+            ((0.5, 0.25), [0., 1., 0.], [0., 0., -4.], [-8., 0., 0.]),
+            (
+                (0.25, 0.125),
+                [12. / 25., 9. / 25., 4. / 5.],
+                [256. / 125., 192. / 125., -48. / 25.],
+                [-288. / 125., 384. / 125., 0.],
+            ),
+            (
+                (1. / 3., 1. / 6.),
+                [12. / 25., 16. / 25., 3. / 5.],
+                [162. / 125., 216. / 125., -72. / 25.],
+                [-576. / 125., 432. / 125., 0.],
+            ),
+            ((0.5, 0.75), [0., -1., 0.], [0., 0., -4.], [8., 0., 0.]),
+            (
+                (0.2, 0.875),
+                [32. / 85., -24. / 85., 15. / 17.],
+                [600. / 289., -450. / 289., -400. / 289.],
+                [768. / 425., 1024. / 425., 0.],
+            ),
+            (
+                (0.75, 0.625),
+                [-12. / 25., -9. / 25., -4. / 5.],
+                [256. / 125., 192. / 125., -48. / 25.],
+                [288. / 125., -384. / 125., 0.],
+            ),
+        ];
+        for ((u, v), point, du, dv) in cases {
+            let s = sphere.derivatives(u, v);
+            close(s.point, point);
+            close(s.du, du);
+            close(s.dv, dv);
+            close(sphere.normal(u, v).unwrap(), point);
+        }
+    }
+}
