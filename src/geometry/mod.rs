@@ -3,6 +3,7 @@
 mod arrange;
 mod basis;
 mod derivatives;
+mod elevate;
 mod evaluate;
 mod knot_error;
 mod knots;
@@ -18,3 +19,6 @@ pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
 pub use surface::NurbsSurface;
 pub use surface_error::{Direction, SurfaceError};
+
+#[cfg(test)]
+mod refine_tests;

@@ -1,9 +1,11 @@
-//! Other control nets for the same surface: knot insertion and clamping.
+//! Other control nets for the same surface, and for its parts: knot insertion, clamping,
+//! splitting, degree elevation.
 
 use glam::DVec4;
 
+use super::elevate::elevate;
 use super::line::{merged, refine, restrict};
-use super::{Direction, KnotError, KnotVector, NurbsSurface, SurfaceError};
+use super::{Direction, KnotError, KnotVector, MAX_DEGREE, NurbsSurface, SurfaceError};
 
 impl NurbsSurface {
     /// The same surface with the knot `t` inserted `times` times in u.
@@ -58,6 +60,90 @@ impl NurbsSurface {
         self.restricted(Direction::U, domain_u).restricted(Direction::V, domain_v)
     }
 
+    /// The same surface as a net of Bézier pieces: clamped, with every inner knot at least
+    /// `p` times. Neighbouring pieces share the control points of their common edge, except
+    /// where a knot of multiplicity `p + 1` lets the surface jump.
+    #[must_use]
+    pub fn bezier_form(&self) -> Self {
+        let clamped = self.clamped();
+        let missing_u = clamped.knots_u().missing_for_bezier();
+        let missing_v = clamped.knots_v().missing_for_bezier();
+        clamped.refined(Direction::U, &missing_u).refined(Direction::V, &missing_v)
+    }
+
+    /// The two parts of the surface below and above `u = t`, each clamped in u.
+    ///
+    /// They share the control points of the edge between them bit for bit, unless a knot of
+    /// multiplicity `p + 1` lets the surface jump there.
+    ///
+    /// # Errors
+    /// When `t` is not inside the domain, or a part is only a point.
+    pub fn split_u(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
+        self.split(Direction::U, t)
+    }
+
+    /// The two parts of the surface below and above `v = t`, each clamped in v; as
+    /// [`NurbsSurface::split_u`].
+    ///
+    /// # Errors
+    /// When `t` is not inside the domain, or a part is only a point.
+    pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
+        self.split(Direction::V, t)
+    }
+
+    fn split(&self, direction: Direction, t: f64) -> Result<(Self, Self), SurfaceError> {
+        let (start, end) = self.knots(direction).domain();
+        let inside = start < t && t < end; // false for NaN
+        if !inside {
+            return Err(SurfaceError::Parameter { direction, t, start, end });
+        }
+        // Both parts are cut from one net, so that they agree on their common edge.
+        let clamped = self.restricted(direction, (start, end));
+        let knots = clamped.knots(direction);
+        let missing = knots.degree().saturating_sub(knots.multiplicity(t));
+        let whole = clamped.refined(direction, &vec![t; missing]);
+        let below = whole.restricted(direction, (start, t));
+        let above = whole.restricted(direction, (t, end));
+        below.check_extent()?;
+        above.check_extent()?;
+        Ok((below, above))
+    }
+
+    /// The same surface with its degree in u raised `times` times; clamped in u.
+    ///
+    /// Inner knots are repeated `times` times more, as their smoothness demands.
+    ///
+    /// # Errors
+    /// When the degree would exceed [`MAX_DEGREE`].
+    pub fn elevated_u(&self, times: usize) -> Result<Self, SurfaceError> {
+        self.elevated(Direction::U, times)
+    }
+
+    /// The same surface with its degree in v raised `times` times; as
+    /// [`NurbsSurface::elevated_u`].
+    ///
+    /// # Errors
+    /// When the degree would exceed [`MAX_DEGREE`].
+    pub fn elevated_v(&self, times: usize) -> Result<Self, SurfaceError> {
+        self.elevated(Direction::V, times)
+    }
+
+    fn elevated(&self, direction: Direction, times: usize) -> Result<Self, SurfaceError> {
+        let knots = self.knots(direction);
+        let degree = knots.degree().saturating_add(times);
+        if degree > MAX_DEGREE {
+            let error = KnotError::Degree { degree };
+            return Err(SurfaceError::Knots { direction, error });
+        }
+        let mut surface = self.restricted(direction, knots.domain());
+        for _ in 0..times {
+            let knots = surface.knots(direction);
+            let (to, _) = elevate(knots, &vec![DVec4::W; knots.point_count()]);
+            surface = surface.with_lines(direction, to, |line| elevate(knots, line).1);
+        }
+        Ok(surface)
+    }
+
     /// The part of the surface between two parameters of its domain, clamped there.
     pub(super) fn restricted(&self, direction: Direction, range: (f64, f64)) -> Self {
         let knots = self.knots(direction);
@@ -89,34 +175,6 @@ impl NurbsSurface {
                 }
                 Self::assembled([knots, self.knots_v().clone()], control)
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::DVec3;
-
-    use super::*;
-
-    #[test]
-    fn a_uniform_surface_keeps_its_place_when_clamped_or_refined() {
-        let knots = |p, n| KnotVector::uniform(p, n).unwrap();
-        let points = (0..6 * 7).map(|k| {
-            let (i, j) = ((k / 7) as f64, (k % 7) as f64);
-            DVec3::new(i, j, (1.3 * i + j).sin())
-        });
-        let weights = (0..6 * 7).map(|k| 1.0 + 0.3 * f64::from(k).cos()).collect();
-        let s =
-            NurbsSurface::new(knots(3, 6), knots(2, 7), points.collect(), Some(weights)).unwrap();
-        let refined = s.insert_knot_u(4.5, 4).unwrap().insert_knot_v(3.0, 1).unwrap();
-        let clamped = s.clamped();
-        assert!(clamped.knots_u().is_clamped() && clamped.knots_v().is_clamped());
-        for k in 0..=30 {
-            let (u, v) = (3.0 + 0.1 * f64::from(k), 2.0 + f64::from(k) / 6.0);
-            let point = s.point_at(u, v);
-            assert!((point - clamped.point_at(u, v)).length() < 1e-14);
-            assert!((point - refined.point_at(u, v)).length() < 1e-14);
         }
     }
 }

@@ -84,7 +84,9 @@ pub enum SurfaceError {
         point: DVec3,
     },
     /// A parameter does not lie where the operation needs it.
-    #[error("direction {direction}: the parameter {t} does not lie within ({start}, {end})")]
+    #[error(
+        "direction {direction}: the parameter {t} does not lie inside the domain from {start} to {end}"
+    )]
     Parameter {
         /// Which direction.
         direction: Direction,
