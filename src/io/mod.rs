@@ -7,7 +7,7 @@ mod embree_error;
 #[cfg(feature = "embree")]
 mod embree_rays;
 #[cfg(feature = "embree")]
-mod mesh;
+pub mod mesh;
 
 #[cfg(feature = "embree")]
 pub use embree::{Embree, EmbreePrimitive, EmbreeScene};
@@ -15,5 +15,3 @@ pub use embree::{Embree, EmbreePrimitive, EmbreeScene};
 pub use embree_error::EmbreeError;
 #[cfg(feature = "embree")]
 pub use embree_rays::{EmbreeHit, EmbreeRays, PacketWidth};
-#[cfg(feature = "embree")]
-pub use mesh::{Grid, GridMesh, MAX_GRID_SIDE, MeshError, MeshPoint};

@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::intersect::Coherence;
-use nurbray::io::{Embree, EmbreePrimitive, EmbreeScene, GridMesh, MeshPoint, PacketWidth};
+use nurbray::io::mesh::{GridMesh, MeshPoint};
+use nurbray::io::{Embree, EmbreePrimitive, EmbreeScene, PacketWidth};
 use nurbray::math::Ray;
 
 use crate::loaded::embree;

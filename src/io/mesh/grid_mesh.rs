@@ -1,21 +1,28 @@
-//! Surfaces as grids of triangles. For Embree only: nothing of ours is traced, measured or
-//! written through a mesh.
+//! Grids of triangles that carry the normals and parameters of a surface.
 
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
+use crate::geometry::SurfaceError;
+
 /// The most vertices along a side of a grid: Embree's documented limit.
 pub const MAX_GRID_SIDE: usize = 32_767;
 
+/// The most vertices of a mesh: 5 GB of positions, normals and parameters. Fewer than
+/// 32 bits can number, as Embree does.
+pub const MAX_VERTICES: usize = 1 << 26;
+
 /// Why a mesh cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A mesh would need more vertices than 32-bit numbers can name.
-    #[error("a mesh of {vertices} vertices is too large: at most {} can be numbered", u32::MAX)]
+    /// A mesh would need more vertices than allowed.
+    #[error("a mesh of {vertices} vertices is too large: at most {limit} are allowed")]
     TooManyVertices {
         /// How many there would be.
         vertices: usize,
+        /// How many are allowed.
+        limit: usize,
     },
     /// A grid has fewer than 2 vertices along a side, or more than Embree allows.
     #[error("a grid of {rows} × {columns} vertices: each side needs 2 to {MAX_GRID_SIDE}")]
@@ -25,6 +32,9 @@ pub enum MeshError {
         /// Vertices a row.
         columns: usize,
     },
+    /// A surface cannot be cut at its creases.
+    #[error("cutting at a crease: {0}")]
+    Cut(#[from] SurfaceError),
     /// The tolerance asked for is not a positive number.
     #[error("a tolerance of {tolerance}: a positive fraction of the model's diagonal is needed")]
     Tolerance {
@@ -92,7 +102,7 @@ impl Grid {
 ///
 /// # Invariants, kept by [`GridMesh::push_grid`]
 /// - every grid has 2 to [`MAX_GRID_SIDE`] rows and columns, and all its vertices;
-/// - positions, normals and parameters are equally many, at most `u32::MAX`.
+/// - positions, normals and parameters are equally many, at most [`MAX_VERTICES`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridMesh {
     positions: Vec<DVec3>,
@@ -106,7 +116,7 @@ impl GridMesh {
     ///
     /// # Errors
     /// When a side has fewer than 2 vertices or more than [`MAX_GRID_SIDE`], or the mesh would
-    /// have more than `u32::MAX`. Nothing is added then.
+    /// have more than [`MAX_VERTICES`]. Nothing is added then.
     pub fn push_grid(
         &mut self,
         (rows, columns): (usize, usize),
@@ -118,8 +128,8 @@ impl GridMesh {
             return Err(wrong);
         }
         let vertices = self.positions.len() + rows * columns;
-        if u32::try_from(vertices).is_err() {
-            return Err(MeshError::TooManyVertices { vertices });
+        if vertices > MAX_VERTICES {
+            return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
         }
         self.grids.push(Grid {
             first: self.positions.len() as u32,
