@@ -3,8 +3,10 @@
 use glam::DVec3;
 use thiserror::Error;
 
+use super::hierarchy::Hierarchy;
 use super::{Kernel, Tracer};
 use crate::geometry::NurbsSurface;
+use crate::patch::{PatchSet, PatchSetError};
 
 /// How surfaces are prepared.
 #[derive(Clone, Debug, Default)]
@@ -15,22 +17,16 @@ pub struct BuildOptions {}
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// There are more surfaces, pieces or leaves than 32-bit indices can count.
-    #[error("{count} {what}, but at most {limit} can be traced")]
-    TooMany {
-        /// What there is too much of.
-        what: &'static str,
-        /// How many were found.
-        count: usize,
-        /// How many are possible.
-        limit: usize,
-    },
+    /// The surfaces cannot be cut into pieces.
+    #[error(transparent)]
+    Pieces(#[from] PatchSetError),
 }
 
 /// Surfaces split into Bézier pieces and leaves, bounded in a hierarchy.
 #[derive(Clone, Debug)]
 pub struct SurfaceBvh {
-    surfaces: usize,
+    pub(super) set: PatchSet,
+    pub(super) hierarchy: Hierarchy,
 }
 
 impl SurfaceBvh {
@@ -39,7 +35,9 @@ impl SurfaceBvh {
     /// # Errors
     /// When there is more than 32-bit indices can count.
     pub fn build(surfaces: &[NurbsSurface], _options: &BuildOptions) -> Result<Self, BuildError> {
-        Ok(Self { surfaces: surfaces.len() })
+        let set = PatchSet::new(surfaces)?;
+        let hierarchy = Hierarchy::new(&set);
+        Ok(Self { set, hierarchy })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -52,28 +50,36 @@ impl SurfaceBvh {
         Tracer::new(self, kernel)
     }
 
+    /// The pieces and leaves.
+    pub fn patches(&self) -> &PatchSet {
+        &self.set
+    }
+
     /// The number of surfaces.
     pub fn surface_count(&self) -> usize {
-        self.surfaces
+        self.set.surface_count()
     }
 
     /// The number of Bézier pieces of a surface.
-    pub fn patch_count(&self, _surface: usize) -> usize {
-        0
+    pub fn patch_count(&self, surface: usize) -> usize {
+        self.set.pieces_of(surface).len()
     }
 
     /// The number of leaves of a surface.
-    pub fn leaf_count(&self, _surface: usize) -> usize {
-        0
+    pub fn leaf_count(&self, surface: usize) -> usize {
+        let pieces = self.set.pieces_of(surface);
+        let leaves = self.set.leaves().iter();
+        leaves.filter(|leaf| pieces.contains(&(leaf.piece as usize))).count()
     }
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        0
+        self.set.bytes() + self.hierarchy.bytes()
     }
 
-    /// The smallest and largest coordinates of the control nets; `None` without surfaces.
+    /// The smallest and largest coordinates of the surfaces; `None` without surfaces.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        None
+        let bounds = self.set.bounds();
+        (!bounds.is_empty()).then_some((bounds.min, bounds.max))
     }
 }

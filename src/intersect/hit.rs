@@ -30,7 +30,7 @@ pub struct Root {
     /// The surface the root lies on.
     pub(crate) surface: u32,
     /// The Bézier piece it was found on.
-    pub(crate) patch: u32,
+    pub(crate) piece: u32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,
     /// Its place in space.
@@ -66,6 +66,12 @@ impl HitFlags {
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// These bits but for those of `other`.
+    #[must_use]
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 
     /// Sets the bits of `other`.

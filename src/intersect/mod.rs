@@ -1,7 +1,12 @@
 //! One ray, one answer: what a ray meets, proved or flagged.
 
 mod bvh;
+mod crossings;
+mod exact;
+mod hierarchy;
 mod hit;
+mod leaf_search;
+mod newton;
 mod statistics;
 mod tracer;
 

@@ -3,7 +3,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Answer, Coherence, Hit, Occlusion, Query, Statistics, SurfaceBvh};
+use glam::{DVec2, DVec3};
+
+use super::leaf_search::{self, Findings, Meeting, Question};
+use super::{
+    Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root, Statistics, SurfaceBvh, crossings,
+};
+use crate::math::RayFrame;
+use crate::patch::{Leaf, Passage, PatchSet, Piece};
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,33 +48,73 @@ impl FromStr for Kernel {
 }
 
 /// Answers questions on one thread: holds the scratch memory and the counts.
+///
+/// Answers depend on the ray and the surfaces only, never on what was asked before.
 #[derive(Debug)]
 pub struct Tracer<'a> {
     bvh: &'a SurfaceBvh,
     kernel: Kernel,
-    statistics: Statistics,
+    findings: Findings,
+    stack: Vec<(f64, u32)>,
 }
+
+/// How a leaf is searched.
+type Search = fn(&Question<'_>, &Leaf, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
-        Self { bvh, kernel, statistics: Statistics::default() }
+        Self { bvh, kernel, findings: Findings::default(), stack: Vec::new() }
     }
 
-    /// The first hit of a ray: the one with the smallest `t` in its range.
-    pub fn first_hit(&mut self, _query: &Query) -> Answer {
-        let _ = (self.bvh, self.kernel);
-        Answer::default()
+    /// The kernel that searches.
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// The first hit of a ray: the one with the smallest `t` in its range; of hits with the
+    /// same `t` the one on the surface, then the piece, that was given first.
+    pub fn first_hit(&mut self, query: &Query) -> Answer {
+        self.first(query, leaf_search::search)
+    }
+
+    /// The first hit found by the exact solver alone: slow, and independent of the kernel.
+    pub fn exact_first_hit(&mut self, query: &Query) -> Answer {
+        self.first(query, exactly)
     }
 
     /// Whether anything lies on a ray within its range.
-    pub fn occluded(&mut self, _query: &Query) -> Occlusion {
-        Occlusion::default()
+    pub fn occluded(&mut self, query: &Query) -> Occlusion {
+        let frame = RayFrame::new(&query.ray);
+        self.collect(query, &frame, leaf_search::search, |meetings| {
+            // One certain hit is enough; a doubtful one keeps the search going.
+            let certain = meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
+            if certain { f64::NEG_INFINITY } else { f64::INFINITY }
+        });
+        let meetings = &self.findings.meetings;
+        let certain = meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
+        let occluded = !meetings.is_empty();
+        let doubtful = !certain && (occluded || self.findings.doubt < f64::INFINITY);
+        self.findings.statistics.doubtful += u64::from(doubtful);
+        Occlusion { occluded, doubtful }
     }
 
-    /// All hits of a ray, appended to `hits` by increasing `t`; returns whether the
-    /// answer is doubtful.
-    pub fn all_hits(&mut self, _query: &Query, _hits: &mut Vec<Hit>) -> bool {
-        false
+    /// All hits of a ray, appended to `hits` by increasing `t`; returns whether the answer
+    /// is doubtful.
+    ///
+    /// The hits come from the exact solver. Hits of adjoining pieces, or of surfaces whose
+    /// borders meet, at the same place and with the same sign of `N · d`, are one crossing
+    /// and reported once.
+    pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
+        let frame = RayFrame::new(&query.ray);
+        self.collect(query, &frame, exactly, |_| f64::INFINITY);
+        crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces());
+        let set = &self.bvh.set;
+        hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, &frame, meeting)));
+        let flagged = |m: &Meeting| m.flags.contains(HitFlags::DOUBTFUL);
+        let doubtful =
+            self.findings.meetings.iter().any(flagged) || self.findings.doubt < f64::INFINITY;
+        self.findings.statistics.doubtful += u64::from(doubtful);
+        doubtful
     }
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
@@ -84,6 +131,124 @@ impl<'a> Tracer<'a> {
 
     /// What the work cost so far.
     pub fn statistics(&self) -> &Statistics {
-        &self.statistics
+        &self.findings.statistics
     }
+
+    fn first(&mut self, query: &Query, search: Search) -> Answer {
+        let frame = RayFrame::new(&query.ray);
+        let to_z = 1.0 / frame.t_from_z;
+        self.collect(query, &frame, search, |meetings| {
+            // Up to the nearest meeting, and as far beyond as it may be off.
+            meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
+        });
+        let order = |a: &&Meeting, b: &&Meeting| {
+            let place = |m: &Meeting| (m.surface, m.piece);
+            a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b)))
+        };
+        let nearest = self.findings.meetings.iter().min_by(order);
+        let mut hit = nearest.map(|meeting| hit(&self.bvh.set, &frame, meeting));
+        let open = hit.is_none_or(|hit| self.findings.doubt <= hit.t);
+        let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
+        let doubtful = flagged || (open && self.findings.doubt < f64::INFINITY);
+        if let Some(hit) = &mut hit
+            && doubtful
+        {
+            hit.flags.insert(HitFlags::DOUBTFUL);
+        }
+        self.findings.statistics.doubtful += u64::from(doubtful);
+        Answer { hit, doubtful }
+    }
+
+    /// Searches all leaves the ray may meet before the limit that `enough` draws from what
+    /// was found so far.
+    fn collect(
+        &mut self,
+        query: &Query,
+        frame: &RayFrame,
+        search: Search,
+        enough: impl Fn(&[Meeting]) -> f64,
+    ) {
+        let set = &self.bvh.set;
+        let t_range = [query.ray.t_min(), query.ray.t_max()];
+        let question = Question { set, ray: frame, t_range, from: query.from.as_ref() };
+        let findings = &mut self.findings;
+        findings.clear();
+        findings.statistics.rays += 1;
+        let mut limit = frame.z_range[1];
+        let nodes = self.bvh.hierarchy.traverse(frame, &mut self.stack, |index| {
+            let leaf = &set.leaves()[index as usize];
+            let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
+            let Some(passage) = leaf.oriented.passage(frame, slack) else { return limit };
+            if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
+                return limit;
+            }
+            let before = findings.meetings.len();
+            search(&question, leaf, &passage, limit, findings);
+            if findings.meetings.len() > before {
+                limit = limit.min(enough(&findings.meetings));
+            }
+            limit
+        });
+        findings.statistics.nodes += nodes;
+    }
+}
+
+/// The exact solver as a way to search a leaf.
+fn exactly(question: &Question<'_>, leaf: &Leaf, _: &Passage, limit: f64, findings: &mut Findings) {
+    findings.statistics.leaf_tests += 1;
+    leaf_search::search_exactly(question, leaf, limit, findings);
+}
+
+/// The answer to give for a meeting.
+fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
+    let piece = &set.pieces()[meeting.piece as usize];
+    let mut flags = meeting.flags;
+    let normal = normal(piece, meeting).unwrap_or_else(|| {
+        flags.insert(HitFlags::NO_NORMAL);
+        DVec3::NAN
+    });
+    let root = Root {
+        surface: meeting.surface,
+        piece: meeting.piece,
+        st: meeting.st,
+        point: meeting.jet.point,
+        error: meeting.t_error / frame.t_from_z,
+    };
+    Hit {
+        t: meeting.t,
+        surface: meeting.surface,
+        uv: piece.uv(meeting.st),
+        point: meeting.jet.point,
+        normal,
+        flags,
+        root,
+    }
+}
+
+/// The unit normal; at collapsed sides its limit from inside the piece.
+fn normal(piece: &Piece, meeting: &Meeting) -> Option<DVec3> {
+    let (st, jet) = (meeting.st, &meeting.jet);
+    // Sides are compared with what rounding leaves of them: half of the digits.
+    let clear = 1e-7;
+    let cross = jet.ds.cross(jet.dt);
+    let distances = leaf_search::side_distances(st, jet);
+    let shrunk = distances.into_iter().zip(piece.collapsed);
+    let size = piece.patch.magnitude();
+    let near_pole = shrunk.into_iter().any(|(d, at)| at.is_some() && d <= clear * size);
+    if !near_pole && cross.length() > clear * jet.ds.length() * jet.dt.length() {
+        return cross.try_normalize();
+    }
+    let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
+    let at_end = |x: f64| {
+        if x < clear {
+            0.0
+        } else if x > 1.0 - clear {
+            1.0
+        } else {
+            x
+        }
+    };
+    let place = if near_pole { DVec2::new(at_end(st.x), at_end(st.y)) } else { st };
+    let inward = DVec2::new(inward(place.x), inward(place.y));
+    piece.patch.derivatives(place).unit_normal(inward).or_else(|| cross.try_normalize())
 }

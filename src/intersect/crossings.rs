@@ -1,0 +1,83 @@
+//! Which meetings are one crossing.
+
+use super::HitFlags;
+use super::leaf_search::{Meeting, side_distances};
+use crate::patch::Piece;
+
+/// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
+/// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
+/// or on borders of two surfaces. Stretches inside a surface that overlap become one.
+pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
+    let place = |m: &Meeting| (m.surface, m.piece);
+    meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
+    join_stretches(meetings);
+
+    let mut kept = 0;
+    for k in 0..meetings.len() {
+        let meeting = meetings[k];
+        let reach = |m: &Meeting| m.t + m.t_error + meeting.t_error;
+        let same = meetings[..kept].iter().rposition(|earlier| {
+            reach(earlier) >= meeting.t && one_crossing(earlier, &meeting, pieces)
+        });
+        match same {
+            // Of two views of a crossing the certain one counts; flags of place are joined.
+            Some(j) => {
+                let flags = meetings[j].flags.with(meeting.flags);
+                let doubtful = HitFlags::DOUBTFUL;
+                let certain = |m: &Meeting| !m.flags.contains(doubtful);
+                let decided = certain(&meetings[j]) || certain(&meeting);
+                if certain(&meeting) && !certain(&meetings[j]) {
+                    meetings[j] = meeting;
+                }
+                meetings[j].flags = if decided { flags.without(doubtful) } else { flags };
+            }
+            None => {
+                meetings[kept] = meeting;
+                kept += 1;
+            }
+        }
+    }
+    meetings.truncate(kept);
+}
+
+/// Whether two meetings, close in `t`, are the same crossing.
+fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
+    let doubtful = |m: &Meeting| m.flags.contains(HitFlags::DOUBTFUL);
+    let same_side = a.cosine * b.cosine > 0.0 || doubtful(a) || doubtful(b);
+    let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(1e-8);
+    let same_place = a.jet.point.distance(b.jet.point) <= reach;
+    if !(same_side && same_place) {
+        return false;
+    }
+    if a.piece == b.piece {
+        // Two leaves of one piece: the same parameters, or both at the same pole.
+        let d = a.st - b.st;
+        let apart = (a.jet.ds * d.x).length() + (a.jet.dt * d.y).length();
+        return apart <= reach;
+    }
+    let at_side = |m: &Meeting| {
+        let distances = side_distances(m.st, &m.jet);
+        distances.into_iter().any(|distance| distance <= reach)
+    };
+    debug_assert!(pieces.len() > a.piece.max(b.piece) as usize);
+    at_side(a) && at_side(b)
+}
+
+/// Drops the ends of stretches that lie inside another stretch of the same surface.
+fn join_stretches(meetings: &mut Vec<Meeting>) {
+    let stretches: Vec<(u32, [f64; 2], f64)> =
+        meetings.iter().filter_map(|m| Some((m.surface, m.stretch?, 4.0 * m.t_error))).collect();
+    meetings.retain(|m| {
+        let Some([from, to]) = m.stretch else { return true };
+        let is_start = (m.t - from).abs() <= (m.t - to).abs();
+        !stretches.iter().any(|&(surface, [other_from, other_to], error)| {
+            let other = surface == m.surface && [other_from, other_to] != [from, to];
+            let continued = if is_start {
+                other_from < from - error && from - error <= other_to
+            } else {
+                other_to > to + error && other_from <= to + error
+            };
+            other && continued
+        })
+    });
+}

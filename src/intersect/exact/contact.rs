@@ -1,0 +1,57 @@
+//! Boxes in which the ray touches the surface to within rounding.
+
+use glam::DVec2;
+
+use super::Rect;
+
+/// A connected group of boxes that the ray passes within rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// The smallest rectangle around the group.
+    pub(super) rect: Rect,
+    /// From where to where along the ray.
+    pub(super) z: [f64; 2],
+    /// The parameters of its first and its last place.
+    pub(super) ends: [DVec2; 2],
+    /// Whether every box lies at a side that is collapsed to a point.
+    pub(super) collapsed: bool,
+}
+
+impl Contact {
+    /// The contact of one box.
+    pub(super) fn new(rect: Rect, z: [f64; 2], collapsed: bool) -> Self {
+        let middle = DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to)));
+        Self { rect, z, ends: [middle; 2], collapsed }
+    }
+
+    /// Whether the rectangles touch, each widened by its own size and a few roundings.
+    fn touches(&self, other: &Self) -> bool {
+        (0..2).all(|k| {
+            let ([a, b], [c, d]) = (self.rect[k], other.rect[k]);
+            let reach = (b - a).max(d - c) + 16.0 * f64::EPSILON;
+            a - reach <= d && c - reach <= b
+        })
+    }
+
+    fn absorb(&mut self, other: &Self) {
+        for k in 0..2 {
+            self.rect[k] =
+                [self.rect[k][0].min(other.rect[k][0]), self.rect[k][1].max(other.rect[k][1])];
+        }
+        if other.z[0] < self.z[0] {
+            (self.z[0], self.ends[0]) = (other.z[0], other.ends[0]);
+        }
+        if other.z[1] > self.z[1] {
+            (self.z[1], self.ends[1]) = (other.z[1], other.ends[1]);
+        }
+        self.collapsed &= other.collapsed;
+    }
+}
+
+/// Adds a contact to a list in which no two touch.
+pub(super) fn merge_into(contacts: &mut Vec<Contact>, mut new: Contact) {
+    while let Some(k) = contacts.iter().position(|contact| contact.touches(&new)) {
+        new.absorb(&contacts.swap_remove(k));
+    }
+    contacts.push(new);
+}

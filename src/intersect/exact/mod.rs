@@ -1,0 +1,35 @@
+//! The exact solver: all roots of a ray on a leaf, by subdivision and proof.
+//!
+//! # The problem
+//! Over a leaf's rectangle the surface, seen in ray coordinates, is a net of homogeneous
+//! points `(w x, w y, w z, w)`. The ray meets it where the polynomials `f = (w x, w y)`
+//! vanish together. The solver keeps a list of parameter boxes that may hold roots, and
+//! asks of each:
+//!
+//! 1. *Can it be discarded?* A polynomial lies between the smallest and the largest of its
+//!    Bernstein coefficients. Where `w x`, `w y`, or a component of `g = A f` (with `A` the
+//!    inverse of the mean Jacobian) keeps its sign by more than the rounding error `ε`, or
+//!    `z` stays out of range, there is no root.
+//! 2. *Is a root proved?* Let `κ` bound the row sums of `|I − g'|` over the box. Where
+//!    `κ < 1` the box holds at most one root, and it lies in `m − g(m) ± κ/2` (Krawczyk
+//!    1969; `m` is the middle, sides are 1). Where that lies inside the box, the root
+//!    exists. It is then refined on the surface itself, and must stay in the box.
+//! 3. *Can it shrink?* The box is cut down to where the hulls of the coefficients meet
+//!    zero (Bézier clipping: Sederberg & Nishita 1990; Efremov, Havran & Seidel 2005),
+//!    else halved across its longer image. Parts overlap a little, so that a root on the
+//!    line between two boxes is inside one of them; a root found twice is told by its box.
+//! 4. *Has rounding the last word?* Where all of `f` is within `2ε` of zero, the ray passes
+//!    the whole box within rounding: it is reported as one contact, flagged doubtful. At a
+//!    side that is collapsed to a point the contact is the pole, and not doubtful.
+//!
+//! The box's net is always cut anew from the leaf's, so its error is the same at every
+//! depth. Work is bounded: when the budget is used up, or the ray is seen to run inside
+//! the surface, only the first and the last place where it may meet what is left are
+//! searched for and reported, flagged.
+
+mod contact;
+mod parameter_box;
+mod solver;
+
+pub(crate) use parameter_box::Rect;
+pub(super) use solver::{ExactSolver, Proof, Solution, Task};

@@ -1,0 +1,445 @@
+//! The list of boxes, and what becomes of each.
+
+use glam::{DVec2, DVec3};
+
+use super::Rect;
+use super::contact::{self, Contact};
+use super::parameter_box::{Bounds, Preconditioned, RayNet};
+use crate::math::RayFrame;
+use crate::patch::{CollapsedSide, TensorPatch};
+
+/// How many boxes one call may look at before it only searches for the two ends of what is
+/// left. A transversal hit takes 2 to 10, a tangency some hundred; a ray inside a surface
+/// would take all there are.
+const BUDGET: u32 = 2048;
+
+/// How many boxes each end of a stretch may cost.
+const END_BUDGET: u32 = 1024;
+
+/// Halves overlap by this part of the box, so that roots on the dividing line are inside.
+const OVERLAP: f64 = 0.05;
+
+/// A clip that leaves more than this part of a side is followed by halving.
+const WORTHWHILE: f64 = 0.7;
+
+/// A box is not divided below this side: parameters near 1 have no finer digits.
+const FINEST: f64 = 4.0 * f64::EPSILON;
+
+/// A contact longer than this part of the leaf is a stretch along which the ray runs inside
+/// the surface: at a tangency of second order it is about the root of the rounding error,
+/// 1e-8, at one of fourth order 1e-4.
+const STRETCH: f64 = 1e-3;
+
+/// One leaf and one ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task<'a> {
+    /// The piece the leaf belongs to.
+    pub(crate) patch: &'a TensorPatch,
+    /// The rectangle to search, in the piece's parameters: the leaf and its slack.
+    pub(crate) rect: Rect,
+    /// A root is wanted only if it lies in this rectangle, to within its slack.
+    pub(crate) wanted: Rect,
+    /// The side at which the rectangle ends in a point.
+    pub(crate) collapsed: Option<CollapsedSide>,
+    /// The ray.
+    pub(crate) ray: &'a RayFrame,
+    /// How far computed points may be from the true ones.
+    pub(crate) error: f64,
+    /// The range of `z` of interest.
+    pub(crate) z_range: [f64; 2],
+}
+
+/// How a solution is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Proof {
+    /// The only root in this rectangle of parameters.
+    Isolated(Rect),
+    /// The ray passes through the point a side is collapsed to.
+    Collapsed,
+    /// The ray passes the surface within rounding: a tangency, or a near miss; for a
+    /// length along the ray.
+    Contact { length: f64 },
+    /// An end of a stretch along which the ray runs inside the surface, from `z` to `z`.
+    Stretch([f64; 2]),
+}
+
+/// A place where the ray meets the leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solution {
+    pub(crate) st: DVec2,
+    pub(crate) proof: Proof,
+}
+
+/// Scratch memory of the exact solver; one for each thread.
+#[derive(Debug, Default)]
+pub(crate) struct ExactSolver {
+    whole: RayNet,
+    net: RayNet,
+    preconditioned: Preconditioned,
+    /// Boxes yet to be looked at, in the parameters of `whole`.
+    waiting: Vec<Rect>,
+    contacts: Vec<Contact>,
+    isolated: Vec<Solution>,
+    /// Boxes of which only the two ends are wanted.
+    spare: Vec<Rect>,
+    queue: Vec<(f64, Rect)>,
+    /// Boxes looked at since the solver was made.
+    pub(crate) boxes: u64,
+}
+
+/// What becomes of a box.
+enum Verdict {
+    Empty,
+    Root(DVec2),
+    Contact([f64; 2]),
+    /// The box and the ray lie in one plane, to within rounding.
+    Inside,
+    Shrunk(Rect),
+    Halved(usize),
+}
+
+impl ExactSolver {
+    /// All places where the ray meets the leaf, appended to `solutions`.
+    pub(crate) fn solve(&mut self, task: &Task<'_>, solutions: &mut Vec<Solution>) {
+        self.load(task);
+        let mut used = 0;
+        while let Some(rect) = self.waiting.pop() {
+            used += 1;
+            self.boxes += 1;
+            match self.judge(task, rect) {
+                Verdict::Empty => {}
+                Verdict::Root(st) => self.isolated.push(self.root(task, rect, st)),
+                Verdict::Contact(z) => {
+                    let contact = Contact::new(rect, z, self.at_collapsed_side(task, rect));
+                    contact::merge_into(&mut self.contacts, contact);
+                }
+                Verdict::Inside => {
+                    self.spare.clear();
+                    self.spare.push(rect);
+                    self.search_ends(task);
+                }
+                Verdict::Shrunk(part) => self.waiting.push(part),
+                Verdict::Halved(axis) => self.waiting.extend(halves(rect, axis)),
+            }
+            if used >= BUDGET {
+                self.spare.clear();
+                self.spare.append(&mut self.waiting);
+                self.search_ends(task);
+            }
+        }
+        self.report(task, solutions);
+    }
+
+    /// The leaf's net in ray coordinates, and one box: all of it.
+    fn load(&mut self, task: &Task<'_>) {
+        let ray = task.ray;
+        self.whole.degree = task.patch.degree();
+        self.whole.control.clear();
+        self.whole.control.extend(task.patch.control().iter().map(|c| {
+            let from_origin = c.truncate() - c.w * ray.origin;
+            DVec3::new(
+                ray.normals[0].dot(from_origin),
+                ray.normals[1].dot(from_origin),
+                ray.axis.dot(from_origin),
+            )
+            .extend(c.w)
+        }));
+        let degree = self.whole.degree;
+        crate::math::bernstein::restrict_net(
+            &mut self.whole.control,
+            degree,
+            task.rect[0],
+            task.rect[1],
+        );
+        self.waiting.clear();
+        self.contacts.clear();
+        self.isolated.clear();
+        self.waiting.push([[0.0, 1.0]; 2]);
+    }
+
+    /// The error of `w x` and `w y`: that of the points times the largest weight.
+    fn error(&self, task: &Task<'_>) -> f64 {
+        task.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max)
+    }
+
+    fn judge(&mut self, task: &Task<'_>, rect: Rect) -> Verdict {
+        let error = self.error(task);
+        self.net.restrict_from(&self.whole, rect);
+        let bounds = self.net.bounds();
+        if self.is_empty(task, rect, &bounds, error) {
+            return Verdict::Empty;
+        }
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let within_rounding = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
+        if within_rounding || exhausted == [true; 2] {
+            return Verdict::Contact([bounds.z.lo, bounds.z.hi]);
+        }
+
+        // g = A f, close to the identity where the box is small against its curvature.
+        let jacobian = self.net.mean_jacobian();
+        let longer = usize::from(jacobian.y_axis.length() > jacobian.x_axis.length());
+        let inverse = jacobian.inverse();
+        let amplified = error * (inverse.x_axis.abs() + inverse.y_axis.abs()).max_element();
+        let usable = amplified < 0.05; // false for NaN: a singular Jacobian
+        if !usable {
+            if self.runs_inside(2.0 * error) {
+                return Verdict::Inside;
+            }
+            return self.clipped_plainly(rect, exhausted, error);
+        }
+        self.preconditioned.assign(&self.net, inverse);
+        let ranges = self.preconditioned.ranges();
+        if ranges.iter().any(|range| range.lo > amplified || range.hi < -amplified) {
+            return Verdict::Empty;
+        }
+        let clips =
+            [self.preconditioned.clip(0, 0, amplified), self.preconditioned.clip(1, 1, amplified)];
+        let [Some(mut s), Some(mut t)] = clips else { return Verdict::Empty };
+
+        // Krawczyk's test on the box of side 1.
+        let kappa = self.preconditioned.contraction();
+        if kappa.max_element() < 0.9 {
+            let center = DVec2::splat(0.5) - self.preconditioned.middle();
+            let radius = 0.5 * kappa + amplified;
+            let (low, high) = (center - radius, center + radius);
+            if low.max_element() > 1.0 || high.min_element() < 0.0 {
+                return Verdict::Empty;
+            }
+            let inside = low.min_element() > 0.0 && high.max_element() < 1.0;
+            if inside && let Some(st) = self.refined(task, rect, center) {
+                return Verdict::Root(st);
+            }
+            s = [s[0].max(low.x), s[1].min(high.x)];
+            t = [t[0].max(low.y), t[1].min(high.y)];
+            if s[0] > s[1] || t[0] > t[1] {
+                return Verdict::Empty;
+            }
+        }
+        next_box(rect, [s, t], exhausted, longer)
+    }
+
+    /// Clipping and halving where the Jacobian is singular to working precision.
+    fn clipped_plainly(&mut self, rect: Rect, exhausted: [bool; 2], error: f64) -> Verdict {
+        self.preconditioned.assign(&self.net, glam::DMat2::IDENTITY);
+        let mut part: Rect = [[0.0, 1.0]; 2];
+        for axis in 0..2 {
+            for component in 0..2 {
+                let Some([from, to]) = self.preconditioned.clip(component, axis, error) else {
+                    return Verdict::Empty;
+                };
+                part[axis] = [part[axis][0].max(from), part[axis][1].min(to)];
+            }
+            if part[axis][0] > part[axis][1] {
+                return Verdict::Empty;
+            }
+        }
+        let spread = self.net.spread();
+        next_box(rect, part, exhausted, usize::from(spread.y > spread.x))
+    }
+
+    /// Whether nothing wanted can lie in the box.
+    fn is_empty(&self, task: &Task<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
+        let off_ray = |range: crate::math::Interval| range.lo > error || range.hi < -error;
+        let z_error = task.error;
+        let behind = bounds.z.hi < task.z_range[0] - z_error;
+        let beyond = bounds.z.lo > task.z_range[1] + z_error;
+        // Boxes in the outer half of the slack belong to other leaves, or to none.
+        let in_task = |k: usize, x: f64| {
+            let [from, to] = task.rect[k];
+            from + x * (to - from)
+        };
+        let unwanted = (0..2).any(|k| {
+            let low_slack = 0.5 * (task.wanted[k][0] - task.rect[k][0]);
+            let high_slack = 0.5 * (task.rect[k][1] - task.wanted[k][1]);
+            in_task(k, rect[k][1]) < task.wanted[k][0] - low_slack
+                || in_task(k, rect[k][0]) > task.wanted[k][1] + high_slack
+        });
+        off_ray(bounds.x) || off_ray(bounds.y) || behind || beyond || unwanted
+    }
+
+    /// The proved root refined on the surface itself, in the parameters of the task's
+    /// rectangle; `None` when it strays from the box or its residual stays large.
+    fn refined(&self, task: &Task<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
+        let mut x = inner(rect, start);
+        for _ in 0..8 {
+            let st = inner(task.rect, x);
+            let jet = task.patch.jet(st);
+            let at = task.ray.coordinates(jet.point).truncate();
+            let project =
+                |v: DVec3| DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v));
+            let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
+            let jacobian =
+                glam::DMat2::from_cols(project(jet.ds) * sides.x, project(jet.dt) * sides.y);
+            let step = jacobian.inverse() * at;
+            if !step.is_finite() {
+                return None;
+            }
+            let close = step.abs().max_element() <= 1e-9;
+            x -= step;
+            let inside = (0..2).all(|k| rect[k][0] <= x[k] && x[k] <= rect[k][1]);
+            if !inside {
+                return None;
+            }
+            if close {
+                let point = task.patch.point(inner(task.rect, x));
+                let residual = task.ray.coordinates(point).truncate().length();
+                return (residual <= task.error).then_some(x);
+            }
+        }
+        None
+    }
+
+    fn root(&self, task: &Task<'_>, rect: Rect, x: DVec2) -> Solution {
+        let outer = |k: usize| {
+            let [from, to] = task.rect[k];
+            rect[k].map(|x| from + x * (to - from))
+        };
+        Solution { st: inner(task.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
+    }
+
+    fn at_collapsed_side(&self, task: &Task<'_>, rect: Rect) -> bool {
+        match task.collapsed {
+            Some(CollapsedSide::S(end)) => rect[0][end] == end as f64,
+            Some(CollapsedSide::T(end)) => rect[1][end] == end as f64,
+            None => false,
+        }
+    }
+
+    /// Whether the net last looked at lies, to within rounding, in a plane with the ray.
+    fn runs_inside(&self, error: f64) -> bool {
+        let farthest = self.net.control.iter().map(|c| DVec2::new(c.x, c.y));
+        let farthest = farthest.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+        let Some(normal) = farthest.and_then(|f| f.perp().try_normalize()) else { return true };
+        self.net.control.iter().all(|c| normal.dot(DVec2::new(c.x, c.y)).abs() <= error)
+    }
+
+    /// Adds one contact that stands for all the spare boxes: its first and last place.
+    fn search_ends(&mut self, task: &Task<'_>) {
+        let (first, last) = (self.search_end(task, 1.0), self.search_end(task, -1.0));
+        if let (Some((st0, z0)), Some((st1, z1))) = (first, last) {
+            let (low, high) = (st0.min(st1), st0.max(st1));
+            let mut contact = Contact::new([[low.x, high.x], [low.y, high.y]], [z0, z1], false);
+            contact.ends = [st0, st1];
+            contact::merge_into(&mut self.contacts, contact);
+        }
+    }
+
+    /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
+    /// boxes: of all boxes the one that may hold it is divided next.
+    fn search_end(&mut self, task: &Task<'_>, sign: f64) -> Option<(DVec2, f64)> {
+        let error = self.error(task);
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.clear();
+        for k in 0..self.spare.len() {
+            self.consider(task, self.spare[k], sign, &mut queue);
+        }
+        let mut end = None;
+        for _ in 0..END_BUDGET {
+            let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].0.total_cmp(&queue[b].0));
+            let Some(nearest) = nearest else { break };
+            let (z, rect) = queue.swap_remove(nearest);
+            self.net.restrict_from(&self.whole, rect);
+            let bounds = self.net.bounds();
+            let within = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
+            let short = bounds.z.hi - bounds.z.lo <= 2.0 * task.error;
+            let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+            end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
+            if (within && short) || exhausted == [true; 2] {
+                break;
+            }
+            let spread = self.net.spread();
+            let axis = usize::from(exhausted[0] || (spread.y > spread.x && !exhausted[1]));
+            for part in halves(rect, axis) {
+                self.boxes += 1;
+                self.consider(task, part, sign, &mut queue);
+            }
+            if queue.is_empty() {
+                end = None; // nothing was there after all
+            }
+        }
+        self.queue = queue;
+        end
+    }
+
+    fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<(f64, Rect)>) {
+        self.net.restrict_from(&self.whole, rect);
+        let bounds = self.net.bounds();
+        if !self.is_empty(task, rect, &bounds, self.error(task)) {
+            queue.push((if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi }, rect));
+        }
+    }
+
+    /// Turns isolated roots and contacts into solutions; a root found in two overlapping
+    /// boxes is reported once, and a contact that holds a proved root is that root.
+    fn report(&mut self, task: &Task<'_>, solutions: &mut Vec<Solution>) {
+        let first = solutions.len();
+        for &solution in &self.isolated {
+            let Proof::Isolated(rect) = solution.proof else { continue };
+            let known = solutions[first..].iter().any(|other| holds(rect, other.st));
+            if !known {
+                solutions.push(solution);
+            }
+        }
+        let size = {
+            let bounds = self.whole.bounds();
+            [bounds.x, bounds.y, bounds.z].map(|r| r.hi - r.lo).into_iter().fold(0.0, f64::max)
+        };
+        for contact in &self.contacts {
+            let ends = contact.ends.map(|x| inner(task.rect, x));
+            let proved = self.isolated.iter().any(|root| match root.proof {
+                Proof::Isolated(rect) => ends.iter().all(|&st| holds(rect, st)),
+                _ => false,
+            });
+            let length = contact.z[1] - contact.z[0];
+            if proved {
+                continue; // the box's one root, seen again from its edge
+            }
+            if length > STRETCH * size {
+                let z = contact.z;
+                solutions.extend(ends.map(|st| Solution { st, proof: Proof::Stretch(z) }));
+                continue;
+            }
+            let proof =
+                if contact.collapsed { Proof::Collapsed } else { Proof::Contact { length } };
+            solutions.push(Solution { st: ends[0], proof });
+        }
+    }
+}
+
+/// The place in `rect` of a point given in units of its sides.
+fn inner(rect: Rect, x: DVec2) -> DVec2 {
+    let at = |[from, to]: [f64; 2], x: f64| from + x * (to - from);
+    DVec2::new(at(rect[0], x.x), at(rect[1], x.y))
+}
+
+fn holds(rect: Rect, st: DVec2) -> bool {
+    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
+}
+
+/// The two halves across an axis, overlapping a little.
+fn halves(rect: Rect, axis: usize) -> [Rect; 2] {
+    let [from, to] = rect[axis];
+    let (middle, more) = (0.5 * (from + to), OVERLAP * (to - from));
+    let mut parts = [rect; 2];
+    parts[0][axis] = [from, (middle + more).min(to)];
+    parts[1][axis] = [(middle - more).max(from), to];
+    parts
+}
+
+/// The box cut down to `part` of its sides, if that is worthwhile, else its halves across
+/// the longer side that can still be halved.
+fn next_box(rect: Rect, part: Rect, exhausted: [bool; 2], longer: usize) -> Verdict {
+    let worthwhile = (0..2).any(|k| !exhausted[k] && part[k][1] - part[k][0] < WORTHWHILE);
+    if !worthwhile {
+        return Verdict::Halved(if exhausted[longer] { 1 - longer } else { longer });
+    }
+    let mut shrunk = rect;
+    for k in 0..2 {
+        // A root at the end of a clip stays inside the box by a part of what is left.
+        let [from, to] = rect[k];
+        let more = OVERLAP * (part[k][1] - part[k][0]) + 2.0 * f64::EPSILON;
+        let at = |x: f64| from + x.clamp(0.0, 1.0) * (to - from);
+        shrunk[k] = [at(part[k][0] - more), at(part[k][1] + more)];
+    }
+    Verdict::Shrunk(shrunk)
+}

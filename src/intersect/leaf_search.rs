@@ -1,0 +1,299 @@
+//! One leaf, one ray: what is found, and how it is known.
+
+use glam::DVec2;
+
+use super::exact::{ExactSolver, Proof, Rect, Solution, Task};
+use super::newton::{Newton, newton};
+use super::{HitFlags, Root, Statistics};
+use crate::math::RayFrame;
+use crate::patch::{CollapsedSide, Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
+
+/// A place where a ray meets a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// The ray parameter.
+    pub(super) t: f64,
+    /// How far that may be off.
+    pub(super) t_error: f64,
+    pub(super) surface: u32,
+    pub(super) piece: u32,
+    pub(super) st: DVec2,
+    pub(super) jet: Jet,
+    pub(super) flags: HitFlags,
+    /// How far the surface's point may be from the ray.
+    pub(super) error: f64,
+    /// The cosine between the ray and the normal, signed; zero where there is no normal.
+    pub(super) cosine: f64,
+    /// The stretch along which the ray runs inside the surface, as ray parameters.
+    pub(super) stretch: Option<[f64; 2]>,
+}
+
+/// Everything a search of leaves needs to know of the question.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Question<'a> {
+    pub(super) set: &'a PatchSet,
+    pub(super) ray: &'a RayFrame,
+    pub(super) t_range: [f64; 2],
+    pub(super) from: Option<&'a Root>,
+}
+
+/// What a search found, and its scratch memory.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    pub(super) meetings: Vec<Meeting>,
+    /// The smallest ray parameter at which something may have been missed.
+    pub(super) doubt: f64,
+    pub(super) statistics: Statistics,
+    solver: ExactSolver,
+    solutions: Vec<Solution>,
+}
+
+impl Findings {
+    /// Forgets what was found, keeps memory and counts.
+    pub(super) fn clear(&mut self) {
+        self.meetings.clear();
+        self.doubt = f64::INFINITY;
+    }
+
+    fn doubt_at(&mut self, t: f64) {
+        self.doubt = self.doubt.min(t);
+    }
+}
+
+/// The fast way: Newton where the leaf's certificate holds, else the exact solver.
+///
+/// Where the certificate holds there is at most one root in the widened leaf. If Newton
+/// converges there, a second point with a residual below the error could only be within
+/// `error·spread/cos` of it: well inside the slack. So the point found is the leaf's one
+/// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to
+/// be missed. `z_limit` is how far along the ray anything is still of interest.
+pub(super) fn search(
+    question: &Question<'_>,
+    leaf: &Leaf,
+    passage: &Passage,
+    z_limit: f64,
+    findings: &mut Findings,
+) {
+    findings.statistics.leaf_tests += 1;
+    let piece = &question.set.pieces()[leaf.piece as usize];
+    let ray = question.ray;
+    let error = error_bound(piece, ray);
+
+    if certified(leaf, ray, error) {
+        let widened = widened(leaf, WIDENING);
+        let starts_here =
+            question.from.is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
+        if starts_here {
+            return; // the one root is the one the ray starts on
+        }
+        let start = first_guess(leaf, passage.middle);
+        let (end, steps) = newton(&piece.patch, ray, start, widened, error);
+        findings.statistics.newton_iterations += u64::from(steps);
+        if let Newton::Converged { st, jet, z } = end {
+            if holds(self::widened(leaf, LEAF_SLACK), st) {
+                let solution = Solution { st, proof: Proof::Isolated(widened) };
+                accept(question, leaf, &solution, Some((jet, z)), findings);
+            }
+            return;
+        }
+    }
+    search_exactly(question, leaf, z_limit, findings);
+}
+
+/// The exact way: all roots by subdivision, whatever the certificate says.
+pub(super) fn search_exactly(
+    question: &Question<'_>,
+    leaf: &Leaf,
+    z_limit: f64,
+    findings: &mut Findings,
+) {
+    let piece = &question.set.pieces()[leaf.piece as usize];
+    let mut rect = widened(leaf, LEAF_SLACK);
+    match leaf.collapsed {
+        Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
+        Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
+        None => {}
+    }
+    let [z_min, z_max] = question.ray.z_range;
+    let task = Task {
+        patch: &piece.patch,
+        rect,
+        wanted: leaf.rect,
+        collapsed: leaf.collapsed,
+        ray: question.ray,
+        error: error_bound(piece, question.ray),
+        z_range: [z_min, z_max.min(z_limit)],
+    };
+    let mut solutions = std::mem::take(&mut findings.solutions);
+    solutions.clear();
+    let before = findings.solver.boxes;
+    findings.solver.solve(&task, &mut solutions);
+    findings.statistics.exact_calls += 1;
+    findings.statistics.exact_boxes += findings.solver.boxes - before;
+    for solution in &solutions {
+        accept(question, leaf, solution, None, findings);
+    }
+    findings.solutions = solutions;
+}
+
+/// How far a computed point of the piece may be from the true one, for this ray.
+pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
+    piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude)
+}
+
+/// Whether the leaf's certificate speaks of this ray, and rounding is small against the
+/// leaf.
+fn certified(leaf: &Leaf, ray: &RayFrame, error: f64) -> bool {
+    let certificate = &leaf.certificate;
+    let cosine = certificate.normal.dot(ray.axis).abs();
+    let slack = 0.5 * LEAF_SLACK * cosine;
+    let away_from_pole = certificate.pole.is_none_or(|pole| {
+        let distance = ray.coordinates(pole.point).truncate().length();
+        error * pole.spread <= slack * distance
+    });
+    cosine > certificate.threshold && error * certificate.spread <= slack && away_from_pole
+}
+
+/// The leaf's rectangle with `part` of its sides added on each side, but for a side that
+/// is collapsed to a point.
+fn widened(leaf: &Leaf, part: f64) -> Rect {
+    let mut rect = leaf.rect.map(|[from, to]| {
+        let more = part * (to - from);
+        [from - more, to + more]
+    });
+    match leaf.collapsed {
+        Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
+        Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
+        None => {}
+    }
+    rect
+}
+
+fn holds(rect: Rect, st: DVec2) -> bool {
+    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
+}
+
+/// Box coordinates run from −1 to 1 along the leaf's parameters.
+fn first_guess(leaf: &Leaf, middle: DVec2) -> DVec2 {
+    let at = |[from, to]: [f64; 2], x: f64| 0.5 * ((from + to) + x * (to - from));
+    DVec2::new(at(leaf.rect[0], middle.x), at(leaf.rect[1], middle.y))
+}
+
+/// Makes a meeting of a solution that lies on the piece and in the ray's range.
+fn accept(
+    question: &Question<'_>,
+    leaf: &Leaf,
+    solution: &Solution,
+    known: Option<(Jet, f64)>,
+    findings: &mut Findings,
+) {
+    let piece = &question.set.pieces()[leaf.piece as usize];
+    let ray = question.ray;
+    let error = error_bound(piece, ray);
+
+    // The piece is closed: a root a little outside counts as the nearest point of the
+    // border, if that is within rounding of the ray.
+    let st = solution.st.clamp(DVec2::ZERO, DVec2::ONE);
+    let (jet, z) = match known {
+        Some(known) if st == solution.st => known,
+        _ => {
+            let jet = piece.patch.jet(st);
+            (jet, ray.axis.dot(jet.point - ray.origin))
+        }
+    };
+    let residual = ray.coordinates(jet.point).truncate().length();
+    let (allowed, mut flags) = match solution.proof {
+        Proof::Isolated(_) => (error, HitFlags::NONE),
+        Proof::Collapsed => (4.0 * error, HitFlags::NONE),
+        Proof::Contact { .. } => (4.0 * error, HitFlags::DOUBTFUL),
+        Proof::Stretch(_) => (8.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
+    };
+    if residual > allowed {
+        if solution.proof_is_open() {
+            findings.doubt_at(z * ray.t_from_z);
+        }
+        return;
+    }
+
+    let normal = jet.ds.cross(jet.dt);
+    let cosine = normal.dot(ray.axis) / normal.length();
+    let cosine = if cosine.is_finite() { cosine } else { 0.0 };
+    let mut z_error = error / cosine.abs().max(f64::EPSILON);
+    if let Proof::Contact { length } = solution.proof {
+        z_error = z_error.min(length + error);
+    }
+    if matches!(solution.proof, Proof::Collapsed | Proof::Stretch(_)) {
+        z_error = 4.0 * error;
+    }
+
+    // The root the ray starts on is not met again.
+    if let Some(root) = question.from.filter(|root| root.surface == piece.surface) {
+        let reach = z_error + root.error;
+        if z.abs() <= reach && jet.point.distance(root.point) <= 2.0 * reach {
+            let same = match solution.proof {
+                Proof::Isolated(rect) => root.piece != leaf.piece || holds(rect, root.st),
+                Proof::Collapsed => true,
+                _ => false,
+            };
+            if !same {
+                findings.doubt_at(0.0);
+            }
+            return;
+        }
+    }
+
+    let t = z * ray.t_from_z;
+    let t_error = z_error * ray.t_from_z;
+    let [t_min, t_max] = question.t_range;
+    let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
+    if !(t > t_min && t < t_max) {
+        if undecided {
+            findings.doubt_at(t.max(t_min));
+        }
+        return;
+    }
+    if undecided {
+        flags.insert(HitFlags::DOUBTFUL);
+    }
+    if at_border(piece, st, &jet, error) {
+        flags.insert(HitFlags::BORDER);
+    }
+    let stretch = match solution.proof {
+        Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
+        _ => None,
+    };
+    let (surface, piece) = (piece.surface, leaf.piece);
+    findings.meetings.push(Meeting {
+        t,
+        t_error,
+        surface,
+        piece,
+        st,
+        jet,
+        flags,
+        error,
+        cosine,
+        stretch,
+    });
+}
+
+impl Solution {
+    /// Whether a miss would not be proved by the solution's own box.
+    fn proof_is_open(&self) -> bool {
+        matches!(self.proof, Proof::Contact { .. } | Proof::Stretch(_))
+    }
+}
+
+/// Whether a point lies within rounding of a side that is a border of the surface.
+fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
+    side_distances(st, jet)
+        .into_iter()
+        .zip(piece.border)
+        .any(|(d, border)| border && d <= 4.0 * error)
+}
+
+/// How far, to first order, a point is from the four sides of its piece.
+pub(super) fn side_distances(st: DVec2, jet: &Jet) -> [f64; 4] {
+    let (ds, dt) = (jet.ds.length(), jet.dt.length());
+    [st.x * ds, (1.0 - st.x) * ds, st.y * dt, (1.0 - st.y) * dt]
+}

@@ -1,0 +1,110 @@
+//! Closed intervals of f64, rounded outwards.
+
+use std::ops::{Add, Mul, Sub};
+
+/// All numbers from `lo` to `hi`; the result of an operation holds every result of the
+/// operation on members.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The lower end.
+    pub lo: f64,
+    /// The upper end.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// The interval that holds nothing, to collect with [`Interval::with`].
+    pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+
+    /// The interval around nothing but `x`.
+    pub fn point(x: f64) -> Self {
+        Self { lo: x, hi: x }
+    }
+
+    /// The smallest interval that holds all values.
+    pub fn hull(values: impl IntoIterator<Item = f64>) -> Self {
+        values.into_iter().fold(Self::EMPTY, Self::with)
+    }
+
+    /// The smallest interval that holds this one and `x`.
+    #[must_use]
+    pub fn with(self, x: f64) -> Self {
+        Self { lo: self.lo.min(x), hi: self.hi.max(x) }
+    }
+
+    /// Grown by `margin ≥ 0` at both ends.
+    #[must_use]
+    pub fn grown(self, margin: f64) -> Self {
+        Self { lo: (self.lo - margin).next_down(), hi: (self.hi + margin).next_up() }
+    }
+
+    /// The largest absolute value of a member.
+    pub fn magnitude(self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    /// Division by an interval of positive numbers.
+    #[must_use]
+    pub fn over_positive(self, divisor: Self) -> Self {
+        let quotients = [
+            self.lo / divisor.lo,
+            self.lo / divisor.hi,
+            self.hi / divisor.lo,
+            self.hi / divisor.hi,
+        ];
+        Self::hull(quotients).outward()
+    }
+
+    fn outward(self) -> Self {
+        Self { lo: self.lo.next_down(), hi: self.hi.next_up() }
+    }
+}
+
+impl Add for Interval {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { lo: self.lo + other.lo, hi: self.hi + other.hi }.outward()
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { lo: self.lo - other.hi, hi: self.hi - other.lo }.outward()
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let products =
+            [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        Self::hull(products).outward()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn operations_enclose_those_on_members() {
+        let a = Interval { lo: -0.1, hi: 0.3 };
+        let b = Interval { lo: 0.7, hi: 1.9 };
+        for i in 0..=10 {
+            for j in 0..=10 {
+                let x = a.lo + (a.hi - a.lo) * f64::from(i) / 10.0;
+                let y = b.lo + (b.hi - b.lo) * f64::from(j) / 10.0;
+                let cases =
+                    [(a + b, x + y), (a - b, x - y), (a * b, x * y), (a.over_positive(b), x / y)];
+                for (interval, value) in cases {
+                    assert!(interval.lo <= value && value <= interval.hi);
+                }
+            }
+        }
+        assert!((a * b).lo < -0.1 * 1.9 && (a * b).lo > -0.1901);
+    }
+}

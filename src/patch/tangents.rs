@@ -1,0 +1,304 @@
+//! The proof that a ray meets a leaf at most once.
+
+use glam::{DVec3, DVec4};
+
+use super::tensor::euclidean;
+use crate::math::{Interval, rounding};
+
+/// A promise about all rays that are steep enough: each meets the leaf, widened on all
+/// sides, at most once.
+///
+/// # What is bounded
+/// Write the piece over the convex parameter rectangle `D` as `S = c + X / W`, where the
+/// Bernstein coefficients of `X` are `w_ij (P_ij − c)` and those of `W` are `w_ij > 0`.
+/// By the quotient rule `S_s = a / W` with `a = X_s − (S − c) W_s`, and `S_t = b / W`
+/// likewise. On `D` every component of `X_s` lies between the smallest and the largest
+/// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
+/// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
+/// the coefficients, gives boxes that hold `a` and `b`, in the frame `(a₀, b₀, n)` of
+/// their means: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. Boxes are convex,
+/// so they hold the means of `a` and `b` over any set as well.
+///
+/// # What is concluded
+/// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
+/// the two distances from a pair of perpendicular planes through the ray. Then
+/// `0 = F(y) − F(x) = J̄ (y − x)`, where `J̄` is the mean of the Jacobian along the segment
+/// from `x` to `y`: its columns are the projections of `∫ a/W` and `∫ b/W`, which are
+/// positive multiples `λā`, `μb̄` of members of the boxes, and `det J̄ = ± λμ d·(ā × b̄)`.
+/// With `θ` the angle between `d` and `n`,
+///
+/// `|d·(ā × b̄)| ≥ cos θ |a₀ × b₀| m − sin θ (|a₀| e₁ + |b₀| e₂)`,
+///
+/// `m = min(α₁β₂ − α₂β₁)`, `e₁ = max|α₁β₃ − α₃β₁|`, `e₂ = max|α₂β₃ − α₃β₂|`. This is
+/// positive, hence `x = y`, whenever `tan θ < 1 / K` with
+/// `K = (|a₀| e₁ + |b₀| e₂) / (|a₀ × b₀| m)`: a threshold on `|n·d|`. Splitting off the
+/// parts along `a₀` and `b₀` matters: the speed of the parametrisation does no harm, only
+/// the turning of the tangents does.
+///
+/// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
+/// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
+/// multiples keep the argument. So poles are certified too, but for the pole itself.
+///
+/// # What rounding costs
+/// The threshold is that of `1.05 K`, so that `|d·(ā × b̄)| ≥ 0.047 cos θ |a₀ × b₀| m`.
+/// A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
+/// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
+/// owner compares that with the slack it allows itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Certificate {
+    /// The unit normal `n`.
+    pub normal: DVec3,
+    /// A ray with `|n·d|` above this meets the widened leaf at most once.
+    pub threshold: f64,
+    /// See above; per unit of distance.
+    pub spread: f64,
+    /// At a collapsed side: where it is, and the spread times the distance from it.
+    pub pole: Option<Pole>,
+}
+
+/// A side of a leaf that is collapsed to a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Pole {
+    /// The point.
+    pub point: DVec3,
+    /// The parameter along the side errs by at most `ε·spread / (distance·cos θ)` sides
+    /// of the leaf, where `distance` is that of the ray from the point.
+    pub spread: f64,
+}
+
+/// Which side of a leaf's rectangle is collapsed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CollapsedSide {
+    /// `s` is constant: 0 or 1 tells which end.
+    S(usize),
+    /// `t` is constant: 0 or 1 tells which end.
+    T(usize),
+}
+
+/// Leaves whose tangents are bounded with this factor to spare.
+const MARGIN: f64 = 1.05;
+
+impl Certificate {
+    /// No ray is certified.
+    pub(super) fn none(normal: DVec3) -> Self {
+        Self { normal, threshold: f64::INFINITY, spread: f64::INFINITY, pole: None }
+    }
+
+    /// The certificate of the net over the widened rectangle; `None` when the tangents
+    /// turn too far, or nothing can be said.
+    pub(super) fn new(net: &Net<'_>, collapsed: Option<CollapsedSide>) -> Option<Self> {
+        match collapsed {
+            None => {
+                let tangents = Tangents::regular(net, net.middle())?;
+                tangents.certificate(None)
+            }
+            Some(side) => {
+                // A net whose collapsed side is `t = 0`: swap and mirror until it is.
+                let turned = net.with_collapsed_first(side);
+                let net = Net { degree: turned.0, control: &turned.1, noise: net.noise };
+                let pole = euclidean(net.control[0]);
+                let mut certificate = Tangents::at_pole(&net, pole)?.certificate(Some(pole))?;
+                if turned.2 {
+                    certificate.normal = -certificate.normal;
+                }
+                Some(certificate)
+            }
+        }
+    }
+}
+
+/// The homogeneous control net over a leaf's widened rectangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Net<'a> {
+    pub(super) degree: [usize; 2],
+    pub(super) control: &'a [DVec4],
+    /// How far a control point may be from the true one, in scene units.
+    pub(super) noise: f64,
+}
+
+impl Net<'_> {
+    fn middle(&self) -> DVec3 {
+        euclidean(self.control[self.control.len() / 2])
+    }
+
+    /// The net turned so that the collapsed side becomes `t = 0`, and whether that
+    /// flipped its orientation.
+    fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], Vec<DVec4>, bool) {
+        let [p, q] = self.degree;
+        let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
+        let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
+            (0..=rows)
+                .flat_map(|i| (0..=columns).map(move |j| (i, j)))
+                .map(|(i, j)| pick(i, j))
+                .collect()
+        };
+        match side {
+            CollapsedSide::T(0) => ([p, q], self.control.to_vec(), false),
+            CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j)), true),
+            CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i)), true),
+            CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i)), false),
+        }
+    }
+}
+
+/// Bernstein coefficients of three components and a weight on a rectangle.
+struct Field {
+    degree: [usize; 2],
+    values: Vec<DVec4>,
+}
+
+impl Field {
+    fn derivative_s(&self) -> Self {
+        let [p, q] = self.degree;
+        let values = (0..p * (q + 1)).map(|k| (self.values[k + q + 1] - self.values[k]) * p as f64);
+        Self { degree: [p - 1, q], values: values.collect() }
+    }
+
+    fn derivative_t(&self) -> Self {
+        let [p, q] = self.degree;
+        let pairs = (0..=p).flat_map(|i| (0..q).map(move |j| i * (q + 1) + j));
+        let values = pairs.map(|k| (self.values[k + 1] - self.values[k]) * q as f64);
+        Self { degree: [p, q - 1], values: values.collect() }
+    }
+
+    /// The quotient by `t`; the first coefficient of each row is taken for zero.
+    fn over_t(&self) -> Self {
+        let [p, q] = self.degree;
+        let pairs = (0..=p).flat_map(|i| (0..q).map(move |j| (i, j)));
+        let factor = |j: usize| q as f64 / (j + 1) as f64;
+        let values = pairs.map(|(i, j)| self.values[i * (q + 1) + j + 1] * factor(j));
+        Self { degree: [p, q - 1], values: values.collect() }
+    }
+
+    fn mean(&self) -> DVec4 {
+        self.values.iter().sum::<DVec4>() / self.values.len() as f64
+    }
+
+    fn weights(&self) -> Interval {
+        Interval::hull(self.values.iter().map(|value| value.w))
+    }
+
+    fn component(&self, direction: DVec3) -> Interval {
+        Interval::hull(self.values.iter().map(|value| direction.dot(value.truncate())))
+    }
+
+    fn length(&self) -> f64 {
+        self.values.iter().map(|value| value.truncate().length()).fold(0.0, f64::max)
+    }
+}
+
+/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of.
+struct Tangents {
+    along_s: Field,
+    along_t: Field,
+    /// What is multiplied with `W_s`: `S − c`, or `X̃ / W` at a pole.
+    factor_s: Field,
+    factor_t: Field,
+    /// Range of the weights by which each factor is divided; one where it is a point.
+    weights: Interval,
+    weight_slopes: [Interval; 2],
+    noise: f64,
+}
+
+impl Tangents {
+    fn regular(net: &Net<'_>, center: DVec3) -> Option<Self> {
+        let field = recentred(net, center);
+        let weights = field.weights();
+        if !(weights.lo > 0.0) {
+            return None;
+        }
+        let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
+        let weight_slopes = [along_s.weights(), along_t.weights()];
+        let offsets = || Field {
+            degree: field.degree,
+            values: field.values.iter().map(|x| (x.truncate() / x.w).extend(1.0)).collect(),
+        };
+        let (factor_s, factor_t) = (offsets(), offsets());
+        let noise = net.noise * weights.hi;
+        Some(Self { along_s, along_t, factor_s, factor_t, weights, weight_slopes, noise })
+    }
+
+    fn at_pole(net: &Net<'_>, pole: DVec3) -> Option<Self> {
+        let mut tangents = Self::regular(net, pole)?;
+        let over_t = recentred(net, pole).over_t();
+        let weight_slope = tangents.weight_slopes[0];
+        tangents.along_s = over_t.derivative_s();
+        let lowest = tangents.weights.lo;
+        let scaled = over_t.values.iter().map(|x| (x.truncate() / lowest).extend(1.0));
+        // X̃ / W lies between 0 and the hull of X̃ / min W, component by component.
+        let values = scaled.chain([DVec4::ZERO]).collect();
+        tangents.factor_s = Field { degree: over_t.degree, values };
+        tangents.weight_slopes[0] = weight_slope;
+        tangents.noise *= net.degree[1] as f64;
+        Some(tangents)
+    }
+
+    /// The box of one tangent's components along three directions.
+    fn components(&self, which: usize, directions: &[DVec3; 3]) -> [Interval; 3] {
+        let (along, factor) = match which {
+            0 => (&self.along_s, &self.factor_s),
+            _ => (&self.along_t, &self.factor_t),
+        };
+        let degree = along.degree[which] as f64 + 1.0;
+        directions.map(|direction| {
+            let turning = factor.component(direction) * self.weight_slopes[which];
+            let noise = 4.0 * degree * self.noise * direction.length();
+            (along.component(direction) - turning).grown(noise)
+        })
+    }
+
+    fn certificate(&self, pole: Option<DVec3>) -> Option<Certificate> {
+        // The frame: means of both tangents, their dual basis, the normal.
+        let mean = |along: &Field, factor: &Field, slopes: Interval| {
+            let slope = 0.5 * (slopes.lo + slopes.hi);
+            along.mean().truncate() - slope * factor.mean().truncate()
+        };
+        let a0 = mean(&self.along_s, &self.factor_s, self.weight_slopes[0]);
+        let b0 = mean(&self.along_t, &self.factor_t, self.weight_slopes[1]);
+        let cross = a0.cross(b0);
+        let area = cross.length();
+        if !(area > 0.0 && area.is_finite()) {
+            return None;
+        }
+        let normal = cross / area;
+        let dual = [b0.cross(normal) / area, normal.cross(a0) / area, normal];
+
+        let [a1, a2, a3] = self.components(0, &dual);
+        let [b1, b2, b3] = self.components(1, &dual);
+        let m = (a1 * b2 - a2 * b1).lo;
+        if !(m > 0.0) {
+            return None;
+        }
+        let e1 = (a1 * b3 - a3 * b1).magnitude();
+        let e2 = (a2 * b3 - a3 * b2).magnitude();
+        let k = MARGIN * (a0.length() * e1 + b0.length() * e2) / (area * m);
+        let threshold = k / (1.0 + k * k).sqrt() + 4.0 * rounding::UNIT_ROUNDOFF;
+
+        // How far from the root a point with a small residual may be.
+        let determinant = (1.0 - 1.0 / MARGIN) * area * m;
+        let turning =
+            |which: usize, factor: &Field| self.weight_slopes[which].magnitude() * factor.length();
+        let longest_s = self.along_s.length() + turning(0, &self.factor_s);
+        let longest_t = self.along_t.length() + turning(1, &self.factor_t);
+        let spread = match pole {
+            None => longest_s.max(longest_t) * self.weights.hi / determinant,
+            Some(_) => longest_s * self.weights.hi / determinant,
+        };
+        let pole = pole.map(|point| {
+            let ratio = self.weights.hi / self.weights.lo;
+            Pole { point, spread: longest_t * longest_t * ratio / determinant }
+        });
+        (threshold < 1.0 && spread.is_finite()).then_some(Certificate {
+            normal,
+            threshold,
+            spread,
+            pole,
+        })
+    }
+}
+
+/// The coefficients `(w (P − c), w)`.
+fn recentred(net: &Net<'_>, center: DVec3) -> Field {
+    let values = net.control.iter().map(|c| (c.truncate() - c.w * center).extend(c.w)).collect();
+    Field { degree: net.degree, values }
+}

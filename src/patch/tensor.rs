@@ -1,0 +1,164 @@
+//! Tensor-product rational Bézier pieces.
+
+use glam::{DVec2, DVec3, DVec4};
+
+use crate::geometry::SurfaceDerivatives;
+use crate::math::bernstein::{self, Basis};
+use crate::math::{Aabb, rounding};
+
+/// A rational Bézier piece of a surface,
+/// `S(s, t) = Σ B_i(s) B_j(t) w_ij P_ij / Σ B_i(s) B_j(t) w_ij` on the unit square.
+///
+/// # Invariants
+/// - the degrees are at least 1 and at most [`bernstein::MAX_DEGREE`];
+/// - there are `(p + 1)(q + 1)` homogeneous control points `(w x, w y, w z, w)`, second
+///   index fastest, all finite, all weights positive.
+#[derive(Clone, Debug)]
+pub struct TensorPatch {
+    degree: [usize; 2],
+    control: Box<[DVec4]>,
+    rational: bool,
+    magnitude: f64,
+}
+
+/// A point of a piece with its first derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Jet {
+    /// `S`.
+    pub point: DVec3,
+    /// `S_s`.
+    pub ds: DVec3,
+    /// `S_t`.
+    pub dt: DVec3,
+}
+
+impl TensorPatch {
+    /// A piece from its degrees and homogeneous control points. The caller has checked
+    /// the invariants: only surfaces that hold them can be built.
+    pub(super) fn new(degree: [usize; 2], control: Box<[DVec4]>) -> Self {
+        debug_assert_eq!(control.len(), (degree[0] + 1) * (degree[1] + 1));
+        let weight = control.first().map_or(1.0, |first| first.w);
+        let rational = control.iter().any(|c| c.w != weight);
+        let magnitude = Aabb::around(control.iter().map(|&c| euclidean(c))).magnitude();
+        Self { degree, control, rational, magnitude }
+    }
+
+    /// The degrees in `s` and `t`.
+    pub fn degree(&self) -> [usize; 2] {
+        self.degree
+    }
+
+    /// The homogeneous control points `(w x, w y, w z, w)`, second index fastest.
+    pub fn control(&self) -> &[DVec4] {
+        &self.control
+    }
+
+    /// The largest absolute coordinate of the control points.
+    pub fn magnitude(&self) -> f64 {
+        self.magnitude
+    }
+
+    /// How far a computed point may be from the true one, per unit of the largest
+    /// coordinate involved: see [`rounding::residual_factor`].
+    pub fn residual_factor(&self) -> f64 {
+        rounding::residual_factor(self.degree[0], self.degree[1])
+    }
+
+    /// The point and first derivatives at `(s, t)`, also a little outside the square.
+    ///
+    /// The order of operations is fixed, so that every caller gets the same bits.
+    pub fn jet(&self, st: DVec2) -> Jet {
+        let [p, q] = self.degree;
+        let (lower_s, lower_t) = (bernstein::basis(p - 1, st.x), bernstein::basis(q - 1, st.y));
+        let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
+        let (ds, dt) = (
+            bernstein::derivative_from_lower(p, &lower_s),
+            bernstein::derivative_from_lower(q, &lower_t),
+        );
+
+        let mut value = DVec4::ZERO;
+        let mut along_s = DVec4::ZERO;
+        let mut along_t = DVec4::ZERO;
+        for (i, row) in self.control.chunks_exact(q + 1).enumerate() {
+            let (mut sum, mut slope) = (DVec4::ZERO, DVec4::ZERO);
+            for (j, &c) in row.iter().enumerate() {
+                sum += bt[j] * c;
+                slope += dt[j] * c;
+            }
+            value += bs[i] * sum;
+            along_s += ds[i] * sum;
+            along_t += bs[i] * slope;
+        }
+
+        // Quotient rule: S_s = (X_s − S W_s) / W.
+        if !self.rational {
+            let w = self.control[0].w;
+            return Jet {
+                point: value.truncate() / w,
+                ds: along_s.truncate() / w,
+                dt: along_t.truncate() / w,
+            };
+        }
+        let point = value.truncate() / value.w;
+        Jet {
+            point,
+            ds: (along_s.truncate() - along_s.w * point) / value.w,
+            dt: (along_t.truncate() - along_t.w * point) / value.w,
+        }
+    }
+
+    /// The point at `(s, t)`.
+    pub fn point(&self, st: DVec2) -> DVec3 {
+        self.jet(st).point
+    }
+
+    /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
+    /// `t` in the names.
+    pub fn derivatives(&self, st: DVec2) -> SurfaceDerivatives {
+        let [p, q] = self.degree;
+        let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
+        let sum = |order_s: usize, order_t: usize| -> DVec4 {
+            let rows = self.control.chunks_exact(q + 1).zip(&bs[order_s]);
+            rows.map(|(row, &b)| {
+                b * row.iter().zip(&bt[order_t]).map(|(&c, &b)| b * c).sum::<DVec4>()
+            })
+            .sum()
+        };
+        let (value, a, b) = (sum(0, 0), sum(1, 0), sum(0, 1));
+        let (aa, ab, bb) = (sum(2, 0), sum(1, 1), sum(0, 2));
+
+        // Quotient rule, e.g. S_st = (X_st − S_s W_t − S_t W_s − S W_st) / W.
+        let w = value.w;
+        let point = value.truncate() / w;
+        let du = (a.truncate() - a.w * point) / w;
+        let dv = (b.truncate() - b.w * point) / w;
+        SurfaceDerivatives {
+            point,
+            du,
+            dv,
+            duu: (aa.truncate() - 2.0 * a.w * du - aa.w * point) / w,
+            duv: (ab.truncate() - a.w * dv - b.w * du - ab.w * point) / w,
+            dvv: (bb.truncate() - 2.0 * b.w * dv - bb.w * point) / w,
+        }
+    }
+}
+
+/// The point a homogeneous control point stands for.
+pub(super) fn euclidean(control: DVec4) -> DVec3 {
+    control.truncate() / control.w
+}
+
+/// Basis functions with their first and second derivatives.
+fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
+    let lower = bernstein::basis(degree - 1, t);
+    let second = if degree < 2 {
+        [0.0; bernstein::MAX_DEGREE + 1]
+    } else {
+        let lowest = bernstein::basis(degree - 2, t);
+        bernstein::derivative_from_lower(
+            degree,
+            &bernstein::derivative_from_lower(degree - 1, &lowest),
+        )
+    };
+    [bernstein::raised(degree, t, &lower), bernstein::derivative_from_lower(degree, &lower), second]
+}
