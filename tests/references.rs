@@ -7,10 +7,19 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
+    clippy::print_stdout,
     reason = "tests, and the functions they share"
 )]
 
 #[path = "references/binding.rs"]
 mod binding;
+#[path = "references/convergence.rs"]
+mod convergence;
+#[path = "references/images.rs"]
+mod images;
 #[path = "references/loaded.rs"]
 mod loaded;
+#[path = "references/models.rs"]
+mod models;
+#[path = "references/picture.rs"]
+mod picture;
