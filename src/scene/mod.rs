@@ -1,1 +1,31 @@
-//! scene.
+//! What is seen: the scene as written, and the world ready to trace.
+//!
+//! A reader makes a [`Scene`] from a file, or code fills one in; [`World::new`] checks it,
+//! puts the surfaces in their places, and chooses a view and lights where none are given.
+
+mod camera;
+mod document;
+mod error;
+mod framing;
+mod light;
+mod material;
+mod names;
+mod net;
+mod place;
+mod settings;
+mod shape;
+mod transform;
+mod world;
+
+pub use camera::{Camera, CameraError, Projection, View};
+pub use document::{CameraSpec, ImportNote, Lens, Object, Part, Scene, Shape};
+pub use error::{SceneError, SceneFault};
+pub use light::{Light, Rgb};
+pub use material::{Material, Texture};
+pub use names::{UnknownName, nearest};
+pub use net::{Knots, Net};
+pub use place::{Place, Written};
+pub use settings::{IntegratorKind, RenderDefaults};
+pub use shape::NamedShape;
+pub use transform::{Transform, TransformError};
+pub use world::{Instance, World};

@@ -1,0 +1,277 @@
+//! Files that are written whole or not at all.
+
+use std::ffi::OsStr;
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+use thiserror::Error;
+
+/// Why a file cannot be written. Whatever was there before is as it was.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The path does not end in a file's name.
+    #[error("cannot write \"{}\": it does not name a file", .0.display())]
+    NoName(PathBuf),
+    /// There is a folder of that name.
+    #[error("cannot write {}: it is a folder", .0.display())]
+    Folder(PathBuf),
+    /// The folder to write into does not exist.
+    #[error("cannot write {}: there is no folder {}", .path.display(), .folder.display())]
+    NoFolder {
+        /// The file to be written.
+        path: PathBuf,
+        /// The folder that is missing.
+        folder: PathBuf,
+    },
+    /// The system refuses, or the contents cannot be encoded.
+    #[error("cannot write {}: {reason}", .path.display())]
+    Io {
+        /// The file to be written.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+}
+
+/// Where the bytes go.
+enum Target {
+    /// A file in a folder that is (or is not yet) there: replaced by renaming.
+    File { path: PathBuf, folder: PathBuf, old: Option<Permissions> },
+    /// A device or a pipe (`/dev/null`): written into, for it must not be replaced.
+    Stream,
+}
+
+/// Whether a file can be written, found out before the work that fills it: the folder
+/// exists and takes new files, and a file of that name may be replaced. Leaves no trace.
+///
+/// # Errors
+/// When [`write_atomically`] would fail for these reasons.
+pub fn check_writable(path: &Path) -> Result<(), WriteError> {
+    let found = match target(path)? {
+        Target::File { folder, .. } => temporary(&folder).map(drop),
+        Target::Stream => Ok(()),
+    };
+    found.map_err(|reason| WriteError::Io { path: path.to_owned(), reason })
+}
+
+/// Writes a file whole or not at all.
+///
+/// The bytes go to a temporary file in the same folder, which takes the file's place when
+/// all are safely there; when anything fails it is removed and an older file stays as it
+/// was. A new file has the permissions the system gives to new files, a replaced one keeps
+/// its own; links are followed.
+///
+/// # Errors
+/// When the system refuses, or `write` fails.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let written = match target(path)? {
+        Target::File { path: file, folder, old } => replace(&file, &folder, old, write),
+        Target::Stream => pour(path, write),
+    };
+    written.map_err(|reason| WriteError::Io { path: path.to_owned(), reason })
+}
+
+/// Finds out what a path names.
+fn target(path: &Path) -> Result<Target, WriteError> {
+    let failed = |reason| WriteError::Io { path: path.to_owned(), reason };
+    let old = match fs::metadata(path) {
+        Ok(metadata) => Some(metadata),
+        Err(reason) if reason.kind() == io::ErrorKind::NotFound => None,
+        Err(reason) => return Err(failed(reason)),
+    };
+    match &old {
+        Some(old) if old.is_dir() => return Err(WriteError::Folder(path.to_owned())),
+        Some(old) if !old.is_file() => return Ok(Target::Stream),
+        Some(_) => {
+            // A file nobody may write to is not to be replaced either.
+            OpenOptions::new().write(true).open(path).map_err(failed)?;
+        }
+        None if path.file_name().is_none() => return Err(WriteError::NoName(path.to_owned())),
+        None => {}
+    }
+
+    // A link stays, and what it points to is replaced.
+    let file = if old.is_some() { path.canonicalize().map_err(failed)? } else { path.to_owned() };
+    let folder = match file.parent() {
+        Some(parent) if parent.as_os_str() != OsStr::new("") => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    if !folder.is_dir() {
+        return Err(WriteError::NoFolder { path: path.to_owned(), folder });
+    }
+    let old = old.map(|old| old.permissions());
+    Ok(Target::File { path: file, folder, old })
+}
+
+/// An empty file that disappears unless it is kept, with the permissions of a new file.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".nurbray-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What `File::create` asks for; the system takes the user's mask off.
+        builder.permissions(Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(without_path)
+}
+
+/// Writes a temporary file and puts it in the file's place.
+fn replace(
+    path: &Path,
+    folder: &Path,
+    old: Option<Permissions>,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = temporary(folder)?;
+    fill(file.as_file_mut(), write)?;
+    if let Some(old) = old {
+        file.as_file().set_permissions(old)?;
+    }
+    // On the disk before the rename, lest a power cut leave a name without contents.
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Writes a nameless temporary file and copies it into a device or a pipe, which need not
+/// be able to seek as the encoders do.
+fn pour(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = tempfile::tempfile()?;
+    fill(&mut file, write)?;
+    file.rewind()?;
+    let mut stream = OpenOptions::new().write(true).open(path)?;
+    io::copy(&mut file, &mut stream)?;
+    stream.flush()
+}
+
+fn fill(
+    file: &mut File,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut buffer = BufWriter::new(file);
+    write(&mut buffer)?;
+    buffer.flush()
+}
+
+/// The system's reason without the temporary file's name, which means nothing to anyone.
+fn without_path(error: io::Error) -> io::Error {
+    error.raw_os_error().map_or(error, io::Error::from_raw_os_error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn put(path: &Path, text: &str) -> Result<(), WriteError> {
+        write_atomically(path, |file| file.write_all(text.as_bytes()))
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn writes_new_files_and_replaces_old_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        for text in ["first", "second, longer", "3"] {
+            check_writable(&path).unwrap();
+            put(&path, text).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_older_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "old").unwrap();
+        let error = write_atomically(&path, |file| {
+            file.write_all(b"half of the n")?;
+            Err(io::Error::other("the disk is on fire"))
+        });
+        let message = format!("cannot write {}: the disk is on fire", path.display());
+        assert_eq!(error.unwrap_err().to_string(), message);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn checking_leaves_no_trace() {
+        let folder = tempfile::tempdir().unwrap();
+        check_writable(&folder.path().join("new.exr")).unwrap();
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn says_what_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("no/such/a.exr");
+        let error = check_writable(&missing).unwrap_err().to_string();
+        let parent = folder.path().join("no/such");
+        let expected =
+            format!("cannot write {}: there is no folder {}", missing.display(), parent.display());
+        assert_eq!(error, expected);
+        let error = put(folder.path(), "").unwrap_err().to_string();
+        assert_eq!(error, format!("cannot write {}: it is a folder", folder.path().display()));
+        let error = check_writable(Path::new("")).unwrap_err().to_string();
+        assert_eq!(error, "cannot write \"\": it does not name a file");
+        let file = folder.path().join("file");
+        put(&file, "x").unwrap();
+        assert!(matches!(check_writable(&file.join("below")), Err(WriteError::Io { .. })));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_are_those_of_any_file_and_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o7777;
+        let (plain, path) = (folder.path().join("plain"), folder.path().join("a.txt"));
+        File::create(&plain).unwrap();
+        put(&path, "x").unwrap();
+        assert_eq!(mode(&path), mode(&plain));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        put(&path, "y").unwrap();
+        assert_eq!(mode(&path), 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+        put(&real, "old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        put(&link, "new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_into_not_replaced() {
+        use std::os::unix::fs::FileTypeExt;
+        put(Path::new("/dev/null"), "gone").unwrap();
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        let error = put(Path::new("/dev/full"), "too much").unwrap_err().to_string();
+        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+    }
+}

@@ -1,0 +1,435 @@
+//! NumPy arrays of numbers: rays in, hits out.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use npyz::{NpyFile, NpyHeader, Order, WriterBuilder};
+use thiserror::Error;
+
+use super::npy_header::read_header;
+use super::{WriteError, write_atomically};
+use crate::math::{Ray, RayError};
+
+/// A table of numbers, row after row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// How many numbers a row has; at least 1.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// How many rows there are.
+    pub fn row_count(&self) -> usize {
+        self.values.len() / self.columns
+    }
+
+    /// The rows, from the first.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.values.chunks_exact(self.columns)
+    }
+}
+
+/// Why a file cannot be read as a table.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum NpyError {
+    /// The system refuses.
+    #[error("cannot read {}: {reason}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+    /// The file does not begin as a NumPy file does.
+    #[error("{}: not a NumPy .npy file: {found}", .path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        found: String,
+    },
+    /// The numbers are of another kind.
+    #[error("{}: found numbers of type {found}, needed float64 or float32 (array.astype('f8'))", .path.display())]
+    Kind {
+        /// The file.
+        path: PathBuf,
+        /// The type in NumPy's notation.
+        found: String,
+    },
+    /// The array has another shape.
+    #[error("{}: found an array of shape {found}, needed {needed}", .path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// The shape, as NumPy writes it.
+        found: String,
+        /// The shapes that would do.
+        needed: String,
+    },
+    /// The header tells of more numbers than can be.
+    #[error("{}: the header tells of an array of {found} numbers: it is damaged", .path.display())]
+    Absurd {
+        /// The file.
+        path: PathBuf,
+        /// How many, in words of the header.
+        found: String,
+    },
+    /// The file ends too early.
+    #[error("{}: found {found} bytes of data, needed {needed}: the file is cut short", .path.display())]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// The bytes after the header.
+        found: u64,
+        /// The bytes the header tells of.
+        needed: u64,
+    },
+    /// A row is not a ray.
+    #[error("{}: row {row}, counted from 0: {reason}", .path.display())]
+    Ray {
+        /// The file.
+        path: PathBuf,
+        /// The row, counted from 0.
+        row: usize,
+        /// What is wrong with it.
+        #[source]
+        reason: RayError,
+    },
+}
+
+/// Reads rays: float64 or float32 of shape `(n, 6)`, origin and direction, or `(n, 8)` with
+/// `t_min` and `t_max` behind them.
+///
+/// # Errors
+/// When the file is not such a table, or a row is not a ray.
+pub fn read_rays(path: &Path) -> Result<Vec<Ray>, NpyError> {
+    let table = read_table(path, &[6, 8])?;
+    let ray = |row: &[f64]| {
+        let (origin, direction) = (DVec3::from_slice(row), DVec3::from_slice(&row[3..]));
+        match row.get(6..8) {
+            Some(range) => Ray::with_range(origin, direction, range[0], range[1]),
+            None => Ray::new(origin, direction),
+        }
+    };
+    let named = |(row, numbers)| {
+        ray(numbers).map_err(|reason| NpyError::Ray { path: path.to_owned(), row, reason })
+    };
+    table.rows().enumerate().map(named).collect()
+}
+
+/// Reads a table of float64 or float32 numbers, in either byte order and either order of
+/// rows and columns, with one of the `columns` counts given.
+///
+/// Nothing is allocated on the word of the header alone: what it tells must fit the file.
+/// Bytes behind the array are passed over, as NumPy does.
+///
+/// # Errors
+/// When the file cannot be read, is damaged, or holds something else.
+pub fn read_table(path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
+    let io_error = |reason| NpyError::Io { path: path.to_owned(), reason };
+    let file = File::open(path).map_err(io_error)?;
+    let metadata = file.metadata().map_err(io_error)?;
+    if metadata.is_dir() {
+        return Err(io_error(io::ErrorKind::IsADirectory.into()));
+    }
+    // Pipes have no length; they are read until they end.
+    let length = metadata.is_file().then_some(metadata.len());
+    read_from(BufReader::new(file), length, path, columns)
+}
+
+/// Reads a table from a stream whose whole length may be known.
+fn read_from(
+    mut stream: impl Read,
+    length: Option<u64>,
+    path: &Path,
+    columns: &[usize],
+) -> Result<Table, NpyError> {
+    let (header, header_bytes) = read_header(&mut stream, path)?;
+    let (rows, width) = shape(&header, path, columns)?;
+    let count = header.len();
+    let item = header.dtype().num_bytes().unwrap_or(8) as u64;
+    let needed = count * item; // at most 2^40 · 8
+    if let Some(found) = length.map(|length| length.saturating_sub(header_bytes as u64))
+        && found < needed
+        && matches!(item, 4 | 8)
+    {
+        return Err(NpyError::Truncated { path: path.to_owned(), found, needed });
+    }
+
+    // With the length known the numbers are known to be there; else memory grows with them.
+    let mut values = Vec::new();
+    if length.is_some() {
+        let no_memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
+        values
+            .try_reserve_exact(count as usize)
+            .map_err(no_memory)
+            .map_err(|reason| NpyError::Io { path: path.to_owned(), reason })?;
+    }
+    let order = header.order();
+    let kind = header.dtype().descr();
+    let file = NpyFile::with_header(header, stream);
+    let read = match file.try_data::<f64>() {
+        Ok(data) => fill(&mut values, data),
+        Err(file) => match file.try_data::<f32>() {
+            Ok(data) => fill(&mut values, data.map(|x| x.map(f64::from))),
+            Err(_) => return Err(NpyError::Kind { path: path.to_owned(), found: kind }),
+        },
+    };
+    read.map_err(|reason| match reason.kind() {
+        io::ErrorKind::UnexpectedEof => {
+            let found = values.len() as u64 * item;
+            NpyError::Truncated { path: path.to_owned(), found, needed }
+        }
+        _ => NpyError::Io { path: path.to_owned(), reason },
+    })?;
+    if order == Order::Fortran {
+        values = transposed(&values, rows, width);
+    }
+    Ok(Table { columns: width, values })
+}
+
+fn fill(values: &mut Vec<f64>, data: impl Iterator<Item = io::Result<f64>>) -> io::Result<()> {
+    for value in data {
+        values.push(value?);
+    }
+    Ok(())
+}
+
+/// Row after row from column after column.
+fn transposed(columns: &[f64], rows: usize, width: usize) -> Vec<f64> {
+    let mut values = Vec::with_capacity(columns.len());
+    for row in 0..rows {
+        values.extend((0..width).map(|column| columns[column * rows + row]));
+    }
+    values
+}
+
+/// Rows and columns, if the array has two dimensions and one of the widths that will do.
+fn shape(header: &NpyHeader, path: &Path, columns: &[usize]) -> Result<(usize, usize), NpyError> {
+    if let &[rows, width] = header.shape()
+        && let Some(&width) = columns.iter().find(|&&columns| columns as u64 == width)
+    {
+        return Ok((rows as usize, width));
+    }
+    let sizes: Vec<_> = header.shape().iter().map(u64::to_string).collect();
+    let found = match sizes.as_slice() {
+        [one] => format!("({one},)"),
+        sizes => format!("({})", sizes.join(", ")),
+    };
+    let needed: Vec<_> = columns.iter().map(|columns| format!("(n, {columns})")).collect();
+    Err(NpyError::Shape { path: path.to_owned(), found, needed: needed.join(" or ") })
+}
+
+/// Writes rows of `N` numbers as a float64 array of shape `(rows.len(), N)`.
+///
+/// # Errors
+/// When the file cannot be written; an older one then stays as it was.
+pub fn write_rows<const N: usize>(path: &Path, rows: &[[f64; N]]) -> Result<(), WriteError> {
+    write_atomically(path, |file| {
+        let mut array = npyz::WriteOptions::new()
+            .default_dtype()
+            .shape(&[rows.len() as u64, N as u64])
+            .writer(file)
+            .begin_nd()?;
+        array.extend(rows.iter().flatten().copied())?;
+        array.finish()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// A file of version 1.0 with this text for a header.
+    fn file(text: &str, data: &[u8]) -> Vec<u8> {
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.extend(text.as_bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    fn header(kind: &str, fortran: &str, shape: &str) -> String {
+        format!("{{'descr': '{kind}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n")
+    }
+
+    fn read(bytes: &[u8], columns: &[usize]) -> Result<Table, NpyError> {
+        read_from(bytes, Some(bytes.len() as u64), Path::new("rays.npy"), columns)
+    }
+
+    fn message(bytes: &[u8]) -> String {
+        read(bytes, &[6, 8]).unwrap_err().to_string()
+    }
+
+    /// The numbers 0.5, 1.5 … as bytes.
+    fn numbers<const N: usize>(count: usize, bytes_of: impl Fn(f64) -> [u8; N]) -> Vec<u8> {
+        (0..count).flat_map(|i| bytes_of(i as f64 + 0.5)).collect()
+    }
+
+    #[test]
+    fn reads_both_precisions_in_both_byte_orders() {
+        let rows: Vec<_> = (0..12).map(|i| f64::from(i) + 0.5).collect();
+        let shape = header("KIND", "False", "(2, 6)");
+        for (kind, data) in [
+            ("<f8", numbers(12, f64::to_le_bytes)),
+            (">f8", numbers(12, f64::to_be_bytes)),
+            ("<f4", numbers(12, |x| (x as f32).to_le_bytes())),
+            (">f4", numbers(12, |x| (x as f32).to_be_bytes())),
+        ] {
+            let table = read(&file(&shape.replace("KIND", kind), &data), &[6]).unwrap();
+            assert_eq!((table.columns(), table.row_count()), (6, 2));
+            assert_eq!(table.values, rows, "{kind}");
+            assert_eq!(table.rows().nth(1).unwrap(), &rows[6..]);
+        }
+    }
+
+    #[test]
+    fn reads_columns_first() {
+        let bytes = file(&header("<f8", "True", "(2, 6)"), &numbers(12, f64::to_le_bytes));
+        let table = read(&bytes, &[6]).unwrap();
+        assert_eq!(table.rows().next().unwrap(), [0.5, 2.5, 4.5, 6.5, 8.5, 10.5]);
+        assert_eq!(table.rows().nth(1).unwrap(), [1.5, 3.5, 5.5, 7.5, 9.5, 11.5]);
+    }
+
+    #[test]
+    fn reads_versions_2_and_3_empty_tables_and_pipes() {
+        let text = header("<f8", "False", "(1, 6)");
+        for version in [2, 3] {
+            let mut bytes = b"\x93NUMPY".to_vec();
+            bytes.extend([version, 0]);
+            bytes.extend((text.len() as u32).to_le_bytes());
+            bytes.extend(text.as_bytes());
+            bytes.extend(numbers(6, f64::to_le_bytes));
+            assert_eq!(read(&bytes, &[6]).unwrap().row_count(), 1);
+            let piped = read_from(bytes.as_slice(), None, Path::new("-"), &[6]).unwrap();
+            assert_eq!(piped, read(&bytes, &[6]).unwrap());
+        }
+        let empty = read(&file(&header("<f8", "False", "(0, 6)"), &[]), &[6]).unwrap();
+        assert_eq!(empty.row_count(), 0);
+    }
+
+    #[test]
+    fn says_what_is_wrong_with_an_array() {
+        let data = numbers(12, f64::to_le_bytes);
+        let with = |kind, shape| file(&header(kind, "False", shape), &data);
+        assert_eq!(
+            message(&with("<i8", "(2, 6)")),
+            "rays.npy: found numbers of type '<i8', needed float64 or float32 (array.astype('f8'))"
+        );
+        assert_eq!(
+            message(&with("<f8", "(12,)")),
+            "rays.npy: found an array of shape (12,), needed (n, 6) or (n, 8)"
+        );
+        assert_eq!(
+            message(&with("<f8", "(4, 3)")),
+            "rays.npy: found an array of shape (4, 3), needed (n, 6) or (n, 8)"
+        );
+        assert_eq!(
+            message(&with("<f8", "(3, 6)")),
+            "rays.npy: found 96 bytes of data, needed 144: the file is cut short"
+        );
+        assert_eq!(
+            message(b"PK\x03\x04 something else"),
+            "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY"
+        );
+        let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();
+        assert!(error.starts_with("cannot read /no/such.npy: "), "{error}");
+        assert!(matches!(read_table(Path::new("/"), &[6]), Err(NpyError::Io { .. })));
+    }
+
+    #[test]
+    fn refuses_absurd_headers_before_allocating() {
+        let refused = |shape: &str| message(&file(&header("<f8", "False", shape), &[]));
+        assert_eq!(
+            refused("(18446744073709551615, 6)"),
+            "rays.npy: the header tells of an array of 18446744073709551615 numbers: it is damaged"
+        );
+        // Products that overflow, with or without a zero, in any notation.
+        for shape in [
+            "(4294967296, 4294967296)",
+            "(0, 99999999999, 99999999999)",
+            "(99999999999999999999999999, 6)",
+            "(0xffffffffffff, 6)",
+            "(1_000_000_000_000_000, 6)",
+            "(1+1, 6)",
+            "(--1, 6)",
+            "(-5, 6)",
+        ] {
+            assert!(refused(shape).contains("header"), "{shape}");
+        }
+        assert!(refused(&"(".repeat(5000)).ends_with("nests too many brackets"));
+        // A trillion numbers are possible, but they are not in the file.
+        assert!(refused("(10000000000, 6)").ends_with("the file is cut short"));
+        let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
+        bytes.extend(u32::MAX.to_le_bytes());
+        assert!(message(&bytes).ends_with("its header is said to have 4294967295 bytes"));
+    }
+
+    #[test]
+    fn every_cut_and_every_damaged_byte_is_an_error_or_a_table() {
+        let whole = file(&header("<f8", "False", "(2, 6)"), &numbers(12, f64::to_le_bytes));
+        for length in 0..whole.len() {
+            assert!(read(&whole[..length], &[6]).is_err(), "cut at {length}");
+            let pipe = read_from(&whole[..length], None, Path::new("-"), &[6]);
+            assert!(pipe.is_err(), "pipe cut at {length}");
+        }
+        for place in 0..whole.len() {
+            for flip in [1, 4, 16, 128, 255] {
+                let mut damaged = whole.clone();
+                damaged[place] ^= flip;
+                let _ = read(&damaged, &[6, 8]); // no panic, no abort
+            }
+        }
+    }
+
+    #[test]
+    fn rows_come_back_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hits.npy");
+        let rows: Vec<[f64; 11]> =
+            (0..5).map(|i| std::array::from_fn(|j| f64::from(i).sin() / (j as f64))).collect();
+        write_rows(&path, &rows).unwrap();
+        let table = read_table(&path, &[11]).unwrap();
+        for (read, row) in table.rows().zip(&rows) {
+            let bits = |row: &[f64]| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(read), bits(row));
+        }
+        write_rows::<12>(&path, &[]).unwrap();
+        assert_eq!(read_table(&path, &[12]).unwrap().row_count(), 0);
+        let bytes = fs::read(&path).unwrap();
+        assert!(bytes.starts_with(b"\x93NUMPY\x01\x00"));
+    }
+
+    #[test]
+    fn rays_are_checked_row_by_row() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rays.npy");
+        let good = [0.0, 1.0, 2.0, 0.0, 0.0, 2.0, -1.0, f64::INFINITY];
+        write_rows(&path, &[good]).unwrap();
+        let rays = read_rays(&path).unwrap();
+        assert_eq!(rays[0].direction(), DVec3::new(0.0, 0.0, 2.0));
+        assert_eq!((rays[0].t_min(), rays[0].t_max()), (-1.0, f64::INFINITY));
+        write_rows(&path, &[[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0; 6]]).unwrap();
+        assert_eq!(
+            read_rays(&path).unwrap_err().to_string(),
+            format!(
+                "{}: row 1, counted from 0: the direction is zero: \
+                 a ray needs a direction of any other length",
+                path.display()
+            )
+        );
+        write_rows(&path, &[[f64::NAN, 0.0, 0.0, 1.0, 0.0, 0.0]]).unwrap();
+        assert!(matches!(read_rays(&path), Err(NpyError::Ray { row: 0, .. })));
+    }
+}

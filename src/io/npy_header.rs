@@ -1,0 +1,91 @@
+//! The header of a NumPy file, read with suspicion.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use npyz::NpyHeader;
+
+use super::NpyError;
+
+/// The longest header read, as NumPy itself has it: that of a table has about 100 bytes.
+const MAX_HEADER: usize = 10_000;
+
+/// The deepest nesting of brackets in a header: that of a table has 2.
+const MAX_DEPTH: usize = 8;
+
+/// The most numbers in a file (8 TB of them): more is a damaged header.
+const MAX_COUNT: u64 = 1 << 40;
+
+/// Reads the header and tells its length in bytes.
+///
+/// The parser in use trusts the header's length, its nesting and the product of its sizes,
+/// so these are looked at first.
+pub(super) fn read_header(
+    stream: &mut impl Read,
+    path: &Path,
+) -> Result<(NpyHeader, usize), NpyError> {
+    let wrong = |found: &str| NpyError::Header { path: path.to_owned(), found: found.to_owned() };
+    let short = |reason: io::Error| match reason.kind() {
+        io::ErrorKind::UnexpectedEof => wrong("it ends within the header"),
+        _ => NpyError::Io { path: path.to_owned(), reason },
+    };
+
+    // Magic, version, length of the text that follows: 2 bytes in version 1, else 4.
+    let mut bytes = vec![0; 8];
+    stream.read_exact(&mut bytes).map_err(short)?;
+    if !bytes.starts_with(b"\x93NUMPY") {
+        return Err(wrong("it does not begin with \\x93NUMPY"));
+    }
+    let length_bytes = if bytes[6] == 1 { 2 } else { 4 };
+    bytes.resize(8 + length_bytes, 0);
+    stream.read_exact(&mut bytes[8..]).map_err(short)?;
+    let length = bytes[8..].iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte));
+    if length > MAX_HEADER {
+        return Err(wrong(&format!("its header is said to have {length} bytes")));
+    }
+    let start = bytes.len();
+    bytes.resize(start + length, 0);
+    stream.read_exact(&mut bytes[start..]).map_err(short)?;
+
+    check_text(&bytes[start..], path)?;
+    let header =
+        NpyHeader::from_reader(bytes.as_slice()).map_err(|error| wrong(&error.to_string()))?;
+    Ok((header, bytes.len()))
+}
+
+/// Refuses headers that would nest or multiply without bounds.
+fn check_text(text: &[u8], path: &Path) -> Result<(), NpyError> {
+    let wrong = |found: &str| NpyError::Header { path: path.to_owned(), found: found.to_owned() };
+    let mut depth = 0_usize;
+    for byte in text {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            b'+' | b'-' => return Err(wrong("its header has signs or sums for sizes")),
+            _ => {}
+        }
+        if depth > MAX_DEPTH {
+            return Err(wrong("its header nests too many brackets"));
+        }
+    }
+
+    // Every word that begins with a digit is a size; their product, zeros apart, is at
+    // least the number of elements, whichever of them make up the shape.
+    let words = text.split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_');
+    let sizes = words.filter(|word| word.first().is_some_and(u8::is_ascii_digit));
+    let mut product = 1_u64;
+    let mut found = Vec::new();
+    for size in sizes.map(String::from_utf8_lossy) {
+        let factor = size.parse::<u64>().ok().map(|size| size.max(1));
+        let count = factor.and_then(|factor| product.checked_mul(factor));
+        found.push(size.into_owned());
+        match count.filter(|&count| count <= MAX_COUNT) {
+            Some(count) => product = count,
+            None => {
+                let found = found.join(" × ");
+                return Err(NpyError::Absurd { path: path.to_owned(), found });
+            }
+        }
+    }
+    Ok(())
+}

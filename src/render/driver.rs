@@ -1,0 +1,88 @@
+//! Rendering: all threads, all tiles, one film.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rayon::ThreadPoolBuilder;
+use thiserror::Error;
+
+use super::painter::Painter;
+use super::tile::TileGrid;
+use super::{Counters, Film, FilmError, RenderSettings};
+use crate::scene::World;
+
+/// How far a render has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Tiles that are finished.
+    pub tiles_done: usize,
+    /// Tiles in all.
+    pub tiles: usize,
+    /// Rays traced so far, in finished tiles.
+    pub rays: u64,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// There can be no such film.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// The system gives no threads.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// How many were asked for; 0 for one for each processor.
+        threads: usize,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// Renders a world.
+///
+/// The picture depends on the world and the settings only, not on the number of threads nor
+/// on which finishes first: each tile is painted for itself, from samples that are
+/// functions of (seed, pixel, sample, dimension). Nor does a pixel depend on the crop.
+///
+/// `progress` is told after every tile, by whichever thread painted it, but never by two
+/// at once and always with rising numbers. It should be quick: the others may have to wait.
+///
+/// # Errors
+/// When the settings are refused, or memory or threads cannot be had.
+pub fn render(
+    world: &World,
+    settings: &RenderSettings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Film, RenderError> {
+    let film = Film::new(settings)?;
+    let window = film.window();
+    let grid = TileGrid::new(window);
+    let pool = ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|error| {
+        RenderError::Threads { threads: settings.threads, reason: error.to_string() }
+    })?;
+
+    let state = Mutex::new((film, 0));
+    let next = AtomicUsize::new(0);
+    pool.broadcast(|_| {
+        let mut painter = Painter::new(world, settings, window);
+        while let Some(tile) = grid.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let (pixels, counters) = painter.paint(tile);
+            let mut state = lock(&state);
+            let (film, tiles_done) = &mut *state;
+            film.insert(pixels, counters);
+            *tiles_done += 1;
+            let (tiles_done, tiles) = (*tiles_done, grid.count());
+            progress(Progress { tiles_done, tiles, rays: film.counters().rays });
+        }
+        let statistics = painter.statistics();
+        lock(&state).0.count(Counters { statistics, ..Counters::default() });
+    });
+    let (film, _) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(film)
+}
+
+/// The lock; should a thread have panicked, its panic will end the render anyway.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,115 @@
+//! The same picture whatever the threads, crops and sample ranges.
+
+use std::sync::Mutex;
+
+use super::test_worlds::sphere_over_floor;
+use super::*;
+use crate::scene::IntegratorKind;
+
+fn settings() -> RenderSettings {
+    RenderSettings {
+        size: (50, 37),
+        samples: 0..6,
+        aovs: AovSet::all(),
+        threads: 1,
+        ..RenderSettings::default()
+    }
+}
+
+fn picture(settings: &RenderSettings) -> Film {
+    render(&sphere_over_floor(), settings, &|_| {}).unwrap()
+}
+
+/// Every number of every pixel of a rectangle, as bits.
+fn bits(film: &Film, window: PixelRect) -> Vec<u32> {
+    let ([x0, y0], [x1, y1]) = (window.min(), window.max());
+    let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y]));
+    let values = |pixel| film.channels().map(move |channel| film.value(channel, pixel).unwrap());
+    pixels.flat_map(values).map(f32::to_bits).collect()
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    for &integrator in IntegratorKind::ALL {
+        let one = picture(&RenderSettings { integrator, ..settings() });
+        for threads in [2, 3] {
+            let other = picture(&RenderSettings { integrator, threads, ..settings() });
+            assert_eq!(bits(&one, one.window()), bits(&other, one.window()), "{integrator}");
+            assert_eq!(one.counters(), other.counters(), "{integrator}");
+        }
+    }
+}
+
+#[test]
+fn four_crops_are_the_whole() {
+    let whole = picture(&settings());
+    // Neither at tile borders nor of equal sizes.
+    for rect in ["0,0,23,11", "23,0,50,11", "0,11,23,37", "23,11,50,37"] {
+        let crop: PixelRect = rect.parse().unwrap();
+        let part = picture(&RenderSettings { crop: Some(crop), ..settings() });
+        assert_eq!(part.window(), crop);
+        assert_eq!(bits(&part, crop), bits(&whole, crop), "crop {crop}");
+    }
+}
+
+#[test]
+fn two_sample_ranges_are_the_whole() {
+    for (start, middle, end) in [(0, 1, 6), (0, 4, 6), (3, 5, 10), (2, 7, 8)] {
+        let whole = picture(&RenderSettings { samples: start..end, ..settings() });
+        let first = picture(&RenderSettings { samples: start..middle, ..settings() });
+        let second = picture(&RenderSettings { samples: middle..end, ..settings() });
+        let merged = first.merge(second).unwrap();
+        assert_eq!(bits(&merged, merged.window()), bits(&whole, whole.window()));
+        assert_eq!(merged.counters(), whole.counters());
+        assert_eq!(merged.settings(), whole.settings());
+    }
+}
+
+#[test]
+fn another_seed_takes_other_samples_of_the_same_picture() {
+    let one = picture(&settings());
+    let other = picture(&RenderSettings { seed: 1, ..settings() });
+    assert_ne!(bits(&one, one.window()), bits(&other, one.window()));
+    let mean = |film: &Film| {
+        let plane = film.plane(Channel::R).unwrap();
+        plane.iter().sum::<f32>() / plane.len() as f32
+    };
+    assert!((mean(&one) / mean(&other) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn progress_rises_to_the_end() {
+    let told = Mutex::new(Vec::new());
+    let settings = RenderSettings { threads: 3, ..settings() };
+    let film = render(&sphere_over_floor(), &settings, &|progress| {
+        told.lock().unwrap().push(progress);
+    });
+    let told = told.into_inner().unwrap();
+    // 50 × 37 pixels in tiles of 16 × 16.
+    assert_eq!(told.len(), 12);
+    assert!(told.is_sorted_by_key(|p| (p.tiles_done, p.rays)));
+    let last = told.last().unwrap();
+    assert_eq!((last.tiles_done, last.tiles), (12, 12));
+    assert_eq!(last.rays, film.unwrap().counters().rays);
+}
+
+#[test]
+fn rays_and_hits_are_counted() {
+    let film = picture(&RenderSettings { integrator: IntegratorKind::Normal, ..settings() });
+    let counters = film.counters();
+    assert_eq!(counters.rays, 50 * 37 * 6);
+    assert_eq!(counters.statistics.rays, counters.rays);
+    let covered: f32 = film.plane(Channel::A).unwrap().iter().sum();
+    assert_eq!(counters.hits, (covered * 6.0).round() as u64);
+    // Shadow rays count as well.
+    let direct = picture(&settings()).counters().rays;
+    assert!(direct > counters.rays && direct <= 3 * counters.rays, "{direct} rays");
+}
+
+#[test]
+fn refused_settings_are_errors() {
+    let world = sphere_over_floor();
+    let empty = RenderSettings { size: (0, 4), ..settings() };
+    let error = render(&world, &empty, &|_| {}).unwrap_err().to_string();
+    assert_eq!(error, "size 0x4: a picture needs at least one pixel each way");
+}

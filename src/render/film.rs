@@ -1,0 +1,329 @@
+//! The picture: what all samples of all pixels come to.
+
+use std::ops::{AddAssign, Range};
+
+use thiserror::Error;
+
+use super::pixels::Pixels;
+use super::sums::OutOfMemory;
+use super::{Channel, PixelRect, RenderSettings, SettingsError};
+use crate::intersect::Statistics;
+
+/// A rendered picture, or a part of one: linear colour, coverage and data of each pixel.
+///
+/// - `R G B` is the mean radiance over the pixel (box filter), background included,
+///   linear with Rec. 709 primaries.
+/// - `A` is the coverage, the share of samples that hit a surface. Over a black background
+///   colour is thus premultiplied, as compositing expects; from `R G B` over another one
+///   take `(1 − A) · background`.
+/// - [`Aov`](super::Aov) says what the data channels hold.
+///
+/// Films of neighbouring sample ranges can be merged: the result is the film of the
+/// joined range bit for bit, for sums over samples do not depend on the split.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    settings: RenderSettings,
+    pixels: Pixels,
+    counters: Counters,
+}
+
+/// What was traced for a film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays traced, shadow rays among them.
+    pub rays: u64,
+    /// Camera rays that hit something.
+    pub hits: u64,
+    /// Rays whose answer floating point could not decide, shadow rays among them.
+    pub doubtful: u64,
+    /// The work done.
+    pub statistics: Statistics,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.doubtful += other.doubtful;
+        self.statistics += other.statistics;
+    }
+}
+
+/// Why there is no film.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// There can be no such picture.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The memory cannot be had.
+    #[error("a film of {width}x{height} pixels needs {bytes} bytes, more than can be had")]
+    Memory {
+        /// The width of the rendered part.
+        width: u32,
+        /// The height of the rendered part.
+        height: u32,
+        /// How much memory.
+        bytes: u128,
+    },
+}
+
+/// Why two films cannot be merged.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// They do not show the same picture.
+    #[error("films of different {0} cannot be merged")]
+    Different(&'static str),
+    /// The range of one does not begin where the other's ends.
+    #[error(
+        "films of samples {}..{} and {}..{} cannot be merged: one range must follow the other",
+        .0.start, .0.end, .1.start, .1.end
+    )]
+    NotNeighbors(Range<u32>, Range<u32>),
+}
+
+impl Film {
+    /// A black film for these settings.
+    ///
+    /// # Errors
+    /// When there can be no such picture, or no memory for it.
+    pub fn new(settings: &RenderSettings) -> Result<Self, FilmError> {
+        settings.check()?;
+        let window = settings.window()?;
+        let pixels = Pixels::black(window, settings.aovs, settings.samples.clone()).map_err(
+            |OutOfMemory { bytes }| {
+                let (width, height) = (window.width(), window.height());
+                FilmError::Memory { width, height, bytes }
+            },
+        )?;
+        Ok(Self { settings: settings.clone(), pixels, counters: Counters::default() })
+    }
+
+    /// What picture it is; after a merge, `samples` is the joined range.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// The pixels it holds: all of the picture, or the crop.
+    pub fn window(&self) -> PixelRect {
+        self.pixels.window()
+    }
+
+    /// What was traced for it.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// The channels it holds, colour first.
+    pub fn channels(&self) -> impl Iterator<Item = Channel> {
+        self.settings.aovs.channels()
+    }
+
+    /// One number of one pixel of the picture; `None` off the window, and for channels the
+    /// film does not hold.
+    pub fn value(&self, channel: Channel, pixel: [u32; 2]) -> Option<f32> {
+        let holds = self.window().contains(pixel) && self.channels().any(|held| held == channel);
+        holds.then(|| self.value_at(channel, self.window().index_of(pixel)))
+    }
+
+    /// One channel of all pixels of the window, row after row from the top; `None` for
+    /// channels the film does not hold.
+    pub fn plane(&self, channel: Channel) -> Option<Vec<f32>> {
+        let holds = self.channels().any(|held| held == channel);
+        let count = self.window().area() as usize;
+        holds.then(|| (0..count).map(|index| self.value_at(channel, index)).collect())
+    }
+
+    fn value_at(&self, channel: Channel, index: usize) -> f32 {
+        use Channel::*;
+        let mean = |color| self.pixels.mean(index, color) as f32;
+        let first = self.pixels.first_hit(index);
+        match channel {
+            R => mean(0),
+            G => mean(1),
+            B => mean(2),
+            A => self.pixels.coverage(index) as f32,
+            Z => first.map_or(f32::INFINITY, |hit| hit.distance),
+            PX => first.map_or(0.0, |hit| hit.point[0]),
+            PY => first.map_or(0.0, |hit| hit.point[1]),
+            PZ => first.map_or(0.0, |hit| hit.point[2]),
+            NX => first.map_or(0.0, |hit| hit.normal[0]),
+            NY => first.map_or(0.0, |hit| hit.normal[1]),
+            NZ => first.map_or(0.0, |hit| hit.normal[2]),
+            U => first.map_or(0.0, |hit| hit.uv[0]),
+            V => first.map_or(0.0, |hit| hit.uv[1]),
+            AlbedoR => mean(3),
+            AlbedoG => mean(4),
+            AlbedoB => mean(5),
+            Id => first.map_or(-1.0, |hit| hit.surface),
+        }
+    }
+
+    /// This film and one of the same picture whose samples directly follow or precede.
+    ///
+    /// Joining A..B with B..C gives the film of A..C, bit for bit, in either order.
+    ///
+    /// # Errors
+    /// When the films are not of the same picture, or one range does not follow the other.
+    pub fn merge(self, other: Self) -> Result<Self, MergeError> {
+        let (a, b) = (&self.settings, &other.settings);
+        let same = [
+            ("sizes", a.size == b.size),
+            ("crops", self.window() == other.window()),
+            ("integrators", a.integrator == b.integrator),
+            ("data channels", a.aovs == b.aovs),
+            ("seeds", a.seed == b.seed),
+            ("kernels", a.kernel == b.kernel),
+        ];
+        if let Some((what, _)) = same.into_iter().find(|(_, same)| !same) {
+            return Err(MergeError::Different(what));
+        }
+        let (mut first, second) = match () {
+            () if a.samples.end == b.samples.start => (self, other),
+            () if b.samples.end == a.samples.start => (other, self),
+            () => return Err(MergeError::NotNeighbors(a.samples.clone(), b.samples.clone())),
+        };
+        first.settings.samples.end = second.settings.samples.end;
+        first.pixels.append(second.pixels);
+        first.counters += second.counters;
+        Ok(first)
+    }
+
+    /// Puts a painted tile in its place.
+    pub(super) fn insert(&mut self, tile: &Pixels, counters: Counters) {
+        self.pixels.insert(tile);
+        self.count(counters);
+    }
+
+    /// Counts more of what was traced.
+    pub(super) fn count(&mut self, counters: Counters) {
+        self.counters += counters;
+    }
+}
+
+#[cfg(test)]
+impl Film {
+    /// A film of made-up samples, painted in two tiles: the left columns and the others.
+    pub(crate) fn made_up(settings: &RenderSettings) -> Self {
+        let mut film = Self::new(settings).unwrap();
+        let ([x0, y0], [x1, y1]) = (film.window().min(), film.window().max());
+        let middle = x0 + 2.min(x1 - x0 - 1);
+        for (min, max) in [([x0, y0], [middle, y1]), ([middle, y0], [x1, y1])] {
+            let window = PixelRect::new(min, max).unwrap();
+            let mut pixels = Pixels::empty(window, settings.aovs, settings.samples.start);
+            let width = window.width() as usize;
+            for sample in settings.samples.clone() {
+                let x = |index| min[0] as usize + index % width;
+                let y = |index| min[1] as usize + index / width;
+                pixels.push(|i| tests::seen(sample, y(i) * settings.size.0 as usize + x(i)));
+            }
+            let counters =
+                Counters { rays: u64::from(settings.samples.end), ..Counters::default() };
+            film.insert(&pixels, counters);
+        }
+        film
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pixels::{FirstHit, Sample};
+    use super::super::{Aov, AovSet};
+    use super::*;
+
+    fn settings(samples: Range<u32>) -> RenderSettings {
+        RenderSettings { size: (3, 2), samples, aovs: AovSet::all(), ..RenderSettings::default() }
+    }
+
+    /// A made-up sample: pixel 0 is never hit, pixel 1 by odd samples only, others always.
+    pub(super) fn seen(sample: u32, index: usize) -> Sample {
+        let x = 0.1 + f64::from(sample) * 1.37 + index as f64;
+        let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then(|| FirstHit {
+            distance: x as f32,
+            point: [1.0, 2.0, x as f32],
+            normal: [0.0, 0.6, 0.8],
+            uv: [0.25, x as f32],
+            surface: sample as f32,
+        });
+        let albedo = if hit.is_some() { [0.5, 0.25, 0.125] } else { [0.0; 3] };
+        Sample { radiance: [x.sin().abs(), x.cos().abs() * 1e8, 1e-8 * x], albedo, hit }
+    }
+
+    fn film(samples: Range<u32>) -> Film {
+        Film::made_up(&settings(samples))
+    }
+
+    #[test]
+    fn channels_hold_what_they_say() {
+        let film = film(0..4);
+        let value = |channel, pixel| film.value(channel, pixel).unwrap();
+        let mean: f64 = (0..4).map(|s| seen(s, 4).radiance[1]).sum::<f64>() / 4.0;
+        assert_eq!(value(Channel::G, [1, 1]), mean as f32);
+        // Never hit: no coverage, infinitely far, no id.
+        assert_eq!(value(Channel::A, [0, 0]), 0.0);
+        assert_eq!(value(Channel::Z, [0, 0]), f32::INFINITY);
+        assert_eq!(value(Channel::Id, [0, 0]), -1.0);
+        assert_eq!(value(Channel::NY, [0, 0]), 0.0);
+        // Hit by samples 1 and 3: half covered, data of sample 1, albedo averaged.
+        assert_eq!(value(Channel::A, [1, 0]), 0.5);
+        assert_eq!(value(Channel::Id, [1, 0]), 1.0);
+        assert_eq!(value(Channel::Z, [1, 0]), seen(1, 1).hit.unwrap().distance);
+        assert_eq!(value(Channel::AlbedoG, [1, 0]), 0.125);
+        assert_eq!(value(Channel::AlbedoG, [2, 0]), 0.25);
+        assert_eq!(value(Channel::NZ, [2, 1]), 0.8);
+        // Off the window there is nothing.
+        assert_eq!(film.value(Channel::R, [3, 0]), None);
+    }
+
+    #[test]
+    fn planes_are_rows_from_the_top_and_only_what_was_asked_for() {
+        let film = film(0..1);
+        let plane = film.plane(Channel::Z).unwrap();
+        assert_eq!(plane.len(), 6);
+        assert_eq!(plane[4], film.value(Channel::Z, [1, 1]).unwrap());
+        let settings = RenderSettings { aovs: AovSet::NONE.with(Aov::Id), ..settings(0..1) };
+        let film = Film::new(&settings).unwrap();
+        assert_eq!(film.plane(Channel::Z), None);
+        assert_eq!(film.plane(Channel::AlbedoR), None);
+        assert_eq!(film.plane(Channel::Id), Some(vec![-1.0; 6]));
+    }
+
+    #[test]
+    fn merged_ranges_are_the_film_of_the_whole_bit_for_bit() {
+        for (start, end) in [(0, 16), (1, 12), (6, 23)] {
+            let whole = film(start..end);
+            for middle in start + 1..end {
+                let (a, b) = (film(start..middle), film(middle..end));
+                for merged in [a.clone().merge(b.clone()).unwrap(), b.merge(a).unwrap()] {
+                    assert_eq!(merged.settings(), whole.settings());
+                    for channel in whole.channels() {
+                        let bits = |film: &Film| -> Vec<u32> {
+                            film.plane(channel).unwrap().iter().map(|x| x.to_bits()).collect()
+                        };
+                        assert_eq!(bits(&merged), bits(&whole), "{channel:?}, split at {middle}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_films_that_do_not_belong_together() {
+        let other = RenderSettings { seed: 9, ..settings(4..6) };
+        let other = Film::new(&other).unwrap();
+        let message = |a: Film, b: Film| a.merge(b).unwrap_err().to_string();
+        assert_eq!(message(film(0..4), other), "films of different seeds cannot be merged");
+        assert_eq!(
+            message(film(0..4), film(5..6)),
+            "films of samples 0..4 and 5..6 cannot be merged: one range must follow the other"
+        );
+        assert!(film(0..4).merge(film(0..4)).is_err());
+    }
+
+    #[test]
+    fn merging_adds_counters() {
+        let merged = film(0..2).merge(film(2..5)).unwrap();
+        assert_eq!(merged.counters().rays, 2 * (2 + 5));
+    }
+}

@@ -1,0 +1,147 @@
+//! Direct: lights, shadows and diffuse materials.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::Batch;
+use crate::intersect::{Coherence, Hit, Occlusion, Query, Tracer};
+use crate::math::Ray;
+use crate::render::Counters;
+use crate::scene::{Light, Rgb, World};
+
+/// Lambert's diffuse reflection of lights that are seen from the hit.
+///
+/// Surfaces have two sides, each lit by the lights on the viewer's side: the normal is
+/// turned towards the viewer. A hit without a normal is taken to face the viewer.
+/// Radiance: `albedo / π · Σ E cos θ` over the lights not hidden, plus ambient light.
+#[derive(Debug, Default)]
+pub(in crate::render) struct Direct {
+    /// The hits of a batch, with what shading needs to know.
+    points: Vec<Shaded>,
+    /// Shadow rays towards one light, and what each brings to which sample.
+    shadows: Vec<Query>,
+    brought: Vec<(usize, Rgb)>,
+    hidden: Vec<Occlusion>,
+}
+
+/// A hit about to be lit.
+#[derive(Clone, Copy, Debug)]
+struct Shaded {
+    /// Its place in the batch.
+    index: usize,
+    hit: Hit,
+    /// The unit normal on the viewer's side.
+    normal: DVec3,
+    albedo: Rgb,
+}
+
+impl Direct {
+    /// Finds the radiance of each camera ray from its first hit; returns what was traced.
+    pub(super) fn light(
+        &mut self,
+        world: &World,
+        tracer: &mut Tracer<'_>,
+        batch: &mut Batch,
+    ) -> Counters {
+        self.points.clear();
+        for (index, (query, answer)) in batch.queries.iter().zip(&batch.answers).enumerate() {
+            let Some(hit) = answer.hit else {
+                batch.radiance.push(world.background);
+                continue;
+            };
+            batch.radiance.push([0.0; 3]);
+            let normal = facing(hit.normal, query.ray.direction());
+            self.points.push(Shaded { index, hit, normal, albedo: albedo(world, &hit) });
+        }
+
+        let mut counters = Counters::default();
+        for light in &world.lights {
+            counters += self.add_light(light, tracer, &mut batch.radiance);
+        }
+        counters
+    }
+
+    /// Adds one light to the radiance of all hits that see it.
+    fn add_light(
+        &mut self,
+        light: &Light,
+        tracer: &mut Tracer<'_>,
+        radiance: &mut [Rgb],
+    ) -> Counters {
+        self.shadows.clear();
+        self.brought.clear();
+        for point in &self.points {
+            if let Light::Ambient { radiance: ambient } = light {
+                add(&mut radiance[point.index], product(point.albedo, *ambient));
+            } else if let Some((ray, irradiance)) = towards(light, point) {
+                let diffuse = product(point.albedo, irradiance).map(|x| x / PI);
+                self.shadows.push(Query::leaving(ray, &point.hit));
+                self.brought.push((point.index, diffuse));
+            }
+        }
+
+        // Rays towards one light are neighbours as their hits are.
+        tracer.occlusions(&self.shadows, Coherence::Coherent, &mut self.hidden);
+        for (&(index, diffuse), hidden) in self.brought.iter().zip(&self.hidden) {
+            if !hidden.occluded {
+                add(&mut radiance[index], diffuse);
+            }
+        }
+        Counters {
+            rays: self.shadows.len() as u64,
+            doubtful: self.hidden.iter().filter(|hidden| hidden.doubtful).count() as u64,
+            ..Counters::default()
+        }
+    }
+}
+
+/// The shadow ray from a hit to a light, and the irradiance if nothing is in its way; `None`
+/// where the light stands behind the surface or sends nothing.
+fn towards(light: &Light, point: &Shaded) -> Option<(Ray, Rgb)> {
+    let origin = point.hit.point;
+    let (ray, irradiance) = match *light {
+        Light::Point { position, intensity } => {
+            // Up to the light and no farther; a light on the surface itself lights nothing.
+            let to_light = position - origin;
+            let ray = Ray::with_range(origin, to_light, 0.0, 1.0).ok()?;
+            let distance = to_light.length();
+            (ray, intensity.map(|x| x / distance / distance))
+        }
+        Light::Directional { to_light, irradiance } => {
+            (Ray::new(origin, to_light).ok()?, irradiance)
+        }
+        Light::Ambient { .. } => return None,
+    };
+    let cosine = point.normal.dot(ray.direction().normalize_or_zero());
+    let irradiance = irradiance.map(|x| x * cosine);
+    let lit = cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0); // false for NaN
+    lit.then_some((ray, irradiance))
+}
+
+/// The unit normal on the side a ray comes from.
+fn facing(normal: DVec3, direction: DVec3) -> DVec3 {
+    if normal.is_nan() {
+        -direction.normalize_or_zero()
+    } else if normal.dot(direction) > 0.0 {
+        -normal
+    } else {
+        normal
+    }
+}
+
+/// The share of light sent back at a hit.
+pub(in crate::render) fn albedo(world: &World, hit: &Hit) -> Rgb {
+    let instance = &world.surfaces[hit.surface as usize];
+    world.materials[instance.material].albedo(hit.uv, instance.surface.domain())
+}
+
+fn product(a: Rgb, b: Rgb) -> Rgb {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+fn add(sum: &mut Rgb, more: Rgb) {
+    for (sum, more) in sum.iter_mut().zip(more) {
+        *sum += more;
+    }
+}

@@ -1,0 +1,86 @@
+//! What camera rays see: radiance, or a property of the hit as a colour.
+
+mod direct;
+mod false_color;
+mod work;
+
+use super::Counters;
+use crate::intersect::{Answer, Coherence, Query, Tracer};
+use crate::scene::{IntegratorKind, Rgb, World};
+
+use direct::Direct;
+pub(super) use direct::albedo;
+use false_color::HitColor;
+
+/// A way to find what camera rays see, ready for one world, with its scratch memory.
+#[derive(Debug)]
+pub(super) enum Integrator {
+    /// Lights, shadows and materials.
+    Direct(Direct),
+    /// A property of the hit as a colour; black where there is none.
+    Hit(HitColor),
+    /// How much work a ray was, hit or not.
+    Iterations,
+}
+
+/// Camera rays and what came of them, in the same order.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    pub(super) queries: Vec<Query>,
+    pub(super) answers: Vec<Answer>,
+    pub(super) radiance: Vec<Rgb>,
+}
+
+impl Integrator {
+    pub(super) fn new(kind: IntegratorKind, world: &World) -> Self {
+        match kind {
+            IntegratorKind::Direct => Self::Direct(Direct::default()),
+            IntegratorKind::Normal => Self::Hit(HitColor::Normal),
+            IntegratorKind::Uv => Self::Hit(HitColor::Uv),
+            IntegratorKind::Depth => Self::Hit(HitColor::depth(world)),
+            IntegratorKind::Id => Self::Hit(HitColor::Id),
+            IntegratorKind::Iterations => Self::Iterations,
+        }
+    }
+
+    /// Traces a batch of neighbouring camera rays and finds what each sees.
+    ///
+    /// Rays are handed over all at once, so that kernels may take them in packets; only
+    /// `iterations` goes ray by ray, to tell the work of each.
+    pub(super) fn see(
+        &mut self,
+        world: &World,
+        tracer: &mut Tracer<'_>,
+        batch: &mut Batch,
+    ) -> Counters {
+        batch.radiance.clear();
+        if let Self::Iterations = self {
+            work::trace(tracer, batch);
+            return count(&batch.answers);
+        }
+        tracer.first_hits(&batch.queries, Coherence::Coherent, &mut batch.answers);
+        let mut counters = count(&batch.answers);
+        match self {
+            Self::Direct(direct) => counters += direct.light(world, tracer, batch),
+            Self::Hit(color) => {
+                let Batch { queries, answers, radiance } = batch;
+                let seen = queries.iter().zip(answers.iter());
+                radiance.extend(seen.map(|(query, answer)| match &answer.hit {
+                    Some(hit) => color.of(world, &query.ray, hit),
+                    None => [0.0; 3],
+                }));
+            }
+            Self::Iterations => {}
+        }
+        counters
+    }
+}
+
+fn count(answers: &[Answer]) -> Counters {
+    Counters {
+        rays: answers.len() as u64,
+        hits: answers.iter().filter(|answer| answer.hit.is_some()).count() as u64,
+        doubtful: answers.iter().filter(|answer| answer.doubtful).count() as u64,
+        ..Counters::default()
+    }
+}

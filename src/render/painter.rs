@@ -1,0 +1,119 @@
+//! Painting a tile: samples in, pixels out.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::integrator::{Batch, Integrator, albedo};
+use super::pixels::{FirstHit, Pixels, Sample};
+use super::tile::pixels_of;
+use super::{Aov, Counters, Dimensions, PixelRect, RenderSettings, Sampler};
+use crate::intersect::{Answer, Query, Statistics, Tracer};
+use crate::scene::World;
+
+/// Samples of a pixel traced together: with tiles of 256 pixels a batch is up to 1024 rays,
+/// whose queries and answers stay in the second-level cache, and 16 neighbouring pixels
+/// make a packet of 64 rays.
+const SAMPLES_TOGETHER: usize = 4;
+
+/// Paints tiles on one thread. Nothing it does depends on which tiles it has painted.
+#[derive(Debug)]
+pub(super) struct Painter<'a> {
+    world: &'a World,
+    settings: &'a RenderSettings,
+    sampler: Sampler,
+    tracer: Tracer<'a>,
+    integrator: Integrator,
+    batch: Batch,
+    /// The pixels of the tile in the order they are traced.
+    order: Vec<[u32; 2]>,
+    /// For each pixel, row after row, its place in that order.
+    rank: Vec<usize>,
+    pixels: Pixels,
+}
+
+impl<'a> Painter<'a> {
+    pub(super) fn new(world: &'a World, settings: &'a RenderSettings, window: PixelRect) -> Self {
+        Self {
+            world,
+            settings,
+            sampler: Sampler::new(settings.seed),
+            tracer: world.bvh.tracer_with(settings.kernel),
+            integrator: Integrator::new(settings.integrator, world),
+            batch: Batch::default(),
+            order: Vec::new(),
+            rank: Vec::new(),
+            pixels: Pixels::empty(window, settings.aovs, settings.samples.start),
+        }
+    }
+
+    /// Takes all samples of the pixels of a tile.
+    pub(super) fn paint(&mut self, tile: PixelRect) -> (&Pixels, Counters) {
+        let samples = self.settings.samples.clone();
+        self.pixels.restart(tile, samples.start);
+        self.order.clear();
+        self.order.extend(pixels_of(tile));
+        self.rank.resize(self.order.len(), 0);
+        for (rank, &pixel) in self.order.iter().enumerate() {
+            self.rank[tile.index_of(pixel)] = rank;
+        }
+
+        let mut counters = Counters::default();
+        for first in samples.clone().step_by(SAMPLES_TOGETHER) {
+            let end = samples.end.min(first.saturating_add(SAMPLES_TOGETHER as u32));
+            self.aim(first..end);
+            counters += self.integrator.see(self.world, &mut self.tracer, &mut self.batch);
+            self.gather((end - first) as usize);
+        }
+        (&self.pixels, counters)
+    }
+
+    /// The work of all tiles so far.
+    pub(super) fn statistics(&self) -> Statistics {
+        *self.tracer.statistics()
+    }
+
+    /// Makes the camera rays of some samples of every pixel, a pixel's samples together.
+    fn aim(&mut self, samples: Range<u32>) {
+        let size = DVec2::new(f64::from(self.settings.size.0), f64::from(self.settings.size.1));
+        self.batch.queries.clear();
+        for &pixel in &self.order {
+            for index in samples.clone() {
+                let [x, y, ..] = self.sampler.sample(pixel, index, Dimensions::Film);
+                let place = DVec2::new(f64::from(pixel[0]) + x, f64::from(pixel[1]) + y);
+                let ray = self.world.camera.ray(place / size, size.x / size.y);
+                self.batch.queries.push(Query::primary(ray));
+            }
+        }
+    }
+
+    /// Adds what a batch saw to the pixels, one sample of each after the other.
+    fn gather(&mut self, together: usize) {
+        let (world, aovs) = (self.world, self.settings.aovs);
+        let (batch, rank) = (&self.batch, &self.rank);
+        for sample in 0..together {
+            self.pixels.push(|pixel| {
+                let seen = rank[pixel] * together + sample;
+                let (query, answer) = (&batch.queries[seen], &batch.answers[seen]);
+                let albedo = match &answer.hit {
+                    Some(hit) if aovs.contains(Aov::Albedo) => albedo(world, hit),
+                    _ => [0.0; 3],
+                };
+                Sample { radiance: batch.radiance[seen], albedo, hit: first_hit(query, answer) }
+            });
+        }
+    }
+}
+
+/// A hit in the precision of the film.
+fn first_hit(query: &Query, answer: &Answer) -> Option<FirstHit> {
+    let hit = answer.hit.as_ref()?;
+    let normal = if hit.normal.is_nan() { [0.0; 3] } else { hit.normal.as_vec3().to_array() };
+    Some(FirstHit {
+        distance: (hit.t * query.ray.direction().length()) as f32,
+        point: hit.point.as_vec3().to_array(),
+        normal,
+        uv: hit.uv.as_vec2().to_array(),
+        surface: hit.surface as f32,
+    })
+}

@@ -1,0 +1,301 @@
+//! Where the picture is taken from.
+
+use glam::{DVec2, DVec3};
+use thiserror::Error;
+
+use crate::math::Ray;
+
+/// A camera's place and the way it is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The eye (perspective) or the middle of the film (orthographic).
+    pub look_from: DVec3,
+    /// The point in the middle of the picture.
+    pub look_at: DVec3,
+    /// What points up in the picture; any direction not along the view.
+    pub up: DVec3,
+}
+
+/// How the camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// All rays leave one point.
+    Perspective {
+        /// The angle from the bottom of the picture to its top, in degrees, in (0, 180).
+        fov: f64,
+    },
+    /// All rays run side by side.
+    Orthographic {
+        /// The length from the bottom of the picture to its top, in scene units.
+        height: f64,
+    },
+}
+
+/// Which side of the picture the field of view is measured along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Span {
+    /// Always the height, as an author who wrote a field of view expects.
+    Height,
+    /// The shorter side: what is framed stays in the picture whatever its shape.
+    ShorterSide,
+}
+
+/// Why numbers cannot be a camera.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A coordinate is not finite, or so large that differences overflow.
+    #[error("{name} ({}, {}, {}) is not usable: coordinates must be finite", .value.x, .value.y, .value.z)]
+    NotFinite {
+        /// Which vector.
+        name: &'static str,
+        /// Its value.
+        value: DVec3,
+    },
+    /// The view has no direction.
+    #[error("look_from and look_at are the same point ({}, {}, {})", .0.x, .0.y, .0.z)]
+    NoDirection(DVec3),
+    /// Up is zero or along the view.
+    #[error("up ({}, {}, {}) must not be zero or run along the view", .0.x, .0.y, .0.z)]
+    NoUp(DVec3),
+    /// The angle cannot be seen by a flat picture.
+    #[error("fov is {0}: needed is an angle between 0 and 180 degrees")]
+    Fov(f64),
+    /// The picture has no height.
+    #[error("height is {0}: needed is a positive length")]
+    Height(f64),
+}
+
+/// A camera: film coordinates in, rays out.
+///
+/// Film coordinates are in `[0, 1]²`, x to the right and y down; the picture's centre,
+/// `(½, ½)`, looks at `look_at`.
+///
+/// # Invariants, checked once in [`Camera::new`]
+/// - `right`, `up` and `forward` are orthonormal and finite;
+/// - the field of view is a usable angle, the height a positive length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    view: View,
+    projection: Projection,
+    span: Span,
+    right: DVec3,
+    up: DVec3,
+    /// The ray through the middle of the picture; its direction is the unit view direction.
+    axis: Ray,
+}
+
+impl Camera {
+    /// A camera from its view and projection; the field of view spans the picture's height.
+    ///
+    /// # Errors
+    /// When the view has no direction, `up` runs along it, the field of view is not in
+    /// (0, 180) degrees, the height is not positive, or a number is not finite.
+    pub fn new(view: View, projection: Projection) -> Result<Self, CameraError> {
+        Self::spanning(view, projection, Span::Height)
+    }
+
+    /// As [`Camera::new`], but the field of view spans the shorter side of the picture, so
+    /// that a round thing that fits in one picture fits in all.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn fitting(view: View, projection: Projection) -> Result<Self, CameraError> {
+        Self::spanning(view, projection, Span::ShorterSide)
+    }
+
+    fn spanning(view: View, projection: Projection, span: Span) -> Result<Self, CameraError> {
+        for (name, value) in
+            [("look_from", view.look_from), ("look_at", view.look_at), ("up", view.up)]
+        {
+            if !value.is_finite() {
+                return Err(CameraError::NotFinite { name, value });
+            }
+        }
+        match projection {
+            Projection::Perspective { fov } if !(fov > 0.0 && fov < 180.0) => {
+                return Err(CameraError::Fov(fov));
+            }
+            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+                return Err(CameraError::Height(height));
+            }
+            _ => {}
+        }
+
+        // An orthonormal frame: right, up, forward.
+        let forward = unit(view.look_at - view.look_from)
+            .ok_or_else(|| no_direction(view.look_from, view.look_at))?;
+        let up = unit(view.up).ok_or(CameraError::NoUp(view.up))?;
+        let right = forward.cross(up);
+        // Both are unit vectors: a cross product within a few rounding errors of zero has
+        // no direction of its own.
+        if right.length() <= 8.0 * f64::EPSILON {
+            return Err(CameraError::NoUp(view.up));
+        }
+        let right = right.normalize();
+        let up = right.cross(forward);
+        let axis = Ray::new(view.look_from, forward)
+            .map_err(|_| CameraError::NoDirection(view.look_from))?;
+        Ok(Self { view, projection, span, right, up, axis })
+    }
+
+    /// The ray through a point of the film, for a picture of this aspect (width / height).
+    ///
+    /// The direction's part along the view is of length 1, so `t` is the depth in front of
+    /// the camera, and the range is all of `(0, ∞)`: nothing is clipped. Film coordinates
+    /// or an aspect that are not finite give the ray through the middle.
+    pub fn ray(&self, film: DVec2, aspect: f64) -> Ray {
+        // Half the picture's width and height: at distance 1, or in scene units.
+        let half = match self.projection {
+            Projection::Perspective { fov } => (0.5 * fov.to_radians()).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
+        };
+        let half_height = match self.span {
+            Span::ShorterSide if aspect < 1.0 => half / aspect,
+            _ => half,
+        };
+        let x = (2.0 * film.x - 1.0) * half_height * aspect;
+        let y = (1.0 - 2.0 * film.y) * half_height;
+
+        let offset = x * self.right + y * self.up;
+        let (origin, forward) = (self.axis.origin(), self.axis.direction());
+        let ray = match self.projection {
+            Projection::Perspective { .. } => Ray::new(origin, forward + offset),
+            Projection::Orthographic { .. } => Ray::new(origin + offset, forward),
+        };
+        ray.unwrap_or(self.axis)
+    }
+
+    /// The view as given.
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// The projection as given.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// The unit direction to the right in the picture.
+    pub fn right(&self) -> DVec3 {
+        self.right
+    }
+
+    /// The unit direction up in the picture.
+    pub fn up(&self) -> DVec3 {
+        self.up
+    }
+
+    /// The unit direction of the view.
+    pub fn forward(&self) -> DVec3 {
+        self.axis.direction()
+    }
+}
+
+/// The direction of a vector of any length, without overflow or underflow.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
+}
+
+/// Says why `to − from` has no direction: they are equal, or too far apart to subtract.
+fn no_direction(from: DVec3, to: DVec3) -> CameraError {
+    if from == to {
+        CameraError::NoDirection(from)
+    } else {
+        CameraError::NotFinite { name: "look_at − look_from", value: to - from }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEW: View =
+        View { look_from: DVec3::new(0.0, -4.0, 0.0), look_at: DVec3::ZERO, up: DVec3::Z };
+
+    #[test]
+    fn the_corners_of_a_right_angled_view() {
+        let camera = Camera::new(VIEW, Projection::Perspective { fov: 90.0 }).unwrap();
+        let middle = camera.ray(DVec2::splat(0.5), 2.0);
+        assert_eq!(middle.direction(), DVec3::Y);
+        assert_eq!(middle.origin(), VIEW.look_from);
+        // x to the right, y down: the top left corner looks left and up.
+        let corner = camera.ray(DVec2::ZERO, 2.0).direction();
+        assert!((corner - DVec3::new(-2.0, 1.0, 1.0)).length() < 1e-15, "{corner}");
+        let corner = camera.ray(DVec2::ONE, 2.0).direction();
+        assert!((corner - DVec3::new(2.0, 1.0, -1.0)).length() < 1e-15, "{corner}");
+    }
+
+    #[test]
+    fn orthographic_rays_are_parallel_and_spread_over_the_height() {
+        let camera = Camera::new(VIEW, Projection::Orthographic { height: 3.0 }).unwrap();
+        let (top, bottom) =
+            (camera.ray(DVec2::new(0.5, 0.0), 1.5), camera.ray(DVec2::new(0.5, 1.0), 1.5));
+        assert_eq!(top.direction(), DVec3::Y);
+        assert_eq!(top.origin() - bottom.origin(), DVec3::new(0.0, 0.0, 3.0));
+        let (left, right) =
+            (camera.ray(DVec2::new(0.0, 0.5), 1.5), camera.ray(DVec2::new(1.0, 0.5), 1.5));
+        assert_eq!(right.origin() - left.origin(), DVec3::new(4.5, 0.0, 0.0));
+    }
+
+    #[test]
+    fn a_fitting_camera_spans_the_shorter_side() {
+        let camera = Camera::fitting(VIEW, Projection::Perspective { fov: 90.0 }).unwrap();
+        for (aspect, corner) in [(2.0, [-2.0, 1.0]), (0.5, [-1.0, 2.0])] {
+            let d = camera.ray(DVec2::ZERO, aspect).direction();
+            assert!((d - DVec3::new(corner[0], 1.0, corner[1])).length() < 1e-15, "{d}");
+        }
+    }
+
+    #[test]
+    fn works_at_every_magnitude() {
+        for size in [1e-8, 1.0, 1e8, 1e200] {
+            let view = View { look_from: VIEW.look_from * size, up: VIEW.up / size, ..VIEW };
+            let camera = Camera::new(view, Projection::Perspective { fov: 40.0 }).unwrap();
+            assert_eq!(camera.ray(DVec2::splat(0.5), 1.0).direction(), DVec3::Y, "size {size}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_no_film_point_give_the_axis() {
+        let camera = Camera::new(VIEW, Projection::Perspective { fov: 40.0 }).unwrap();
+        for film in [DVec2::NAN, DVec2::INFINITY] {
+            assert_eq!(camera.ray(film, 1.0).direction(), DVec3::Y);
+        }
+        assert_eq!(camera.ray(DVec2::ZERO, f64::NAN).direction(), DVec3::Y);
+    }
+
+    #[test]
+    fn refuses_what_is_not_a_camera() {
+        let perspective = Projection::Perspective { fov: 40.0 };
+        let message = |view, projection| Camera::new(view, projection).unwrap_err().to_string();
+        assert_eq!(
+            message(View { look_at: VIEW.look_from, ..VIEW }, perspective),
+            "look_from and look_at are the same point (0, -4, 0)"
+        );
+        assert_eq!(
+            message(View { up: DVec3::Y, ..VIEW }, perspective),
+            "up (0, 1, 0) must not be zero or run along the view"
+        );
+        assert_eq!(
+            message(View { up: DVec3::ZERO, ..VIEW }, perspective),
+            "up (0, 0, 0) must not be zero or run along the view"
+        );
+        assert_eq!(
+            message(View { look_from: DVec3::new(0.0, f64::NAN, 0.0), ..VIEW }, perspective),
+            "look_from (0, NaN, 0) is not usable: coordinates must be finite"
+        );
+        for fov in [0.0, 180.0, -1.0, f64::NAN] {
+            assert!(Camera::new(VIEW, Projection::Perspective { fov }).is_err(), "{fov}");
+        }
+        assert_eq!(
+            message(VIEW, Projection::Perspective { fov: 180.0 }),
+            "fov is 180: needed is an angle between 0 and 180 degrees"
+        );
+        assert_eq!(
+            message(VIEW, Projection::Orthographic { height: 0.0 }),
+            "height is 0: needed is a positive length"
+        );
+    }
+}

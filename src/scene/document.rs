@@ -1,0 +1,149 @@
+//! The scene as written: plain data, with the places errors will name.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written};
+
+/// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
+/// checks it and makes it ready to trace.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Where it was read from.
+    pub place: Place,
+    /// Where the picture is taken from, as far as the author says.
+    pub camera: CameraSpec,
+    /// The lights; without any, the default ones shine.
+    pub lights: Vec<Light>,
+    /// The materials objects may name.
+    pub materials: Vec<Written<Material>>,
+    /// The objects, in the order their surfaces are counted.
+    pub objects: Vec<Object>,
+    /// The radiance of rays that meet nothing; a pale blue grey if not given.
+    pub background: Option<Rgb>,
+    /// The picture asked for.
+    pub settings: RenderDefaults,
+    /// What the files hold that is not shown, and why.
+    pub notes: Vec<ImportNote>,
+}
+
+/// A thing in the scene: one or more surfaces moved and painted alike.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Object {
+    /// Its name.
+    pub name: Option<Written<String>>,
+    /// What to call it without a name, with a number if others are called so too.
+    pub default_name: String,
+    /// Its surfaces.
+    pub parts: Vec<Part>,
+    /// Where it goes: each step in turn, the first one first.
+    pub transform: Vec<Written<Transform>>,
+    /// The name of its material; without one it is the one named `default`, or light grey.
+    pub material: Option<Written<String>>,
+    /// Whether its surfaces are turned inside out.
+    pub reverse: bool,
+}
+
+impl Scene {
+    /// The most control points all objects together may have: 2²⁶, or 2 GiB of them.
+    /// A file with more is likelier to be damaged than meant.
+    pub const MAX_POINTS: usize = 1 << 26;
+}
+
+impl Object {
+    /// The number of control points of all its surfaces.
+    pub fn point_count(&self) -> usize {
+        self.parts.iter().map(|part| part.shape.point_count()).fold(0, usize::saturating_add)
+    }
+}
+
+impl Shape {
+    /// The number of control points; 0 for a shape known by name, which has but a few.
+    fn point_count(&self) -> usize {
+        match self {
+            Self::Net(net) => net.points.value.len(),
+            Self::Named(_) => 0,
+        }
+    }
+}
+
+/// One surface of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What it is called within its object; may be empty.
+    pub name: String,
+    /// Where it was written.
+    pub place: Place,
+    /// Its geometry.
+    pub shape: Shape,
+}
+
+/// The geometry of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A control net of its own; objects made from one file share it.
+    Net(Arc<Net>),
+    /// One the program knows by name.
+    Named(NamedShape),
+}
+
+/// A camera as far as the author says; the rest is chosen so that all is in the picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CameraSpec {
+    /// Where it was written.
+    pub place: Place,
+    /// Where the eye is; else in front, to the right and above, far enough to see all.
+    pub look_from: Option<DVec3>,
+    /// The middle of the picture; else the middle of the scene.
+    pub look_at: Option<DVec3>,
+    /// What points up; else z, or y where the view runs along z.
+    pub up: Option<DVec3>,
+    /// How it sees.
+    pub lens: Lens,
+}
+
+/// How a camera sees, as far as the author says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Perspective, with the vertical field of view in degrees.
+    Perspective {
+        /// The angle; [`Lens::DEFAULT_FOV`] if not given.
+        fov: Option<f64>,
+    },
+    /// Parallel rays, with the height of the picture in scene units.
+    Orthographic {
+        /// The height; as much as is needed to see all if not given.
+        height: Option<f64>,
+    },
+}
+
+impl Lens {
+    /// The default field of view in degrees: a short telephoto lens (50 mm on 35 mm film
+    /// has 27°, 35 mm has 38°), which shows shapes with little distortion.
+    pub const DEFAULT_FOV: f64 = 30.0;
+}
+
+impl Default for Lens {
+    fn default() -> Self {
+        Self::Perspective { fov: None }
+    }
+}
+
+/// Something a file holds that is not shown as it stands there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImportNote {
+    /// Where it is.
+    pub place: Place,
+    /// What it is.
+    pub what: String,
+    /// Why it is not shown.
+    pub why: String,
+}
+
+impl fmt::Display for ImportNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        super::place::with_place(f, &self.place, &format_args!("{}: {}", self.what, self.why))
+    }
+}

@@ -1,0 +1,144 @@
+//! Why a scene cannot be shown.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::place::with_place;
+use super::{CameraError, ImportNote, Place, TransformError, UnknownName};
+use crate::geometry::SurfaceError;
+use crate::geometry::shapes::ShapeError;
+use crate::intersect::BuildError;
+
+/// Why a scene cannot be shown, and where its author wrote what is at fault.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneError {
+    place: Place,
+    fault: Box<SceneFault>,
+}
+
+impl SceneError {
+    pub(super) fn new(place: Place, fault: SceneFault) -> Self {
+        Self { place, fault: Box::new(fault) }
+    }
+
+    /// Where it was written.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// What is wrong.
+    pub fn fault(&self) -> &SceneFault {
+        &self.fault
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        with_place(f, &self.place, &self.fault)
+    }
+}
+
+/// What is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SceneFault {
+    /// Numbers that are no surface.
+    #[error("surface \"{surface}\"{}{error}", separator(.error))]
+    Surface {
+        /// The surface's name.
+        surface: String,
+        /// What is wrong with it.
+        error: SurfaceError,
+    },
+    /// A shape that cannot be made.
+    #[error("surface \"{surface}\": {error}")]
+    Shape {
+        /// The surface's name.
+        surface: String,
+        /// What is wrong with it.
+        error: ShapeError,
+    },
+    /// A step of a transform that is none.
+    #[error("object \"{object}\": {error}")]
+    Transform {
+        /// The object's name.
+        object: String,
+        /// What is wrong with it.
+        error: TransformError,
+    },
+    /// A surface that its transform moves out of the range of numbers.
+    #[error("surface \"{surface}\", placed by its transform: {error}")]
+    Placed {
+        /// The surface's name.
+        surface: String,
+        /// What is wrong with it there.
+        error: SurfaceError,
+    },
+    /// A material nobody described.
+    #[error("object \"{object}\": {error}")]
+    Material {
+        /// The object's name.
+        object: String,
+        /// The name and the nearest known one.
+        error: UnknownName,
+    },
+    /// Two things of one name.
+    #[error("the {what} name \"{name}\" is taken{}", elsewhere(.first))]
+    Duplicate {
+        /// An object or a material.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Where it was given first.
+        first: Place,
+    },
+    /// More control points than are sensible.
+    #[error("{points} control points in all: at most {limit} are supported")]
+    TooManyPoints {
+        /// How many there are.
+        points: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// There is nothing to see.
+    #[error("there is no surface to show{}", not_imported(.notes))]
+    Empty {
+        /// What the file holds instead.
+        notes: Vec<ImportNote>,
+    },
+    /// The camera cannot be.
+    #[error("camera: {0}")]
+    Camera(CameraError),
+    /// The surfaces cannot be prepared.
+    #[error("{0}")]
+    Build(BuildError),
+}
+
+/// A comma before `direction u: …`, a colon before the rest.
+fn separator(error: &SurfaceError) -> &'static str {
+    match error {
+        SurfaceError::Knots { .. } => ", ",
+        _ => ": ",
+    }
+}
+
+fn elsewhere(first: &Place) -> String {
+    match first.position() {
+        Some((line, column)) => format!(": it is given at {line}:{column}"),
+        None => String::new(),
+    }
+}
+
+fn not_imported(notes: &[ImportNote]) -> String {
+    match notes {
+        [] => String::new(),
+        [first, rest @ ..] => {
+            let more =
+                if rest.is_empty() { String::new() } else { format!("; {} more", rest.len()) };
+            format!(" (not imported: {}: {}{more})", first.what, first.why)
+        }
+    }
+}

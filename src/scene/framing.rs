@@ -1,0 +1,108 @@
+//! Choosing a view that shows everything, and lights that show its shape.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{Camera, CameraError, CameraSpec, Lens, Light, Projection, View};
+use crate::geometry::{KnotVector, NurbsSurface};
+
+/// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
+/// right, and 25° above, so that three sides of a box show at three different widths.
+const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
+
+/// The share of the picture's shorter side that the bounding sphere takes up is one over
+/// this: a thin frame of background remains.
+const MARGIN: f64 = 1.05;
+
+/// About how many points are looked at across a surface, each way, to find its extent: a
+/// sphere sampled so is found to a thousandth of its size, well within [`MARGIN`].
+const SAMPLES: usize = 48;
+
+/// A sphere around the middle of the surfaces that holds them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BoundingSphere {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
+}
+
+impl BoundingSphere {
+    /// The sphere about the middle of the surfaces' bounding box; found by sampling, since
+    /// control points can lie far off their surface. `None` without surfaces.
+    pub(super) fn of<'a>(surfaces: impl Iterator<Item = &'a NurbsSurface>) -> Option<Self> {
+        let points: Vec<DVec3> = surfaces.flat_map(samples).collect();
+        let low = points.iter().copied().reduce(DVec3::min)?;
+        let high = points.iter().copied().reduce(DVec3::max)?;
+        let center = 0.5 * low + 0.5 * high;
+        let radius = points.iter().map(|point| point.distance(center)).fold(0.0, f64::max);
+        Some(Self { center, radius })
+    }
+}
+
+/// Points on a surface: a grid with every knot in it.
+fn samples(surface: &NurbsSurface) -> Vec<DVec3> {
+    let (us, vs) = (parameters(surface.knots_u()), parameters(surface.knots_v()));
+    us.iter().flat_map(|&u| vs.iter().map(move |&v| surface.point_at(u, v))).collect()
+}
+
+/// The ends of all spans, and about [`SAMPLES`] parameters in all.
+fn parameters(knots: &KnotVector) -> Vec<f64> {
+    let spans = knots.spans().count().max(1);
+    let each = SAMPLES.div_ceil(spans);
+    let mut parameters = vec![knots.domain().0];
+    for span in knots.spans() {
+        let share = |k: usize| k as f64 / each as f64;
+        parameters.extend((1..=each).map(|k| span.start + share(k) * (span.end - span.start)));
+    }
+    parameters
+}
+
+impl CameraSpec {
+    /// The camera as written, with what was left open chosen to show the sphere.
+    pub(super) fn camera(&self, sphere: BoundingSphere) -> Result<Camera, CameraError> {
+        let radius = MARGIN * sphere.radius;
+        let projection = match self.lens {
+            Lens::Perspective { fov } => {
+                Projection::Perspective { fov: fov.unwrap_or(Lens::DEFAULT_FOV) }
+            }
+            Lens::Orthographic { height } => {
+                Projection::Orthographic { height: height.unwrap_or(2.0 * radius) }
+            }
+        };
+        let look_at = self.look_at.unwrap_or(sphere.center);
+
+        // An eye that nobody placed goes where the sphere, wherever its centre lies
+        // off the middle of the picture, just fits.
+        let look_from = self.look_from.unwrap_or_else(|| {
+            let reach = radius + MARGIN * look_at.distance(sphere.center);
+            let distance = match projection {
+                Projection::Perspective { fov } => reach / (0.5 * fov.to_radians()).sin(),
+                Projection::Orthographic { .. } => 2.0 * reach,
+            };
+            look_at + distance * VIEW_FROM.normalize()
+        });
+        let make = match self.look_from {
+            None => Camera::fitting,
+            Some(_) => Camera::new,
+        };
+        let view = |up| View { look_from, look_at, up };
+        match self.up {
+            Some(up) => make(view(up), projection),
+            None => match make(view(DVec3::Z), projection) {
+                Err(CameraError::NoUp(_)) => make(view(DVec3::Y), projection), // from above
+                other => other,
+            },
+        }
+    }
+}
+
+/// The lights of a scene that has none: as in a photographer's studio, a key light over the
+/// camera's left shoulder, a fill light a third as strong from the right, and a little
+/// light from everywhere. A white surface facing the key light has a radiance near 1.
+pub(super) fn default_lights(camera: &Camera) -> Vec<Light> {
+    let (right, up, back) = (camera.right(), camera.up(), -camera.forward());
+    let key = Light::directional(-0.6 * right + 0.9 * up + 0.8 * back, [0.75 * PI; 3]);
+    let fill = Light::directional(0.9 * right + 0.2 * up + 0.6 * back, [0.25 * PI; 3]);
+    let ambient = Light::Ambient { radiance: [0.06; 3] };
+    key.into_iter().chain(fill).chain([ambient]).collect()
+}

@@ -1,0 +1,120 @@
+//! What surfaces look like: diffuse colours and patterns on (u, v).
+
+use glam::DVec2;
+
+use super::Rgb;
+
+/// A diffuse material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name; unique in a scene.
+    pub name: String,
+    /// Its colour from place to place.
+    pub texture: Texture,
+}
+
+/// A colour for each (u, v), on parameters scaled to `[0, 1]²` over the surface's domain.
+///
+/// Patterns are functions of the surface's own parameters: they show how it was made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Texture {
+    /// One colour everywhere.
+    Constant(Rgb),
+    /// Rectangles of two colours in turn.
+    Checker {
+        /// How many rectangles from end to end, in u and in v.
+        count: [u32; 2],
+        /// The colour at the start of the domain, and the other one.
+        colors: [Rgb; 2],
+    },
+    /// Iso-parameter lines: `count` cells from end to end with a line around each, so that
+    /// the borders (seams, poles) have one too.
+    IsoLines {
+        /// How many cells from end to end, in u and in v; 0 draws no line across that way.
+        count: [u32; 2],
+        /// The width of a line as a share of a cell, in [0, 1].
+        width: f64,
+        /// The colour of the lines.
+        line: Rgb,
+        /// The colour between them.
+        base: Rgb,
+    },
+}
+
+impl Material {
+    /// The share of light sent back at (u, v) of a surface with this domain, linear Rec. 709.
+    ///
+    /// Parameters off the domain take the colour of its nearest border; NaN that of its start.
+    pub fn albedo(&self, uv: DVec2, domain: [(f64, f64); 2]) -> Rgb {
+        let place = [share(uv.x, domain[0]), share(uv.y, domain[1])];
+        match self.texture {
+            Texture::Constant(color) => color,
+            Texture::Checker { count, colors } => {
+                let cells = cell(place[0], count[0]) + cell(place[1], count[1]);
+                colors[(cells % 2) as usize]
+            }
+            Texture::IsoLines { count, width, line, base } => {
+                let on_line = (0..2).any(|k| near_line(place[k], count[k], width));
+                if on_line { line } else { base }
+            }
+        }
+    }
+}
+
+/// Where `t` lies in a domain, as a share of it in [0, 1].
+fn share(t: f64, (start, end): (f64, f64)) -> f64 {
+    let share = (t - start) / (end - start);
+    if share > 0.0 { share.min(1.0) } else { 0.0 } // NaN too
+}
+
+/// Which of `count` cells a share lies in; the end belongs to the last.
+fn cell(share: f64, count: u32) -> u64 {
+    let last = u64::from(count.max(1) - 1);
+    ((share * f64::from(count)) as u64).min(last)
+}
+
+/// Whether a share lies within half a line's width of one of `count + 1` even lines.
+fn near_line(share: f64, count: u32, width: f64) -> bool {
+    let cells = share * f64::from(count);
+    count > 0 && (cells - cells.round()).abs() <= 0.5 * width
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DOMAIN: [(f64, f64); 2] = [(-1.0, 3.0), (0.0, 2.0)];
+    const A: Rgb = [1.0, 0.0, 0.0];
+    const B: Rgb = [0.0, 0.0, 1.0];
+
+    fn at(texture: Texture, u: f64, v: f64) -> Rgb {
+        Material { name: "m".into(), texture }.albedo(DVec2::new(u, v), DOMAIN)
+    }
+
+    #[test]
+    fn checker_cells_alternate_and_the_last_is_closed() {
+        let checker = Texture::Checker { count: [4, 2], colors: [A, B] };
+        assert_eq!(at(checker, -1.0, 0.0), A);
+        assert_eq!(at(checker, 0.5, 0.5), B);
+        assert_eq!(at(checker, 0.5, 1.5), A);
+        assert_eq!(at(checker, 3.0, 0.0), B);
+        assert_eq!(at(checker, 3.0, 2.0), A);
+        assert_eq!(at(checker, 99.0, f64::NAN), B);
+    }
+
+    #[test]
+    fn lines_lie_on_both_borders_and_between() {
+        let lines = Texture::IsoLines { count: [4, 0], width: 0.2, line: A, base: B };
+        for u in [-1.0, 0.0, 1.0, 2.0, 3.0, 0.0999, -0.0999] {
+            assert_eq!(at(lines, u, 1.0), A, "u = {u}");
+        }
+        for u in [-0.5, 0.1001, 2.5] {
+            assert_eq!(at(lines, u, 0.0), B, "u = {u}: no line across v");
+        }
+    }
+
+    #[test]
+    fn constant_is_constant() {
+        assert_eq!(at(Texture::Constant(A), f64::NAN, f64::INFINITY), A);
+    }
+}

@@ -1,0 +1,95 @@
+//! Names people type, and what they may have meant.
+
+use std::fmt;
+
+/// The most of the longer word's letters that may be wrong for a word to be offered as
+/// what was meant: `colour` for `color` is 1/6, `radios` for `radius` 1/6, `ball` for
+/// `sphere` nothing but a guess.
+const MAX_WRONG: f64 = 0.4;
+
+/// The known name nearest to what was written, if one is near enough to be meant.
+///
+/// Nearness is the Damerau–Levenshtein distance (letters added, dropped, replaced or
+/// swapped), without regard to case; the first of equals wins.
+pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
+    let written = written.to_lowercase();
+    known
+        .iter()
+        .map(|&name| (strsim::normalized_damerau_levenshtein(&written, &name.to_lowercase()), name))
+        .filter(|(likeness, _)| *likeness >= 1.0 - MAX_WRONG)
+        .fold(None, |best: Option<(f64, &str)>, next| match best {
+            Some(best) if best.0 >= next.0 => Some(best),
+            _ => Some(next),
+        })
+        .map(|(_, name)| name)
+}
+
+/// A name nobody gave: what was written and the nearest known one, or all of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownName {
+    what: &'static str,
+    written: String,
+    hint: Hint,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Hint {
+    Nearest(String),
+    Known(Vec<String>),
+}
+
+impl UnknownName {
+    /// An unknown `what` (a material, a key …), given the known ones.
+    pub fn new(what: &'static str, written: &str, known: &[&str]) -> Self {
+        let hint = match nearest(written, known) {
+            Some(name) => Hint::Nearest(name.to_owned()),
+            None => Hint::Known(known.iter().map(|&name| name.to_owned()).collect()),
+        };
+        Self { what, written: written.to_owned(), hint }
+    }
+}
+
+impl std::error::Error for UnknownName {}
+
+impl fmt::Display for UnknownName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "unknown {} \"{}\"; ", self.what, self.written.escape_debug())?;
+        match &self.hint {
+            Hint::Nearest(name) => write!(f, "did you mean \"{name}\"?"),
+            Hint::Known(names) if names.is_empty() => write!(f, "there is none"),
+            Hint::Known(names) => write!(f, "known: {}", names.join(", ")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offers_what_was_meant_and_nothing_far_off() {
+        let known = ["sphere", "torus", "cylinder"];
+        assert_eq!(nearest("shpere", &known), Some("sphere"));
+        assert_eq!(nearest("Torus", &known), Some("torus"));
+        assert_eq!(nearest("teapot", &known), None);
+        assert_eq!(nearest("", &known), None);
+        assert_eq!(nearest("x", &[]), None);
+    }
+
+    #[test]
+    fn messages() {
+        let known = ["red", "green"];
+        assert_eq!(
+            UnknownName::new("material", "gren", &known).to_string(),
+            "unknown material \"gren\"; did you mean \"green\"?"
+        );
+        assert_eq!(
+            UnknownName::new("material", "blue", &known).to_string(),
+            "unknown material \"blue\"; known: red, green"
+        );
+        assert_eq!(
+            UnknownName::new("material", "a\nb", &[]).to_string(),
+            "unknown material \"a\\nb\"; there is none"
+        );
+    }
+}

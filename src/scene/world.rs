@@ -1,0 +1,463 @@
+//! A scene ready to trace.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DAffine3;
+
+use super::framing::{BoundingSphere, default_lights};
+use super::{
+    Camera, Light, Material, Object, Part, RenderDefaults, Rgb, Scene, SceneError, SceneFault,
+    Shape, Texture, UnknownName, Written,
+};
+use crate::geometry::NurbsSurface;
+use crate::intersect::{BuildOptions, SurfaceBvh};
+
+/// A scene ready to trace: surfaces in their places, a camera, lights.
+#[derive(Debug)]
+pub struct World {
+    /// The surfaces in their hierarchy; a hit's surface is an index into [`World::surfaces`].
+    pub bvh: SurfaceBvh,
+    /// The surfaces in the order of the scene.
+    pub surfaces: Vec<Instance>,
+    /// What the surfaces' `material` indices mean.
+    pub materials: Vec<Material>,
+    /// The lights; never empty.
+    pub lights: Vec<Light>,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// The radiance of rays that meet nothing.
+    pub background: Rgb,
+    /// The picture the scene asks for.
+    pub settings: RenderDefaults,
+}
+
+/// A surface in its place.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Its name, unique in the world.
+    pub name: String,
+    /// The surface, placed in the world; its domain is as authored.
+    pub surface: NurbsSurface,
+    /// Its material, an index into [`World::materials`].
+    pub material: usize,
+}
+
+/// The name of the material of objects that name none. A scene may describe it.
+const DEFAULT_MATERIAL: &str = "default";
+
+/// Light grey, as plaster is.
+const DEFAULT_COLOR: Rgb = [0.8; 3];
+
+/// Paler than what stands in shade, darker than what stands in light, a little blue: every
+/// silhouette shows.
+const DEFAULT_BACKGROUND: Rgb = [0.32, 0.38, 0.45];
+
+impl World {
+    /// Checks a scene and makes it ready to trace.
+    ///
+    /// # Errors
+    /// When a surface, a transform or the camera is not one, a name is unknown or taken,
+    /// there is nothing to show, or too much; the error says where it was written.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        check_point_count(scene)?;
+        let (surfaces, materials) = place_objects(scene)?;
+
+        let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
+        else {
+            let fault = SceneFault::Empty { notes: scene.notes.clone() };
+            return Err(SceneError::new(scene.place.clone(), fault));
+        };
+        let camera = scene.camera.camera(sphere).map_err(|error| {
+            SceneError::new(scene.camera.place.clone(), SceneFault::Camera(error))
+        })?;
+        let lights =
+            if scene.lights.is_empty() { default_lights(&camera) } else { scene.lights.clone() };
+
+        let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
+        let bvh = SurfaceBvh::build(&nets, &BuildOptions::default())
+            .map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Build(error)))?;
+        let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
+        let settings = scene.settings.clone();
+        Ok(Self { bvh, surfaces, materials, lights, camera, background, settings })
+    }
+}
+
+/// Refuses what would not fit in memory before any of it is copied.
+fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
+    let points = scene.objects.iter().map(Object::point_count).fold(0, usize::saturating_add);
+    if points > Scene::MAX_POINTS {
+        let fault = SceneFault::TooManyPoints { points, limit: Scene::MAX_POINTS };
+        return Err(SceneError::new(scene.place.clone(), fault));
+    }
+    Ok(())
+}
+
+fn check_unique<'a>(
+    what: &'static str,
+    names: impl Iterator<Item = (&'a str, &'a super::Place)>,
+) -> Result<(), SceneError> {
+    let mut seen = HashMap::new();
+    for (name, place) in names {
+        if let Some(first) = seen.insert(name, place) {
+            let (name, first) = (name.to_owned(), first.clone());
+            let fault = SceneFault::Duplicate { what, name, first };
+            return Err(SceneError::new(place.clone(), fault));
+        }
+    }
+    Ok(())
+}
+
+fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneError> {
+    let given = scene.objects.iter().filter_map(|object| object.name.as_ref());
+    check_unique("object", given.clone().map(|name| (name.value.as_str(), &name.place)))?;
+
+    // Names that are given are kept; others move out of their way.
+    let mut taken: HashSet<String> = given.map(|name| name.value.clone()).collect();
+    let mut palette = Palette::new(scene)?;
+    let mut instances = Vec::new();
+    for object in &scene.objects {
+        let name = match &object.name {
+            Some(name) => name.value.clone(),
+            None => free_name(&object.default_name, &mut taken),
+        };
+        let material = palette.index(&name, object)?;
+        let world_from_object = affine(&name, object)?;
+        for (index, part) in object.parts.iter().enumerate() {
+            let name = match part.name.as_str() {
+                "" if object.parts.len() == 1 => name.clone(),
+                "" => free_name(&format!("{name}/{index}"), &mut taken),
+                part => free_name(&format!("{name}/{part}"), &mut taken),
+            };
+            let surface = place_part(&name, part, &world_from_object)?;
+            let surface = if object.reverse { surface.reversed_u() } else { surface };
+            instances.push(Instance { name, surface, material });
+        }
+    }
+    Ok((instances, palette.materials))
+}
+
+/// The name itself if it is free, else the first of `name 2`, `name 3`, … that is.
+fn free_name(name: &str, taken: &mut HashSet<String>) -> String {
+    let mut free = name.to_owned();
+    let mut number = 1;
+    while !taken.insert(free.clone()) {
+        number += 1;
+        free = format!("{name} {number}");
+    }
+    free
+}
+
+/// The materials so far, found by name.
+struct Palette {
+    materials: Vec<Material>,
+    by_name: HashMap<String, usize>,
+}
+
+impl Palette {
+    fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let names = scene.materials.iter().map(|m| (m.value.name.as_str(), &m.place));
+        check_unique("material", names)?;
+        let materials: Vec<_> = scene.materials.iter().map(|m| m.value.clone()).collect();
+        let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i)).collect();
+        Ok(Self { materials, by_name })
+    }
+
+    /// The index of an object's material; the default one is made when first needed.
+    fn index(&mut self, name: &str, object: &Object) -> Result<usize, SceneError> {
+        let wanted = object.material.as_ref().map_or(DEFAULT_MATERIAL, |material| &material.value);
+        if let Some(&index) = self.by_name.get(wanted) {
+            return Ok(index);
+        }
+        if let Some(Written { value, place }) = &object.material {
+            let known: Vec<_> = self.materials.iter().map(|m| m.name.as_str()).collect();
+            let error = UnknownName::new("material", value, &known);
+            let fault = SceneFault::Material { object: name.to_owned(), error };
+            return Err(SceneError::new(place.clone(), fault));
+        }
+        let index = self.materials.len();
+        let texture = Texture::Constant(DEFAULT_COLOR);
+        self.materials.push(Material { name: DEFAULT_MATERIAL.to_owned(), texture });
+        self.by_name.insert(DEFAULT_MATERIAL.to_owned(), index);
+        Ok(index)
+    }
+}
+
+/// All steps of an object's transform, the first one first.
+fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
+    object.transform.iter().try_fold(DAffine3::IDENTITY, |before, step| {
+        let step_affine = step.value.affine().map_err(|error| {
+            let fault = SceneFault::Transform { object: name.to_owned(), error };
+            SceneError::new(step.place.clone(), fault)
+        })?;
+        Ok(step_affine * before)
+    })
+}
+
+fn place_part(
+    name: &str,
+    part: &Part,
+    world_from_object: &DAffine3,
+) -> Result<NurbsSurface, SceneError> {
+    let surface = match &part.shape {
+        Shape::Net(net) => net.surface().map_err(|fault| {
+            let place = net.place(fault.blame).clone();
+            let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
+            SceneError::new(place, fault)
+        })?,
+        Shape::Named(shape) => shape.surface().map_err(|error| {
+            let fault = SceneFault::Shape { surface: name.to_owned(), error };
+            SceneError::new(part.place.clone(), fault)
+        })?,
+    };
+    if *world_from_object == DAffine3::IDENTITY {
+        return Ok(surface); // bit for bit as authored
+    }
+    surface.transformed(world_from_object).map_err(|error| {
+        let fault = SceneFault::Placed { surface: name.to_owned(), error };
+        SceneError::new(part.place.clone(), fault)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::geometry::{KnotError, SurfaceError};
+    use crate::scene::{
+        CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Place, Projection, Transform,
+    };
+
+    fn part(shape: NamedShape) -> Part {
+        let shape = Shape::Named(shape);
+        Part { name: String::new(), place: Place::file("s.toml").at_line(3, 4), shape }
+    }
+
+    fn object(shape: NamedShape) -> Object {
+        let default_name = shape.name().to_owned();
+        Object { default_name, parts: vec![part(shape)], ..Object::default() }
+    }
+
+    fn scene(objects: Vec<Object>) -> Scene {
+        Scene { place: Place::file("s.toml"), objects, ..Scene::default() }
+    }
+
+    fn here<T>(value: T) -> Written<T> {
+        Written::new(value, Place::file("s.toml").at_line(41, 7))
+    }
+
+    fn message(scene: &Scene) -> String {
+        World::new(scene).unwrap_err().to_string()
+    }
+
+    fn bilinear() -> Net {
+        let points = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+        let points = points.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        Net {
+            degree: [1, 1],
+            knots: [here(Knots::ClampedUniform), here(Knots::ClampedUniform)],
+            size: [2, 2],
+            points: Written::new(points, Place::file("s.toml").at_line(50, 1)),
+            weights: None,
+        }
+    }
+
+    fn net_scene(net: Net) -> Scene {
+        let mut object = object(NamedShape::DeckPatch);
+        object.name = Some(here("lid".to_owned()));
+        object.parts[0].shape = Shape::Net(Arc::new(net));
+        scene(vec![object])
+    }
+
+    const SPHERE: NamedShape = NamedShape::Sphere { radius: 1.0 };
+
+    #[test]
+    fn transforms_apply_in_the_order_listed() {
+        let mut thing = object(SPHERE);
+        thing.transform = vec![
+            here(Transform::Scale(DVec3::splat(2.0))),
+            here(Transform::Rotate { axis: DVec3::Y, degrees: 90.0 }),
+            here(Transform::Translate(DVec3::new(10.0, 0.0, 0.0))),
+        ];
+        let world = World::new(&scene(vec![thing])).unwrap();
+        let pole = world.surfaces[0].surface.point_at(0.0, 0.0);
+        assert!((pole - DVec3::new(12.0, 0.0, 0.0)).length() < 1e-14, "{pole}");
+    }
+
+    #[test]
+    fn reverse_turns_the_normal_and_keeps_the_domain() {
+        let (plain, mut turned) = (object(SPHERE), object(SPHERE));
+        turned.reverse = true;
+        let world = World::new(&scene(vec![plain, turned])).unwrap();
+        let [plain, turned] = [&world.surfaces[0].surface, &world.surfaces[1].surface];
+        assert_eq!(plain.domain(), turned.domain());
+        let (p, q) = (plain.point_at(0.3, 0.2), turned.point_at(0.7, 0.2));
+        assert!((p - q).length() < 1e-15);
+        assert!(plain.normal(0.3, 0.2).unwrap().dot(p) > 0.99);
+        assert!(turned.normal(0.7, 0.2).unwrap().dot(p) < -0.99);
+    }
+
+    #[test]
+    fn every_surface_gets_a_name_of_its_own() {
+        let mut pair = object(SPHERE);
+        pair.default_name = "sphere".into();
+        pair.parts = vec![part(SPHERE), part(SPHERE), part(SPHERE)];
+        pair.parts[1].name = "cap".into();
+        pair.parts[2].name = "cap".into();
+        let mut named = object(SPHERE);
+        named.name = Some(here("sphere".into()));
+        let world = World::new(&scene(vec![object(SPHERE), named, pair])).unwrap();
+        let names: Vec<_> = world.surfaces.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["sphere 2", "sphere", "sphere 3/0", "sphere 3/cap", "sphere 3/cap 2"]);
+        assert_eq!(world.bvh.surface_count(), 5);
+    }
+
+    #[test]
+    fn materials_by_name_and_the_default() {
+        let red = Material { name: "red".into(), texture: Texture::Constant([1.0, 0.0, 0.0]) };
+        let mut painted = object(SPHERE);
+        painted.material = Some(here("red".into()));
+        let mut scene = scene(vec![object(SPHERE), painted.clone(), object(SPHERE)]);
+        scene.materials.push(here(red.clone()));
+        let world = World::new(&scene).unwrap();
+        let used: Vec<_> = world.surfaces.iter().map(|s| s.material).collect();
+        assert_eq!(used, [1, 0, 1]);
+        assert_eq!(world.materials[1].texture, Texture::Constant(DEFAULT_COLOR));
+
+        // A scene may say what the default is.
+        scene.materials.push(here(Material { name: "default".into(), ..red.clone() }));
+        let world = World::new(&scene).unwrap();
+        assert_eq!(world.materials.len(), 2);
+        assert_eq!(world.materials[world.surfaces[0].material].texture, red.texture);
+
+        scene.objects[1].material = Some(here("rad".into()));
+        assert_eq!(
+            message(&scene),
+            "s.toml:41:7: object \"sphere 2\": unknown material \"rad\"; did you mean \"red\"?"
+        );
+    }
+
+    #[test]
+    fn names_are_given_once() {
+        let mut first = object(SPHERE);
+        first.name = Some(Written::new("lid".into(), Place::file("s.toml").at_line(2, 1)));
+        let mut second = object(SPHERE);
+        second.name = Some(here("lid".into()));
+        assert_eq!(
+            message(&scene(vec![first, second])),
+            "s.toml:41:7: the object name \"lid\" is taken: it is given at 2:1"
+        );
+        let red = Material { name: "red".into(), texture: Texture::Constant([1.0, 0.0, 0.0]) };
+        let mut scene = scene(vec![object(SPHERE)]);
+        scene.materials = vec![red.clone().into(), red.into()];
+        assert_eq!(message(&scene), "the material name \"red\" is taken");
+    }
+
+    #[test]
+    fn numbers_that_are_no_surface() {
+        let mut net = bilinear();
+        net.knots[0] = here(Knots::Values(vec![0.0, 0.0, 1.0]));
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:41:7: surface \"lid\", direction u: 3 knots, but 2 points of degree 1 need 4"
+        );
+        let mut net = bilinear();
+        net.knots[1] = here(Knots::Multiplicities(vec![(0.0, 2), (1.0, 3)]));
+        let error = World::new(&net_scene(net)).unwrap_err();
+        let SceneFault::Surface { error: SurfaceError::Knots { error, .. }, .. } = error.fault()
+        else {
+            panic!("{error}")
+        };
+        assert!(matches!(error, KnotError::Multiplicity { times: 3, .. }), "{error}");
+
+        let mut net = bilinear();
+        net.weights = Some(here(vec![1.0, 1.0, -2.0, 1.0]));
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:41:7: surface \"lid\": the weight of control point (1, 0) is -2: \
+             it must be positive and finite"
+        );
+        let mut net = bilinear();
+        net.points.value.fill(DVec3::ONE);
+        assert_eq!(
+            message(&net_scene(net)),
+            "s.toml:50:1: surface \"lid\": all control points are (1, 1, 1): \
+             the surface has no extent"
+        );
+    }
+
+    #[test]
+    fn other_messages() {
+        assert_eq!(
+            message(&scene(vec![object(NamedShape::Torus { major: 1.0, minor: 2.0 })])),
+            "s.toml:3:4: surface \"torus\": minor radius 2: it must be smaller than the major \
+             radius 1, else the torus meets itself"
+        );
+        let mut flat = object(SPHERE);
+        flat.transform = vec![here(Transform::Scale(DVec3::new(1.0, 1.0, 0.0)))];
+        assert_eq!(
+            message(&scene(vec![flat])),
+            "s.toml:41:7: object \"sphere\": scale (1, 1, 0) flattens space: no factor may be 0"
+        );
+        assert_eq!(message(&scene(vec![])), "s.toml: there is no surface to show");
+        let mut curves = scene(vec![]);
+        let note = |what: &str| ImportNote {
+            place: Place::default(),
+            what: what.into(),
+            why: "it is a curve".into(),
+        };
+        curves.notes = vec![note("curve 0"), note("curve 1")];
+        assert_eq!(
+            message(&curves),
+            "s.toml: there is no surface to show (not imported: curve 0: it is a curve; 1 more)"
+        );
+    }
+
+    #[test]
+    fn a_camera_is_found_that_shows_everything_at_every_size() {
+        for size in [1e-8, 1.0, 1e8] {
+            for lens in [Lens::default(), Lens::Orthographic { height: None }] {
+                let mut thing = object(NamedShape::Sphere { radius: size });
+                thing.transform =
+                    vec![here(Transform::Translate(DVec3::new(5.0 * size, 0.0, 0.0)))];
+                let mut scene = scene(vec![thing]);
+                scene.camera.lens = lens;
+                let world = World::new(&scene).unwrap();
+
+                // Every ray through the picture's border passes the sphere by, but not by far.
+                let center = DVec3::new(5.0 * size, 0.0, 0.0);
+                for aspect in [0.3, 1.0, 1.7] {
+                    for film in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)] {
+                        let ray = world.camera.ray(DVec2::new(film.0, film.1), aspect);
+                        let direction = ray.direction().normalize();
+                        let miss = (center - ray.origin()).cross(direction).length() / size;
+                        let widest = 1.2 * f64::max(aspect, 1.0 / aspect);
+                        assert!((1.0..widest).contains(&miss), "{miss} {film:?} {aspect} {size}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_author_says_of_the_camera_is_kept() {
+        let mut scene = scene(vec![object(SPHERE)]);
+        let top = DVec3::new(0.0, 0.0, 9.0);
+        scene.camera = CameraSpec { look_from: Some(top), ..CameraSpec::default() };
+        let world = World::new(&scene).unwrap();
+        assert_eq!(world.camera.view().look_from, top);
+        assert!(world.camera.view().look_at.length() < 1e-15);
+        assert_eq!(world.camera.up(), DVec3::Y, "seen from above, y is up");
+        let fov = Lens::DEFAULT_FOV;
+        assert_eq!(world.camera.projection(), Projection::Perspective { fov });
+
+        scene.camera.place = Place::file("s.toml").at_line(1, 1);
+        scene.camera.look_at = Some(top);
+        assert_eq!(
+            message(&scene),
+            "s.toml:1:1: camera: look_from and look_at are the same point (0, 0, 9)"
+        );
+    }
+}
