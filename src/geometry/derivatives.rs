@@ -51,30 +51,46 @@ impl SurfaceDerivatives {
         let Self { point, du, dv, duu, duv, dvv } = *self;
         let [lu, lv, luu, luv, lvv] = [du, dv, duu, duv, dvv].map(DVec3::length);
 
-        // N₀, if it exceeds its rounding error.
-        let n0 = du.cross(dv);
+        // N₀, if the sine of the angle between its factors exceeds its rounding error.
         let noise = ROUNDING * point.abs().max_element();
-        let error = ROUNDING * lu * lv + noise * (luu * lv / lu + 2.0 * luv + lvv * lu / lv);
-        if n0.length() > error {
-            return n0.try_normalize();
+        let error = noise * (luu / lu / lu + 2.0 * luv / lu / lv + lvv / lv / lv);
+        let sine = (du / lu).cross(dv / lv);
+        if sine.length() > ROUNDING + error {
+            return unit(sine); // not for NaN, as where a length is zero
         }
 
         // Derivatives lost in their rounding errors count as zero, lest noise gain a direction.
-        let (h, k) = (inward.x, inward.y);
-        let clear = |product: DVec3, size: f64| {
-            if product.length() > CLEAR * size { product.try_normalize() } else { None }
-        };
         let u_vanishes = lu * lu <= noise * luu;
         let v_vanishes = lv * lv <= noise * lvv;
-        let du = if u_vanishes { DVec3::ZERO } else { du };
-        let dv = if v_vanishes { DVec3::ZERO } else { dv };
+        let kept = |derivative: DVec3, lost: bool| if lost { DVec3::ZERO } else { derivative };
+        let (du, dv) = (kept(du, u_vanishes), kept(dv, v_vanishes));
+        let duu_lost = u_vanishes && !v_vanishes && luu * lv * lv <= noise * luv * luv;
+        let dvv_lost = v_vanishes && !u_vanishes && lvv * lu * lu <= noise * luv * luv;
+        let (duu, dvv) = (kept(duu, duu_lost), kept(dvv, dvv_lost));
+        let (h, k) = (inward.x, inward.y);
+        let (du, turn_u) = shrunk(du, h * duu + k * duv);
+        let (dv, turn_v) = shrunk(dv, h * duv + k * dvv);
 
         // N₂ counts alone where both vanish, else N₁.
-        let (turn_u, turn_v) = (h * duu + k * duv, h * duv + k * dvv);
-        if u_vanishes && v_vanishes {
-            return clear(turn_u.cross(turn_v), turn_u.length() * turn_v.length());
-        }
-        let n1 = turn_u.cross(dv) + du.cross(turn_v);
-        clear(n1, turn_u.length() * dv.length() + du.length() * turn_v.length())
+        let (product, size) = if u_vanishes && v_vanishes {
+            (turn_u.cross(turn_v), turn_u.length() * turn_v.length())
+        } else {
+            let size = turn_u.length() * dv.length() + du.length() * turn_v.length();
+            (turn_u.cross(dv) + du.cross(turn_v), size)
+        };
+        if product.length() > CLEAR * size { unit(product) } else { None }
     }
+}
+
+/// Two vectors divided by their largest coordinate, so that products neither overflow nor
+/// vanish; zeros stay zero.
+fn shrunk(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
+    let size = a.abs().max(b.abs()).max_element();
+    if size > 0.0 { (a / size, b / size) } else { (a, b) }
+}
+
+/// The unit vector, exact along the axes; `None` where it is not a number.
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let unit = vector / vector.length();
+    unit.is_finite().then_some(unit)
 }

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::basis::BasisValues;
 use super::knots::MAX_DEGREE;
-use super::{NurbsSurface, SurfaceDerivatives};
+use super::{BasisDerivatives, NurbsSurface, SurfaceDerivatives};
 
 impl NurbsSurface {
     /// The point `S(u, v)`.
@@ -34,51 +34,64 @@ impl NurbsSurface {
     ///
     /// With `A = Σ N N w P` and `w = Σ N N w`, `S = A / w` is differentiated as a quotient
     /// (Piegl & Tiller 1997, eq. 4.20): `Sᵤ = (Aᵤ − wᵤ S) / w`,
-    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on.
+    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on. All of it is done in
+    /// coordinates around the point `S` found first. There the control points of an edge
+    /// that collapses near by are nearly zero and add nearly no rounding error to the small
+    /// derivative along it, so that normals are right up to the pole.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        let [a, au, av, auu, auv, avv] = self.homogeneous_derivatives(u, v);
-        let w = a.w;
-        let point = a.xyz() / w;
+        let (nu, nv) = (self.knots_u().basis_derivatives(u), self.knots_v().basis_derivatives(v));
+        let origin = {
+            let sum = self.combined(&nu, &nv, |point| point)[0];
+            sum.xyz() / sum.w
+        };
+        let around = |point: DVec4| {
+            // One rounding, of the small result: w x may agree with w times the origin.
+            let shifted = |wx: f64, x: f64| (-point.w).mul_add(x, wx);
+            let x = shifted(point.x, origin.x);
+            DVec4::new(x, shifted(point.y, origin.y), shifted(point.z, origin.z), point.w)
+        };
+        let [a, mut au, mut av, mut auu, mut auv, mut avv] = self.combined(&nu, &nv, around);
         if !self.is_rational() {
             // Equal weights: w is constant, and its derivatives are rounding errors.
-            let over = |d: DVec4| d.xyz() / w;
-            let (du, dv) = (over(au), over(av));
-            return SurfaceDerivatives {
-                point,
-                du,
-                dv,
-                duu: over(auu),
-                duv: over(auv),
-                dvv: over(avv),
-            };
+            for sum in [&mut au, &mut av, &mut auu, &mut auv, &mut avv] {
+                sum.w = 0.0;
+            }
         }
-        let du = (au.xyz() - au.w * point) / w;
-        let dv = (av.xyz() - av.w * point) / w;
-        let duu = (auu.xyz() - 2.0 * au.w * du - auu.w * point) / w;
-        let duv = (auv.xyz() - au.w * dv - av.w * du - auv.w * point) / w;
-        let dvv = (avv.xyz() - 2.0 * av.w * dv - avv.w * point) / w;
-        SurfaceDerivatives { point, du, dv, duu, duv, dvv }
+
+        let w = a.w;
+        let rest = a.xyz() / w;
+        let du = (au.xyz() - au.w * rest) / w;
+        let dv = (av.xyz() - av.w * rest) / w;
+        let duu = (auu.xyz() - 2.0 * au.w * du - auu.w * rest) / w;
+        let duv = (auv.xyz() - au.w * dv - av.w * du - auv.w * rest) / w;
+        let dvv = (avv.xyz() - 2.0 * av.w * dv - avv.w * rest) / w;
+        SurfaceDerivatives { point: origin + rest, du, dv, duu, duv, dvv }
     }
 
-    /// `A, Aᵤ, Aᵥ, Aᵤᵤ, Aᵤᵥ, Aᵥᵥ` of the homogeneous surface.
-    fn homogeneous_derivatives(&self, u: f64, v: f64) -> [DVec4; 6] {
-        let (nu, nv) = (self.knots_u().basis_derivatives(u), self.knots_v().basis_derivatives(v));
+    /// The sums `Σ N N P` over a map of the homogeneous control points: the value, and its
+    /// derivatives in the order u, v, uu, uv, vv.
+    fn combined(
+        &self,
+        nu: &BasisDerivatives,
+        nv: &BasisDerivatives,
+        map: impl Fn(DVec4) -> DVec4,
+    ) -> [DVec4; 6] {
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let mut sums = [DVec4::ZERO; 6];
         for a in 0..=p {
             let mut row = [DVec4::ZERO; 3];
             for b in 0..=q {
-                let point = self.homogeneous(nu.span - p + a, nv.span - q + b);
+                let point = map(self.homogeneous(nu.span - p + a, nv.span - q + b));
                 for order in 0..3 {
                     row[order] += nv.orders[order][b] * point;
                 }
             }
-            let [n, nu, nuu] = nu.orders.map(|order| order[a]);
+            let [n, n1, n2] = nu.orders.map(|order| order[a]);
             sums[0] += n * row[0];
-            sums[1] += nu * row[0];
+            sums[1] += n1 * row[0];
             sums[2] += n * row[1];
-            sums[3] += nuu * row[0];
-            sums[4] += nu * row[1];
+            sums[3] += n2 * row[0];
+            sums[4] += n1 * row[1];
             sums[5] += n * row[2];
         }
         sums
@@ -86,13 +99,54 @@ impl NurbsSurface {
 
     /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`, at collapsed edges and poles its limit from
     /// inside the domain; `None` where there is none.
+    ///
+    /// A point so close to a border that no rounding tells it from the border, and whose own
+    /// derivatives are lost in rounding, as near a pole, gets the border's normal. See
+    /// [`SurfaceDerivatives::unit_normal`].
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
-        let inward = |t: f64, (start, end): (f64, f64)| match t {
-            _ if t <= start => 1.0,
-            _ if t >= end => -1.0,
-            _ => 0.0,
-        };
         let [domain_u, domain_v] = self.domain();
-        self.derivatives(u, v).unit_normal(DVec2::new(inward(u, domain_u), inward(v, domain_v)))
+        let inward = |u, v| DVec2::new(side(u, domain_u), side(v, domain_v));
+        let here = self.derivatives(u, v);
+        here.unit_normal(inward(u, v)).or_else(|| {
+            let (end_u, end_v) = (near_end(u, domain_u), near_end(v, domain_v));
+            let unseen = UNSEEN * here.point.abs().max_element();
+            [(end_u, v), (u, end_v), (end_u, end_v)].into_iter().find_map(|(u, v)| {
+                let border = self.derivatives(u, v);
+                let same = border.point.distance(here.point) <= unseen;
+                if same { border.unit_normal(inward(u, v)) } else { None }
+            })
+        })
+    }
+}
+
+/// Points closer together than this, relative to their largest coordinate, may be one
+/// point: a few hundred roundings, more than [`SurfaceDerivatives::unit_normal`] distrusts.
+const UNSEEN: f64 = 1024.0 * f64::EPSILON;
+
+/// How near to an end of its domain a parameter must be, relative to the domain's length,
+/// to be moved there in search of a normal. It keeps the point from sliding along a
+/// collapsed edge, and suffices for models up to 10⁶ of their sizes away from the origin.
+const NEAR: f64 = 1e-6;
+
+/// Which way leads into a domain from `t`: ±1 at its ends, 0 inside.
+fn side(t: f64, (start, end): (f64, f64)) -> f64 {
+    if t <= start {
+        1.0
+    } else if t >= end {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+/// The end of a domain that is close to `t`, or `t` itself.
+fn near_end(t: f64, (start, end): (f64, f64)) -> f64 {
+    let near = NEAR * (end - start);
+    if t - start <= near {
+        start
+    } else if end - t <= near {
+        end
+    } else {
+        t
     }
 }

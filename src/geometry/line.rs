@@ -22,10 +22,11 @@ pub(crate) fn mix(a: DVec4, b: DVec4, alpha: f64) -> DVec4 {
 /// The new knots must lie in the domain and no knot may end up with more than `p + 1`
 /// copies. Adding the last of them duplicates a control point: there the spline falls apart.
 ///
-/// Boehm 1980. Inserting `t`, with `s` knots equal to `t` and the others below `t` ending
-/// at index `l`, replaces `P_{l+s−p}, …, P_l` by `Q_i = (1 − αᵢ) P_{i−1} + αᵢ Pᵢ`,
-/// `αᵢ = (t − tᵢ) / (tᵢ₊ₚ − tᵢ)`, for `i` from `l + s − p + 1` to `l`, and `P_l`. Going from left to right,
-/// everything right of `t` is still untouched, so that one sweep does all insertions.
+/// Boehm 1980. Let `t` be among the knots `s` times already, and `l` the last knot below it.
+/// Inserting `t` once more keeps the points up to `l + s − p`, replaces those from there to
+/// `l` by `Q_i = (1 − αᵢ) P_{i−1} + αᵢ Pᵢ` with `αᵢ = (t − tᵢ) / (tᵢ₊ₚ − tᵢ)`, and continues
+/// with `P_l` and what came after it. Going from left to right, everything right of `t` is
+/// still untouched, so that one sweep does all insertions.
 pub(crate) fn refine(knots: &KnotVector, points: &[DVec4], new: &[f64]) -> Vec<DVec4> {
     let p = knots.degree();
     let old = knots.values();

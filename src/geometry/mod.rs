@@ -1,7 +1,31 @@
 //! Curves and surfaces as authored: knot vectors, control nets, weights.
+//!
+//! A surface is made from two knot vectors and a net of control points, checked once; all
+//! that is made from it (refined, split, elevated, turned, moved) is valid again.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nurbray::geometry::{KnotVector, NurbsSurface};
+//!
+//! // A saddle: degree 2 along u, where the knots are unclamped, and degree 1 along v.
+//! let points = (0..4)
+//!     .flat_map(|i| [0.0, 1.0].map(|v| (f64::from(i), v)))
+//!     .map(|(u, v)| DVec3::new(u, v, u * v));
+//! let (u, v) = (KnotVector::uniform(2, 4)?, KnotVector::bezier(1)?);
+//! let saddle = NurbsSurface::new(u, v, points.collect(), None)?;
+//!
+//! assert_eq!(saddle.domain(), [(2.0, 4.0), (0.0, 1.0)]);
+//! assert_eq!(saddle.point_at(3.0, 0.5), DVec3::new(1.5, 0.5, 0.75));
+//! let (below, above) = saddle.split_u(3.0)?;
+//! assert_eq!(below.point_at(3.0, 0.5), above.point_at(3.0, 0.5));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod arrange;
 mod basis;
+mod bezier;
+mod curve;
+mod curve_error;
 mod derivatives;
 mod elevate;
 mod evaluate;
@@ -14,6 +38,9 @@ mod surface;
 mod surface_error;
 
 pub use basis::{BasisDerivatives, BasisValues};
+pub use bezier::{bernstein, de_casteljau, halves};
+pub use curve::{CurveDerivatives, NurbsCurve};
+pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
 pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
@@ -22,3 +49,12 @@ pub use surface_error::{Direction, SurfaceError};
 
 #[cfg(test)]
 mod refine_tests;
+
+#[cfg(test)]
+mod curve_tests;
+#[cfg(test)]
+mod knots_tests;
+#[cfg(test)]
+mod normal_tests;
+#[cfg(test)]
+mod surface_tests;

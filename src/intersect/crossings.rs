@@ -1,7 +1,7 @@
 //! Which meetings are one crossing.
 
 use super::HitFlags;
-use super::leaf_search::{Meeting, side_distances};
+use super::leaf_search::Meeting;
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
@@ -43,7 +43,8 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
 /// Whether two meetings, close in `t`, are the same crossing.
 fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     let doubtful = |m: &Meeting| m.flags.contains(HitFlags::DOUBTFUL);
-    let same_side = a.cosine * b.cosine > 0.0 || doubtful(a) || doubtful(b);
+    let no_side = |m: &Meeting| doubtful(m) || m.normal.is_none();
+    let same_side = a.cosine * b.cosine > 0.0 || no_side(a) || no_side(b);
     let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(1e-8);
     let same_place = a.jet.point.distance(b.jet.point) <= reach;
     if !(same_side && same_place) {
@@ -56,10 +57,9 @@ fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
         return apart <= reach;
     }
     let at_side = |m: &Meeting| {
-        let distances = side_distances(m.st, &m.jet);
+        let distances = pieces[m.piece as usize].side_distances(m.st, &m.jet);
         distances.into_iter().any(|distance| distance <= reach)
     };
-    debug_assert!(pieces.len() > a.piece.max(b.piece) as usize);
     at_side(a) && at_side(b)
 }
 

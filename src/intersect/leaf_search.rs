@@ -1,6 +1,6 @@
 //! One leaf, one ray: what is found, and how it is known.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::exact::{ExactSolver, Proof, Rect, Solution, Task};
 use super::newton::{Newton, newton};
@@ -19,6 +19,8 @@ pub(super) struct Meeting {
     pub(super) piece: u32,
     pub(super) st: DVec2,
     pub(super) jet: Jet,
+    /// The unit normal, where there is one.
+    pub(super) normal: Option<DVec3>,
     pub(super) flags: HitFlags,
     /// How far the surface's point may be from the ray.
     pub(super) error: f64,
@@ -215,9 +217,8 @@ fn accept(
         return;
     }
 
-    let normal = jet.ds.cross(jet.dt);
-    let cosine = normal.dot(ray.axis) / normal.length();
-    let cosine = if cosine.is_finite() { cosine } else { 0.0 };
+    let normal = piece.normal(st, &jet);
+    let cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
     let mut z_error = error / cosine.abs().max(f64::EPSILON);
     if let Proof::Contact { length } = solution.proof {
         z_error = z_error.min(length + error);
@@ -270,6 +271,7 @@ fn accept(
         piece,
         st,
         jet,
+        normal,
         flags,
         error,
         cosine,
@@ -286,14 +288,9 @@ impl Solution {
 
 /// Whether a point lies within rounding of a side that is a border of the surface.
 fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
-    side_distances(st, jet)
+    piece
+        .side_distances(st, jet)
         .into_iter()
         .zip(piece.border)
         .any(|(d, border)| border && d <= 4.0 * error)
-}
-
-/// How far, to first order, a point is from the four sides of its piece.
-pub(super) fn side_distances(st: DVec2, jet: &Jet) -> [f64; 4] {
-    let (ds, dt) = (jet.ds.length(), jet.dt.length());
-    [st.x * ds, (1.0 - st.x) * ds, st.y * dt, (1.0 - st.y) * dt]
 }

@@ -3,14 +3,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::leaf_search::{self, Findings, Meeting, Question};
 use super::{
     Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root, Statistics, SurfaceBvh, crossings,
 };
 use crate::math::RayFrame;
-use crate::patch::{Leaf, Passage, PatchSet, Piece};
+use crate::patch::{Leaf, Passage, PatchSet};
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -203,7 +203,7 @@ fn exactly(question: &Question<'_>, leaf: &Leaf, _: &Passage, limit: f64, findin
 fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
-    let normal = normal(piece, meeting).unwrap_or_else(|| {
+    let normal = meeting.normal.unwrap_or_else(|| {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
@@ -223,32 +223,4 @@ fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
         flags,
         root,
     }
-}
-
-/// The unit normal; at collapsed sides its limit from inside the piece.
-fn normal(piece: &Piece, meeting: &Meeting) -> Option<DVec3> {
-    let (st, jet) = (meeting.st, &meeting.jet);
-    // Sides are compared with what rounding leaves of them: half of the digits.
-    let clear = 1e-7;
-    let cross = jet.ds.cross(jet.dt);
-    let distances = leaf_search::side_distances(st, jet);
-    let shrunk = distances.into_iter().zip(piece.collapsed);
-    let size = piece.patch.magnitude();
-    let near_pole = shrunk.into_iter().any(|(d, at)| at.is_some() && d <= clear * size);
-    if !near_pole && cross.length() > clear * jet.ds.length() * jet.dt.length() {
-        return cross.try_normalize();
-    }
-    let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
-    let at_end = |x: f64| {
-        if x < clear {
-            0.0
-        } else if x > 1.0 - clear {
-            1.0
-        } else {
-            x
-        }
-    };
-    let place = if near_pole { DVec2::new(at_end(st.x), at_end(st.y)) } else { st };
-    let inward = DVec2::new(inward(place.x), inward(place.y));
-    piece.patch.derivatives(place).unit_normal(inward).or_else(|| cross.try_normalize())
 }

@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::TensorPatch;
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
+use super::{Jet, TensorPatch};
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -28,6 +28,48 @@ impl Piece {
             if x == 1.0 { to } else { from + x * (to - from) }
         };
         DVec2::new(at(self.domain[0], st.x), at(self.domain[1], st.y))
+    }
+
+    /// How far, to first order, a point is from the four sides.
+    pub fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
+        let (ds, dt) = (jet.ds.length(), jet.dt.length());
+        [st.x * ds, (1.0 - st.x) * ds, st.y * dt, (1.0 - st.y) * dt]
+    }
+
+    /// The unit normal at a point of the unit square; near collapsed sides its limit from
+    /// inside the piece. `None` where there is none.
+    ///
+    /// Within half of the digits of a collapsed side the tangent along it has lost too
+    /// many of its own: there the limit at the side itself is nearer to the truth.
+    pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
+        let half_the_digits = 1e-8;
+        let clear = half_the_digits * self.patch.magnitude();
+        let distances = self.side_distances(st, jet);
+        let near = |side: usize| self.collapsed[side].is_some() && distances[side] <= clear;
+        let place = DVec2::new(
+            if near(0) {
+                0.0
+            } else if near(1) {
+                1.0
+            } else {
+                st.x
+            },
+            if near(2) {
+                0.0
+            } else if near(3) {
+                1.0
+            } else {
+                st.y
+            },
+        );
+        let cross = jet.ds.cross(jet.dt);
+        let regular = cross.length() > half_the_digits * jet.ds.length() * jet.dt.length();
+        if regular && !(0..4).any(near) {
+            return cross.try_normalize();
+        }
+        let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
+        let inward = DVec2::new(inward(place.x), inward(place.y));
+        self.patch.derivatives(place).unit_normal(inward).or_else(|| cross.try_normalize())
     }
 
     /// The sides that are collapsed to a point.

@@ -1,13 +1,20 @@
-//! Named shapes: exact quadrics and the documents' patches as NURBS surfaces.
+//! Named shapes: exact quadrics, arcs of circles, and the documents' patches.
 //!
 //! Closed shapes are oriented outward: `Sᵤ × Sᵥ` points away from the inside.
 
+mod circles;
 mod documents;
 mod quadrics;
 mod revolved;
 
+pub use circles::{
+    QuadraticArc, QuarticArc, circle_cubic, half_circle_cubic, quarter_circle_quadratic,
+    quarter_circle_quartic,
+};
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
-pub use quadrics::{hemisphere, octant_biquadratic, octant_of_the_note, plane, sphere};
+pub use quadrics::{
+    hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
+};
 pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 
 use thiserror::Error;

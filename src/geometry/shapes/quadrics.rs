@@ -41,11 +41,24 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 
 /// Half of [`sphere`], `y ≥ 0`: a single bicubic piece of 4 × 4 control points.
 ///
+/// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y` to `−x`.
+/// It is [`hemisphere_of_the_note`] with its parameters exchanged, as in the note's own
+/// sphere, which turns the normals outward.
+///
 /// # Errors
 /// When the radius is not positive and finite.
 pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     Ok(spherical(radius, unit_knots(3), &AROUND[..4]))
+}
+
+/// The hemisphere with the parameters of the source note's table 2, whose normals point
+/// *inward*: `u` runs around, `v` from the pole `+z` to the pole `−z`.
+///
+/// # Errors
+/// When the radius is not positive and finite.
+pub fn hemisphere_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
+    Ok(hemisphere(radius)?.swapped())
 }
 
 /// The product of the half circle from pole to pole and a circle around.
@@ -157,6 +170,69 @@ mod tests {
             close(s.du, du);
             close(s.dv, dv);
             close(sphere.normal(u, v).unwrap(), point);
+        }
+    }
+
+    #[test]
+    fn hemisphere_has_the_closed_form() {
+        let note = hemisphere_of_the_note(1.0).unwrap();
+        let outward = hemisphere(1.0).unwrap();
+        close(note.point_at(0.25, 1.0 / 3.0), [16. / 25., 12. / 25., 3. / 5.]);
+        close(note.point_at(0.5, 0.5), [0., 1., 0.]);
+        for i in 0..=10 {
+            for j in 0..=10 {
+                let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
+                let (wu, wv) = (2. * u * u - 2. * u + 1., 2. * v * v - 2. * v + 1.);
+                let x = 2. * v * (2. * u - 1.) * (v - 1.) / (wu * wv);
+                let y = 4. * u * v * (u - 1.) * (v - 1.) / (wu * wv);
+                let z = (1. - 2. * v) / wv;
+                close(note.point_at(u, v), [x, y, z]);
+                close(note.normal(u, v).unwrap(), [-x, -y, -z]);
+                close(outward.normal(v, u).unwrap(), [x, y, z]);
+            }
+        }
+    }
+
+    #[test]
+    fn octants_differ_by_their_parameters_only() {
+        let note = octant_of_the_note(1.0).unwrap();
+        close(note.point_at(0.5, 0.5), [9. / 25., 12. / 25., 4. / 5.]);
+        close(note.point_at(1.0 / 3.0, 0.5), [12. / 25., 16. / 25., 3. / 5.]);
+        let octant = octant_biquadratic(1.0).unwrap();
+        for i in 0..=10 {
+            for j in 0..=10 {
+                let (u, v) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
+                let point = note.point_at(u, v);
+                assert!((point.length() - 1.0).abs() < 1e-15);
+                assert!((octant.point_at(v, u) - point).length() < 1e-15);
+                close(note.normal(u, v).unwrap(), (-point).into());
+                close(octant.normal(v, u).unwrap(), point.into());
+            }
+        }
+    }
+
+    #[test]
+    fn spheres_are_round_at_every_scale() {
+        for radius in [1e-8, 0.3, 1.0, 1e8] {
+            let sphere = sphere(radius).unwrap();
+            for i in 0..=30 {
+                for j in 0..=30 {
+                    let point = sphere.point_at(f64::from(i) / 30.0, f64::from(j) / 30.0);
+                    assert!((point.length() / radius - 1.0).abs() < 1e-15, "{point}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn measures_must_be_lengths() {
+        assert_eq!(
+            sphere(-1.0).unwrap_err().to_string(),
+            "radius -1: it must be positive and finite (from 1e-150 to 1e150)"
+        );
+        for bad in [0.0, f64::NAN, f64::INFINITY, 1e200] {
+            assert!(hemisphere(bad).is_err() && octant_biquadratic(bad).is_err());
+            assert!(plane(bad, 1.0).is_err() && plane(1.0, bad).is_err());
         }
     }
 }

@@ -117,3 +117,72 @@ pub fn disk(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     Ok(revolved(&[(0.0, 0.0, 1.0), (radius, 0.0, 1.0)], unit_knots(1)).swapped())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed surfaces close bit for bit: the last points around are the first.
+    fn closes_in_u(surface: &NurbsSurface) {
+        let (nu, nv) = surface.size();
+        for j in 0..nv {
+            assert_eq!(surface.homogeneous(0, j), surface.homogeneous(nu - 1, j));
+        }
+    }
+
+    #[test]
+    fn revolved_spheres_and_tori_are_round_and_closed() {
+        for size in [1e-8, 1.0, 1e8] {
+            let sphere = sphere_biquadratic(size).unwrap();
+            let torus = torus(3.0 * size, size).unwrap();
+            closes_in_u(&sphere);
+            closes_in_u(&torus);
+            closes_in_u(&torus.swapped());
+            for i in 0..=30 {
+                for j in 0..=30 {
+                    let (u, v) = (f64::from(i) / 30.0, f64::from(j) / 30.0);
+                    let round = sphere.point_at(u, v).length() / size - 1.0;
+                    assert!(round.abs() < 1e-15, "({u}, {v}): off by {round:e}");
+                    let p = torus.point_at(u, v) / size;
+                    let tube = (p.truncate().length() - 3.0).hypot(p.z) - 1.0;
+                    assert!(tube.abs() < 2e-15, "({u}, {v}): off by {tube:e}");
+                }
+            }
+            assert_eq!(torus.point_at(0.0, 0.25), DVec3::new(3.0 * size, 0.0, size));
+            assert_eq!(sphere.point_at(0.25, 0.5), DVec3::new(0.0, size, 0.0));
+        }
+    }
+
+    #[test]
+    fn cones_and_disks_have_straight_rulings() {
+        let (cone, disk) = (cone(2.0, 3.0).unwrap(), disk(2.0).unwrap());
+        closes_in_u(&cone);
+        closes_in_u(&disk.swapped());
+        for i in 0..=20 {
+            for j in 0..=20 {
+                let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                let p = cone.point_at(u, v);
+                assert!((p.z - 3.0 * v).abs() < 1e-15 * 3.0);
+                assert!((p.truncate().length() - 2.0 * (1.0 - v)).abs() < 1e-15 * 2.0);
+                let p = disk.point_at(v, u);
+                assert!(p.z == 0.0 && (p.length() - 2.0 * v).abs() < 1e-15 * 2.0);
+            }
+        }
+    }
+
+    #[test]
+    fn measures_must_be_lengths() {
+        assert_eq!(
+            torus(1.0, 1.5).unwrap_err().to_string(),
+            "minor radius 1.5: it must be smaller than the major radius 1, \
+             else the torus meets itself"
+        );
+        assert_eq!(
+            cylinder(1.0, 0.0).unwrap_err().to_string(),
+            "height 0: it must be positive and finite (from 1e-150 to 1e150)"
+        );
+        assert!(torus(f64::NAN, 1.0).is_err() && torus(1.0, -1.0).is_err());
+        assert!(cone(0.0, 1.0).is_err() && cone(1.0, 0.0).is_err() && disk(-1.0).is_err());
+        assert!(sphere_biquadratic(0.0).is_err() && cylinder(0.0, 1.0).is_err());
+    }
+}

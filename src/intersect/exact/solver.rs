@@ -1,6 +1,6 @@
 //! The list of boxes, and what becomes of each.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 
 use super::Rect;
 use super::contact::{self, Contact};
@@ -83,6 +83,8 @@ pub(crate) struct ExactSolver {
     /// Boxes of which only the two ends are wanted.
     spare: Vec<Rect>,
     queue: Vec<(f64, Rect)>,
+    /// The largest extent of the leaf.
+    size: f64,
     /// Boxes looked at since the solver was made.
     pub(crate) boxes: u64,
 }
@@ -151,6 +153,9 @@ impl ExactSolver {
             task.rect[0],
             task.rect[1],
         );
+        let bounds = self.whole.bounds();
+        let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
+        self.size = extents.into_iter().fold(0.0, f64::max);
         self.waiting.clear();
         self.contacts.clear();
         self.isolated.clear();
@@ -182,10 +187,7 @@ impl ExactSolver {
         let amplified = error * (inverse.x_axis.abs() + inverse.y_axis.abs()).max_element();
         let usable = amplified < 0.05; // false for NaN: a singular Jacobian
         if !usable {
-            if self.runs_inside(2.0 * error) {
-                return Verdict::Inside;
-            }
-            return self.clipped_plainly(rect, exhausted, error);
+            return self.turned(rect, &bounds, error);
         }
         self.preconditioned.assign(&self.net, inverse);
         let ranges = self.preconditioned.ranges();
@@ -218,9 +220,32 @@ impl ExactSolver {
         next_box(rect, [s, t], exhausted, longer)
     }
 
-    /// Clipping and halving where the Jacobian is singular to working precision.
-    fn clipped_plainly(&mut self, rect: Rect, exhausted: [bool; 2], error: f64) -> Verdict {
-        self.preconditioned.assign(&self.net, glam::DMat2::IDENTITY);
+    /// What becomes of a box where the Jacobian is singular to working precision: near a
+    /// silhouette, at a pole, or where the box is still too large.
+    ///
+    /// There `f` is turned so that its first component takes the direction in which the
+    /// image of the box is longest. Near a silhouette the second is then quadratic, and
+    /// tells how far the ray is from touching; around a pole the first is the distance
+    /// from it.
+    fn turned(&mut self, rect: Rect, bounds: &Bounds, error: f64) -> Verdict {
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let rotation = longest_direction(self.net.mean_jacobian());
+        self.preconditioned.assign(&self.net, rotation);
+        let error = error * std::f64::consts::SQRT_2;
+        let ranges = self.preconditioned.ranges();
+        if ranges.iter().any(|range| range.lo > error || range.hi < -error) {
+            return Verdict::Empty;
+        }
+        if ranges[1].magnitude() <= 2.0 * error {
+            // The box and the ray lie in one plane, as far as rounding can tell.
+            let short = bounds.z.hi - bounds.z.lo <= STRETCH * self.size;
+            return if short {
+                Verdict::Contact([bounds.z.lo, bounds.z.hi])
+            } else {
+                Verdict::Inside
+            };
+        }
+
         let mut part: Rect = [[0.0, 1.0]; 2];
         for axis in 0..2 {
             for component in 0..2 {
@@ -260,24 +285,17 @@ impl ExactSolver {
     /// The proved root refined on the surface itself, in the parameters of the task's
     /// rectangle; `None` when it strays from the box or its residual stays large.
     fn refined(&self, task: &Task<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
+        let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);
         for _ in 0..8 {
-            let st = inner(task.rect, x);
-            let jet = task.patch.jet(st);
-            let at = task.ray.coordinates(jet.point).truncate();
-            let project =
-                |v: DVec3| DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v));
-            let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
-            let jacobian =
-                glam::DMat2::from_cols(project(jet.ds) * sides.x, project(jet.dt) * sides.y);
-            let step = jacobian.inverse() * at;
+            let (jacobian, at) = linearised(task, inner(task.rect, x));
+            let step = jacobian.inverse() * at / sides;
             if !step.is_finite() {
                 return None;
             }
             let close = step.abs().max_element() <= 1e-9;
             x -= step;
-            let inside = (0..2).all(|k| rect[k][0] <= x[k] && x[k] <= rect[k][1]);
-            if !inside {
+            if !holds(rect, x) {
                 return None;
             }
             if close {
@@ -303,14 +321,6 @@ impl ExactSolver {
             Some(CollapsedSide::T(end)) => rect[1][end] == end as f64,
             None => false,
         }
-    }
-
-    /// Whether the net last looked at lies, to within rounding, in a plane with the ray.
-    fn runs_inside(&self, error: f64) -> bool {
-        let farthest = self.net.control.iter().map(|c| DVec2::new(c.x, c.y));
-        let farthest = farthest.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
-        let Some(normal) = farthest.and_then(|f| f.perp().try_normalize()) else { return true };
-        self.net.control.iter().all(|c| normal.dot(DVec2::new(c.x, c.y)).abs() <= error)
     }
 
     /// Adds one contact that stands for all the spare boxes: its first and last place.
@@ -380,10 +390,6 @@ impl ExactSolver {
                 solutions.push(solution);
             }
         }
-        let size = {
-            let bounds = self.whole.bounds();
-            [bounds.x, bounds.y, bounds.z].map(|r| r.hi - r.lo).into_iter().fold(0.0, f64::max)
-        };
         for contact in &self.contacts {
             let ends = contact.ends.map(|x| inner(task.rect, x));
             let proved = self.isolated.iter().any(|root| match root.proof {
@@ -394,16 +400,63 @@ impl ExactSolver {
             if proved {
                 continue; // the box's one root, seen again from its edge
             }
-            if length > STRETCH * size {
+            if length > STRETCH * self.size {
                 let z = contact.z;
                 solutions.extend(ends.map(|st| Solution { st, proof: Proof::Stretch(z) }));
                 continue;
             }
             let proof =
                 if contact.collapsed { Proof::Collapsed } else { Proof::Contact { length } };
-            solutions.push(Solution { st: ends[0], proof });
+            let st = settled(task, 0.5 * (ends[0] + ends[1]));
+            solutions.push(Solution { st, proof });
         }
     }
+}
+
+/// A place near `st`, within the task's rectangle, where the surface is closest to the ray
+/// across the direction in which it does not touch: at a tangency the Jacobian has rank
+/// one, and only that part of the distance can be removed. Least squares, damped by what
+/// rounding leaves of the other direction (Levenberg 1944).
+fn settled(task: &Task<'_>, st: DVec2) -> DVec2 {
+    let (low, high) = (
+        DVec2::new(task.rect[0][0], task.rect[1][0]),
+        DVec2::new(task.rect[0][1], task.rect[1][1]),
+    );
+    let mut best = (f64::INFINITY, st);
+    let mut st = st;
+    for _ in 0..4 {
+        let (jacobian, at) = linearised(task, st);
+        if !(at.length() < best.0) {
+            break;
+        }
+        best = (at.length(), st);
+        let normal = jacobian.transpose() * jacobian;
+        let damping = 1e-10 * (normal.x_axis.x + normal.y_axis.y);
+        let damped = normal + DMat2::from_diagonal(DVec2::splat(damping));
+        let step = damped.inverse() * (jacobian.transpose() * at);
+        if !step.is_finite() {
+            break;
+        }
+        st = (st - step).clamp(low, high);
+    }
+    best.1
+}
+
+/// The Jacobian of the distances from the ray's planes by the piece's parameters, and the
+/// distances.
+fn linearised(task: &Task<'_>, st: DVec2) -> (DMat2, DVec2) {
+    let jet = task.patch.jet(st);
+    let at = task.ray.coordinates(jet.point).truncate();
+    let project = |v: DVec3| DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v));
+    (DMat2::from_cols(project(jet.ds), project(jet.dt)), at)
+}
+
+/// The rotation that turns the direction in which a linear map stretches most into the
+/// first axis.
+fn longest_direction(map: DMat2) -> DMat2 {
+    let image = map * map.transpose();
+    let angle = 0.5 * (2.0 * image.x_axis.y).atan2(image.x_axis.x - image.y_axis.y);
+    DMat2::from_angle(-angle)
 }
 
 /// The place in `rect` of a point given in units of its sides.
