@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::with_place;
-use super::{CameraError, ImportNote, Place, TransformError, UnknownName};
+use super::{CameraError, ImportNote, Place, SettingsError, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
 use crate::geometry::shapes::ShapeError;
 use crate::intersect::BuildError;
@@ -18,7 +18,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    pub(super) fn new(place: Place, fault: SceneFault) -> Self {
+    pub(crate) fn new(place: Place, fault: SceneFault) -> Self {
         Self { place, fault: Box::new(fault) }
     }
 
@@ -109,6 +109,9 @@ pub enum SceneFault {
         /// What the file holds instead.
         notes: Vec<ImportNote>,
     },
+    /// The picture cannot be made.
+    #[error("{0}")]
+    Settings(SettingsError),
     /// The camera cannot be.
     #[error("camera: {0}")]
     Camera(CameraError),

@@ -17,7 +17,11 @@ const MARGIN: f64 = 1.05;
 
 /// About how many points are looked at across a surface, each way, to find its extent: a
 /// sphere sampled so is found to a thousandth of its size, well within [`MARGIN`].
-const SAMPLES: usize = 48;
+const MOST_SAMPLES: usize = 48;
+
+/// About how many points are looked at in all, some milliseconds' work. Where there are many
+/// surfaces each is small, and so is what its few samples miss.
+const ALL_SAMPLES: f64 = 65_536.0;
 
 /// A sphere around the middle of the surfaces that holds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +33,12 @@ pub(super) struct BoundingSphere {
 impl BoundingSphere {
     /// The sphere about the middle of the surfaces' bounding box; found by sampling, since
     /// control points can lie far off their surface. `None` without surfaces.
-    pub(super) fn of<'a>(surfaces: impl Iterator<Item = &'a NurbsSurface>) -> Option<Self> {
-        let points: Vec<DVec3> = surfaces.flat_map(samples).collect();
+    pub(super) fn of<'a>(
+        surfaces: impl ExactSizeIterator<Item = &'a NurbsSurface>,
+    ) -> Option<Self> {
+        let across = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
+        let across = across.min(MOST_SAMPLES);
+        let points: Vec<DVec3> = surfaces.flat_map(|surface| samples(surface, across)).collect();
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
@@ -40,15 +48,16 @@ impl BoundingSphere {
 }
 
 /// Points on a surface: a grid with every knot in it.
-fn samples(surface: &NurbsSurface) -> Vec<DVec3> {
-    let (us, vs) = (parameters(surface.knots_u()), parameters(surface.knots_v()));
+fn samples(surface: &NurbsSurface, across: usize) -> Vec<DVec3> {
+    let us = parameters(surface.knots_u(), across);
+    let vs = parameters(surface.knots_v(), across);
     us.iter().flat_map(|&u| vs.iter().map(move |&v| surface.point_at(u, v))).collect()
 }
 
-/// The ends of all spans, and about [`SAMPLES`] parameters in all.
-fn parameters(knots: &KnotVector) -> Vec<f64> {
+/// The ends of all spans, and between them as many parameters as make up `across`.
+fn parameters(knots: &KnotVector, across: usize) -> Vec<f64> {
     let spans = knots.spans().count().max(1);
-    let each = SAMPLES.div_ceil(spans);
+    let each = across.div_ceil(spans).max(1);
     let mut parameters = vec![knots.domain().0];
     for span in knots.spans() {
         let share = |k: usize| k as f64 / each as f64;

@@ -25,7 +25,7 @@ pub use material::{Material, Texture};
 pub use names::{UnknownName, nearest};
 pub use net::{Knots, Net};
 pub use place::{Place, Written};
-pub use settings::{IntegratorKind, RenderDefaults};
+pub use settings::{IntegratorKind, RenderDefaults, SettingsError};
 pub use shape::NamedShape;
 pub use transform::{Transform, TransformError};
 pub use world::{Instance, World};

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use thiserror::Error;
+
 /// How radiance is found, by name; the render floor gives each its meaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -74,6 +76,49 @@ pub struct RenderDefaults {
     pub exposure: f64,
 }
 
+/// Why a picture cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// It has no pixels, or absurdly many.
+    #[error(
+        "a picture of {width} × {height} pixels: needed are 1 to {} each way, at most {} in all",
+        RenderDefaults::MAX_SIDE,
+        RenderDefaults::MAX_PIXELS
+    )]
+    Size {
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+    },
+    /// No samples are taken.
+    #[error("spp is 0: needed is at least 1 sample a pixel")]
+    NoSamples,
+}
+
+impl RenderDefaults {
+    /// The most pixels in a row or a column: what viewers and PNG encoders still cope with.
+    pub const MAX_SIDE: u32 = 1 << 16;
+
+    /// The most pixels in all: 2²⁸, or 4 GiB for each four channels of the film.
+    pub const MAX_PIXELS: u64 = 1 << 28;
+
+    /// Refuses pictures that cannot be made, before memory is taken for them.
+    ///
+    /// # Errors
+    /// When there are no pixels, absurdly many, or no samples.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let (width, height) = self.size;
+        let sides = 1..=Self::MAX_SIDE;
+        let pixels = u64::from(width) * u64::from(height);
+        if !sides.contains(&width) || !sides.contains(&height) || pixels > Self::MAX_PIXELS {
+            return Err(SettingsError::Size { width, height });
+        }
+        if self.spp == 0 { Err(SettingsError::NoSamples) } else { Ok(()) }
+    }
+}
+
 impl Default for RenderDefaults {
     fn default() -> Self {
         Self {
@@ -95,6 +140,22 @@ mod tests {
         for &kind in IntegratorKind::ALL {
             assert_eq!(kind.to_string().parse(), Ok(kind));
         }
+    }
+
+    #[test]
+    fn absurd_pictures_are_refused() {
+        let check = |size, spp| RenderDefaults { size, spp, ..RenderDefaults::default() }.check();
+        assert_eq!(check((1, 65_536), 1), Ok(()));
+        assert_eq!(
+            check((0, 600), 1).unwrap_err().to_string(),
+            "a picture of 0 × 600 pixels: needed are 1 to 65536 each way, at most 268435456 in all"
+        );
+        assert!(check((65_536, 65_536), 1).is_err());
+        assert!(check((u32::MAX, 1), 1).is_err());
+        assert_eq!(
+            check((1, 1), 0).unwrap_err().to_string(),
+            "spp is 0: needed is at least 1 sample a pixel"
+        );
     }
 
     #[test]

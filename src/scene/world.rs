@@ -59,13 +59,14 @@ impl World {
     /// When a surface, a transform or the camera is not one, a name is unknown or taken,
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let fails = |fault| SceneError::new(scene.place.clone(), fault);
+        scene.settings.check().map_err(|error| fails(SceneFault::Settings(error)))?;
         check_point_count(scene)?;
         let (surfaces, materials) = place_objects(scene)?;
 
         let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
         else {
-            let fault = SceneFault::Empty { notes: scene.notes.clone() };
-            return Err(SceneError::new(scene.place.clone(), fault));
+            return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
         };
         let camera = scene.camera.camera(sphere).map_err(|error| {
             SceneError::new(scene.camera.place.clone(), SceneFault::Camera(error))
@@ -75,7 +76,7 @@ impl World {
 
         let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
         let bvh = SurfaceBvh::build(&nets, &BuildOptions::default())
-            .map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Build(error)))?;
+            .map_err(|error| fails(SceneFault::Build(error)))?;
         let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
         let settings = scene.settings.clone();
         Ok(Self { bvh, surfaces, materials, lights, camera, background, settings })

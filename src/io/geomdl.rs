@@ -1,0 +1,394 @@
+//! Models as JSON, in the layout of geomdl (NURBS-Python).
+//!
+//! ```json
+//! {
+//!   "shape": {
+//!     "type": "surface",
+//!     "data": [
+//!       {
+//!         "name": "lid",
+//!         "degree_u": 1, "degree_v": 1,
+//!         "knotvector_u": [0, 0, 1, 1], "knotvector_v": [0, 0, 1, 1],
+//!         "size_u": 2, "size_v": 2,
+//!         "control_points": {
+//!           "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 1]],
+//!           "weights": [1, 1, 1, 1]
+//!         }
+//!       }
+//!     ]
+//!   }
+//! }
+//! ```
+//!
+//! Points are Euclidean (not multiplied by their weights), v fastest; weights may be left
+//! out, and are used whatever `rational` says. Also read are `data` as a single object, a
+//! surface without anything around it, and the flat variant
+//! `{"surfaces": [{…, "control_points": [[x, y, z], …], "weights": […]}]}`.
+//!
+//! What is done with the rest:
+//!
+//! | key | |
+//! |---|---|
+//! | `name` | names the surface; others are called by their index in `data` |
+//! | `trims` | not supported yet: the whole surface is shown, and a note says so |
+//! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
+//! | `order` | must begin with `v fastest`, else an error |
+//! | `delta`, `count`, `dimension`, `rational`, `id` and unknown keys | ignored: they do not change a surface |
+//!
+//! Curves, volumes, free-form point lists and points of two coordinates are no surfaces in
+//! space: each is left out with a note.
+
+mod points;
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
+
+use self::points::Points;
+use super::LoadError;
+use super::message::explain;
+use super::source::Source;
+use crate::geometry::SurfaceError;
+use crate::scene::{ImportNote, Knots, Net, Part, Place, SceneError, SceneFault, Shape, Written};
+
+/// The surfaces of a model file, and what else it holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Model {
+    /// The surfaces, in the order of the file.
+    pub parts: Vec<Part>,
+    /// What is not shown, and why.
+    pub notes: Vec<ImportNote>,
+}
+
+/// Reads a geomdl JSON model; errors and notes call the file `label`.
+///
+/// Whether the numbers are surfaces is found out by [`World::new`](crate::scene::World::new).
+///
+/// # Errors
+/// When the text is no JSON, or has not the layout above.
+pub fn read_geomdl(text: &str, label: &str) -> Result<Model, LoadError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut reader = Reader { source: Source::new(text, label), model: Model::default() };
+    reader.document()?;
+    Ok(reader.model)
+}
+
+/// A piece of JSON not looked into yet.
+type Raw<'a> = Option<&'a RawValue>;
+
+#[derive(Deserialize)]
+struct Document<'a> {
+    #[serde(borrow)]
+    shape: Raw<'a>,
+    #[serde(borrow)]
+    surfaces: Raw<'a>,
+    order: Option<String>,
+    #[serde(borrow)]
+    degree_u: Raw<'a>,
+}
+
+#[derive(Deserialize)]
+struct ShapeKeys<'a> {
+    #[serde(borrow)]
+    data: Raw<'a>,
+}
+
+/// One entry of `data`: all keys optional, so that curves and volumes can be told apart.
+#[derive(Deserialize)]
+struct Item<'a> {
+    #[serde(borrow)]
+    name: Raw<'a>,
+    #[serde(borrow)]
+    degree: Raw<'a>,
+    #[serde(borrow)]
+    degree_u: Raw<'a>,
+    #[serde(borrow)]
+    degree_v: Raw<'a>,
+    #[serde(borrow)]
+    degree_w: Raw<'a>,
+    #[serde(borrow)]
+    knotvector_u: Raw<'a>,
+    #[serde(borrow)]
+    knotvector_v: Raw<'a>,
+    #[serde(borrow)]
+    size_u: Raw<'a>,
+    #[serde(borrow)]
+    size_v: Raw<'a>,
+    #[serde(borrow)]
+    control_points: Raw<'a>,
+    #[serde(borrow)]
+    points: Raw<'a>,
+    #[serde(borrow)]
+    weights: Raw<'a>,
+    #[serde(borrow)]
+    trims: Raw<'a>,
+    #[serde(borrow)]
+    reversed: Raw<'a>,
+}
+
+#[derive(Deserialize)]
+struct ControlPoints<'a> {
+    #[serde(borrow)]
+    points: Raw<'a>,
+    #[serde(borrow)]
+    weights: Raw<'a>,
+}
+
+struct Reader<'a> {
+    source: Source<'a>,
+    model: Model,
+}
+
+/// An entry of the file and what to call it.
+struct Entry<'a> {
+    item: Item<'a>,
+    place: Place,
+    label: String,
+}
+
+impl Entry<'_> {
+    fn malformed(&self, place: Place, message: &str) -> LoadError {
+        LoadError::malformed(place, format!("surface \"{}\": {message}", self.label))
+    }
+}
+
+impl<'a> Reader<'a> {
+    fn document(&mut self) -> Result<(), LoadError> {
+        let text = self.source.text();
+        let document: Document<'a> = self.parse(text)?;
+        if let Some(order) = &document.order
+            && !order.starts_with("v fastest")
+        {
+            let message = format!("order \"{order}\": only points written v fastest can be read");
+            return Err(LoadError::malformed(self.source.file().clone(), message));
+        }
+        let mut lists = Vec::new();
+        if let Some(shape) = document.shape {
+            let keys: ShapeKeys<'a> = self.parse(shape.get())?;
+            let data = keys.data.ok_or_else(|| {
+                LoadError::malformed(self.place(shape), "shape: missing key \"data\"")
+            })?;
+            lists.push(data.get());
+        }
+        lists.extend(document.surfaces.map(RawValue::get));
+        if lists.is_empty() && document.degree_u.is_some() {
+            lists.push(text.trim()); // a surface without anything around it
+        }
+        if lists.is_empty() {
+            let message = "neither \"shape\" nor \"surfaces\" is here: \
+                           it is no geomdl JSON model";
+            return Err(LoadError::malformed(self.source.file().clone(), message));
+        }
+        for list in lists {
+            self.items(list)?;
+        }
+        Ok(())
+    }
+
+    /// A list of entries, or a single one.
+    fn items(&mut self, list: &'a str) -> Result<(), LoadError> {
+        if !list.starts_with('[') {
+            return self.entry(list, None);
+        }
+        let items: Vec<&'a RawValue> = self.parse(list)?;
+        let single = items.len() == 1;
+        for (index, raw) in items.into_iter().enumerate() {
+            self.entry(raw.get(), if single { None } else { Some(index) })?;
+        }
+        Ok(())
+    }
+
+    fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
+        let item: Item<'a> = self.parse(raw)?;
+        let place = self.source.place(self.source.offset_of(raw));
+        let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
+        let name = name.filter(|name| !name.is_empty());
+        let part_name = name.or_else(|| index.map(|index| index.to_string())).unwrap_or_default();
+        let label = if part_name.is_empty() { "0".to_owned() } else { part_name.clone() };
+        let entry = Entry { item, place, label };
+
+        if let Some((what, why)) = no_surface(&entry.item) {
+            self.note(&entry, what, why.to_owned());
+            return Ok(());
+        }
+        let Some(net) = self.net(&entry)? else { return Ok(()) };
+        self.note_ignored(&entry);
+        let shape = Shape::Net(Arc::new(net));
+        self.model.parts.push(Part { name: part_name, place: entry.place, shape });
+        Ok(())
+    }
+
+    /// The control net of an entry; `None`, with a note, for points in the plane.
+    fn net(&mut self, entry: &Entry<'a>) -> Result<Option<Net>, LoadError> {
+        let item = &entry.item;
+        let degree = [
+            self.needed(entry, "degree_u", item.degree_u)?.value,
+            self.needed(entry, "degree_v", item.degree_v)?.value,
+        ];
+        let size = [
+            self.needed(entry, "size_u", item.size_u)?.value,
+            self.needed(entry, "size_v", item.size_v)?.value,
+        ];
+        let knots = [
+            self.needed(entry, "knotvector_u", item.knotvector_u)?,
+            self.needed(entry, "knotvector_v", item.knotvector_v)?,
+        ];
+        let knots = knots.map(|knots| Written::new(Knots::Values(knots.value), knots.place));
+
+        // Either {"points": …, "weights": …} or the points themselves.
+        let control: Written<&RawValue> =
+            self.needed(entry, "control_points", item.control_points)?;
+        let (points, weights) = if control.value.get().starts_with('{') {
+            let keys: ControlPoints<'a> = self.parse(control.value.get())?;
+            (keys.points, keys.weights.or(item.weights))
+        } else {
+            (Some(control.value), item.weights)
+        };
+        let points: Written<Points> = self.needed(entry, "points", points)?;
+        if let Some((index, dimension)) = points.value.odd {
+            let first = points.value.dimension;
+            let message =
+                format!("point {index} has {dimension} coordinates, but point 0 has {first}");
+            return Err(entry.malformed(points.place, &message));
+        }
+        match points.value.dimension {
+            2 => {
+                let why = "its points have 2 coordinates, surfaces in space need 3".to_owned();
+                self.note(entry, "surface", why);
+                return Ok(None);
+            }
+            0 | 3 => {} // a list of no points is short of them, which is said elsewhere
+            other => {
+                let message = format!("its points have {other} coordinates, needed are 3");
+                return Err(entry.malformed(points.place, &message));
+            }
+        }
+        let points = Written::new(points.value.points, points.place);
+        let weights = weights.map(|raw| self.weights(entry, raw, size[1])).transpose()?;
+        Ok(Some(Net { degree, knots, size, points, weights }))
+    }
+
+    /// The weights; one that cannot be is named here, where its own place is still known.
+    fn weights(
+        &self,
+        entry: &Entry<'a>,
+        raw: &'a RawValue,
+        size_v: usize,
+    ) -> Result<Written<Vec<f64>>, LoadError> {
+        let weights: Vec<f64> = self.parse(raw.get())?;
+        let Some(k) = weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) else {
+            return Ok(Written::new(weights, self.place(raw)));
+        };
+        let each: Vec<&RawValue> = self.parse(raw.get())?;
+        let place = each.get(k).map_or_else(|| self.place(raw), |raw| self.place(raw));
+        let (i, j) = (k / size_v.max(1), k % size_v.max(1));
+        let error = SurfaceError::Weight { i, j, weight: weights[k] };
+        let fault = SceneFault::Surface { surface: entry.label.clone(), error };
+        Err(SceneError::new(place, fault).into())
+    }
+
+    /// Notes what the file says of a surface that is not done.
+    fn note_ignored(&mut self, entry: &Entry<'a>) {
+        let trims = entry.item.trims.map_or(0, |raw| count(raw.get()));
+        if trims > 0 {
+            let curves = if trims == 1 { "1 trim curve" } else { &format!("{trims} trim curves") };
+            let why = format!("{curves} left out: trimming is not supported yet");
+            self.note(entry, "surface", why);
+        }
+        let sense = entry.item.reversed.map_or("false", RawValue::get);
+        if !["false", "0", "0.0"].contains(&sense) {
+            let why = "\"reversed\" left out: (u, v) and the normal stay as written; \
+                       reverse = true in a scene turns it";
+            self.note(entry, "surface", why.to_owned());
+        }
+    }
+
+    fn note(&mut self, entry: &Entry<'a>, what: &str, why: String) {
+        let what = format!("{what} \"{}\"", entry.label);
+        self.model.notes.push(ImportNote { place: entry.place.clone(), what, why });
+    }
+
+    fn place(&self, raw: &'a RawValue) -> Place {
+        self.source.place(self.source.offset_of(raw.get()))
+    }
+
+    /// The value of a key that must be there.
+    fn needed<T: Deserialize<'a>>(
+        &self,
+        entry: &Entry<'a>,
+        key: &str,
+        raw: Raw<'a>,
+    ) -> Result<Written<T>, LoadError> {
+        let raw = raw.ok_or_else(|| {
+            entry.malformed(entry.place.clone(), &format!("missing key \"{key}\""))
+        })?;
+        Ok(Written::new(self.parse(raw.get())?, self.place(raw)))
+    }
+
+    /// Reads a part of the text; errors name their place in the whole.
+    fn parse<T: Deserialize<'a>>(&self, part: &'a str) -> Result<T, LoadError> {
+        serde_json::from_str(part).map_err(|error| {
+            let offset = self.source.offset_of(part) + offset_of(&error, part);
+            let text = self.source.text();
+            // The complaint is about the byte there or, within a number, the one before.
+            let around = [1, 0].map(|back| text.get(offset.saturating_sub(back)..).unwrap_or(""));
+            LoadError::malformed(self.source.place(offset), message(&error, around))
+        })
+    }
+}
+
+/// What an entry is, and why it is not shown, if it is no surface.
+fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
+    if item.degree_w.is_some() {
+        return Some(("volume", "volumes are not supported"));
+    }
+    if item.degree_u.is_some() || item.degree_v.is_some() {
+        return None;
+    }
+    if item.degree.is_some() {
+        return Some(("curve", "a curve has no surface to show"));
+    }
+    let free_form = item.points.is_some() && item.control_points.is_none();
+    free_form.then_some(("free-form points", "points alone are no surface"))
+}
+
+/// How many trim curves there are: `{"count": …, "data": […]}` or a list of them.
+fn count(trims: &str) -> usize {
+    #[derive(Deserialize)]
+    struct Trims {
+        data: Vec<IgnoredAny>,
+    }
+    match serde_json::from_str::<Trims>(trims) {
+        Ok(trims) => trims.data.len(),
+        Err(_) => serde_json::from_str(trims).map_or(1, |list: Vec<IgnoredAny>| list.len()),
+    }
+}
+
+/// The byte at which an error was noticed.
+fn offset_of(error: &serde_json::Error, text: &str) -> usize {
+    let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
+    lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1)
+}
+
+/// What serde_json says, without the place, which it counts within a part of the file.
+fn message(error: &serde_json::Error, around: [&str; 2]) -> String {
+    let whole = error.to_string();
+    let said = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(said, _)| said);
+    if let Some(inside) = said.strip_prefix("EOF while parsing ") {
+        return format!("the file ends inside {inside}: it is not complete");
+    }
+    for word in ["-Infinity", "Infinity", "NaN"] {
+        if around.iter().any(|text| text.starts_with(word)) {
+            return format!("{word} is not a number JSON knows: numbers must be finite");
+        }
+    }
+    if said == "number out of range" {
+        return "the number is too large: numbers must be finite".to_owned();
+    }
+    explain(said, "").replace("a table", "an object")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+//! What geomdl files say, and what is said of broken ones.
+
+use glam::DVec3;
+
+use super::*;
+use crate::scene::{Object, Scene, World};
+
+const SURFACE: &str = r#"{
+  "name": "lid", "degree_u": 1, "degree_v": 2, "size_u": 2, "size_v": 3,
+  "knotvector_u": [0, 0, 1, 1],
+  "knotvector_v": [0, 0, 0, 1, 1, 1],
+  "control_points": {
+    "points": [[0, 0, 0], [0, 1, 1], [0, 2, 0], [1, 0, 0], [1, 1, 1], [1, 2, 0.5]],
+    "weights": [1, 1, 1, 1, 2, 1]
+  }
+}"#;
+
+fn model(text: &str) -> Model {
+    read_geomdl(text, "m.json").unwrap()
+}
+
+/// What the user is told, whichever floor notices.
+fn error(text: &str) -> String {
+    let model = match read_geomdl(text, "m.json") {
+        Ok(model) => model,
+        Err(error) => return error.to_string(),
+    };
+    let object = Object { default_name: "m".into(), parts: model.parts, ..Object::default() };
+    let place = Place::file("m.json");
+    let scene = Scene { place, objects: vec![object], notes: model.notes, ..Scene::default() };
+    World::new(&scene).unwrap_err().to_string()
+}
+
+/// The surface above in a `shape`, with something in it replaced.
+fn changed(from: &str, to: &str) -> String {
+    assert!(SURFACE.contains(from), "{from}");
+    format!(
+        "{{\"shape\": {{\"type\": \"surface\", \"data\": [\n{}\n]}}}}",
+        SURFACE.replace(from, to)
+    )
+}
+
+fn net(part: &Part) -> &Net {
+    let Shape::Net(net) = &part.shape else { panic!("{part:?}") };
+    net
+}
+
+#[test]
+fn one_surface_in_every_wrapping() {
+    let flat = SURFACE.replace("\"control_points\": {\n    \"points\":", "\"control_points\":");
+    let flat = flat.replace("1]\n  }\n}", "1]\n}");
+    for text in [
+        changed("lid", "lid"),
+        format!("{{\"shape\": {{\"data\": {SURFACE}}}}}"),
+        format!("{{\"surfaces\": [{SURFACE}], \"order\": \"v fastest (geomdl)\"}}"),
+        format!("{{\"surfaces\": [{flat}]}}"),
+        format!("\u{feff}\n {SURFACE}\n"),
+    ] {
+        let model = model(&text);
+        assert!(model.notes.is_empty(), "{:?}", model.notes);
+        let [part] = model.parts.as_slice() else { panic!("{text}") };
+        assert_eq!(part.name, "lid");
+        let net = net(part);
+        assert_eq!((net.degree, net.size), ([1, 2], [2, 3]));
+        assert_eq!(net.knots[1].value, Knots::Values(vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]));
+        assert_eq!(net.points.value[5], DVec3::new(1.0, 2.0, 0.5));
+        assert_eq!(net.weights.as_ref().unwrap().value, [1.0, 1.0, 1.0, 1.0, 2.0, 1.0]);
+    }
+}
+
+#[test]
+fn weights_are_optional_and_names_too() {
+    let text =
+        changed(",\n    \"weights\": [1, 1, 1, 1, 2, 1]", "").replace("\"name\": \"lid\",", "");
+    let single = model(&text);
+    assert_eq!(net(&single.parts[0]).weights, None);
+    assert_eq!(single.parts[0].name, "");
+
+    let surface = SURFACE.replace("\"name\": \"lid\",", "\"name\": \"\",");
+    let pair = model(&format!("{{\"shape\": {{\"data\": [{surface}, {surface}]}}}}"));
+    let names: Vec<_> = pair.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["0", "1"]);
+}
+
+#[test]
+fn what_is_left_out_is_noted() {
+    let curve = r#"{"type": "spline", "name": "rim", "degree": 2, "knotvector": [0, 1],
+                    "control_points": {"points": [[0, 0, 0]]}}"#;
+    let volume = r#"{"degree_u": 1, "degree_v": 1, "degree_w": 1}"#;
+    let points = r#"{"type": "freeform", "points": [[0, 0, 0]]}"#;
+    let plane = SURFACE.replace(
+        "[[0, 0, 0], [0, 1, 1], [0, 2, 0], [1, 0, 0], [1, 1, 1], [1, 2, 0.5]]",
+        "[[0, 1], [2, 3]]",
+    );
+    let trimmed = SURFACE.replace(
+        "\"degree_u\"",
+        "\"trims\": {\"count\": 2, \"data\": [{}, {}]}, \"reversed\": 1, \"degree_u\"",
+    );
+    let text = format!(
+        "{{\"shape\": {{\"data\": [{curve},\n{volume},\n{points},\n{plane},\n{trimmed}]}}}}"
+    );
+    let model = model(&text);
+    assert_eq!(model.parts.len(), 1);
+    let notes: Vec<_> = model.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "m.json:1:21: curve \"rim\": a curve has no surface to show",
+            "m.json:3:1: volume \"1\": volumes are not supported",
+            "m.json:4:1: free-form points \"2\": points alone are no surface",
+            "m.json:5:1: surface \"lid\": its points have 2 coordinates, surfaces in space need 3",
+            "m.json:14:1: surface \"lid\": 2 trim curves left out: trimming is not supported yet",
+            "m.json:14:1: surface \"lid\": \"reversed\" left out: (u, v) and the normal stay as \
+             written; reverse = true in a scene turns it",
+        ]
+    );
+    assert_eq!(
+        error(&format!("{{\"shape\": {{\"data\": {curve}}}}}")),
+        "m.json: there is no surface to show (not imported: curve \"rim\": \
+         a curve has no surface to show)"
+    );
+}
+
+#[test]
+fn wrong_counts() {
+    assert_eq!(
+        error(&changed("[0, 0, 1, 1]", "[0, 0, 1]")),
+        "m.json:4:19: surface \"m/lid\", direction u: 3 knots, but 2 points of degree 1 need 4"
+    );
+    assert_eq!(
+        error(&changed(", [1, 2, 0.5]", "")),
+        "m.json:7:15: surface \"m/lid\": 5 control points, but the knots need 2 × 3 of them"
+    );
+    assert_eq!(
+        error(&changed("[1, 1, 1, 1, 2, 1]", "[1, 1]")),
+        "m.json:8:16: surface \"m/lid\": 2 weights for 6 control points: \
+         each needs one, or none has any"
+    );
+    // Absurd counts are refused before anything is allocated for them.
+    assert_eq!(
+        error(&changed("\"size_u\": 2", "\"size_u\": 1000000000000000")),
+        format!(
+            "m.json:4:19: surface \"m/lid\", direction u: 1000000000000000 points: \
+             at most {} in one direction are supported",
+            crate::geometry::MAX_POINTS
+        )
+    );
+    assert_eq!(
+        error(&changed("\"degree_v\": 2", "\"degree_v\": 4000000000")),
+        "m.json:5:19: surface \"m/lid\", direction v: degree 4000000000: \
+         degrees from 1 to 32 are supported"
+    );
+}
+
+#[test]
+fn wrong_numbers() {
+    assert_eq!(
+        error(&changed("[0, 0, 1, 1]", "[0, 0.5, 0.25, 1]")),
+        "m.json:4:19: surface \"m/lid\", direction u: knot 2 is 0.25 after 0.5: \
+         knots must not decrease"
+    );
+    assert_eq!(
+        error(&changed("1, 2, 1]", "1, -2, 1]")),
+        "m.json:8:29: surface \"lid\": the weight of control point (1, 1) is -2: \
+         it must be positive and finite"
+    );
+    for (bad, word) in [("NaN", "NaN"), ("Infinity", "Infinity"), ("-Infinity", "-Infinity")] {
+        let text = changed("[0, 1, 1]", &format!("[0, 1, {bad}]"));
+        let message = error(&text);
+        let wanted = format!(": {word} is not a number JSON knows: numbers must be finite");
+        assert!(message.starts_with("m.json:7:3") && message.ends_with(&wanted), "{message}");
+    }
+    assert_eq!(
+        error(&changed("[0, 1, 1]", "[0, 1, 1e999]")),
+        "m.json:7:38: the number is too large: numbers must be finite"
+    );
+}
+
+#[test]
+fn wrong_layout() {
+    assert_eq!(
+        error("{}"),
+        "m.json: neither \"shape\" nor \"surfaces\" is here: it is no geomdl JSON model"
+    );
+    assert_eq!(error("{\n \"shape\": {}}"), "m.json:2:11: shape: missing key \"data\"");
+    assert_eq!(
+        error(&changed("\"size_v\": 3,", "")),
+        "m.json:2:1: surface \"lid\": missing key \"size_v\""
+    );
+    assert_eq!(
+        error(&changed("\"degree_u\": 1, \"degree_v\": 2,", "")),
+        "m.json:2:1: surface \"lid\": missing key \"degree_u\""
+    );
+    assert_eq!(
+        error(&changed("\"degree_u\": 1", "\"degree_u\": 1.5")),
+        "m.json:3:32: found floating point 1.5, needed a whole number from 0 on"
+    );
+    assert_eq!(
+        error(&changed("[0, 1, 1]", "[0, 1]")),
+        "m.json:7:15: surface \"lid\": point 1 has 2 coordinates, but point 0 has 3"
+    );
+    assert_eq!(
+        error(&changed("[0, 1, 1]", "7")),
+        "m.json:7:27: found integer 7, needed a point, [x, y, z]"
+    );
+    assert_eq!(
+        error("{\"surfaces\": [], \"order\": \"u fastest\"}"),
+        "m.json: order \"u fastest\": only points written v fastest can be read"
+    );
+    assert_eq!(error("{\"surfaces\": 3}"), "m.json:1:14: found integer 3, needed an object");
+}
+
+#[test]
+fn truncated_files_say_where_they_end() {
+    let whole = changed("lid", "lid");
+    assert_eq!(
+        error(&whole[..whole.find("[1, 2, 0.5").unwrap() + 5]),
+        "m.json:7:75: the file ends inside a list: it is not complete"
+    );
+    for end in (0..whole.len()).filter(|&end| whole.is_char_boundary(end)) {
+        let message = error(&whole[..end]);
+        assert!(message.starts_with("m.json:"), "cut at {end}: {message}");
+    }
+}
+
+#[test]
+fn deep_nesting_is_an_error_not_a_stack_overflow() {
+    let deep = format!("{{\"surfaces\": {}", "[".repeat(1_000_000));
+    assert!(error(&deep).starts_with("m.json:1:"), "{}", error(&deep));
+    let closed = format!("{{\"surfaces\": {}{}}}", "[".repeat(100_000), "]".repeat(100_000));
+    assert!(error(&closed).starts_with("m.json:1:"), "{}", error(&closed));
+}

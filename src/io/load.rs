@@ -1,0 +1,304 @@
+//! From a path to a scene.
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::geomdl::{Model, read_geomdl};
+use super::load_error::{LoadError, LoadFault};
+use super::scene_toml::read_scene;
+use crate::scene::{Object, Place, Scene, nearest};
+
+/// The largest file that is read: 1 GiB, ten times the largest model ever met. Its text,
+/// its numbers and the surfaces made of them are in memory together for a while.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Model files known by their endings but not read yet.
+const NOT_READ: [(&str, &str); 12] = [
+    ("step", "STEP is not read yet"),
+    ("stp", "STEP is not read yet"),
+    ("iges", "IGES is not read yet"),
+    ("igs", "IGES is not read yet"),
+    ("3dm", "3dm is not read yet"),
+    ("obj", "OBJ is not read yet"),
+    ("brep", "BREP is not read yet"),
+    ("rib", "RIB is not read"),
+    ("bpt", "BPT is not read yet"),
+    ("stl", "a mesh has no surfaces to trace"),
+    ("ply", "a mesh has no surfaces to trace"),
+    ("npy", "it holds rays or hits, not surfaces"),
+];
+
+/// Reads a scene (`.toml`) or a bare model (geomdl `.json`), which is then framed and lit
+/// by default. A file of no telling ending is a model if it begins with a brace.
+///
+/// # Errors
+/// When the file, or one that the scene mentions, cannot be read or understood.
+pub fn load_input(path: &Path) -> Result<Scene, LoadError> {
+    let label = path.display().to_string();
+    let nowhere = Place::default();
+    match file_type(path, &nowhere)? {
+        FileType::Scene => {
+            let text = read_text(path, &nowhere)?;
+            let mut models = HashMap::new();
+            let folder = path.parent().unwrap_or(Path::new(""));
+            read_scene(&text, &label, &mut |file, place| {
+                let path = folder.join(file);
+                cached_model(&mut models, path, place)
+            })
+        }
+        FileType::Model => {
+            let model = read_geomdl(&read_text(path, &nowhere)?, &label)?;
+            Ok(scene_of(model, path))
+        }
+    }
+}
+
+/// The scene of a bare model.
+fn scene_of(model: Model, path: &Path) -> Scene {
+    let default_name = stem(path);
+    let object = Object { default_name, parts: model.parts, ..Object::default() };
+    let place = Place::file(&path.display().to_string());
+    Scene { place, objects: vec![object], notes: model.notes, ..Scene::default() }
+}
+
+/// What a file is called without its folder and ending.
+pub(super) fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "model".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// A model that several objects may use; its notes are given once.
+fn cached_model(
+    models: &mut HashMap<PathBuf, Model>,
+    path: PathBuf,
+    place: &Place,
+) -> Result<Model, LoadError> {
+    if let Some(model) = models.get(&path) {
+        return Ok(Model { parts: model.parts.clone(), notes: Vec::new() });
+    }
+    if file_type(&path, place)? == FileType::Scene {
+        let what = "a scene cannot be the shape of an object";
+        return Err(LoadError::new(place.clone(), LoadFault::UnknownType { path, what }));
+    }
+    let model = read_geomdl(&read_text(&path, place)?, &path.display().to_string())?;
+    models.insert(path, model.clone());
+    Ok(model)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FileType {
+    Scene,
+    Model,
+}
+
+/// Tells by the ending, else by the beginning, what a file is. `mentioned` is where a scene
+/// names it.
+fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let ending = ending.unwrap_or_default();
+    match ending.as_str() {
+        "toml" => return Ok(FileType::Scene),
+        "json" => return Ok(FileType::Model),
+        _ => {}
+    }
+    let known = NOT_READ.iter().find(|(other, _)| *other == ending);
+    let what = match known {
+        Some((_, what)) => what,
+        None => {
+            // A missing file is missing first of all, whatever its name says.
+            let text = read_text(path, mentioned)?;
+            if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+                return Ok(FileType::Model);
+            }
+            "its ending tells no known type"
+        }
+    };
+    let fault = LoadFault::UnknownType { path: path.to_owned(), what };
+    Err(LoadError::new(mentioned.clone(), fault))
+}
+
+/// The text of a file; devices, pipes and absurdly large files are refused unread.
+fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
+    let fail = |fault| LoadError::new(mentioned.clone(), fault);
+    let cannot = |error| {
+        let path = path.to_owned();
+        fail(LoadFault::Read { nearest: nearest_file(&path), path, error })
+    };
+    let metadata = fs::metadata(path).map_err(cannot)?;
+    if !metadata.is_file() {
+        return Err(fail(LoadFault::NotAFile { path: path.to_owned() }));
+    }
+    if metadata.len() > MAX_BYTES {
+        let (path, bytes) = (path.to_owned(), metadata.len());
+        return Err(fail(LoadFault::TooLarge { path, bytes, limit: MAX_BYTES }));
+    }
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(cannot)?;
+    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(cannot)?; // it may be growing
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        fail(LoadFault::NotText { path: path.to_owned(), valid })
+    })
+}
+
+/// The most entries of a folder that are compared with a missing file's name.
+const MAX_LISTED: usize = 1000;
+
+/// A file in the same folder with a similar name, for a file that is not there.
+fn nearest_file(path: &Path) -> Option<PathBuf> {
+    let folder = match path.parent()? {
+        empty if empty.as_os_str().is_empty() => Path::new("."),
+        folder => folder,
+    };
+    let wanted = path.file_name()?.to_string_lossy().into_owned();
+    let entries = fs::read_dir(folder).ok()?.take(MAX_LISTED).flatten();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort(); // the order of a folder is not the same everywhere
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    nearest(&wanted, &names).map(|name| path.with_file_name(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::World;
+
+    const SURFACE: &str = r#"{"degree_u": 1, "degree_v": 1, "size_u": 2, "size_v": 2,
+        "knotvector_u": [0, 0, 1, 1], "knotvector_v": [0, 0, 1, 1],
+        "control_points": {"points": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 1]]}}"#;
+
+    /// A folder with these files, and what loading the first of them says.
+    fn load(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Result<Scene, String>) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in files {
+            fs::write(folder.path().join(name), content).unwrap();
+        }
+        let here = format!("{}/", folder.path().display());
+        let loaded = load_input(&folder.path().join(files[0].0))
+            .map_err(|error| error.to_string().replace(&here, ""));
+        (folder, loaded)
+    }
+
+    fn error(files: &[(&str, &[u8])]) -> String {
+        load(files).1.unwrap_err()
+    }
+
+    #[test]
+    fn a_bare_model_is_framed_lit_and_named_after_its_file() {
+        for name in ["roof.json", "roof.JSON", "roof"] {
+            let scene = load(&[(name, SURFACE.as_bytes())]).1.unwrap();
+            let world = World::new(&scene).unwrap();
+            assert_eq!(world.surfaces[0].name, "roof");
+            assert!(!world.lights.is_empty());
+        }
+    }
+
+    #[test]
+    fn objects_share_a_side_file_and_its_notes_come_once() {
+        let curve = r#"{"degree": 1}"#;
+        let model = format!("{{\"surfaces\": [{SURFACE}, {curve}, {SURFACE}]}}");
+        let object = "[[object]]\nshape = { file = 'roof.json' }\n";
+        let scene = object.repeat(2);
+        let files = [("s.toml", scene.as_bytes()), ("roof.json", model.as_bytes())];
+        let scene = load(&files).1.unwrap();
+        assert_eq!(scene.notes.len(), 1);
+        let world = World::new(&scene).unwrap();
+        let names: Vec<_> = world.surfaces.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["roof/0", "roof/2", "roof 2/0", "roof 2/2"]);
+    }
+
+    #[test]
+    fn our_own_scenes_are_short_and_say_what_to_look_at() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut scenes = 0;
+        for path in paths.filter(|path| path.extension().is_some_and(|e| e == "toml")) {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.starts_with("# ") && text.contains("ook at"), "{}", path.display());
+            assert!(text.lines().count() <= 25, "{}", path.display());
+            let scene = load_input(&path).unwrap_or_else(|error| panic!("{error}"));
+            assert!(scene.notes.is_empty(), "{}", path.display());
+            World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            scenes += 1;
+        }
+        assert!(scenes >= 8, "{scenes} scenes");
+    }
+
+    #[test]
+    fn the_teapot_has_its_patches_where_newell_put_them() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
+        let world = World::new(&load_input(&path).unwrap()).unwrap();
+        assert_eq!(world.surfaces.len(), 32);
+        assert_eq!(world.surfaces[0].name, "teapot/rim 1");
+        // Tip of the spout, corner of the first rim patch, middle of the bottom.
+        let corner = |k: usize, u, v| world.surfaces[k].surface.point_at(u, v).to_array();
+        assert_eq!(corner(18, 0.0, 0.0), [2.7, 0.0, 2.4]);
+        assert_eq!(corner(0, 0.0, 0.0), [1.4, 0.0, 2.4]);
+        assert_eq!(corner(28, 0.0, 0.0), [0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn missing_files_and_who_mentions_them() {
+        let scene = b"[[object]]\nshape = { file = 'rof.json' }\n";
+        assert_eq!(
+            error(&[("s.toml", scene), ("roof.json", b"{}")]),
+            "s.toml:2:18: cannot read \"rof.json\": there is no such file; \
+             did you mean \"roof.json\"?"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.toml");
+        assert_eq!(
+            load_input(&path).unwrap_err().to_string(),
+            format!("cannot read \"{}\": there is no such file", path.display())
+        );
+        assert_eq!(
+            load_input(folder.path()).unwrap_err().to_string(),
+            format!("cannot read \"{}\": it is not a file", folder.path().display())
+        );
+    }
+
+    #[test]
+    fn other_types_are_refused_by_name() {
+        let known = "; what can be read are scenes (.toml) and geomdl JSON models (.json)";
+        assert_eq!(
+            error(&[("part.STP", b"ISO-10303-21;")]),
+            format!("cannot read \"part.STP\": STEP is not read yet{known}")
+        );
+        assert_eq!(
+            error(&[("notes.txt", b"hello")]),
+            format!("cannot read \"notes.txt\": its ending tells no known type{known}")
+        );
+        assert_eq!(
+            error(&[("s.toml", b"[[object]]\nshape = { file = 's.toml' }")]),
+            format!(
+                "s.toml:2:18: cannot read \"s.toml\": a scene cannot be the shape of an object{known}"
+            )
+        );
+        assert_eq!(
+            error(&[("m.json", b"{\"a\": \"\xff\"}")]),
+            "cannot read \"m.json\": it is not UTF-8 text from byte 7 on"
+        );
+    }
+
+    #[test]
+    fn errors_in_a_side_file_name_the_side_file() {
+        let scene = b"[[object]]\nname = 'lid'\nshape = { file = 'roof.json' }\n";
+        assert_eq!(
+            error(&[("s.toml", scene), ("roof.json", b"{\n\"surfaces\": [")]),
+            "roof.json:2:13: the file ends inside a list: it is not complete"
+        );
+        let model =
+            SURFACE.replace("[0, 0, 1, 1], \"knotvector_v\"", "[0, 0, 1], \"knotvector_v\"");
+        let (folder, scene) = load(&[("s.toml", scene), ("roof.json", model.as_bytes())]);
+        assert_eq!(
+            World::new(&scene.unwrap()).unwrap_err().to_string(),
+            format!(
+                "{}/roof.json:2:25: surface \"lid\", direction u: 3 knots, but 2 points of \
+                 degree 1 need 4",
+                folder.path().display()
+            )
+        );
+    }
+}

@@ -1,0 +1,139 @@
+//! Why an input cannot be read.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::scene::{Place, SceneError};
+
+/// Why an input cannot be read: one message with the file, the line and the column.
+#[derive(Debug)]
+pub struct LoadError {
+    place: Place,
+    fault: LoadFault,
+}
+
+/// What is wrong with an input.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum LoadFault {
+    /// The file cannot be opened or read.
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// A file beside it with a similar name.
+        nearest: Option<PathBuf>,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// It is a directory or a device.
+    NotAFile {
+        /// Which.
+        path: PathBuf,
+    },
+    /// It is larger than any sensible input.
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The largest size that is read.
+        limit: u64,
+    },
+    /// It is not UTF-8 text.
+    NotText {
+        /// Which file.
+        path: PathBuf,
+        /// How many bytes of text come first.
+        valid: usize,
+    },
+    /// It is of a type that is not read.
+    UnknownType {
+        /// Which file.
+        path: PathBuf,
+        /// What it seems to be.
+        what: &'static str,
+    },
+    /// What it says is not a scene or a model.
+    Malformed(String),
+    /// The scene it describes cannot be.
+    Scene(SceneError),
+}
+
+impl LoadError {
+    pub(super) fn new(place: Place, fault: LoadFault) -> Self {
+        Self { place, fault }
+    }
+
+    pub(super) fn malformed(place: Place, message: impl Into<String>) -> Self {
+        Self::new(place, LoadFault::Malformed(message.into()))
+    }
+
+    /// What is wrong.
+    pub fn fault(&self) -> &LoadFault {
+        &self.fault
+    }
+
+    /// Where the author wrote what is wrong, or mentions the file that is.
+    pub fn place(&self) -> &Place {
+        match &self.fault {
+            LoadFault::Scene(error) => error.place(),
+            _ => &self.place,
+        }
+    }
+}
+
+impl From<SceneError> for LoadError {
+    fn from(error: SceneError) -> Self {
+        Self::new(Place::default(), LoadFault::Scene(error))
+    }
+}
+
+impl std::error::Error for LoadError {}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place.label() {
+            Some(_) => write!(f, "{}: {}", self.place, self.fault),
+            None => write!(f, "{}", self.fault),
+        }
+    }
+}
+
+impl fmt::Display for LoadFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { path, nearest, error } => {
+                write!(f, "cannot read \"{}\": ", path.display())?;
+                match error.kind() {
+                    std::io::ErrorKind::NotFound => write!(f, "there is no such file")?,
+                    _ => write!(f, "{error}")?,
+                }
+                match nearest {
+                    Some(nearest) => write!(f, "; did you mean \"{}\"?", nearest.display()),
+                    None => Ok(()),
+                }
+            }
+            Self::NotAFile { path } => {
+                write!(f, "cannot read \"{}\": it is not a file", path.display())
+            }
+            Self::TooLarge { path, bytes, limit } => {
+                let path = path.display();
+                write!(f, "cannot read \"{path}\": {bytes} bytes are more than the {limit} allowed")
+            }
+            Self::NotText { path, valid } => {
+                let path = path.display();
+                write!(f, "cannot read \"{path}\": it is not UTF-8 text from byte {valid} on")
+            }
+            Self::UnknownType { path, what } => {
+                let path = path.display();
+                write!(
+                    f,
+                    "cannot read \"{path}\": {what}; what can be read are scenes (.toml) and \
+                     geomdl JSON models (.json)"
+                )
+            }
+            Self::Malformed(message) => f.write_str(message),
+            Self::Scene(error) => write!(f, "{error}"),
+        }
+    }
+}

@@ -1,0 +1,428 @@
+//! Scenes as TOML.
+//!
+//! Every table may be left out but the objects; what is not said is chosen so that a
+//! picture comes out. A whole scene:
+//!
+//! ```toml
+//! # A sphere on a checkered floor, with a torus lying behind it.
+//! background = [0.32, 0.38, 0.45]        # linear light; also 0.4, or "#9aa6b2"
+//!
+//! [camera]                               # without one, everything is in the picture
+//! look_from = [4, -7, 3]
+//! look_at = [0, 0, 0.8]                  # the middle of the scene if not given
+//! up = [0, 0, 1]                         # z if not given
+//! perspective = { fov = 30 }             # vertical, in degrees; 30 if not given
+//!                                        # or: orthographic = { height = 4 }
+//! [render]                               # the command line overrides these
+//! size = [800, 600]
+//! spp = 16                               # samples a pixel
+//! integrator = "direct"                  # or normal, uv, depth, id, iterations
+//! seed = 0
+//! exposure = 0                           # of the PNG, in stops
+//!
+//! [[light]]                              # without any: a key, a fill, a little ambient
+//! directional = { from = [-2, -3, 4], irradiance = 2.5 }
+//! [[light]]
+//! point = { position = [3, -2, 5], intensity = [20, 18, 15] }
+//! [[light]]
+//! ambient = { radiance = 0.05 }          # never shadowed
+//!
+//! [[material]]
+//! name = "clay"
+//! color = "#c8664a"                      # or [r, g, b], or one number for grey
+//! [[material]]
+//! name = "tiles"
+//! checker = { count = [8, 8], colors = [0.7, 0.3] }
+//! [[material]]
+//! name = "grid"                          # lines of constant u and v, borders included
+//! lines = { count = [8, 16], width = 0.06, color = 0.05, base = 0.8 }
+//!
+//! [[object]]
+//! name = "ball"                          # without one, called after its shape
+//! shape = { sphere = { radius = 1 } }
+//! material = "grid"                      # without one: "default", or light grey
+//! transform = [{ translate = [0, 0, 1] }]
+//!
+//! [[object]]
+//! shape = { plane = { width = 9, height = 9 } }
+//! material = "tiles"
+//!
+//! [[object]]
+//! shape = { torus = { major = 1, minor = 0.25 } }
+//! material = "clay"
+//! reverse = false                        # true turns its surfaces inside out
+//! transform = [                          # the first one first
+//!     { scale = 0.8 },                   # or [x, y, z]
+//!     { rotate = { axis = "x", degrees = 60 } },
+//!     { translate = [1.5, 2, 0.9] },
+//!     # { matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] },
+//! ]
+//! ```
+//!
+//! # Shapes
+//!
+//! By name, in their own coordinates; all measures may be left out:
+//!
+//! ```toml
+//! [[object]]
+//! shape = { sphere = { radius = 1 } }                 # bicubic, 4 × 7 points
+//! [[object]]
+//! shape = { sphere_biquadratic = { radius = 1 } }     # as a surface of revolution
+//! [[object]]
+//! shape = { hemisphere = { radius = 1 } }             # y ≥ 0
+//! [[object]]
+//! shape = { octant = { radius = 1 } }                 # x, y, z ≥ 0
+//! [[object]]
+//! shape = { cylinder = { radius = 1, height = 1 } }   # its side, on z = 0
+//! [[object]]
+//! shape = { cone = { radius = 1, height = 1 } }       # its side, on z = 0
+//! [[object]]
+//! shape = { torus = { major = 1, minor = 0.3 } }      # around the z axis
+//! [[object]]
+//! shape = { disk = { radius = 1 } }                   # in z = 0, facing up
+//! [[object]]
+//! shape = { plane = { width = 1, height = 1 } }       # in z = 0, facing up
+//! [[object]]
+//! shape = "lecture_patch_1"                           # and _2, _3: bicubic patches
+//! [[object]]
+//! shape = "deck_patch"
+//! ```
+//!
+//! From a model file, relative to the scene ([`read_geomdl`](super::read_geomdl) says which):
+//!
+//! ```toml
+//! [[object]]
+//! shape = { file = "teapot.json" }
+//! ```
+//!
+//! Or with a control net of its own. Points and weights are listed by rows: one row for
+//! each u, along which v runs.
+//!
+//! ```toml
+//! [[object]]
+//! name = "lid"
+//! [object.shape.nurbs]
+//! degree = [2, 1]                        # or one number for both
+//! knots_u = [0, 0, 0, 1, 1, 1]           # each knot; or [knot, times]: [[0, 3], [1, 3]]
+//! knots_v = [[0, 2], [1, 2]]             # clamped and uniform on [0, 1] if not given
+//! points = [
+//!     [[0, 0, 0], [0, 1, 0]],
+//!     [[1, 0, 1], [1, 1, 1]],
+//!     [[2, 0, 0], [2, 1, 0]],
+//! ]
+//! weights = [[1, 1], [0.7, 0.7], [1, 1]] # all 1 if not given
+//! ```
+
+mod keys;
+mod values;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use toml::Spanned;
+
+use self::keys::{
+    CameraKeys, Grid, LightKeys, MaterialKeys, NurbsKeys, ObjectKeys, RenderKeys, SceneKeys,
+    ShapeKeys, ShapeSource, TransformKeys,
+};
+use super::LoadError;
+use super::geomdl::Model;
+use super::load::stem;
+use super::message::explain;
+use super::source::Source;
+use crate::geometry::SurfaceError;
+use crate::scene::{
+    CameraSpec, ImportNote, Knots, Lens, Light, Material, Net, Object, Part, Place, RenderDefaults,
+    Scene, SceneError, SceneFault, Shape, Texture, Transform, UnknownName, Written,
+};
+
+/// How a scene gets at the model files it mentions: the file as written, and where.
+pub type ReadModel<'a> = dyn FnMut(&Path, &Place) -> Result<Model, LoadError> + 'a;
+
+/// Reads a scene; errors call its file `label`, and model files come from `read_model`.
+/// (To read both from disk, use [`load_input`](super::load_input).)
+///
+/// # Errors
+/// When the text is no TOML, has a key that means nothing, or a value that cannot be.
+pub fn read_scene(
+    text: &str,
+    label: &str,
+    read_model: &mut ReadModel<'_>,
+) -> Result<Scene, LoadError> {
+    let source = Source::new(text, label);
+    let keys: SceneKeys = toml::from_str(text).map_err(|error| {
+        let span = error.span().unwrap_or(0..0);
+        let message = explain(error.message(), source.slice(span.clone()));
+        LoadError::malformed(source.place(span.start), message)
+    })?;
+    let mut reader = Reader { source, notes: Vec::new(), read_model };
+    reader.scene(keys)
+}
+
+struct Reader<'a, 'b> {
+    source: Source<'a>,
+    notes: Vec<ImportNote>,
+    read_model: &'a mut ReadModel<'b>,
+}
+
+impl Reader<'_, '_> {
+    fn scene(&mut self, keys: SceneKeys) -> Result<Scene, LoadError> {
+        let camera = match keys.camera {
+            Some(camera) => self.camera(camera)?,
+            None => CameraSpec { place: self.source.file().clone(), ..CameraSpec::default() },
+        };
+        let settings = self.settings(keys.render)?;
+        let lights =
+            keys.light.into_iter().map(|keys| self.light(keys)).collect::<Result<_, _>>()?;
+        let materials =
+            keys.material.into_iter().map(|keys| self.material(keys)).collect::<Result<_, _>>()?;
+        let objects =
+            keys.object.into_iter().map(|keys| self.object(keys)).collect::<Result<_, _>>()?;
+        Ok(Scene {
+            place: self.source.file().clone(),
+            camera,
+            lights,
+            materials,
+            objects,
+            background: keys.background.map(|color| color.0),
+            settings,
+            notes: std::mem::take(&mut self.notes),
+        })
+    }
+
+    fn camera(&self, keys: Spanned<CameraKeys>) -> Result<CameraSpec, LoadError> {
+        let place = self.source.place(keys.span().start);
+        let keys = keys.into_inner();
+        let lens = match (keys.perspective, keys.orthographic) {
+            (Some(_), Some(other)) => {
+                let place = self.source.place(other.span().start);
+                let message = "camera: needed is perspective or orthographic, not both";
+                return Err(LoadError::malformed(place, message));
+            }
+            (None, Some(keys)) => {
+                Lens::Orthographic { height: keys.into_inner().height.map(|height| height.0) }
+            }
+            (Some(keys), None) => Lens::Perspective { fov: keys.fov.map(|fov| fov.0) },
+            (None, None) => Lens::default(),
+        };
+        Ok(CameraSpec {
+            place,
+            look_from: keys.look_from.map(|v| v.0),
+            look_at: keys.look_at.map(|v| v.0),
+            up: keys.up.map(|v| v.0),
+            lens,
+        })
+    }
+
+    fn settings(&self, keys: RenderKeys) -> Result<RenderDefaults, LoadError> {
+        let mut settings = RenderDefaults::default();
+        if let Some(size) = keys.size {
+            let [width, height] = *size.get_ref();
+            settings.size = (width, height);
+            self.check(&settings, size.span().start)?;
+        }
+        if let Some(spp) = keys.spp {
+            settings.spp = *spp.get_ref();
+            self.check(&settings, spp.span().start)?;
+        }
+        if let Some(name) = keys.integrator {
+            settings.integrator = name.get_ref().parse().map_err(|error: UnknownName| {
+                LoadError::malformed(self.source.place(name.span().start), error.to_string())
+            })?;
+        }
+        settings.seed = keys.seed.unwrap_or(settings.seed);
+        settings.exposure = keys.exposure.map_or(settings.exposure, |stops| stops.0);
+        Ok(settings)
+    }
+
+    fn check(&self, settings: &RenderDefaults, offset: usize) -> Result<(), LoadError> {
+        settings.check().map_err(|error| {
+            SceneError::new(self.source.place(offset), SceneFault::Settings(error)).into()
+        })
+    }
+
+    fn light(&self, keys: Spanned<LightKeys>) -> Result<Light, LoadError> {
+        let offset = keys.span().start;
+        match keys.into_inner() {
+            LightKeys::Point { position, intensity } => {
+                Ok(Light::Point { position: position.0, intensity: intensity.0 })
+            }
+            LightKeys::Ambient { radiance } => Ok(Light::Ambient { radiance: radiance.0 }),
+            LightKeys::Directional { from, irradiance } => Light::directional(from.0, irradiance.0)
+                .ok_or_else(|| {
+                    let message = "directional: from (0, 0, 0) is no direction";
+                    LoadError::malformed(self.source.place(offset), message)
+                }),
+        }
+    }
+
+    fn material(&self, keys: Spanned<MaterialKeys>) -> Result<Written<Material>, LoadError> {
+        let keys = keys.into_inner();
+        let place = self.source.place(keys.name.span().start);
+        let name = keys.name.into_inner();
+        let mut textures = Vec::new();
+        if let Some(color) = keys.color {
+            textures.push((color.span().start, Texture::Constant(color.into_inner().0)));
+        }
+        if let Some(checker) = keys.checker {
+            let offset = checker.span().start;
+            let checker = checker.into_inner();
+            let colors = checker.colors.map(|color| color.0);
+            textures.push((offset, Texture::Checker { count: checker.count.0, colors }));
+        }
+        if let Some(lines) = keys.lines {
+            let offset = lines.span().start;
+            let lines = lines.into_inner();
+            let width = lines.width.get_ref().0;
+            if !(0.0..=1.0).contains(&width) {
+                let place = self.source.place(lines.width.span().start);
+                let message = format!("found {width}, needed a share of a cell from 0 to 1");
+                return Err(LoadError::malformed(place, message));
+            }
+            let (line, base) = (lines.color.0, lines.base.0);
+            let count = lines.count.0;
+            textures.push((offset, Texture::IsoLines { count, width, line, base }));
+        }
+        match textures.as_slice() {
+            [(_, texture)] => Ok(Written::new(Material { name, texture: *texture }, place)),
+            [] => {
+                let message =
+                    format!("material \"{name}\": needed is one of color, checker, lines");
+                Err(LoadError::malformed(place, message))
+            }
+            [.., (offset, _)] => {
+                let message =
+                    format!("material \"{name}\": needed is only one of color, checker, lines");
+                Err(LoadError::malformed(self.source.place(*offset), message))
+            }
+        }
+    }
+
+    fn object(&mut self, keys: Spanned<ObjectKeys>) -> Result<Object, LoadError> {
+        let keys = keys.into_inner();
+        let written = |text: Spanned<String>| {
+            let offset = text.span().start;
+            Written::new(text.into_inner(), self.source.place(offset))
+        };
+        let name = keys.name.map(written);
+        let material = keys.material.map(written);
+        let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
+        let place = self.source.place(keys.shape.span().start);
+        let called = name.as_ref().map_or("nurbs", |name| name.value.as_str());
+        let (default_name, parts) = self.shape(called, place, keys.shape.into_inner())?;
+        let reverse = keys.reverse;
+        Ok(Object { name, default_name, parts, transform, material, reverse })
+    }
+
+    fn transform(&self, step: Spanned<TransformKeys>) -> Written<Transform> {
+        let place = self.source.place(step.span().start);
+        let step = match step.into_inner() {
+            TransformKeys::Translate(by) => Transform::Translate(by.0),
+            TransformKeys::Rotate { axis, degrees } => {
+                Transform::Rotate { axis: axis.0, degrees: degrees.0 }
+            }
+            TransformKeys::Scale(by) => Transform::Scale(by.0),
+            TransformKeys::Matrix(rows) => {
+                Transform::Matrix(rows.map(|row| row.map(|number| number.0)))
+            }
+        };
+        Written::new(step, place)
+    }
+
+    /// The surfaces of a shape, and what the object is called if it has no name.
+    fn shape(
+        &mut self,
+        called: &str,
+        place: Place,
+        shape: ShapeKeys,
+    ) -> Result<(String, Vec<Part>), LoadError> {
+        let only = |shape| vec![Part { name: String::new(), place, shape }];
+        match shape.source() {
+            ShapeSource::Named(named) => Ok((named.name().to_owned(), only(Shape::Named(named)))),
+            ShapeSource::Nurbs(keys) => {
+                let net = self.net(called, *keys)?;
+                Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
+            }
+            ShapeSource::File(file) => {
+                let place = self.source.place(file.span().start);
+                let path = Path::new(file.get_ref());
+                let model = (self.read_model)(path, &place)?;
+                self.notes.extend(model.notes);
+                Ok((stem(path), model.parts))
+            }
+        }
+    }
+
+    fn net(&self, called: &str, keys: NurbsKeys) -> Result<Net, LoadError> {
+        let offset = keys.points.span().start;
+        let knots = [keys.knots_u, keys.knots_v].map(|knots| match knots {
+            Some(knots) => {
+                let span = knots.span();
+                self.source.written(knots.into_inner().0, span)
+            }
+            // Nothing is written: errors point at the net they were made for.
+            None => Written::new(Knots::ClampedUniform, self.source.place(offset)),
+        });
+        let size = self.size(called, "points", keys.points.get_ref())?;
+        let points = flat(keys.points.get_ref()).map(|point| point.0).collect();
+        let points = Written::new(points, self.source.place(offset));
+        let weights =
+            keys.weights.map(|weights| self.weights(called, &weights, size)).transpose()?;
+        let degree = keys.degree.0.map(|degree| degree as usize);
+        Ok(Net { degree, knots, size, points, weights })
+    }
+
+    /// The rows and columns of a grid, which must be the same for every row.
+    fn size<T>(&self, called: &str, key: &str, grid: &Grid<T>) -> Result<[usize; 2], LoadError> {
+        let columns = grid.first().map_or(0, |row| row.get_ref().len());
+        let ragged = grid.iter().enumerate().find(|(_, row)| row.get_ref().len() != columns);
+        match ragged {
+            None => Ok([grid.len(), columns]),
+            Some((index, row)) => {
+                let found = row.get_ref().len();
+                let message = format!(
+                    "surface \"{called}\": row {index} of {key} has {found}, but row 0 has {columns}"
+                );
+                Err(LoadError::malformed(self.source.place(row.span().start), message))
+            }
+        }
+    }
+
+    /// The weights; one that cannot be is named here, where its own place is still known.
+    fn weights(
+        &self,
+        called: &str,
+        weights: &Spanned<Grid<Spanned<f64>>>,
+        size: [usize; 2],
+    ) -> Result<Written<Vec<f64>>, LoadError> {
+        let place = self.source.place(weights.span().start);
+        let found = self.size(called, "weights", weights.get_ref())?;
+        if found != size {
+            let message = format!(
+                "surface \"{called}\": {} × {} weights for {} × {} points",
+                found[0], found[1], size[0], size[1]
+            );
+            return Err(LoadError::malformed(place, message));
+        }
+        for (i, row) in weights.get_ref().iter().enumerate() {
+            for (j, weight) in row.get_ref().iter().enumerate() {
+                let (offset, weight) = (weight.span().start, *weight.get_ref());
+                let usable = weight > 0.0 && weight.is_finite();
+                if !usable {
+                    let error = SurfaceError::Weight { i, j, weight };
+                    let fault = SceneFault::Surface { surface: called.to_owned(), error };
+                    return Err(SceneError::new(self.source.place(offset), fault).into());
+                }
+            }
+        }
+        Ok(Written::new(flat(weights.get_ref()).map(|w| *w.get_ref()).collect(), place))
+    }
+}
+
+/// A grid's entries, v fastest.
+fn flat<T>(grid: &Grid<T>) -> impl Iterator<Item = &T> {
+    grid.iter().flat_map(|row| row.get_ref())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,351 @@
+//! What scenes say, and what is said of broken ones.
+
+use std::cell::RefCell;
+
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::scene::{IntegratorKind, Projection, World};
+
+/// Reads a scene that mentions no files.
+fn read(text: &str) -> Result<Scene, LoadError> {
+    read_scene(text, "s.toml", &mut |file, place| {
+        Err(LoadError::malformed(place.clone(), format!("no {}", file.display())))
+    })
+}
+
+fn scene(text: &str) -> Scene {
+    read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// What the user is told, whichever floor notices.
+fn error(text: &str) -> String {
+    match read(text) {
+        Err(error) => error.to_string(),
+        Ok(scene) => World::new(&scene).unwrap_err().to_string(),
+    }
+}
+
+/// A sphere, and these lines behind it.
+fn with_sphere(lines: &str) -> String {
+    format!("[[object]]\nshape = {{ sphere = {{}} }}\n{lines}")
+}
+
+/// The TOML blocks of the module's documentation.
+fn documented() -> Vec<String> {
+    let mut blocks = Vec::new();
+    let mut block: Option<String> = None;
+    for line in include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!")) {
+        let line = line.trim_start_matches("//!").strip_prefix(' ').unwrap_or("");
+        match (&mut block, line) {
+            (None, "```toml") => block = Some(String::new()),
+            (Some(_), "```") => blocks.extend(block.take()),
+            (Some(text), line) => *text += &format!("{line}\n"),
+            _ => {}
+        }
+    }
+    blocks
+}
+
+#[test]
+fn what_the_documentation_shows_can_be_read() {
+    let blocks = documented();
+    assert_eq!(blocks.len(), 4);
+    for text in blocks {
+        let asked = RefCell::new(Vec::new());
+        let scene = read_scene(&text, "doc", &mut |file, _| {
+            asked.borrow_mut().push(file.display().to_string());
+            let shape = Shape::Named(crate::scene::NamedShape::DeckPatch);
+            let part = Part { name: "0".into(), place: Place::default(), shape };
+            Ok(Model { parts: vec![part], notes: Vec::new() })
+        });
+        let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(world.surfaces.len(), text.matches("[[object]]").count());
+        assert_eq!(asked.into_inner().len(), text.matches("file =").count());
+    }
+}
+
+#[test]
+fn the_long_example_says_what_it_means() {
+    let scene = scene(&documented()[0]);
+    assert_eq!(scene.background, Some([0.32, 0.38, 0.45]));
+    assert_eq!(scene.camera.look_from, Some(DVec3::new(4.0, -7.0, 3.0)));
+    assert_eq!(scene.camera.lens, Lens::Perspective { fov: Some(30.0) });
+    assert_eq!(scene.settings, RenderDefaults { size: (800, 600), spp: 16, ..Default::default() });
+    assert_eq!(
+        scene.lights[1],
+        Light::Point { position: DVec3::new(3.0, -2.0, 5.0), intensity: [20.0, 18.0, 15.0] }
+    );
+    assert_eq!(scene.lights[2], Light::Ambient { radiance: [0.05; 3] });
+    let texture = |k: usize| scene.materials[k].value.texture;
+    assert_eq!(texture(1), Texture::Checker { count: [8, 8], colors: [[0.7; 3], [0.3; 3]] });
+    assert_eq!(
+        texture(2),
+        Texture::IsoLines { count: [8, 16], width: 0.06, line: [0.05; 3], base: [0.8; 3] }
+    );
+    let Texture::Constant([r, g, b]) = texture(0) else { panic!() };
+    // sRGB 200, 102, 74 as linear light.
+    assert!((r - 0.5776).abs() < 1e-4 && (g - 0.1329).abs() < 1e-4 && (b - 0.0685).abs() < 1e-4);
+    assert_eq!(scene.objects[2].transform.len(), 3);
+    assert_eq!(scene.objects[2].transform[0].value, Transform::Scale(DVec3::splat(0.8)));
+}
+
+#[test]
+fn one_line_is_a_picture() {
+    let world = World::new(&scene("object = [{ shape = { sphere = {} } }]")).unwrap();
+    let ray = world.camera.ray(DVec2::splat(0.5), 1.5);
+    assert!(ray.origin().cross(ray.direction()).length() < 1e-14, "it looks at the sphere");
+    assert_eq!(world.settings.integrator, IntegratorKind::Direct);
+    let scene =
+        scene("\u{feff}camera = { orthographic = {} }\nobject = [{ shape = \"deck_patch\" }]");
+    let world = World::new(&scene).unwrap();
+    assert!(matches!(world.camera.projection(), Projection::Orthographic { .. }));
+}
+
+#[test]
+fn an_inline_net() {
+    let text = "[[object]]\nname = 'lid'\n[object.shape.nurbs]\ndegree = [2, 1]\n\
+        knots_v = [[0, 2], [1, 2]]\npoints = [[[0,0,0],[0,1,0]],[[1,0,1],[1,1,1]],[[2,0,0],[2,1,0]]]\n\
+        weights = [[1, 1], [0.5, 0.5], [1, 1]]\n";
+    let world = World::new(&scene(text)).unwrap();
+    let surface = &world.surfaces[0].surface;
+    assert_eq!(world.surfaces[0].name, "lid");
+    assert_eq!(surface.size(), (3, 2));
+    assert_eq!(surface.point(1, 1), DVec3::ONE);
+    assert_eq!(surface.weight(1, 0), 0.5);
+    assert_eq!(surface.knots_u().values(), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn unknown_keys_and_names_get_the_nearest() {
+    assert_eq!(
+        error(&with_sphere("[camera]\nlook_form = [1, 2, 3]")),
+        "s.toml:4:1: unknown key \"look_form\"; did you mean \"look_from\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = { sphere = { radios = 1 } }"),
+        "s.toml:2:22: unknown key \"radios\"; did you mean \"radius\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = { shpere = {} }"),
+        "s.toml:2:11: unknown shape \"shpere\"; did you mean \"sphere\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = \"deck_pitch\""),
+        "s.toml:2:9: unknown shape \"deck_pitch\"; did you mean \"deck_patch\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("material = \"rad\"\n[[material]]\nname = \"red\"\ncolor = 1")),
+        "s.toml:3:12: object \"sphere\": unknown material \"rad\"; did you mean \"red\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[render]\nintegrator = \"dirct\"")),
+        "s.toml:4:14: unknown integrator \"dirct\"; did you mean \"direct\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[[light]]\npiont = { position = [0, 0, 1], intensity = 1 }")),
+        "s.toml:4:1: unknown light \"piont\"; did you mean \"point\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("transform = [{ scal = 2 }]")),
+        "s.toml:3:16: unknown transform \"scal\"; did you mean \"scale\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[matrial]\n")),
+        "s.toml:3:2: unknown key \"matrial\"; did you mean \"material\"?"
+    );
+}
+
+#[test]
+fn wrong_values_say_what_is_needed() {
+    for (lines, message) in [
+        (
+            "[camera]\nlook_from = [1, 2]",
+            "4:13: found a list of 2 numbers, needed three numbers, [x, y, z]",
+        ),
+        ("[camera]\nup = 'z'", "4:6: found \"z\", needed three numbers, [x, y, z]"),
+        ("[camera]\nlook_at = [0, nan, 0]", "4:15: found NaN, needed a finite number"),
+        ("[camera]\nlook_at = [0, 1e999, 0]", "4:15: floating-point number overflowed"),
+        ("[camera]\nperspective = { fov = '30' }", "4:23: found \"30\", needed a number"),
+        (
+            "[camera]\nperspective = { fov = 180 }",
+            "3:1: camera: fov is 180: needed is an angle between 0 and 180 degrees",
+        ),
+        (
+            "[camera]\nperspective = {}\northographic = {}",
+            "5:16: camera: needed is perspective or orthographic, not both",
+        ),
+        (
+            "[camera]\nlook_from = [1, 1, 1]\nlook_at = [1, 1, 1]",
+            "3:1: camera: look_from and look_at are the same point (1, 1, 1)",
+        ),
+        (
+            "transform = [{ scale = [1, 0, 1] }]",
+            "3:14: object \"sphere\": scale (1, 0, 1) flattens space: no factor may be 0",
+        ),
+        (
+            "transform = [{ rotate = { axis = 'w', degrees = 9 } }]",
+            "3:34: found \"w\", needed \"x\", \"y\", \"z\" or [x, y, z]",
+        ),
+        ("transform = [{ rotate = { axis = 'z' } }]", "3:25: missing key \"degrees\""),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]] }]",
+            "3:14: object \"sphere\": the matrix flattens space: its determinant is 0 within rounding",
+        ),
+        ("reverse = 1", "3:11: found integer 1, needed true or false"),
+        (
+            "[render]\nsize = [0, 600]",
+            "4:8: a picture of 0 × 600 pixels: needed are 1 to 65536 each way, at most 268435456 in all",
+        ),
+        (
+            "[render]\nsize = [1e9, 600]",
+            "4:9: found floating point 1000000000.0, needed a whole number from 0 to 4294967295",
+        ),
+        ("[render]\nspp = 0", "4:7: spp is 0: needed is at least 1 sample a pixel"),
+        ("[render]\nseed = -1", "4:8: found integer -1, needed a whole number from 0 on"),
+        (
+            "[light]\nambient = { radiance = 1 }",
+            "3:1: there can be several of these: write [[light]]",
+        ),
+        (
+            "[[light]]\nambient = { radiance = -1 }",
+            "4:24: found -1, needed an amount of light from 0 on",
+        ),
+        (
+            "[[light]]\nambient = { radiance = 'red' }",
+            "4:24: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
+        ),
+        (
+            "[[light]]\ndirectional = { from = [0, 0, 0], irradiance = 1 }",
+            "3:1: directional: from (0, 0, 0) is no direction",
+        ),
+        ("[[light]]", "3:1: needed is one kind, as in { sphere = { radius = 1 } }"),
+        ("[[material]]\nname = 'm'", "4:8: material \"m\": needed is one of color, checker, lines"),
+        (
+            "[[material]]\nname = 'm'\ncolor = 1\nlines = {}",
+            "6:9: material \"m\": needed is only one of color, checker, lines",
+        ),
+        (
+            "[[material]]\nname = 'm'\nlines = { width = 2 }",
+            "5:19: found 2, needed a share of a cell from 0 to 1",
+        ),
+        (
+            "[[material]]\nname = 'm'\nlines = { count = [1.5, 2] }",
+            "5:19: found a list of 2 numbers, needed a whole number from 0 on, or two as [u, v]",
+        ),
+        (
+            "[[material]]\nname = 'm'\ncolor = 1\n[[material]]\nname = 'm'\ncolor = 1",
+            "7:8: the material name \"m\" is taken: it is given at 4:8",
+        ),
+        (
+            "[[material]]\nname = 'm'\ncolor = 'red'",
+            "5:9: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
+        ),
+        ("[[material]]\nname = 'm'\nlines = { width = 'x' }", "5:19: found \"x\", needed a number"),
+        ("[[material]]\nname = 3", "4:8: found integer 3, needed a string"),
+        ("transform = [{ translate = 3 }]", "3:28: found 3, needed three numbers, [x, y, z]"),
+        ("[[object]]\nname = 'b'", "3:1: missing key \"shape\""),
+        (
+            "[[object]]\nshape = 'sphere'",
+            "4:9: \"sphere\" needs its own keys: write { sphere = { … } }",
+        ),
+        ("[[object]]\nshape = { deck_patch = { radius = 1 } }", "4:24: it has no keys of its own"),
+        (
+            "[[object]]\nshape = { sphere = {}, cone = {} }",
+            "4:9: needed is one kind, as in { sphere = { radius = 1 } }",
+        ),
+        (
+            "[[object]]\nshape = { sphere = { radius = -1 } }",
+            "4:9: surface \"sphere 2\": radius -1: it must be positive and finite (from 1e-150 to 1e150)",
+        ),
+        ("[[object]]\nshape = { file = 'x.json' }", "4:18: no x.json"),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
+
+#[test]
+fn broken_nets() {
+    let net = |keys: &str| format!("[[object]]\nname = 'lid'\n[object.shape.nurbs]\n{keys}");
+    let points = "points = [[[0,0,0],[0,1,0]],[[1,0,1],[1,1,1]]]\n";
+    for (keys, message) in [
+        (
+            format!("degree = 1\nknots_u = [0, 0, 1]\n{points}"),
+            "5:11: surface \"lid\", direction u: 3 knots, but 2 points of degree 1 need 4",
+        ),
+        (
+            format!("degree = 1\nknots_v = [[0, 2], [1, 1000000000000]]\n{points}"),
+            "5:11: surface \"lid\", direction v: knot 1 is repeated 1000000000000 times: degree 1 allows up to 2",
+        ),
+        (
+            format!("degree = 1\nknots_u = [[0, 2], 1]\n{points}"),
+            "5:11: knots are listed either all as numbers or all as [knot, times]",
+        ),
+        (
+            format!("degree = 1\nknots_u = [0, 0, inf, inf]\n{points}"),
+            "5:18: found inf, needed a finite number",
+        ),
+        (
+            format!("degree = 1\nknots_u = [0, 1, 0.5, 2]\n{points}"),
+            "5:11: surface \"lid\", direction u: knot 2 is 0.5 after 1: knots must not decrease",
+        ),
+        (
+            format!("degree = 5\n{points}"),
+            "5:10: surface \"lid\", direction u: 2 points of degree 5: at least 6 are needed",
+        ),
+        (
+            format!("degree = -1\n{points}"),
+            "4:10: found -1, needed a whole number from 0 on, or two as [u, v]",
+        ),
+        ("degree = 1\n".to_owned(), "3:1: missing key \"points\""),
+        (
+            "degree = 1\npoints = [[[0,0,0],[0,1,0]],\n [[1,0,1]]]".to_owned(),
+            "6:2: surface \"lid\": row 1 of points has 1, but row 0 has 2",
+        ),
+        (
+            "degree = 1\npoints = [[[0,0,0],[0,1]]]".to_owned(),
+            "5:20: found a list of 2 numbers, needed three numbers, [x, y, z]",
+        ),
+        (
+            "degree = 1\npoints = [[[1,1,1],[1,1,1]],[[1,1,1],[1,1,1]]]".to_owned(),
+            "5:10: surface \"lid\": all control points are (1, 1, 1): the surface has no extent",
+        ),
+        (
+            format!("degree = 1\n{points}weights = [[1, 1], [0, 1]]"),
+            "6:21: surface \"lid\": the weight of control point (1, 0) is 0: it must be positive and finite",
+        ),
+        (
+            format!("degree = 1\n{points}weights = [[1, 1], [1, nan]]"),
+            "6:24: surface \"lid\": the weight of control point (1, 1) is NaN: it must be positive and finite",
+        ),
+        (
+            format!("degree = 1\n{points}weights = [[1, 1]]"),
+            "6:11: surface \"lid\": 1 × 2 weights for 2 × 2 points",
+        ),
+    ] {
+        assert_eq!(error(&net(&keys)), format!("s.toml:{message}"), "{keys}");
+    }
+}
+
+#[test]
+fn broken_toml() {
+    for (text, message) in [
+        ("", "s.toml: there is no surface to show"),
+        ("a = ", "s.toml:1:5: string values must be quoted, expected literal string"),
+        ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
+        ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
+        ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: duplicate key"),
+        ("[[object]]\nname = 'x", "s.toml:2:10: invalid literal string, expected \"'\""),
+    ] {
+        assert_eq!(error(text), message, "{text}");
+    }
+    let whole = &documented()[0];
+    for end in (0..whole.len()).filter(|&end| whole.is_char_boundary(end)) {
+        if let Err(error) = read(&whole[..end]) {
+            assert!(error.to_string().starts_with("s.toml:"), "cut at {end}: {error}");
+        }
+    }
+    let deep = format!("a = {}", "[".repeat(1_000_000));
+    assert_eq!(error(&deep), "s.toml:1:85: cannot recurse further; max recursion depth met");
+}

@@ -1,0 +1,279 @@
+//! Values that can be written in more than one way.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use glam::DVec3;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+
+use crate::scene::{Knots, Rgb};
+
+/// A finite number, whole or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Number(pub(super) f64);
+
+/// Three numbers, `[x, y, z]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Vector(pub(super) DVec3);
+
+/// One number for all three axes, or `[x, y, z]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Factors(pub(super) DVec3);
+
+/// `"x"`, `"y"`, `"z"`, or `[x, y, z]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Axis(pub(super) DVec3);
+
+/// Linear light: `[r, g, b]`, one number for grey, or `"#rrggbb"` as a screen shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Color(pub(super) Rgb);
+
+/// One whole number for u and v, or `[u, v]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PerDirection(pub(super) [u32; 2]);
+
+/// `[0, 0, 1, 1]`, or `[[0, 2], [1, 2]]` as value and multiplicity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct KnotList(pub(super) Knots);
+
+/// What can stand for a value: finite numbers, text, or a list of numbers.
+#[derive(Debug)]
+enum Loose {
+    Number(f64),
+    Text(String),
+    List(Vec<f64>),
+}
+
+/// Longer lists are kept only so far: no value has so many numbers.
+const LONGEST: usize = 8;
+
+/// Reads a value from whatever [`Loose`] can be. The value is made within the visitor, so
+/// that the parser adds the place of this very value to an error.
+fn loosely<'de, T, D>(deserializer: D) -> Result<T, D::Error>
+where
+    T: TryFrom<Loose, Error = String>,
+    D: Deserializer<'de>,
+{
+    struct Visit<T>(PhantomData<T>);
+
+    impl<'de, T: TryFrom<Loose, Error = String>> Visitor<'de> for Visit<T> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a number, or a list of numbers")
+        }
+
+        fn visit_i64<E: Error>(self, number: i64) -> Result<T, E> {
+            self.visit_f64(number as f64)
+        }
+
+        fn visit_f64<E: Error>(self, number: f64) -> Result<T, E> {
+            if number.is_finite() {
+                T::try_from(Loose::Number(number)).map_err(E::custom)
+            } else {
+                Err(E::custom(format!("found {number}, needed a finite number")))
+            }
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<T, E> {
+            T::try_from(Loose::Text(text.to_owned())).map_err(E::custom)
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<T, A::Error> {
+            let mut read = Vec::new();
+            while let Some(Number(number)) = list.next_element()? {
+                if read.len() < LONGEST {
+                    read.push(number);
+                }
+            }
+            T::try_from(Loose::List(read)).map_err(A::Error::custom)
+        }
+    }
+    deserializer.deserialize_any(Visit(PhantomData))
+}
+
+macro_rules! read_loosely {
+    ($($value:ty),*) => {$(
+        impl<'de> Deserialize<'de> for $value {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                loosely(deserializer)
+            }
+        }
+    )*};
+}
+
+read_loosely!(Number, Vector, Factors, Axis, Color, PerDirection, KnotEntry);
+
+impl Loose {
+    /// What was found instead of what is needed.
+    fn but_needed(&self, needed: &str) -> String {
+        match self {
+            Self::Number(number) => format!("found {number}, needed {needed}"),
+            Self::Text(text) => format!("found \"{}\", needed {needed}", text.escape_debug()),
+            Self::List(list) if list.len() >= LONGEST => {
+                format!("found a list of {LONGEST} numbers or more, needed {needed}")
+            }
+            Self::List(list) => format!("found a list of {} numbers, needed {needed}", list.len()),
+        }
+    }
+
+    fn vector(&self) -> Option<DVec3> {
+        match self {
+            Self::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok().map(DVec3::from_array),
+            _ => None,
+        }
+    }
+}
+
+impl TryFrom<Loose> for Number {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        match value {
+            Loose::Number(number) => Ok(Self(number)),
+            _ => Err(value.but_needed("a number")),
+        }
+    }
+}
+
+impl TryFrom<Loose> for Vector {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        value.vector().map(Self).ok_or_else(|| value.but_needed("three numbers, [x, y, z]"))
+    }
+}
+
+impl TryFrom<Loose> for Factors {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        match value {
+            Loose::Number(number) => Ok(Self(DVec3::splat(number))),
+            _ => value.vector().map(Self).ok_or_else(|| value.but_needed("a number or [x, y, z]")),
+        }
+    }
+}
+
+impl TryFrom<Loose> for Axis {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let axis = match &value {
+            Loose::Text(name) if name == "x" => Some(DVec3::X),
+            Loose::Text(name) if name == "y" => Some(DVec3::Y),
+            Loose::Text(name) if name == "z" => Some(DVec3::Z),
+            other => other.vector(),
+        };
+        axis.map(Self).ok_or_else(|| value.but_needed("\"x\", \"y\", \"z\" or [x, y, z]"))
+    }
+}
+
+impl TryFrom<Loose> for Color {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let color = match &value {
+            Loose::Number(grey) => Some([*grey; 3]),
+            Loose::Text(hex) => from_hex(hex),
+            Loose::List(_) => value.vector().map(|rgb| rgb.to_array()),
+        };
+        match color {
+            None => Err(value.but_needed("a number, [r, g, b] or \"#rrggbb\"")),
+            Some(rgb) => match rgb.into_iter().find(|share| *share < 0.0) {
+                None => Ok(Self(rgb)),
+                Some(share) => Err(format!("found {share}, needed an amount of light from 0 on")),
+            },
+        }
+    }
+}
+
+/// `#rrggbb`, sRGB as screens and web pages have it, as linear light.
+fn from_hex(hex: &str) -> Option<Rgb> {
+    let digits = hex.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let digits = digits.bytes().all(|byte| byte.is_ascii_hexdigit()).then_some(digits)?;
+    let bits = u32::from_str_radix(digits, 16).ok()?;
+    Some([bits >> 16, bits >> 8, bits].map(|channel| linear(channel & 0xff)))
+}
+
+/// IEC 61966-2-1: the light that a channel of sRGB, 0 to 255, stands for.
+fn linear(channel: u32) -> f64 {
+    let c = f64::from(channel) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+impl TryFrom<Loose> for PerDirection {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let whole = |x: f64| {
+            let usable = x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&x);
+            usable.then_some(x as u32)
+        };
+        let pair = match &value {
+            Loose::Number(both) => Some([*both; 2]),
+            Loose::List(list) => <[f64; 2]>::try_from(list.as_slice()).ok(),
+            Loose::Text(_) => None,
+        };
+        match pair.map(|pair| pair.map(whole)) {
+            Some([Some(u), Some(v)]) => Ok(Self([u, v])),
+            _ => Err(value.but_needed("a whole number from 0 on, or two as [u, v]")),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for KnotList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let entries = Vec::<KnotEntry>::deserialize(deserializer)?;
+        if entries.iter().all(|entry| matches!(entry, KnotEntry::Pair(..))) && !entries.is_empty() {
+            let pairs = entries.iter().map(|entry| entry.pair()).collect();
+            return Ok(Self(Knots::Multiplicities(pairs)));
+        }
+        let values: Option<_> = entries.iter().map(KnotEntry::single).collect();
+        values.map(Knots::Values).map(Self).ok_or_else(|| {
+            D::Error::custom("knots are listed either all as numbers or all as [knot, times]")
+        })
+    }
+}
+
+/// An entry of a list of knots.
+#[derive(Clone, Copy, Debug)]
+enum KnotEntry {
+    Single(f64),
+    Pair(f64, usize),
+}
+
+impl KnotEntry {
+    fn single(&self) -> Option<f64> {
+        match *self {
+            Self::Single(knot) => Some(knot),
+            Self::Pair(..) => None,
+        }
+    }
+
+    fn pair(&self) -> (f64, usize) {
+        match *self {
+            Self::Single(knot) => (knot, 1),
+            Self::Pair(knot, times) => (knot, times),
+        }
+    }
+}
+
+impl TryFrom<Loose> for KnotEntry {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        match &value {
+            Loose::Number(knot) => Ok(Self::Single(*knot)),
+            Loose::List(list) => match list.as_slice() {
+                // `as` saturates: an absurd multiplicity stays absurd and is refused later.
+                &[knot, times] if times.fract() == 0.0 && times >= 0.0 => {
+                    Ok(Self::Pair(knot, times as usize))
+                }
+                _ => Err(value.but_needed("a knot, or [knot, times]")),
+            },
+            Loose::Text(_) => Err(value.but_needed("a knot, or [knot, times]")),
+        }
+    }
+}
