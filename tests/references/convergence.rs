@@ -160,6 +160,11 @@ fn wavy_b_spline() {
 }
 
 #[test]
+fn teapot() {
+    check(&models::teapot());
+}
+
+#[test]
 fn orders_are_slopes() {
     let errors = [10, 20, 40].map(|n| (n, 3.0 / (n as f64).powi(2)));
     assert!((order(&errors) - 2.0).abs() < 1e-12);

@@ -1,8 +1,12 @@
 //! What is looked at, from where, and how finely it is cut.
 
+use std::path::Path;
+
 use glam::DVec3;
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use nurbray::io::load_input;
 use nurbray::math::Ray;
+use nurbray::scene::World;
 
 /// A model, a view of it, and rising counts of cells for each knot span.
 pub(crate) struct Model {
@@ -77,4 +81,20 @@ pub(crate) fn wavy() -> Model {
         height: 0.66,
     };
     Model { name: "wavy", surfaces: vec![surface], view, cells: [8, 16, 32, 64] }
+}
+
+/// The teapot of the first scene, without its table: 32 Bézier patches, with poles at lid and
+/// bottom, and a spout and a handle that run into the body.
+pub(crate) fn teapot() -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
+    let world = World::new(&load_input(&path).unwrap()).unwrap();
+    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    assert_eq!(surfaces.len(), 32);
+    let view = View {
+        from: DVec3::new(4.5, -9.0, 5.6),
+        at: DVec3::new(0.2, 0.0, 1.35),
+        up: DVec3::Z,
+        height: 0.45,
+    };
+    Model { name: "teapot", surfaces, view, cells: [6, 12, 24, 48] }
 }
