@@ -233,6 +233,6 @@ impl Slabs {
         }
         let rounded = 8.0 * f64::EPSILON * (near.abs().min(f64::MAX) + far.abs().min(f64::MAX));
         let missed = near > far + rounded;
-        (!missed).then(|| (near - rounded) * self.unscale)
+        (!missed).then_some((near - rounded) * self.unscale)
     }
 }

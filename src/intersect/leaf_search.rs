@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::exact::{ExactSolver, Proof, Rect, Solution, Task};
-use super::newton::{Newton, newton};
+use super::newton::{Newton, newton, project};
 use super::{HitFlags, Root, Statistics};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
@@ -195,7 +195,7 @@ fn accept(
 
     // The piece is closed: a root a little outside counts as the nearest point of the
     // border, if that is within rounding of the ray.
-    let st = solution.st.clamp(DVec2::ZERO, DVec2::ONE);
+    let st = on_piece(piece, ray, solution.st);
     let (jet, z) = match known {
         Some(known) if st == solution.st => known,
         _ => {
@@ -219,11 +219,16 @@ fn accept(
 
     let normal = piece.normal(st, &jet);
     let cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
+    // A ray through a pole crosses the surface there, unless it may as well touch it.
+    let touches = cosine * cosine * piece.patch.magnitude() <= 4.0 * error;
+    if solution.proof == Proof::Collapsed && touches {
+        flags.insert(HitFlags::DOUBTFUL);
+    }
     let mut z_error = error / cosine.abs().max(f64::EPSILON);
     if let Proof::Contact { length } = solution.proof {
         z_error = z_error.min(length + error);
     }
-    if matches!(solution.proof, Proof::Collapsed | Proof::Stretch(_)) {
+    if matches!(solution.proof, Proof::Stretch(_)) {
         z_error = 4.0 * error;
     }
 
@@ -277,6 +282,32 @@ fn accept(
         cosine,
         stretch,
     });
+}
+
+/// The place itself if it is on the piece, else the point of the piece's border that is
+/// nearest to the ray there.
+///
+/// The slack of a border is a distance in space: where the ray grazes, a root that rounding
+/// has put outside by much in one parameter is near the border for another value of the
+/// other parameter. That is found by least squares along the border.
+fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
+    let mut nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
+    let outside = [nearest.x != st.x, nearest.y != st.y];
+    let free = match outside {
+        [false, false] | [true, true] => return nearest,
+        [true, false] => DVec2::Y,
+        [false, true] => DVec2::X,
+    };
+    for _ in 0..2 {
+        let jet = piece.patch.jet(nearest);
+        let at = ray.coordinates(jet.point).truncate();
+        let along = project(ray, free.x * jet.ds + free.y * jet.dt);
+        let step = along.dot(at) / along.length_squared();
+        if step.is_finite() {
+            nearest = (nearest - step * free).clamp(DVec2::ZERO, DVec2::ONE);
+        }
+    }
+    nearest
 }
 
 impl Solution {

@@ -107,7 +107,8 @@ impl OrientedBox {
 fn frame(chords: [DVec3; 2]) -> [DVec3; 3] {
     let [mut a, mut b] = chords;
     let longest = a.length().max(b.length());
-    if !(longest > 0.0) {
+    let degenerate = longest.is_nan() || longest <= 0.0;
+    if degenerate {
         return [DVec3::X, DVec3::Y, DVec3::Z];
     }
     // A chord much shorter than the other, or along it, gives no usable direction.

@@ -204,7 +204,8 @@ impl Tangents {
     fn regular(net: &Net<'_>, center: DVec3) -> Option<Self> {
         let field = recentred(net, center);
         let weights = field.weights();
-        if !(weights.lo > 0.0) {
+        let positive = weights.lo > 0.0; // false for NaN
+        if !positive {
             return None;
         }
         let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
@@ -257,7 +258,8 @@ impl Tangents {
         let b0 = mean(&self.along_t, &self.factor_t, self.weight_slopes[1]);
         let cross = a0.cross(b0);
         let area = cross.length();
-        if !(area > 0.0 && area.is_finite()) {
+        let regular = area > 0.0 && area.is_finite();
+        if !regular {
             return None;
         }
         let normal = cross / area;
@@ -266,7 +268,8 @@ impl Tangents {
         let [a1, a2, a3] = self.components(0, &dual);
         let [b1, b2, b3] = self.components(1, &dual);
         let m = (a1 * b2 - a2 * b1).lo;
-        if !(m > 0.0) {
+        let independent = m > 0.0; // false for NaN
+        if !independent {
             return None;
         }
         let e1 = (a1 * b3 - a3 * b1).magnitude();

@@ -287,24 +287,20 @@ impl ExactSolver {
     fn refined(&self, task: &Task<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
         let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);
+        let mut best = (f64::INFINITY, x);
         for _ in 0..8 {
             let (jacobian, at) = linearised(task, inner(task.rect, x));
-            let step = jacobian.inverse() * at / sides;
-            if !step.is_finite() {
-                return None;
+            if at.length() < best.0 {
+                best = (at.length(), x);
+            } else if best.0 <= task.error {
+                break; // rounding leaves nothing to gain
             }
-            let close = step.abs().max_element() <= 1e-9;
-            x -= step;
+            x -= jacobian.inverse() * at / sides;
             if !holds(rect, x) {
-                return None;
-            }
-            if close {
-                let point = task.patch.point(inner(task.rect, x));
-                let residual = task.ray.coordinates(point).truncate().length();
-                return (residual <= task.error).then_some(x);
+                break; // also when the step is not a number
             }
         }
-        None
+        (best.0 <= task.error).then_some(best.1)
     }
 
     fn root(&self, task: &Task<'_>, rect: Rect, x: DVec2) -> Solution {
@@ -405,11 +401,20 @@ impl ExactSolver {
                 solutions.extend(ends.map(|st| Solution { st, proof: Proof::Stretch(z) }));
                 continue;
             }
-            let proof =
-                if contact.collapsed { Proof::Collapsed } else { Proof::Contact { length } };
-            let st = settled(task, 0.5 * (ends[0] + ends[1]));
-            solutions.push(Solution { st, proof });
+            let middle = 0.5 * (ends[0] + ends[1]);
+            solutions.push(match task.collapsed.filter(|_| contact.collapsed) {
+                Some(side) => Solution { st: at_side(side, middle), proof: Proof::Collapsed },
+                None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
+            });
         }
+    }
+}
+
+/// The place moved to a side.
+fn at_side(side: CollapsedSide, st: DVec2) -> DVec2 {
+    match side {
+        CollapsedSide::S(end) => DVec2::new(end as f64, st.y),
+        CollapsedSide::T(end) => DVec2::new(st.x, end as f64),
     }
 }
 
@@ -426,7 +431,8 @@ fn settled(task: &Task<'_>, st: DVec2) -> DVec2 {
     let mut st = st;
     for _ in 0..4 {
         let (jacobian, at) = linearised(task, st);
-        if !(at.length() < best.0) {
+        let better = at.length() < best.0; // false for NaN
+        if !better {
             break;
         }
         best = (at.length(), st);

@@ -1,0 +1,241 @@
+//! Rays in the packets Embree reads and writes.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use crate::intersect::Coherence;
+use crate::math::Ray;
+
+/// How many rays Embree is given at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PacketWidth {
+    /// `rtcIntersect1`, `rtcOccluded1`.
+    One,
+    /// `rtcIntersect8`, `rtcOccluded8`.
+    Eight,
+    /// `rtcIntersect16`, `rtcOccluded16`.
+    Sixteen,
+}
+
+/// The first meeting of a ray and a mesh, as Embree reports it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmbreeHit {
+    /// The ray parameter, in units of the direction given.
+    pub t: f32,
+    /// Which mesh of the scene.
+    pub mesh: u32,
+    /// Which grid, or which triangle, of the mesh.
+    pub primitive: u32,
+    /// On a grid: the place along the rows' and the columns' direction, each from 0 to 1.
+    /// On a triangle: the barycentric coordinates of its second and third corner.
+    pub place: DVec2,
+    /// The normal of the triangle hit, of any length.
+    pub geometric_normal: DVec3,
+}
+
+/// Words behind `geomID` that Embree may write: `instID`, in version 4 also `instPrimID`,
+/// each as long as the build has instance levels (1 by default). Four levels fit, and the
+/// structure of one ray is a multiple of 16 bytes, as its alignment demands.
+const INSTANCE_WORDS: usize = 9;
+
+/// `RTCRayHit`, `RTCRayHit8` or `RTCRayHit16` (N = 1, 8, 16), then two rows of ours.
+///
+/// Embree aligns them to 16, 32 and 64 bytes. The hit follows the ray without a gap: twelve
+/// rows of N words are a multiple of each alignment.
+#[repr(C, align(64))]
+#[derive(Clone, Debug)]
+pub(super) struct RayHit<const N: usize> {
+    origin: [[f32; N]; 3],
+    t_near: [f32; N],
+    direction: [[f32; N]; 3],
+    time: [f32; N],
+    /// On return the hit's `t`; −∞ where an occlusion query found something.
+    t_far: [f32; N],
+    mask: [u32; N],
+    id: [u32; N],
+    flags: [u32; N],
+    normal: [[f32; N]; 3],
+    u: [f32; N],
+    v: [f32; N],
+    primitive: [u32; N],
+    geometry: [u32; N],
+    instance: [[u32; N]; INSTANCE_WORDS],
+    /// −1 for lanes in use, 0 for the rest: Embree's mask.
+    pub(super) valid: [i32; N],
+    /// The end of the range as given, so that a query can be repeated.
+    limit: [f32; N],
+}
+
+/// `RTC_INVALID_GEOMETRY_ID`: nothing hit.
+const NOTHING: u32 = u32::MAX;
+
+impl<const N: usize> RayHit<N> {
+    fn new(rays: &[Ray], centre: DVec3) -> Self {
+        let mut packet = Self {
+            origin: [[0.0; N]; 3],
+            t_near: [0.0; N],
+            direction: [[0.0; N]; 3],
+            time: [0.0; N],
+            t_far: [0.0; N],
+            mask: [u32::MAX; N],
+            id: [0; N],
+            flags: [0; N],
+            normal: [[0.0; N]; 3],
+            u: [0.0; N],
+            v: [0.0; N],
+            primitive: [NOTHING; N],
+            geometry: [NOTHING; N],
+            instance: [[NOTHING; N]; INSTANCE_WORDS],
+            valid: [0; N],
+            limit: [0.0; N],
+        };
+        for (lane, ray) in rays.iter().enumerate().take(N) {
+            let (origin, direction) =
+                ((ray.origin() - centre).as_vec3(), ray.direction().as_vec3());
+            for axis in 0..3 {
+                packet.origin[axis][lane] = origin[axis];
+                packet.direction[axis][lane] = direction[axis];
+            }
+            packet.t_near[lane] = ray.t_min().max(0.0) as f32;
+            packet.limit[lane] = ray.t_max() as f32;
+            packet.valid[lane] = -1;
+        }
+        packet
+    }
+
+    /// Forgets the last answer.
+    pub(super) fn reset(&mut self) {
+        self.t_far = self.limit;
+        self.geometry = [NOTHING; N];
+    }
+
+    fn lanes(&self) -> impl Iterator<Item = usize> {
+        (0..N).filter(|&lane| self.valid[lane] != 0)
+    }
+
+    fn hits(&self) -> impl Iterator<Item = Option<EmbreeHit>> {
+        self.lanes().map(|lane| {
+            (self.geometry[lane] != NOTHING).then(|| EmbreeHit {
+                t: self.t_far[lane],
+                mesh: self.geometry[lane],
+                primitive: self.primitive[lane],
+                place: DVec2::new(f64::from(self.u[lane]), f64::from(self.v[lane])),
+                geometric_normal: Vec3::from_array(self.normal.map(|row| row[lane])).as_dvec3(),
+            })
+        })
+    }
+
+    fn occlusions(&self) -> impl Iterator<Item = bool> {
+        self.lanes().map(|lane| self.t_far[lane] == f32::NEG_INFINITY)
+    }
+}
+
+/// Rays by packet width.
+#[derive(Clone, Debug)]
+pub(super) enum Packets {
+    One(Vec<RayHit<1>>),
+    Eight(Vec<RayHit<8>>),
+    Sixteen(Vec<RayHit<16>>),
+}
+
+/// Rays made ready for one Embree scene, and its last answer.
+///
+/// Making them ready is not part of tracing, so that a race between Embree and us measures
+/// neither side's copying.
+#[derive(Clone, Debug)]
+pub struct EmbreeRays {
+    packets: Packets,
+    coherence: Coherence,
+}
+
+impl EmbreeRays {
+    pub(super) fn new(
+        rays: &[Ray],
+        centre: DVec3,
+        width: PacketWidth,
+        coherence: Coherence,
+    ) -> Self {
+        fn packets<const N: usize>(rays: &[Ray], centre: DVec3) -> Vec<RayHit<N>> {
+            rays.chunks(N).map(|rays| RayHit::new(rays, centre)).collect()
+        }
+        let packets = match width {
+            PacketWidth::One => Packets::One(packets(rays, centre)),
+            PacketWidth::Eight => Packets::Eight(packets(rays, centre)),
+            PacketWidth::Sixteen => Packets::Sixteen(packets(rays, centre)),
+        };
+        Self { packets, coherence }
+    }
+
+    pub(super) fn coherence(&self) -> Coherence {
+        self.coherence
+    }
+
+    pub(super) fn packets_mut(&mut self) -> &mut Packets {
+        &mut self.packets
+    }
+
+    /// What [`intersect`](super::EmbreeScene::intersect) found, ray by ray.
+    pub fn hits(&self) -> Vec<Option<EmbreeHit>> {
+        match &self.packets {
+            Packets::One(packets) => packets.iter().flat_map(RayHit::hits).collect(),
+            Packets::Eight(packets) => packets.iter().flat_map(RayHit::hits).collect(),
+            Packets::Sixteen(packets) => packets.iter().flat_map(RayHit::hits).collect(),
+        }
+    }
+
+    /// What [`occluded`](super::EmbreeScene::occluded) found, ray by ray.
+    pub fn occlusions(&self) -> Vec<bool> {
+        match &self.packets {
+            Packets::One(packets) => packets.iter().flat_map(RayHit::occlusions).collect(),
+            Packets::Eight(packets) => packets.iter().flat_map(RayHit::occlusions).collect(),
+            Packets::Sixteen(packets) => packets.iter().flat_map(RayHit::occlusions).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    /// Row numbers of Embree's headers: `org_x` 0, `tnear` 3, `dir_x` 4, `tfar` 8, `Ng_x` 12,
+    /// `u` 15, `primID` 17, `geomID` 18, `instID` 19.
+    fn check_layout<const N: usize>() {
+        let row = 4 * N;
+        assert_eq!(offset_of!(RayHit<N>, origin), 0);
+        assert_eq!(offset_of!(RayHit<N>, t_near), 3 * row);
+        assert_eq!(offset_of!(RayHit<N>, direction), 4 * row);
+        assert_eq!(offset_of!(RayHit<N>, time), 7 * row);
+        assert_eq!(offset_of!(RayHit<N>, t_far), 8 * row);
+        assert_eq!(offset_of!(RayHit<N>, mask), 9 * row);
+        assert_eq!(offset_of!(RayHit<N>, flags), 11 * row);
+        assert_eq!(offset_of!(RayHit<N>, normal), 12 * row);
+        assert_eq!(offset_of!(RayHit<N>, u), 15 * row);
+        assert_eq!(offset_of!(RayHit<N>, v), 16 * row);
+        assert_eq!(offset_of!(RayHit<N>, primitive), 17 * row);
+        assert_eq!(offset_of!(RayHit<N>, geometry), 18 * row);
+        assert_eq!(offset_of!(RayHit<N>, instance), 19 * row);
+        assert_eq!(offset_of!(RayHit<N>, valid), 28 * row);
+        assert_eq!(align_of::<RayHit<N>>(), 64);
+    }
+
+    #[test]
+    fn packets_are_laid_out_as_embree_reads_them() {
+        check_layout::<1>();
+        check_layout::<8>();
+        check_layout::<16>();
+    }
+
+    #[test]
+    fn the_last_packet_may_be_part_full() {
+        let ray = Ray::new(DVec3::ONE, DVec3::X).unwrap();
+        let rays = EmbreeRays::new(&[ray; 11], DVec3::X, PacketWidth::Eight, Coherence::Coherent);
+        let Packets::Eight(packets) = &rays.packets else { panic!("packets of eight") };
+        assert_eq!(packets.len(), 2);
+        assert_eq!(packets[1].valid, [-1, -1, -1, 0, 0, 0, 0, 0]);
+        assert_eq!(packets[1].origin[0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(packets[1].origin[1][..4], [1.0, 1.0, 1.0, 0.0]);
+        assert_eq!(rays.hits().len(), 11);
+        assert!(rays.occlusions().iter().all(|&occluded| !occluded));
+    }
+}

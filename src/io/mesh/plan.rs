@@ -1,0 +1,284 @@
+//! Counts of cells for one smooth piece: estimated, measured, refined, carried out.
+
+use glam::DVec3;
+
+use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
+use super::piece::{Piece, Row, Tangents};
+use crate::geometry::{BasisDerivatives, Direction, Span};
+
+/// Points of one piece to measure, beyond what [`MIN_PROBES`] asks for: about 10 ms of work.
+const SAMPLE_BUDGET: usize = 1 << 17;
+
+/// Cells measured along each side of a knot span, at least and at most. Odd, so that besides
+/// the first and the last the middle one is among them: by symmetry the worst is often there.
+const MIN_PROBES: usize = 3;
+const MAX_PROBES: usize = 9;
+
+/// Where a cell is sampled along each side: corners, middles, and the thirds that the
+/// centroids of its two triangles have.
+const FRACTIONS: [f64; 5] = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0];
+
+/// A direction counts as a cause of a deviation if it contributes this share of it.
+const SHARE: f64 = 0.1;
+
+/// A piece and the number of cells for each of its knot spans along u and along v.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    piece: Piece,
+    spans: [Vec<Span>; 2],
+    counts: [Vec<usize>; 2],
+}
+
+/// Distances between a piece and the triangles of its plan, at most.
+#[derive(Clone, Debug)]
+pub(super) struct Deviations {
+    /// Along edges that run in u, and in v, for each span in that direction.
+    along: [Vec<f64>; 2],
+    /// Anywhere, for each pair of spans, v fastest.
+    total: Vec<f64>,
+}
+
+impl Deviations {
+    pub(super) fn worst(&self) -> f64 {
+        self.total.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+impl Plan {
+    /// A plan with `cells(degree)` cells for every span.
+    pub(super) fn new(piece: Piece, cells: impl Fn(usize) -> usize) -> Self {
+        let directions = [Direction::U, Direction::V];
+        let spans = directions.map(|direction| piece.knots(direction).spans().collect::<Vec<_>>());
+        let count = directions.map(|direction| cells(piece.knots(direction).degree()).max(1));
+        let counts = [vec![count[0]; spans[0].len()], vec![count[1]; spans[1].len()]];
+        Self { piece, spans, counts }
+    }
+
+    /// Counts from the deviation of the present ones, which falls with their square.
+    ///
+    /// Equal shares for both directions give the fewest cells, unless one direction is
+    /// (nearly) straight: then the other may have what is left.
+    pub(super) fn estimate(&mut self, distance: f64) {
+        let measured = self.measure().along;
+        let old = self.counts.clone();
+        let needed = |direction: usize, allowed: f64| -> Vec<usize> {
+            let spans = measured[direction].iter().zip(&old[direction]);
+            spans.map(|(&deviation, &count)| scaled(count, deviation / allowed)).collect()
+        };
+        let left = |direction: usize, counts: &[usize]| -> f64 {
+            let spans = measured[direction].iter().zip(&old[direction]).zip(counts);
+            let used = spans
+                .map(|((&deviation, &old), &new)| deviation * (old as f64 / new as f64).powi(2));
+            (distance - used.fold(0.0, f64::max)).max(0.5 * distance)
+        };
+        let first_v = needed(1, 0.5 * distance);
+        self.counts[0] = needed(0, left(1, &first_v));
+        self.counts[1] = needed(1, left(0, &self.counts[0]));
+    }
+
+    /// Raises the counts where the deviation exceeds `distance`; returns whether it did
+    /// anywhere.
+    pub(super) fn refine(&mut self, distance: f64) -> bool {
+        let measured = self.measure();
+        let columns = self.spans[1].len();
+        let mut growth = self.counts.clone().map(|counts| vec![1.0_f64; counts.len()]);
+        for (at, &total) in measured.total.iter().enumerate() {
+            if total <= distance {
+                continue;
+            }
+            let place = [at / columns, at % columns];
+            let causes = [0, 1].map(|d| measured.along[d][place[d]] > SHARE * total);
+            for direction in 0..2 {
+                if causes[direction] || causes == [false; 2] {
+                    let grown = &mut growth[direction][place[direction]];
+                    *grown = grown.max(total / distance);
+                }
+            }
+        }
+        for (counts, growth) in self.counts.iter_mut().zip(&growth) {
+            for (count, &growth) in counts.iter_mut().zip(growth) {
+                if growth > 1.0 {
+                    *count = scaled(*count, growth).max(*count + 1);
+                }
+            }
+        }
+        measured.worst() > distance
+    }
+
+    /// The number of vertices the plan makes, or a little more.
+    pub(super) fn vertex_count(&self) -> usize {
+        let [rows, columns] = self.counts.clone().map(|counts| {
+            counts.iter().fold(0usize, |sum, &count| sum.saturating_add(count).saturating_add(1))
+        });
+        rows.saturating_mul(columns)
+    }
+
+    /// Adds the grids of the plan to a mesh.
+    pub(super) fn carry_out(&self, mesh: &mut GridMesh) -> Result<(), MeshError> {
+        let too_many = |counts: &Vec<usize>| counts.iter().any(|&n| n + 1 > MAX_GRID_SIDE);
+        if self.counts.iter().any(too_many) {
+            let most = |counts: &[usize]| counts.iter().max().map_or(0, |&n| n + 1);
+            let (rows, columns) = (most(&self.counts[0]), most(&self.counts[1]));
+            return Err(MeshError::GridSides { rows, columns });
+        }
+        let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
+        let vertices = self.piece.lattice(&us, &vs);
+        let mut top = 0;
+        for &rows in &self.counts[0] {
+            let mut left = 0;
+            for &columns in &self.counts[1] {
+                mesh.push_grid((rows + 1, columns + 1), |row, column| {
+                    vertices[(top + row) * vs.len() + left + column]
+                })?;
+                left += columns;
+            }
+            top += rows;
+        }
+        Ok(())
+    }
+
+    /// All parameters of vertices in one direction.
+    fn parameters(&self, direction: usize) -> Vec<f64> {
+        let mut parameters = Vec::new();
+        for (span, &count) in self.spans[direction].iter().zip(&self.counts[direction]) {
+            parameters.extend((0..count).map(|k| at(span, k as f64 / count as f64)));
+        }
+        parameters.extend(self.spans[direction].last().map(|span| span.end));
+        parameters
+    }
+
+    /// The smallest and largest coordinates of the vertices.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
+        let vertices = self.piece.lattice(&us, &vs);
+        let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        vertices.iter().fold(nothing, |(low, high), vertex| {
+            (low.min(vertex.position), high.max(vertex.position))
+        })
+    }
+
+    /// How far the surface lies from its triangles, as sampled.
+    pub(super) fn measure(&self) -> Deviations {
+        let [rows, columns] = [0, 1].map(|direction| self.spans[direction].len());
+        let share = SAMPLE_BUDGET / (FRACTIONS.len().pow(2) * rows * columns);
+        let probes = (share.isqrt() | 1).clamp(MIN_PROBES, MAX_PROBES);
+        let mut found = Deviations {
+            along: [vec![0.0; rows], vec![0.0; columns]],
+            total: vec![0.0; rows * columns],
+        };
+        let cells_v = self.cells(1, probes);
+        for cell_u in self.cells(0, probes) {
+            let sampled = cell_u.basis.each_ref().map(|basis| self.piece.row(basis));
+            for cell_v in &cells_v {
+                let cell = Cell::new(&self.piece, [&cell_u, cell_v], &sampled);
+                let (along_u, along_v, inside) = cell.deviations();
+                let grow = |found: &mut f64, value: f64| *found = found.max(value);
+                grow(&mut found.along[0][cell_u.span], along_u);
+                grow(&mut found.along[1][cell_v.span], along_v);
+                let total = &mut found.total[cell_u.span * columns + cell_v.span];
+                grow(total, along_u.max(along_v).max(inside));
+            }
+        }
+        found
+    }
+
+    /// Cells to measure along one direction, `probes` a span.
+    fn cells(&self, direction: usize, probes: usize) -> Vec<CellSide> {
+        let knots = self.piece.knots([Direction::U, Direction::V][direction]);
+        let (start, end) = knots.domain();
+        let mut sides = Vec::new();
+        for (number, span) in self.spans[direction].iter().enumerate() {
+            let count = self.counts[direction][number];
+            let taken = probes.min(count);
+            for k in 0..taken {
+                // First and last cell, and evenly between.
+                let index = if taken == 1 { 0 } else { k * (count - 1) / (taken - 1) };
+                let parameter = |f: f64| at(span, (index as f64 + f) / count as f64);
+                sides.push(CellSide {
+                    span: number,
+                    ends_piece: [parameter(0.0) <= start, parameter(1.0) >= end],
+                    basis: FRACTIONS.map(|f| knots.basis_derivatives(parameter(f))),
+                });
+            }
+        }
+        sides
+    }
+}
+
+/// One side of a cell: its span, whether its ends are ends of the piece, and the basis
+/// functions at [`FRACTIONS`].
+struct CellSide {
+    span: usize,
+    ends_piece: [bool; 2],
+    basis: [BasisDerivatives; 5],
+}
+
+/// One cell, cut as [`GridMesh`] cuts it: `a` lowest, `b` next in u, `c` next in v.
+struct Cell<'a> {
+    piece: &'a Piece,
+    sides: [&'a CellSide; 2],
+    rows: &'a [Row; 5],
+    corners: [DVec3; 4],
+}
+
+impl<'a> Cell<'a> {
+    fn new(piece: &'a Piece, sides: [&'a CellSide; 2], rows: &'a [Row; 5]) -> Self {
+        let corner = |i: usize, j: usize| piece.tangents(&rows[i], &sides[1].basis[j]).point;
+        let corners = [corner(0, 0), corner(4, 0), corner(0, 4), corner(4, 4)];
+        Self { piece, sides, rows, corners }
+    }
+
+    fn at(&self, i: usize, j: usize) -> Tangents {
+        self.piece.tangents(&self.rows[i], &self.sides[1].basis[j])
+    }
+
+    /// The deviations along edges in u, along edges in v, and elsewhere.
+    fn deviations(&self) -> (f64, f64, f64) {
+        let [a, b, c, d] = self.corners;
+        let [ends_u, ends_v] = self.sides.map(|side| side.ends_piece);
+        let edge = |ends_piece: bool, i: usize, j: usize, chord: [DVec3; 2]| {
+            let middle = self.at(i, j);
+            if ends_piece {
+                from_chord(middle.point, chord)
+            } else {
+                along_normal(middle, 0.5 * (chord[0] + chord[1]))
+            }
+        };
+        let along_u = edge(ends_v[0], 2, 0, [a, b]).max(edge(ends_v[1], 2, 4, [c, d]));
+        let along_v = edge(ends_u[0], 0, 2, [a, c]).max(edge(ends_u[1], 4, 2, [b, d]));
+        let inside = along_normal(self.at(2, 2), 0.5 * (b + c))
+            .max(along_normal(self.at(1, 1), (a + b + c) / 3.0))
+            .max(along_normal(self.at(3, 3), (d + b + c) / 3.0));
+        (along_u, along_v, inside)
+    }
+}
+
+/// The distance between a point of the surface and the point of its triangle with the same
+/// parameters, along the normal: across it, points only slide on the surface.
+fn along_normal(on_surface: Tangents, on_triangle: DVec3) -> f64 {
+    let gap = on_surface.point - on_triangle;
+    match on_surface.du.cross(on_surface.dv).try_normalize() {
+        Some(normal) => gap.dot(normal).abs(),
+        None => gap.length(),
+    }
+}
+
+/// The distance between a point and the line through two others.
+fn from_chord(point: DVec3, [from, to]: [DVec3; 2]) -> f64 {
+    let gap = point - from;
+    (to - from)
+        .try_normalize()
+        .map_or(gap.length(), |along| gap.reject_from_normalized(along).length())
+}
+
+/// The parameter a fraction of the way along a span; its ends are exact.
+fn at(span: &Span, fraction: f64) -> f64 {
+    if fraction >= 1.0 { span.end } else { span.start + fraction * (span.end - span.start) }
+}
+
+/// How many cells there must be instead of `count` to divide a deviation by `factor`.
+/// More than a grid can have means: too many.
+fn scaled(count: usize, factor: f64) -> usize {
+    let cells = (count as f64 * factor.sqrt()).ceil();
+    (cells as usize).clamp(1, MAX_GRID_SIDE)
+}

@@ -1,0 +1,298 @@
+//! How finely surfaces are cut into grids. For Embree only, like the meshes it makes.
+
+use glam::DVec3;
+
+use super::grid_mesh::{GridMesh, MAX_VERTICES, MeshError};
+use super::piece::Piece;
+use super::plan::Plan;
+use crate::geometry::NurbsSurface;
+
+/// Rounds of refinement before the counts are taken as they are. The deviation falls with
+/// the square of the counts, so that two or three rounds suffice, but where the
+/// parametrisation is singular. What is reached is measured and reported in any case.
+const MAX_ROUNDS: usize = 10;
+
+/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
+///
+/// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
+/// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
+/// them; otherwise gaps as wide as the deviation may open.
+#[derive(Clone, Debug)]
+pub struct Tessellation {
+    meshes: Vec<GridMesh>,
+    deviation: f64,
+    diagonal: f64,
+}
+
+impl Tessellation {
+    /// Cuts every knot span into `cells` × `cells`.
+    ///
+    /// # Errors
+    /// When a grid or all of them together would become too large.
+    pub fn with_cells(surfaces: &[NurbsSurface], cells: usize) -> Result<Self, MeshError> {
+        let diagonal = diagonal(&plans(surfaces, shown)?);
+        let plans = plans(surfaces, |_| cells)?;
+        Self::carried_out(surfaces.len(), &plans, diagonal)
+    }
+
+    /// Cuts surfaces so finely that they stay within `fraction` of the diagonal of their
+    /// common bounding box from their triangles; each row and each column of knot spans has
+    /// counts of its own. That they stay there is checked by sampling: see
+    /// [`Tessellation::deviation`].
+    ///
+    /// # Errors
+    /// When `fraction` is not a positive number, or a grid or all of them together would
+    /// become too large.
+    pub fn to_tolerance(surfaces: &[NurbsSurface], fraction: f64) -> Result<Self, MeshError> {
+        let usable = fraction > 0.0 && fraction.is_finite(); // false for NaN
+        if !usable {
+            return Err(MeshError::Tolerance { tolerance: fraction });
+        }
+        let mut plans = plans(surfaces, shown)?;
+        let diagonal = diagonal(&plans);
+        let distance = fraction * diagonal;
+        for (_, plan) in &mut plans {
+            plan.estimate(distance);
+            for _ in 0..MAX_ROUNDS {
+                if !plan.refine(distance) {
+                    break;
+                }
+            }
+        }
+        Self::carried_out(surfaces.len(), &plans, diagonal)
+    }
+
+    fn carried_out(
+        surfaces: usize,
+        plans: &[(usize, Plan)],
+        diagonal: f64,
+    ) -> Result<Self, MeshError> {
+        let vertices =
+            plans.iter().fold(0usize, |sum, (_, plan)| sum.saturating_add(plan.vertex_count()));
+        if vertices > MAX_VERTICES {
+            return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
+        }
+        let mut meshes = vec![GridMesh::default(); surfaces];
+        let mut deviation: f64 = 0.0;
+        for (surface, plan) in plans {
+            plan.carry_out(&mut meshes[*surface])?;
+            deviation = deviation.max(plan.measure().worst());
+        }
+        Ok(Self { meshes, deviation, diagonal })
+    }
+
+    /// One mesh for each surface, in the same order.
+    pub fn meshes(&self) -> &[GridMesh] {
+        &self.meshes
+    }
+
+    /// How far the surfaces lie from their triangles, in scene units, at most, as sampled
+    /// in some cells of every knot span: at the middles of edges and triangles, along the
+    /// normal; at the borders of smooth pieces in space. What lies between may deviate a few
+    /// per cent more.
+    pub fn deviation(&self) -> f64 {
+        self.deviation
+    }
+
+    /// The diagonal of the bounding box of all surfaces, from a few points of
+    /// each knot span; it does not depend on how finely they are cut.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+}
+
+/// What is to be cut, with the number of the surface it belongs to.
+fn plans(
+    surfaces: &[NurbsSurface],
+    cells: impl Fn(usize) -> usize,
+) -> Result<Vec<(usize, Plan)>, MeshError> {
+    let mut plans = Vec::new();
+    for (number, surface) in surfaces.iter().enumerate() {
+        let pieces = Piece::all(surface)?;
+        plans.extend(pieces.into_iter().map(|piece| (number, Plan::new(piece, &cells))));
+    }
+    Ok(plans)
+}
+
+/// Cells a span that show how it bends and how far it reaches.
+fn shown(degree: usize) -> usize {
+    2 * degree
+}
+
+/// The diagonal of the box around the vertices of all plans.
+fn diagonal(plans: &[(usize, Plan)]) -> f64 {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = plans.iter().fold(nothing, |(low, high), (_, plan)| {
+        let (lowest, highest) = plan.bounds();
+        (low.min(lowest), high.max(highest))
+    });
+    if low.x <= high.x { (high - low).length() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::geometry::{KnotVector, shapes};
+
+    #[test]
+    fn a_plane_needs_two_triangles() {
+        let plane = shapes::plane(2.0, 1.0).unwrap();
+        let made = Tessellation::to_tolerance(&[plane], 1e-9).unwrap();
+        assert_eq!(made.meshes()[0].triangles().count(), 2);
+        assert!(made.deviation() < 1e-16);
+        assert!((made.diagonal() - 5f64.sqrt()).abs() < 1e-15);
+    }
+
+    /// The largest distance between a sphere and points all over its triangles.
+    fn from_sphere(made: &Tessellation, radius: f64) -> f64 {
+        let mut worst: f64 = 0.0;
+        let weights = [[0.5, 0.0], [0.0, 0.5], [0.5, 0.5], [1.0 / 3.0, 1.0 / 3.0], [0.2, 0.3]];
+        for mesh in made.meshes() {
+            for corners in mesh.triangles() {
+                for place in weights.map(DVec2::from_array) {
+                    let point = mesh.at_triangle(corners, place).position;
+                    worst = worst.max((point.length() - radius).abs());
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn tolerances_are_kept_and_little_more() {
+        for radius in [1e-8, 1.0, 1e8] {
+            for sphere in [shapes::sphere(radius), shapes::sphere_biquadratic(radius)] {
+                let sphere = [sphere.unwrap()];
+                for fraction in [1e-2, 1e-3, 1e-4] {
+                    let made = Tessellation::to_tolerance(&sphere, fraction).unwrap();
+                    let allowed = fraction * made.diagonal();
+                    let worst = from_sphere(&made, radius);
+                    assert!(made.deviation() <= allowed);
+                    assert!(worst < 1.02 * allowed, "{fraction}: {worst:e} > {allowed:e}");
+                    assert!(worst > 0.4 * allowed, "{fraction}: {worst:e} of {allowed:e}");
+                    assert!((made.deviation() / worst - 1.0).abs() < 0.2);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn deviation_falls_with_the_square_of_the_cells() {
+        let torus = [shapes::torus(2.0, 0.5).unwrap()];
+        let deviation = |cells| Tessellation::with_cells(&torus, cells).unwrap().deviation();
+        for cells in [8, 16, 32] {
+            let ratio = deviation(cells) / deviation(2 * cells);
+            assert!((3.8..4.2).contains(&ratio), "{cells}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn straight_directions_are_not_cut() {
+        let cylinder = shapes::cylinder(1.0, 3.0).unwrap();
+        let made = Tessellation::to_tolerance(&[cylinder], 1e-4).unwrap();
+        let mut cells = [0, 0];
+        for grid in made.meshes()[0].grids() {
+            cells = [cells[0].max(grid.rows() - 1), cells[1].max(grid.columns() - 1)];
+        }
+        assert_eq!(cells.iter().min(), Some(&1), "{cells:?}");
+        // An arc of 90° cut into n has sagittas of 1 − cos(π / 4 n); 1e-4 of the diagonal
+        // √(2² + 2² + 3²) allow n = 28, but the quarter circles' speed varies a little.
+        assert!((28..=30).contains(cells.iter().max().unwrap()), "{cells:?}");
+    }
+
+    /// Two faces of a roof, or, with a knot more, two sheets.
+    fn roof(times: usize) -> NurbsSurface {
+        let across = KnotVector::with_multiplicities(1, &[(0.0, 2), (1.0, times), (2.0, 2)]);
+        let along = KnotVector::bezier(1).unwrap();
+        let profile: &[(f64, f64)] = match times {
+            1 => &[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)],
+            _ => &[(0.0, 0.0), (1.0, 1.0), (1.5, 0.0), (2.0, 0.0)],
+        };
+        let points = profile.iter().flat_map(|&(x, z)| [0.0, 1.0].map(|y| DVec3::new(x, y, z)));
+        NurbsSurface::new(across.unwrap(), along, points.collect(), None).unwrap()
+    }
+
+    #[test]
+    fn creases_keep_the_normals_of_both_sides_and_jumps_stay_open() {
+        let creased = Tessellation::with_cells(&[roof(1)], 3).unwrap();
+        let mesh = &creased.meshes()[0];
+        assert_eq!(mesh.grids().len(), 2);
+        for (position, normal) in mesh.positions().iter().zip(mesh.normals()) {
+            let slope = if normal.x < 0.0 { 1.0 } else { -1.0 };
+            assert!((normal.z - 0.5f64.sqrt()).abs() < 1e-15);
+            assert!(position.x == 1.0 || (position.x < 1.0) == (slope > 0.0));
+        }
+
+        let open = Tessellation::with_cells(&[roof(2)], 2).unwrap();
+        let mesh = &open.meshes()[0];
+        for corners in mesh.triangles() {
+            let [a, b, c] = corners.map(|corner| mesh.positions()[corner as usize]);
+            assert!((b - a).cross(c - a).x <= 0.0, "a triangle spans the gap");
+        }
+    }
+
+    #[test]
+    fn neighbouring_grids_share_their_borders_bit_for_bit() {
+        let surfaces = [shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.7).unwrap(), wavy()];
+        for surface in surfaces {
+            let made = Tessellation::to_tolerance(std::slice::from_ref(&surface), 1e-3).unwrap();
+            let mesh = &made.meshes()[0];
+            let mut borders = Vec::new();
+            for grid in mesh.grids() {
+                let (rows, columns) = (usize::from(grid.rows()), usize::from(grid.columns()));
+                let vertex = |i: usize, j: usize| {
+                    let position = mesh.positions()[grid.first() as usize + i * columns + j];
+                    position.to_array().map(f64::to_bits)
+                };
+                let row = |i: usize| (0..columns).map(|j| vertex(i, j)).collect::<Vec<_>>();
+                let column = |j: usize| (0..rows).map(|i| vertex(i, j)).collect::<Vec<_>>();
+                borders.push([row(0), column(0), row(rows - 1), column(columns - 1)]);
+            }
+            // Each inner border is the end of one grid and the beginning of another.
+            let ends = borders.iter().flat_map(|borders| &borders[2..]);
+            let begin = |end: &Vec<[u64; 3]>| borders.iter().any(|b| b[0] == *end || b[1] == *end);
+            let shared = ends.filter(|end| begin(end)).count();
+            let [spans_u, spans_v] =
+                [surface.knots_u(), surface.knots_v()].map(|knots| knots.spans().count());
+            let inner = (spans_u - 1) * spans_v + spans_u * (spans_v - 1);
+            assert!(shared >= inner, "{shared} of {inner}");
+        }
+    }
+
+    fn wavy() -> NurbsSurface {
+        let knots = || KnotVector::clamped_uniform(3, 7).unwrap();
+        let points = (0..49).map(|k| {
+            let (x, y) = (f64::from(k / 7), f64::from(k % 7));
+            DVec3::new(x, y, (1.7 * x).sin() * (1.3 * y).cos())
+        });
+        NurbsSurface::new(knots(), knots(), points.collect(), None).unwrap()
+    }
+
+    #[test]
+    fn normals_are_those_of_the_surface_at_poles_too() {
+        let sphere = shapes::sphere(2.0).unwrap();
+        let made = Tessellation::with_cells(&[sphere], 5).unwrap();
+        let mesh = &made.meshes()[0];
+        for (position, normal) in mesh.positions().iter().zip(mesh.normals()) {
+            assert!((*normal - *position / 2.0).length() < 1e-12, "{position}: {normal}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_made() {
+        let plane = [shapes::plane(1.0, 1.0).unwrap()];
+        let message =
+            |fraction| Tessellation::to_tolerance(&plane, fraction).unwrap_err().to_string();
+        assert_eq!(
+            message(0.0),
+            "a tolerance of 0: a positive fraction of the model's diagonal is needed"
+        );
+        assert!(Tessellation::to_tolerance(&plane, f64::NAN).is_err());
+        let fine = Tessellation::to_tolerance(&[shapes::sphere(1.0).unwrap()], 1e-14);
+        assert!(matches!(fine, Err(MeshError::TooManyVertices { .. })));
+        let long = Tessellation::with_cells(&plane, 1 << 20);
+        assert!(matches!(long, Err(MeshError::TooManyVertices { .. })));
+    }
+}
