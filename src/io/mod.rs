@@ -1,5 +1,5 @@
-//! Files: scenes and models in, pictures and tables out; and Embree, a library opened like a
-//! file.
+//! Files: scenes, models and rays in, pictures and hits out; and Embree, a library opened like
+//! a file.
 
 mod atomic;
 #[cfg(feature = "embree")]
@@ -34,6 +34,6 @@ pub use exr::{ExrNotes, ExrPrecision, write_exr};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
-pub use npy::{NpyError, Table, read_rays, read_table, write_rows};
+pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use png::{PngWarning, write_png};
 pub use scene_toml::read_scene;

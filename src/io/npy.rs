@@ -146,6 +146,14 @@ pub fn read_table(path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
     read_from(BufReader::new(file), length, path, columns)
 }
 
+/// As [`read_table`], from the bytes of a file; errors call it `path`.
+///
+/// # Errors
+/// As [`read_table`].
+pub fn table_from_bytes(bytes: &[u8], path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
+    read_from(bytes, Some(bytes.len() as u64), path, columns)
+}
+
 /// Reads a table from a stream whose whole length may be known.
 fn read_from(
     mut stream: impl Read,
@@ -265,7 +273,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8], columns: &[usize]) -> Result<Table, NpyError> {
-        read_from(bytes, Some(bytes.len() as u64), Path::new("rays.npy"), columns)
+        table_from_bytes(bytes, Path::new("rays.npy"), columns)
     }
 
     fn message(bytes: &[u8]) -> String {

@@ -48,6 +48,23 @@ pub enum RenderError {
 /// `progress` is told after every tile, by whichever thread painted it, but never by two
 /// at once and always with rising numbers. It should be quick: the others may have to wait.
 ///
+/// ```
+/// use nurbray::render::{Channel, RenderSettings, render};
+/// use nurbray::scene::{NamedShape, Object, Part, Scene, Shape, World};
+///
+/// let shape = Shape::Named(NamedShape::Sphere { radius: 1.0 });
+/// let part = Part { name: String::new(), place: Default::default(), shape };
+/// let objects = vec![Object { parts: vec![part], ..Default::default() }];
+/// let scene = Scene { objects, ..Default::default() };
+/// let world = World::new(&scene)?;
+///
+/// let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
+/// let film = render(&world, &settings, &|_| {})?;
+/// assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0)); // the camera frames the sphere
+/// assert_eq!(film.value(Channel::A, [0, 0]), Some(0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the settings are refused, or memory or threads cannot be had.
 pub fn render(
@@ -56,8 +73,7 @@ pub fn render(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Film, RenderError> {
     let film = Film::new(settings)?;
-    let window = film.window();
-    let grid = TileGrid::new(window);
+    let grid = TileGrid::new(film.window());
     let pool = ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(|error| {
         RenderError::Threads { threads: settings.threads, reason: error.to_string() }
     })?;
@@ -65,7 +81,7 @@ pub fn render(
     let state = Mutex::new((film, 0));
     let next = AtomicUsize::new(0);
     pool.broadcast(|_| {
-        let mut painter = Painter::new(world, settings, window);
+        let mut painter = Painter::new(world, settings);
         while let Some(tile) = grid.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (pixels, counters) = painter.paint(tile);
             let mut state = lock(&state);

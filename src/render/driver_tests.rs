@@ -66,6 +66,18 @@ fn two_sample_ranges_are_the_whole() {
 }
 
 #[test]
+fn data_do_not_change_the_picture_nor_each_other() {
+    let all = picture(&settings());
+    for set in ["none", "Z", "Albedo", "id,uv", "P,Albedo"] {
+        let some = picture(&RenderSettings { aovs: set.parse().unwrap(), ..settings() });
+        for channel in some.channels() {
+            assert_eq!(some.plane(channel), all.plane(channel), "{channel:?} of {set}");
+        }
+        assert_eq!(some.counters(), all.counters());
+    }
+}
+
+#[test]
 fn another_seed_takes_other_samples_of_the_same_picture() {
     let one = picture(&settings());
     let other = picture(&RenderSettings { seed: 1, ..settings() });

@@ -239,7 +239,7 @@ mod tests {
     /// A made-up sample: pixel 0 is never hit, pixel 1 by odd samples only, others always.
     pub(super) fn seen(sample: u32, index: usize) -> Sample {
         let x = 0.1 + f64::from(sample) * 1.37 + index as f64;
-        let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then(|| FirstHit {
+        let hit = (index > 1 || (index == 1 && sample % 2 == 1)).then_some(FirstHit {
             distance: x as f32,
             point: [1.0, 2.0, x as f32],
             normal: [0.0, 0.6, 0.8],

@@ -33,7 +33,7 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(world: &'a World, settings: &'a RenderSettings, window: PixelRect) -> Self {
+    pub(super) fn new(world: &'a World, settings: &'a RenderSettings) -> Self {
         Self {
             world,
             settings,
@@ -43,7 +43,7 @@ impl<'a> Painter<'a> {
             batch: Batch::default(),
             order: Vec::new(),
             rank: Vec::new(),
-            pixels: Pixels::empty(window, settings.aovs, settings.samples.start),
+            pixels: Pixels::empty(PixelRect::FIRST, settings.aovs, settings.samples.start),
         }
     }
 

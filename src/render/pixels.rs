@@ -93,8 +93,9 @@ impl Pixels {
         self.sums.push(|values| {
             for (index, value) in values.chunks_exact_mut(colors).enumerate() {
                 let sample = sample(index);
-                value[..3].copy_from_slice(&sample.radiance);
-                if let Some(albedo) = value.get_mut(3..) {
+                let (radiance, albedo) = value.split_at_mut(3);
+                radiance.copy_from_slice(&sample.radiance);
+                if !albedo.is_empty() {
                     albedo.copy_from_slice(&sample.albedo);
                 }
                 let Some(hit) = sample.hit else { continue };

@@ -30,6 +30,9 @@ pub enum RectError {
 }
 
 impl PixelRect {
+    /// The pixel at the corner of every picture.
+    pub(super) const FIRST: Self = Self { min: [0, 0], max: [1, 1] };
+
     /// The pixels from `(x0, y0)` up to, not including, `(x1, y1)`.
     ///
     /// # Errors

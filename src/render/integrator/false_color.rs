@@ -25,15 +25,15 @@ pub(in crate::render) enum HitColor {
     Id,
 }
 
-/// The grey of the farthest hit: dark, but not the black of no hit.
-const FARTHEST: f64 = 0.1;
+/// The grey of the farthest hit: dark, but on no screen the black of no hit (sRGB 39).
+const FARTHEST: f64 = 0.02;
 
 /// The golden ratio's fractional part: its multiples, modulo 1, keep the largest distances
 /// from each other (Knuth, TAOCP vol. 3, 6.4), so neighbouring ids get unlike hues.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// How far an id's colour is from grey (0) towards the pure hue (1).
-const SATURATION: f64 = 0.75;
+const SATURATION: f64 = 0.9;
 
 impl HitColor {
     /// Depth over the distances the world's bounding box allows.
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn hues_of_neighbouring_ids_differ() {
-        assert_eq!(hue(0.0), [1.0, 0.25, 0.25]);
+        assert_eq!(hue(0.0).map(|x| (10.0 * x).round()), [10.0, 1.0, 1.0]);
         let color = |id: u32| hue((f64::from(id) * GOLDEN).fract());
         for id in 0..1000 {
             for next in id + 1..id + 5 {
