@@ -9,6 +9,7 @@ mod leaf_search;
 mod newton;
 mod statistics;
 mod tracer;
+mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
 pub use hit::{Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root};
