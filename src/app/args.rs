@@ -145,7 +145,8 @@ pub(crate) struct KernelArguments {
 }
 
 fn kernels() -> impl TypedValueParser<Value = Kernel> {
-    let names = Kernel::ALL.iter().map(|kernel| kernel.name());
+    let available = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+    let names = available.map(|kernel| kernel.name());
     // Only names of kernels come this far.
     PossibleValuesParser::new(names).map(|name| name.parse().unwrap_or_default())
 }

@@ -32,10 +32,6 @@ pub struct Leaf {
     pub oriented: OrientedBox,
     /// Which rays meet the leaf at most once.
     pub certificate: Certificate,
-    /// Bounds the second derivatives of a polynomial piece over the widened leaf: the sum
-    /// `|S_xx| + 2 |S_xy| + |S_yy|` with `x` and `y` from −1 to 1 across the leaf. Infinite
-    /// for a rational piece, where no bound is known.
-    pub bend: f64,
     /// Where the leaf ends at a collapsed side of its piece.
     pub collapsed: Option<CollapsedSide>,
 }
@@ -172,8 +168,7 @@ impl Part {
         let [a, b] = self.chords(piece);
         let certificate = Certificate::new(&net, collapsed)
             .unwrap_or_else(|| Certificate::none(a.cross(b).normalize_or_zero()));
-        let bend = if piece.patch.is_rational() { f64::INFINITY } else { bend(&widened, degree) };
-        Leaf { piece: index, rect: self.rect, bounds, oriented, certificate, bend, collapsed }
+        Leaf { piece: index, rect: self.rect, bounds, oriented, certificate, collapsed }
     }
 
     fn collapsed_side(&self, piece: &Piece) -> Option<CollapsedSide> {
@@ -191,29 +186,4 @@ impl Part {
         let at = |s: f64, t: f64| piece.patch.point(DVec2::new(s, t));
         [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
     }
-}
-
-/// The bound of [`Leaf::bend`] from the control points over the widened leaf: largest second
-/// differences times the degrees. The widened leaf is longer than the leaf, so its
-/// parameter runs more slowly; that is left out, on the safe side.
-fn bend(net: &[DVec4], degree: [usize; 2]) -> f64 {
-    let [p, q] = degree;
-    let at = |i: usize, j: usize| euclidean(net[i * (q + 1) + j]);
-    let (mut ss, mut st, mut tt) = (0f64, 0f64, 0f64);
-    for i in 0..=p {
-        for j in 0..=q {
-            if i >= 2 {
-                ss = ss.max((at(i, j) - 2.0 * at(i - 1, j) + at(i - 2, j)).length());
-            }
-            if j >= 2 {
-                tt = tt.max((at(i, j) - 2.0 * at(i, j - 1) + at(i, j - 2)).length());
-            }
-            if i >= 1 && j >= 1 {
-                let twist = at(i, j) - at(i - 1, j) - at(i, j - 1) + at(i - 1, j - 1);
-                st = st.max(twist.length());
-            }
-        }
-    }
-    let (p, q) = (p as f64, q as f64);
-    0.25 * (p * (p - 1.0) * ss + 2.0 * p * q * st + q * (q - 1.0) * tt)
 }

@@ -16,8 +16,8 @@ mod search;
 mod traverse;
 mod tree;
 
-pub(super) use packet::Packet;
-pub(super) use traverse::trace;
+pub(super) use packet::{LaneHit, Packet};
+pub(super) use traverse::{Work, trace};
 pub(super) use tree::WideTree;
 
 /// Rays in a packet: a square of 8 × 8 pixels.

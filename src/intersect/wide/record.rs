@@ -31,9 +31,6 @@ pub(super) struct SearchRecord {
     /// The smallest cosine, for an error of one scene unit, for which rounding is small
     /// against the leaf.
     pub(super) cosine_per_error: f32,
-    /// Half the largest second derivative over the leaf, by `x` and `y`, in scene units;
-    /// infinite where it is not bounded.
-    pub(super) bend: f32,
     /// The middle of the leaf.
     pub(super) middle: DVec3,
 }
@@ -69,8 +66,7 @@ impl SearchRecord {
         let threshold = if usable { certificate.threshold as f32 + 2e-6 } else { 2.0 };
         let cosine_per_error = (certificate.spread / (0.5 * LEAF_SLACK)) as f32 * 1.001;
         let normal = certificate.normal.as_vec3().to_array();
-        let bend = (0.5 * leaf.bend) as f32 * 1.001;
-        Self { rows, fit, normal, threshold, cosine_per_error, bend, middle }
+        Self { rows, fit, normal, threshold, cosine_per_error, middle }
     }
 }
 

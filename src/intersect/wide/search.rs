@@ -1,6 +1,8 @@
 //! Sixteen rays against one leaf: the box, and a start for Newton, in f32.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x16, f64x8, mask32x16};
+use fearless_simd::{
+    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x16, f64x8, mask32x16,
+};
 use fearless_simd_macros::simd;
 
 use super::packet::{Lanes3, Lanes3f, Packet};
@@ -31,12 +33,20 @@ pub(super) struct Crossing<S: Simd> {
 
 #[simd]
 pub(super) fn load3<S: Simd>(simd: S, lanes: &Lanes3f, base: usize) -> [f32x16<S>; 3] {
-    [0, 1, 2].map(|i| f32x16::from_slice(simd, &lanes[i][base..base + 16]))
+    [
+        f32x16::from_slice(simd, &lanes[0][base..base + 16]),
+        f32x16::from_slice(simd, &lanes[1][base..base + 16]),
+        f32x16::from_slice(simd, &lanes[2][base..base + 16]),
+    ]
 }
 
 #[simd]
 pub(super) fn load3d<S: Simd>(simd: S, lanes: &Lanes3, base: usize) -> [f64x8<S>; 3] {
-    [0, 1, 2].map(|i| f64x8::from_slice(simd, &lanes[i][base..base + 8]))
+    [
+        f64x8::from_slice(simd, &lanes[0][base..base + 8]),
+        f64x8::from_slice(simd, &lanes[1][base..base + 8]),
+        f64x8::from_slice(simd, &lanes[2][base..base + 8]),
+    ]
 }
 
 /// The slab test of the oriented box for rays `base … base + 15`.
@@ -49,8 +59,10 @@ pub(super) fn cross_box<S: Simd>(
 ) -> Crossing<S> {
     let origin = load3(simd, &packet.origin_f, base);
     let axis = load3(simd, &packet.axis_f, base);
-    let mut entry = f32x16::from_slice(simd, &packet.near_f[base..base + 16]);
-    let mut exit = f32x16::from_slice(simd, &packet.far_f[base..base + 16]);
+    let near = f32x16::from_slice(simd, &packet.near_f[base..base + 16]);
+    let far = f32x16::from_slice(simd, &packet.far_f[base..base + 16]);
+    let mut entry = f32x16::splat(simd, f32::MIN);
+    let mut exit = f32x16::splat(simd, f32::MAX);
     let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
     let mut at = [one; 3];
     let mut along = [one; 3];
@@ -69,9 +81,11 @@ pub(super) fn cross_box<S: Simd>(
         entry = entry.max(a.min(b));
         exit = exit.min(a.max(b));
     }
-    let met = entry.simd_le(exit + f32x16::splat(simd, SPARE));
+    let spare = f32x16::splat(simd, SPARE);
+    let met = entry.max(near).simd_le(exit.min(far) + spare);
 
-    // The middle plane, if it is crossed inside the box.
+    // The middle plane, if it is crossed inside the box. What is known of the ray's end must
+    // have no say in it: the start would depend on what was searched before.
     let z = (-at[2] / along[2]).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
@@ -87,7 +101,8 @@ pub(super) fn cosines<S: Simd>(
     base: usize,
 ) -> f32x16<S> {
     let axis = load3(simd, &packet.axis_f, base);
-    let [nx, ny, nz] = record.normal.map(|n| f32x16::splat(simd, n));
+    let [nx, ny, nz] = record.normal;
+    let (nx, ny, nz) = (f32x16::splat(simd, nx), f32x16::splat(simd, ny), f32x16::splat(simd, nz));
     nx.mul_add(axis[0], ny.mul_add(axis[1], nz * axis[2])).abs()
 }
 
@@ -110,12 +125,9 @@ pub(super) fn search_fit<S: Simd>(
     let (low, high) = (f32x16::splat(simd, -REACH), f32x16::splat(simd, REACH));
     for _ in 0..STEPS {
         let [value, along_x, along_y] = evaluate(simd, &record.fit, x, y);
-        let dot = |n: &[f32x16<S>; 3], v: &[f32x16<S>; 3]| {
-            n[0].mul_add(v[0], n[1].mul_add(v[1], n[2] * v[2]))
-        };
-        let (f1, f2) = (dot(&n1, &value) + e1, dot(&n2, &value) + e2);
-        let (a1, a2) = (dot(&n1, &along_x), dot(&n2, &along_x));
-        let (b1, b2) = (dot(&n1, &along_y), dot(&n2, &along_y));
+        let (f1, f2) = (dot(n1, value) + e1, dot(n2, value) + e2);
+        let (a1, a2) = (dot(n1, along_x), dot(n2, along_x));
+        let (b1, b2) = (dot(n1, along_y), dot(n2, along_y));
         let inverse = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
         // `max` and `min` with the bound first turn a NaN into a bound.
         x = (x - (f1 * b2 - f2 * b1) * inverse).max(low).min(high);
@@ -132,16 +144,39 @@ fn middle_distances<S: Simd>(
     packet: &Packet,
     base: usize,
 ) -> (f32x16<S>, f32x16<S>) {
-    let half = |base: usize| {
-        let origin = load3d(simd, &packet.origin, base);
-        let offset = [0, 1, 2].map(|i| f64x8::splat(simd, record.middle[i]) - origin[i]);
-        [0, 1].map(|k| {
-            let n = load3d(simd, &packet.normals[k], base);
-            n[0].mul_add(offset[0], n[1].mul_add(offset[1], n[2] * offset[2]))
-        })
-    };
-    let ([a1, a2], [b1, b2]) = (half(base), half(base + 8));
+    let (a1, a2) = half_distances(simd, record, packet, base);
+    let (b1, b2) = half_distances(simd, record, packet, base + 8);
     (simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2))
+}
+
+#[simd]
+fn half_distances<S: Simd>(
+    simd: S,
+    record: &SearchRecord,
+    packet: &Packet,
+    base: usize,
+) -> (f64x8<S>, f64x8<S>) {
+    let origin = load3d(simd, &packet.origin, base);
+    let offset = [
+        f64x8::splat(simd, record.middle.x) - origin[0],
+        f64x8::splat(simd, record.middle.y) - origin[1],
+        f64x8::splat(simd, record.middle.z) - origin[2],
+    ];
+    let n1 = load3d(simd, &packet.normals[0], base);
+    let n2 = load3d(simd, &packet.normals[1], base);
+    (dot_d(n1, offset), dot_d(n2, offset))
+}
+
+/// The dot product of vectors in f32, lane by lane.
+#[inline(always)]
+fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// The dot product of vectors in f64, lane by lane.
+#[inline(always)]
+pub(super) fn dot_d<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> f64x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 /// The polynomial and its derivatives by `x` and `y` (Horner).
@@ -161,8 +196,8 @@ fn evaluate<S: Simd>(
         let mut row = [zero; 4];
         let mut slope = [zero; 4];
         for j in 0..4 {
-            let [c0, c1, c2, c3] =
-                [c[j], c[4 + j], c[8 + j], c[12 + j]].map(|c| f32x16::splat(simd, c));
+            let (c0, c1) = (f32x16::splat(simd, c[j]), f32x16::splat(simd, c[4 + j]));
+            let (c2, c3) = (f32x16::splat(simd, c[8 + j]), f32x16::splat(simd, c[12 + j]));
             row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
             slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
         }

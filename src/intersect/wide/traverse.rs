@@ -71,15 +71,19 @@ fn enter<S: Simd>(
     bounds: &PacketBounds,
     farthest: f32,
 ) -> ([f32; LANES], u32) {
-    let splat = |x: f32| f32x16::splat(simd, x);
-    let mut near = splat(f32::MIN);
-    let mut far = splat(f32::MAX);
+    let mut near = f32x16::splat(simd, f32::MIN);
+    let mut far = f32x16::splat(simd, f32::MAX);
     for axis in 0..3 {
         let low = f32x16::from_slice(simd, &node.min[axis]);
         let high = f32x16::from_slice(simd, &node.max[axis]);
-        let (a, b) = (splat(bounds.inverse_min[axis]), splat(bounds.inverse_max[axis]));
-        let (origin_min, origin_max) =
-            (splat(bounds.origin_min[axis]), splat(bounds.origin_max[axis]));
+        let (a, b) = (
+            f32x16::splat(simd, bounds.inverse_min[axis]),
+            f32x16::splat(simd, bounds.inverse_max[axis]),
+        );
+        let (origin_min, origin_max) = (
+            f32x16::splat(simd, bounds.origin_min[axis]),
+            f32x16::splat(simd, bounds.origin_max[axis]),
+        );
         let (to_near, to_far) = match bounds.sign[axis] {
             1 => (low - origin_max, high - origin_min),
             -1 => (origin_min - high, origin_max - low),
@@ -89,9 +93,11 @@ fn enter<S: Simd>(
         far = far.min((to_far * a).max(to_far * b));
     }
     // The spare covers f32 rounding of slabs at the distances a ray has inside the scene.
-    let spare = splat(1e-5);
-    let met = near.simd_le(far + spare) & near.simd_le(splat(farthest)) & far.simd_ge(-spare);
-    (near.into(), bits(met))
+    let spare = f32x16::splat(simd, 1e-5);
+    let met = near.simd_le(far + spare)
+        & near.simd_le(f32x16::splat(simd, farthest))
+        & far.simd_ge(-spare);
+    (near.into(), bits(met) & node.filled)
 }
 
 /// One leaf against all rays of the packet.
@@ -108,8 +114,7 @@ fn search<S: Simd>(
     let record = &tree.records[index as usize];
     let leaf = &set.leaves()[index as usize];
     let piece = &set.pieces()[leaf.piece as usize];
-    let bend = f64::from(record.bend);
-    let target = Target { leaf, piece, index, bend };
+    let target = Target { leaf, piece, index };
     let factor = piece.patch.residual_factor();
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
         let crossing = cross_box(simd, record, packet, base);
@@ -121,18 +126,10 @@ fn search<S: Simd>(
 
         // The certificate, lane by lane.
         let cosine = cosines(simd, record, packet, base);
-        let least: f32x16<S> = {
-            let magnitude = piece.patch.magnitude();
-            let least = |k: usize| {
-                let error = factor * packet.magnitude[base + k].max(magnitude);
-                record.threshold.max(record.cosine_per_error * error as f32)
-            };
-            if record.threshold > 1.0 {
-                f32x16::splat(simd, 2.0)
-            } else {
-                f32x16::from_fn(simd, least)
-            }
-        };
+        let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
+            .max(f32x16::splat(simd, piece.patch.magnitude() as f32));
+        let per_error = f32x16::splat(simd, record.cosine_per_error * factor as f32);
+        let least = f32x16::splat(simd, record.threshold).max(magnitude * per_error);
         let certain = met & bits(cosine.simd_gt(least));
         let mut rest = met & !certain;
         if certain != 0 {

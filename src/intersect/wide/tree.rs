@@ -25,6 +25,9 @@ pub(super) struct WideNode {
     pub(super) min: [[f32; LANES]; 3],
     pub(super) max: [[f32; LANES]; 3],
     child: [u32; LANES],
+    /// One bit for each child that is there: an empty box is only missed by a test that looks
+    /// at it.
+    pub(super) filled: u32,
 }
 
 impl WideNode {
@@ -33,6 +36,7 @@ impl WideNode {
             min: [[f32::INFINITY; LANES]; 3],
             max: [[f32::NEG_INFINITY; LANES]; 3],
             child: [0; LANES],
+            filled: 0,
         }
     }
 
@@ -42,6 +46,7 @@ impl WideNode {
             self.max[axis][k] = max[axis];
         }
         self.child[k] = child;
+        self.filled |= 1 << k;
     }
 
     pub(super) fn child(&self, k: usize) -> Child {
