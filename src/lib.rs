@@ -88,7 +88,7 @@
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged
 //!   [doubtful](intersect::Answer::doubtful).
-//! - A hit lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`.
+//! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`.
 //! - Domains are closed: a ray that passes within `C ε M` of a border meets it, and the hit
 //!   is marked [`BORDER`](intersect::HitFlags::BORDER).
 //! - Answers depend on the ray and the surfaces only, pictures on the scene and its settings
