@@ -59,9 +59,9 @@ Columns, for each class:
                still count
   error        |S(u, v) - (o + t d)| / M over all hits: 50 %, 99 %, the largest
                (JSON: error_50, error_99, error_max; null without hits)
-Certain is a hit of the exact solver without doubt, and the point a ray was aimed at where
-|N.d| >= 0.01; not, if it lies within the bound of an end of the ray's range, or the ray passes
-a border on its outside by more than a quarter of the bound.
+Certain is a hit of the exact solver without doubt, unless it lies within the bound of an end of
+the ray's range, or the ray passes a border on its outside by more than a quarter of the bound;
+and the point a ray was aimed at, if |N.d| >= 0.01 or the point lies on a border.
 M is the largest coordinate magnitude of the ray's origin and the surface. The bound of the
 residual, for degrees p and q and e = 2^-53, is b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|):
 the promise 4 (p + q + 4) e M twice, for the hit and for checking it, and the rounding of u and v.

@@ -92,9 +92,9 @@ pub(crate) fn teapot() -> Model {
     assert_eq!(surfaces.len(), 32);
     let view = View {
         from: DVec3::new(4.5, -9.0, 5.6),
-        at: DVec3::new(0.2, 0.0, 1.35),
+        at: DVec3::new(0.25, 0.0, 1.4),
         up: DVec3::Z,
-        height: 0.45,
+        height: 0.5,
     };
     Model { name: "teapot", surfaces, view, cells: [6, 12, 24, 48] }
 }

@@ -124,14 +124,19 @@ impl<'a> Judge<'a> {
 
     /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
     /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface.
+    /// On a border it need not cross: whatever passes within rounding has to be reported.
     fn target(&self, shot: &Shot) -> Option<f64> {
         let (site, t) = shot.target?;
         let ray = &shot.query.ray;
         let length = ray.direction().length();
-        let normal = self.surfaces[site.surface].normal(site.u, site.v)?;
+        let surface = &self.surfaces[site.surface];
+        let normal = surface.normal(site.u, site.v).unwrap_or_default();
         let incidence = normal.dot(ray.direction()).abs() / length;
+        let [u, v] = surface.domain();
+        let on_border = [u.0, u.1].contains(&site.u) || [v.0, v.1].contains(&site.v);
         let bound = self.at(ray, site, t).bound;
-        (incidence >= SURE_INCIDENCE).then(|| t + self.slack(bound, incidence) / length)
+        let due = on_border || incidence >= SURE_INCIDENCE;
+        due.then(|| t + self.slack(bound, incidence) / length)
     }
 
     /// Whether the fast path owes this root: it is certain, well inside the range, and not in
