@@ -7,6 +7,8 @@
     reason = "tests, and the functions they share"
 )]
 
+#[path = "robust/inside.rs"]
+mod inside;
 #[path = "robust/judge.rs"]
 mod judge;
 #[path = "robust/models.rs"]
