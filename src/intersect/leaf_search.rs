@@ -132,10 +132,31 @@ pub(super) fn search_exactly(
     findings.solver.solve(&task, &mut solutions);
     findings.statistics.exact_calls += 1;
     findings.statistics.exact_boxes += findings.solver.boxes - before;
+    clip_stretches(piece, question.ray, &mut solutions);
     for solution in &solutions {
         accept(question, leaf, solution, None, findings);
     }
     findings.solutions = solutions;
+}
+
+/// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
+/// What is left where nothing was on it is the contact of one point of the border.
+fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
+    let is_stretch = |solution: &Solution| matches!(solution.proof, Proof::Stretch(_));
+    // The solver reports both ends of a stretch, one after the other.
+    for ends in solutions.chunk_by_mut(|a, b| a.proof == b.proof) {
+        for pair in ends.chunks_exact_mut(2).filter(|pair| pair.iter().all(is_stretch)) {
+            pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
+            let [from, to] =
+                [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
+            let proof = if from < to {
+                Proof::Stretch([from, to])
+            } else {
+                Proof::Contact { length: from - to }
+            };
+            pair.iter_mut().for_each(|end| end.proof = proof);
+        }
+    }
 }
 
 /// How far a computed point of the piece may be from the true one, for this ray.
@@ -290,23 +311,42 @@ fn accept(
 ///
 /// The slack of a border is a distance in space: where the ray grazes, a root that rounding
 /// has put outside by much in one parameter is near the border for another value of the
-/// other parameter. That is found by least squares along the border.
+/// other parameter. Where the ray runs inside the surface, the end of the stretch may be
+/// well outside, and the ray cross the border far from there.
 fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
-    let mut nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
-    let outside = [nearest.x != st.x, nearest.y != st.y];
-    let free = match outside {
-        [false, false] | [true, true] => return nearest,
-        [true, false] => DVec2::Y,
-        [false, true] => DVec2::X,
-    };
-    for _ in 0..2 {
+    let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
+    let residual = |st: DVec2| ray.coordinates(piece.patch.point(st)).truncate().length();
+    match [nearest.x != st.x, nearest.y != st.y] {
+        [false, false] => nearest,
+        [true, false] => along_border(piece, ray, nearest, DVec2::Y),
+        [false, true] => along_border(piece, ray, nearest, DVec2::X),
+        [true, true] => {
+            // Beyond a corner the ray may cross either of its sides.
+            let [a, b] = [DVec2::X, DVec2::Y].map(|free| along_border(piece, ray, nearest, free));
+            if residual(b) < residual(a) { b } else { a }
+        }
+    }
+}
+
+/// The point of a border nearest to the ray, from a place on it: least squares along the
+/// direction that is free.
+fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
+    // Gauss and Newton's steps double the digits, but only near the end of a long way.
+    let most_steps = 8;
+    let mut nearest = start;
+    for _ in 0..most_steps {
         let jet = piece.patch.jet(nearest);
         let at = ray.coordinates(jet.point).truncate();
         let along = project(ray, free.x * jet.ds + free.y * jet.dt);
         let step = along.dot(at) / along.length_squared();
-        if step.is_finite() {
-            nearest = (nearest - step * free).clamp(DVec2::ZERO, DVec2::ONE);
+        if !step.is_finite() {
+            break;
         }
+        let next = (nearest - step * free).clamp(DVec2::ZERO, DVec2::ONE);
+        if next == nearest {
+            break;
+        }
+        nearest = next;
     }
     nearest
 }

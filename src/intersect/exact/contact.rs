@@ -11,8 +11,8 @@ pub(super) struct Contact {
     pub(super) rect: Rect,
     /// From where to where along the ray.
     pub(super) z: [f64; 2],
-    /// The parameters of its first and its last place.
-    pub(super) ends: [DVec2; 2],
+    /// The boxes that hold its first and its last place.
+    pub(super) ends: [Rect; 2],
     /// Whether every box lies at a side that is collapsed to a point.
     pub(super) collapsed: bool,
 }
@@ -20,8 +20,24 @@ pub(super) struct Contact {
 impl Contact {
     /// The contact of one box.
     pub(super) fn new(rect: Rect, z: [f64; 2], collapsed: bool) -> Self {
-        let middle = DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to)));
-        Self { rect, z, ends: [middle; 2], collapsed }
+        Self { rect, z, ends: [rect; 2], collapsed }
+    }
+
+    /// The contact between two places on the ray.
+    pub(super) fn between(from: (DVec2, f64), to: (DVec2, f64)) -> Self {
+        let (low, high) = (from.0.min(to.0), from.0.max(to.0));
+        let at = |st: DVec2| st.to_array().map(|x| [x; 2]);
+        Self {
+            rect: [[low.x, high.x], [low.y, high.y]],
+            z: [from.1, to.1],
+            ends: [at(from.0), at(to.0)],
+            collapsed: false,
+        }
+    }
+
+    /// The middles of the boxes at its ends.
+    pub(super) fn places(&self) -> [DVec2; 2] {
+        self.ends.map(|rect| DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))))
     }
 
     /// Whether the rectangles touch, each widened by its own size and a few roundings.

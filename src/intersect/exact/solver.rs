@@ -119,20 +119,15 @@ impl ExactSolver {
                     let contact = Contact::new(rect, z, self.at_collapsed_side(task, rect));
                     contact::merge_into(&mut self.contacts, contact);
                 }
-                Verdict::Inside => {
-                    self.spare.clear();
-                    self.spare.push(rect);
-                    self.search_ends(task);
-                }
+                Verdict::Inside => self.spare.push(rect),
                 Verdict::Shrunk(part) => self.waiting.push(part),
                 Verdict::Halved(axis) => self.waiting.extend(halves(rect, axis, OVERLAP)),
             }
             if used >= BUDGET {
-                self.spare.clear();
                 self.spare.append(&mut self.waiting);
-                self.search_ends(task);
             }
         }
+        self.search_ends(task);
         self.report(task, solutions);
     }
 
@@ -161,6 +156,7 @@ impl ExactSolver {
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
         self.size = extents.into_iter().fold(0.0, f64::max);
         self.waiting.clear();
+        self.spare.clear();
         self.contacts.clear();
         self.isolated.clear();
         self.waiting.push([[0.0, 1.0]; 2]);
@@ -183,7 +179,7 @@ impl ExactSolver {
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
         let within_rounding = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
         if within_rounding || exhausted == [true; 2] {
-            return Verdict::Contact([bounds.z.lo, bounds.z.hi]);
+            return self.contact(&bounds);
         }
 
         // g = A f, close to the identity where the box is small against its curvature.
@@ -244,12 +240,7 @@ impl ExactSolver {
         }
         if ranges[1].magnitude() <= 2.0 * error {
             // The box and the ray lie in one plane, as far as rounding can tell.
-            let short = bounds.z.hi - bounds.z.lo <= STRETCH * self.size;
-            return if short {
-                Verdict::Contact([bounds.z.lo, bounds.z.hi])
-            } else {
-                Verdict::Inside
-            };
+            return self.contact(&bounds);
         }
 
         let mut part: Rect = [[0.0, 1.0]; 2];
@@ -266,6 +257,13 @@ impl ExactSolver {
         }
         let spread = self.net.spread();
         next_box(rect, part, exhausted, usize::from(spread.y > spread.x))
+    }
+
+    /// A box that cannot be told from the ray: one place, or a stretch whose ends are still
+    /// to be found.
+    fn contact(&self, bounds: &Bounds) -> Verdict {
+        let short = bounds.z.hi - bounds.z.lo <= STRETCH * self.size;
+        if short { Verdict::Contact([bounds.z.lo, bounds.z.hi]) } else { Verdict::Inside }
     }
 
     /// Whether nothing wanted can lie in the box.
@@ -328,12 +326,22 @@ impl ExactSolver {
     /// Adds one contact that stands for all the spare boxes: its first and last place.
     fn search_ends(&mut self, task: &Task<'_>) {
         let (first, last) = (self.search_end(task, 1.0), self.search_end(task, -1.0));
-        if let (Some((st0, z0)), Some((st1, z1))) = (first, last) {
-            let (low, high) = (st0.min(st1), st0.max(st1));
-            let mut contact = Contact::new([[low.x, high.x], [low.y, high.y]], [z0, z1], false);
-            contact.ends = [st0, st1];
-            contact::merge_into(&mut self.contacts, contact);
+        if let (Some(first), Some(last)) = (first, last) {
+            contact::merge_into(&mut self.contacts, Contact::between(first, last));
         }
+    }
+
+    /// The two ends of a stretch, within the boxes known to hold them.
+    fn ends_of(&mut self, task: &Task<'_>, contact: &Contact) -> [DVec2; 2] {
+        let mut places = contact.places();
+        for (k, sign) in [1.0, -1.0].into_iter().enumerate() {
+            self.spare.clear();
+            self.spare.push(contact.ends[k]);
+            if let Some((place, _)) = self.search_end(task, sign) {
+                places[k] = place;
+            }
+        }
+        places.map(|x| settled(task, inner(task.rect, x)))
     }
 
     /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
@@ -390,8 +398,9 @@ impl ExactSolver {
                 solutions.push(solution);
             }
         }
-        for contact in &self.contacts {
-            let ends = contact.ends.map(|x| inner(task.rect, x));
+        let contacts = std::mem::take(&mut self.contacts);
+        for contact in &contacts {
+            let ends = contact.places().map(|x| inner(task.rect, x));
             let proved = self.isolated.iter().any(|root| match root.proof {
                 Proof::Isolated(rect) => ends.iter().all(|&st| holds(rect, st)),
                 _ => false,
@@ -401,9 +410,8 @@ impl ExactSolver {
                 continue; // the box's one root, seen again from its edge
             }
             if length > STRETCH * self.size {
-                let z = contact.z;
-                let ends = ends.map(|st| settled(task, st));
-                solutions.extend(ends.map(|st| Solution { st, proof: Proof::Stretch(z) }));
+                let proof = Proof::Stretch(contact.z);
+                solutions.extend(self.ends_of(task, contact).map(|st| Solution { st, proof }));
                 continue;
             }
             let middle = 0.5 * (ends[0] + ends[1]);
@@ -412,6 +420,7 @@ impl ExactSolver {
                 None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
             });
         }
+        self.contacts = contacts;
     }
 }
 

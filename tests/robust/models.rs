@@ -1,0 +1,235 @@
+//! Surfaces that are hard in different ways.
+
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use nurbray::intersect::{BuildOptions, SurfaceBvh};
+use nurbray::io::load_input;
+use nurbray::scene::World;
+
+use crate::random::Random;
+
+/// Surfaces, and what is known of them.
+pub(crate) struct Model {
+    pub(crate) name: String,
+    pub(crate) surfaces: Vec<NurbsSurface>,
+    /// Whether they enclose a volume, with all normals pointing out of it.
+    pub(crate) closed: bool,
+}
+
+impl Model {
+    fn new(name: impl Into<String>, surface: NurbsSurface) -> Self {
+        Self { name: name.into(), surfaces: vec![surface], closed: false }
+    }
+
+    fn closed(name: impl Into<String>, surface: NurbsSurface) -> Self {
+        Self { closed: true, ..Self::new(name, surface) }
+    }
+
+    pub(crate) fn bvh(&self) -> SurfaceBvh {
+        SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).unwrap()
+    }
+
+    /// The same model, scaled about the origin, then moved.
+    pub(crate) fn placed(&self, scale: f64, shift: DVec3) -> Self {
+        let map = DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
+        let surfaces = self.surfaces.iter().map(|surface| surface.transformed(&map).unwrap());
+        let name = format!("{} × {scale:e} + {:e}", self.name, shift.x);
+        Self { name, surfaces: surfaces.collect(), closed: self.closed }
+    }
+
+    /// The smallest and largest coordinates of the control points.
+    pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
+        let points = self.surfaces.iter().flat_map(|s| s.control()).map(|c| c.truncate() / c.w);
+        points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)))
+    }
+
+    pub(crate) fn center(&self) -> DVec3 {
+        let (low, high) = self.bounds();
+        0.5 * (low + high)
+    }
+
+    /// That of a sphere around the bounding box.
+    pub(crate) fn radius(&self) -> f64 {
+        let (low, high) = self.bounds();
+        0.5 * (high - low).length()
+    }
+}
+
+pub(crate) fn sphere() -> Model {
+    Model::closed("sphere", shapes::sphere(1.0).unwrap())
+}
+
+pub(crate) fn sphere_biquadratic() -> Model {
+    Model::closed("biquadratic sphere", shapes::sphere_biquadratic(1.0).unwrap())
+}
+
+pub(crate) fn torus() -> Model {
+    Model::closed("torus", shapes::torus(1.0, 0.3).unwrap())
+}
+
+pub(crate) fn cylinder() -> Model {
+    Model::new("cylinder", shapes::cylinder(1.0, 2.0).unwrap())
+}
+
+pub(crate) fn cone() -> Model {
+    Model::new("cone", shapes::cone(1.0, 2.0).unwrap())
+}
+
+pub(crate) fn disk() -> Model {
+    Model::new("disk", shapes::disk(1.0).unwrap())
+}
+
+pub(crate) fn plane() -> Model {
+    Model::new("plane", shapes::plane(1.0, 2.0).unwrap())
+}
+
+pub(crate) fn lecture() -> Vec<Model> {
+    vec![
+        Model::new("lecture 1", shapes::lecture_patch_1()),
+        Model::new("lecture 2", shapes::lecture_patch_2()),
+        Model::new("lecture 3", shapes::lecture_patch_3()),
+        Model::new("deck", shapes::deck_patch()),
+    ]
+}
+
+/// A clamped bicubic sheet of 12 × 12 points.
+pub(crate) fn wavy_sheet() -> Model {
+    let knots = || KnotVector::clamped_uniform(3, 12).unwrap();
+    let height = |x: f64, y: f64| 0.9 * (1.7 * x + 0.3 * y).sin() * (1.3 * y - 0.2 * x).cos();
+    let points = (0..144).map(|k| {
+        let (x, y) = (f64::from(k / 12) - 5.5, f64::from(k % 12) - 5.5);
+        DVec3::new(x, y, height(x, y))
+    });
+    let surface = NurbsSurface::new(knots(), knots(), points.collect(), None).unwrap();
+    Model::new("wavy sheet", surface)
+}
+
+/// A square with its corners lifted in turn: two families of rulings.
+pub(crate) fn saddle() -> Model {
+    bilinear("saddle", [[0.0, 1.0], [1.0, 0.0]])
+}
+
+/// A quadrilateral that is no parallelogram, twisted by a right angle.
+pub(crate) fn twisted() -> Model {
+    let corners = vec![
+        DVec3::new(0.0, 0.0, 0.0),
+        DVec3::new(0.1, 1.0, 0.9),
+        DVec3::new(1.0, -0.2, 0.8),
+        DVec3::new(1.3, 1.0, -0.7),
+    ];
+    let knots = || KnotVector::bezier(1).unwrap();
+    Model::new("twisted", NurbsSurface::new(knots(), knots(), corners, None).unwrap())
+}
+
+fn bilinear(name: &str, heights: [[f64; 2]; 2]) -> Model {
+    let corner = |i: usize, j: usize| DVec3::new(i as f64, j as f64, heights[i][j]);
+    let corners = vec![corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)];
+    let knots = || KnotVector::bezier(1).unwrap();
+    Model::new(name, NurbsSurface::new(knots(), knots(), corners, None).unwrap())
+}
+
+/// One Bézier piece of these degrees, its net a jittered grid, rational or not.
+pub(crate) fn bezier(degree: [usize; 2], rational: bool, seed: u64) -> Model {
+    let [p, q] = degree;
+    let mut random = Random::new(seed);
+    let knots = degree.map(|degree| KnotVector::bezier(degree).unwrap());
+    let points = net(&mut random, [p + 1, q + 1], 0.5);
+    let weights = rational.then(|| weights(&mut random, points.len()));
+    let [u, v] = knots;
+    let surface = NurbsSurface::new(u, v, points, weights).unwrap();
+    Model::new(format!("degree {p} × {q}{}", if rational { " rational" } else { "" }), surface)
+}
+
+/// A rational surface of degrees 2 to 6 with some kind of knots in each direction.
+pub(crate) fn random_rational(seed: u64) -> Model {
+    let mut random = Random::new(seed);
+    let mut name = format!("random {seed}:");
+    let knots = [0, 1].map(|_| {
+        let degree = 2 + random.below(5);
+        let kind = random.pick(&Knots::ALL);
+        name += &format!(" {degree} {kind:?}");
+        kind.knots(&mut random, degree)
+    });
+    let counts = [knots[0].point_count(), knots[1].point_count()];
+    let points = net(&mut random, counts, 0.35);
+    let weights = weights(&mut random, points.len());
+    let [u, v] = knots;
+    Model::new(name, NurbsSurface::new(u, v, points, Some(weights)).unwrap())
+}
+
+/// A closed tube about the z axis, its knots around periodic and unclamped, open at its ends.
+pub(crate) fn periodic_tube() -> Model {
+    let (around, wrapped) = (7, 3);
+    let u = KnotVector::uniform(3, around + wrapped).unwrap();
+    let v = KnotVector::clamped_uniform(2, 5).unwrap();
+    let points = (0..around + wrapped).flat_map(|i| {
+        (0..5).map(move |j| {
+            let angle = (i % around) as f64 / around as f64 * std::f64::consts::TAU;
+            let radius = 1.0 + 0.3 * (2.0 * j as f64 + angle).sin();
+            DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.6 * j as f64)
+        })
+    });
+    Model::new("periodic tube", NurbsSurface::new(u, v, points.collect(), None).unwrap())
+}
+
+/// The 32 pieces of the teapot, scaled to about the size of the others.
+pub(crate) fn teapot() -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
+    let world = World::new(&load_input(&path).unwrap()).unwrap();
+    let surfaces = world.surfaces.iter().map(|instance| instance.surface.clone());
+    Model { name: "teapot".into(), surfaces: surfaces.collect(), closed: false }
+}
+
+/// How the knots of a random surface are made.
+#[derive(Clone, Copy, Debug)]
+enum Knots {
+    Clamped,
+    Unclamped,
+    Uneven,
+    Repeated,
+    Split,
+}
+
+impl Knots {
+    const ALL: [Self; 5] =
+        [Self::Clamped, Self::Unclamped, Self::Uneven, Self::Repeated, Self::Split];
+
+    fn knots(self, random: &mut Random, degree: usize) -> KnotVector {
+        let inner = |times: usize| [(0.0, degree + 1), (0.4, times), (0.7, 1), (1.0, degree + 1)];
+        let knots = match self {
+            Self::Clamped => KnotVector::clamped_uniform(degree, degree + 3),
+            Self::Unclamped => KnotVector::uniform(degree, degree + 3),
+            Self::Uneven => {
+                let mut at = -3.0;
+                let mut step = || {
+                    at += random.between(0.05, 1.0);
+                    at
+                };
+                KnotVector::new(degree, (0..2 * degree + 4).map(|_| step()).collect())
+            }
+            Self::Repeated => {
+                KnotVector::with_multiplicities(degree, &inner(1 + random.below(degree)))
+            }
+            Self::Split => KnotVector::with_multiplicities(degree, &inner(degree + 1)),
+        };
+        knots.unwrap()
+    }
+}
+
+/// A grid over `[−1, 1]²`, each point moved by up to `jitter` in every direction.
+fn net(random: &mut Random, counts: [usize; 2], jitter: f64) -> Vec<DVec3> {
+    let at = |k: usize, count: usize| 2.0 * k as f64 / (count - 1) as f64 - 1.0;
+    let places = (0..counts[0]).flat_map(|i| (0..counts[1]).map(move |j| (i, j)));
+    places
+        .map(|(i, j)| {
+            let grid = DVec3::new(at(i, counts[0]), at(j, counts[1]), 0.0);
+            grid + jitter * random.cube() * DVec3::new(0.6, 0.6, 1.5)
+        })
+        .collect()
+}
+
+fn weights(random: &mut Random, count: usize) -> Vec<f64> {
+    (0..count).map(|_| random.power_of_ten(-0.5, 0.5)).collect()
+}
