@@ -64,8 +64,10 @@ With --json one object a line, for each model, ray set, kernel and tolerance:
 and with a rival:
   rival (embree), rival_version, rival_width (rays a packet), tolerance, rival_mrays_per_s, rival_spread, rival_hits,
   rival_triangles
-  rival_tessellation_seconds, rival_build_seconds
-                  to tessellate (on one thread); with rtcCommitScene
+  rival_plan_seconds
+                  to find out how often to cut; counted nowhere else
+  rival_build_seconds
+                  to make the vertices (on one thread), fill the buffers, rtcCommitScene
   rival_total_seconds
                   as total_seconds, with rival_build_seconds instead of build_seconds
   rival_bytes     what Embree reports, vertices included; normals and (u, v) are not

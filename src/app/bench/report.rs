@@ -81,7 +81,7 @@ impl Report<'_> {
         line["rival_hits"] = json!(result.hits);
         line["rival_triangles"] = json!(rival.triangles);
         line["rival_build_seconds"] = json!(rival.build_seconds);
-        line["rival_tessellation_seconds"] = json!(rival.tessellation_seconds);
+        line["rival_plan_seconds"] = json!(rival.plan_seconds);
         line["rival_total_seconds"] = json!(self.rival_total(measured, rival, result));
         line["rival_bytes"] = json!(rival.bytes);
         line["rival_tnear"] = json!(result.t_near);
@@ -133,13 +133,13 @@ impl Report<'_> {
         );
         for rival in self.rivals {
             text.push_str(&format!(
-                "{}, tolerance {:e}: {}, {}; {} from the surfaces, {} of them to tessellate\n",
+                "{}, tolerance {:e}: {}, {}; {} from the surfaces, and {} to plan\n",
                 self.rival,
                 rival.tolerance,
                 count(rival.triangles as u64, "triangle"),
                 short_bytes(rival.bytes),
                 time(rival.build_seconds),
-                time(rival.tessellation_seconds),
+                time(rival.plan_seconds),
             ));
         }
         text

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Context;
 use nurbray::geometry::NurbsSurface;
 use nurbray::intersect::{Coherence, Query};
-use nurbray::io::mesh::Tessellation;
+use nurbray::io::mesh::TessellationPlan;
 use nurbray::io::{Embree, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
 use nurbray::math::Ray;
 use rayon::prelude::*;
@@ -37,9 +37,9 @@ pub(super) struct Rival {
     pub(super) distance: f64,
     /// The number of triangles.
     pub(super) triangles: usize,
-    /// Seconds to tessellate.
-    pub(super) tessellation_seconds: f64,
-    /// Seconds to tessellate, fill the buffers and commit the scene.
+    /// Seconds to find out how finely to cut.
+    pub(super) plan_seconds: f64,
+    /// Seconds to make the vertices, fill the buffers and commit the scene.
     pub(super) build_seconds: f64,
     /// Memory of vertices, grids and hierarchy.
     pub(super) bytes: usize,
@@ -58,26 +58,23 @@ impl Rival {
         budget: Duration,
     ) -> Result<Self, Failure> {
         let context = || format!("tolerance {tolerance:e}");
-        let (made, tessellation_seconds) = repeat(budget, || {
-            Tessellation::to_tolerance(surfaces, tolerance).with_context(context).or_failed()
+        let (plan, plan_seconds) = repeat(budget, || {
+            TessellationPlan::to_tolerance(surfaces, tolerance).with_context(context).or_failed()
         })?;
-        let build =
-            || embree.scene(made.meshes(), EmbreePrimitive::Grid).with_context(context).or_failed();
-        let before = embree.bytes();
-        let scene = build()?;
-        let bytes = embree.bytes() - before;
-        let (scene, commit_seconds) = {
-            drop(scene);
-            repeat(budget, build)?
-        };
+        let (meshes, mesh_seconds) =
+            repeat(budget, || plan.meshes().with_context(context).or_failed())?;
+        let others = embree.bytes();
+        let (scene, scene_seconds) = repeat(budget, || {
+            embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
+        })?;
         Ok(Self {
             scene,
             tolerance,
-            distance: tolerance * made.diagonal(),
-            triangles: made.meshes().iter().map(|mesh| mesh.triangles().count()).sum(),
-            tessellation_seconds,
-            build_seconds: tessellation_seconds + commit_seconds,
-            bytes,
+            distance: tolerance * plan.diagonal(),
+            triangles: meshes.iter().map(|mesh| mesh.triangles().count()).sum(),
+            plan_seconds,
+            build_seconds: mesh_seconds + scene_seconds,
+            bytes: embree.bytes().saturating_sub(others),
         })
     }
 
