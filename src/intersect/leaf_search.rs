@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::exact::{ExactSolver, Proof, Rect, Solution, Task};
+use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
 use super::newton::{Newton, newton, project};
 use super::{HitFlags, Root, Statistics};
 use crate::math::RayFrame;
@@ -206,9 +206,9 @@ fn accept(
     let residual = ray.coordinates(jet.point).truncate().length();
     let (allowed, mut flags) = match solution.proof {
         Proof::Isolated(_) => (error, HitFlags::NONE),
-        Proof::Collapsed => (4.0 * error, HitFlags::NONE),
-        Proof::Contact { .. } => (4.0 * error, HitFlags::DOUBTFUL),
-        Proof::Stretch(_) => (8.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
+        Proof::Collapsed => (2.0 * error, HitFlags::NONE),
+        Proof::Contact { .. } => (2.0 * error, HitFlags::DOUBTFUL),
+        Proof::Stretch(_) => (4.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
     };
     if residual > allowed {
         if solution.proof_is_open() {
@@ -228,8 +228,9 @@ fn accept(
     if let Proof::Contact { length } = solution.proof {
         z_error = z_error.min(length + error);
     }
-    if matches!(solution.proof, Proof::Stretch(_)) {
-        z_error = 4.0 * error;
+    if let Proof::Stretch([from, to]) = solution.proof {
+        // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
+        z_error = 4.0 * error + END / STRETCH * (to - from).abs();
     }
 
     // The root the ray starts on is not met again.

@@ -217,3 +217,12 @@ fn inputs_are_not_overwritten_and_older_hits_survive_a_failure() {
     assert_eq!(sandbox.run("cast square.json --rays rays.npy -o hits.npy").code, 2);
     assert_eq!(sandbox.bytes("hits.npy"), b"older");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_a_failure_and_no_wrong_use() {
+    let sandbox = sandbox();
+    sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]; 10_000]);
+    let error = "cannot write /dev/full: No space left on device (os error 28)";
+    sandbox.run("cast square.json --rays rays.npy -o /dev/full").failed(1, error);
+}

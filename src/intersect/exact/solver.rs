@@ -25,10 +25,14 @@ const WORTHWHILE: f64 = 0.7;
 /// A box is not divided below this side: parameters near 1 have no finer digits.
 const FINEST: f64 = 4.0 * f64::EPSILON;
 
+/// The ends of a stretch are found to within this part of the leaf: they are doubtful anyway,
+/// and finer would cost a ray that runs through many leaves of a plane dearly.
+pub(crate) const END: f64 = 1e-9;
+
 /// A contact longer than this part of the leaf is a stretch along which the ray runs inside
 /// the surface: at a tangency of second order it is about the root of the rounding error,
 /// 1e-8, at one of fourth order 1e-4.
-const STRETCH: f64 = 1e-3;
+pub(crate) const STRETCH: f64 = 1e-3;
 
 /// One leaf and one ray.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +125,7 @@ impl ExactSolver {
                     self.search_ends(task);
                 }
                 Verdict::Shrunk(part) => self.waiting.push(part),
-                Verdict::Halved(axis) => self.waiting.extend(halves(rect, axis)),
+                Verdict::Halved(axis) => self.waiting.extend(halves(rect, axis, OVERLAP)),
             }
             if used >= BUDGET {
                 self.spare.clear();
@@ -162,9 +166,11 @@ impl ExactSolver {
         self.waiting.push([[0.0, 1.0]; 2]);
     }
 
-    /// The error of `w x` and `w y`: that of the points times the largest weight.
+    /// How far `w x` and `w y` may be off: half of the promise for a point, times the largest
+    /// weight. The other half is kept for what a contact's own point is off: coefficients
+    /// come from fewer operations than points on the surface.
     fn error(&self, task: &Task<'_>) -> f64 {
-        task.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max)
+        0.5 * task.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max)
     }
 
     fn judge(&mut self, task: &Task<'_>, rect: Rect) -> Verdict {
@@ -333,7 +339,6 @@ impl ExactSolver {
     /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
     /// boxes: of all boxes the one that may hold it is divided next.
     fn search_end(&mut self, task: &Task<'_>, sign: f64) -> Option<(DVec2, f64)> {
-        let error = self.error(task);
         let mut queue = std::mem::take(&mut self.queue);
         queue.clear();
         for k in 0..self.spare.len() {
@@ -346,16 +351,15 @@ impl ExactSolver {
             let (z, rect) = queue.swap_remove(nearest);
             self.net.restrict_from(&self.whole, rect);
             let bounds = self.net.bounds();
-            let within = bounds.x.magnitude().max(bounds.y.magnitude()) <= 2.0 * error;
-            let short = bounds.z.hi - bounds.z.lo <= 2.0 * task.error;
+            let short = bounds.z.hi - bounds.z.lo <= (2.0 * task.error).max(END * self.size);
             let exhausted = rect.map(|[from, to]| to - from <= FINEST);
             end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
-            if (within && short) || exhausted == [true; 2] {
+            if short || exhausted == [true; 2] {
                 break;
             }
             let spread = self.net.spread();
             let axis = usize::from(exhausted[0] || (spread.y > spread.x && !exhausted[1]));
-            for part in halves(rect, axis) {
+            for part in halves(rect, axis, 0.0) {
                 self.boxes += 1;
                 self.consider(task, part, sign, &mut queue);
             }
@@ -398,6 +402,7 @@ impl ExactSolver {
             }
             if length > STRETCH * self.size {
                 let z = contact.z;
+                let ends = ends.map(|st| settled(task, st));
                 solutions.extend(ends.map(|st| Solution { st, proof: Proof::Stretch(z) }));
                 continue;
             }
@@ -475,10 +480,10 @@ fn holds(rect: Rect, st: DVec2) -> bool {
     (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
 }
 
-/// The two halves across an axis, overlapping a little.
-fn halves(rect: Rect, axis: usize) -> [Rect; 2] {
+/// The two halves across an axis, each longer by a part of the whole.
+fn halves(rect: Rect, axis: usize, overlap: f64) -> [Rect; 2] {
     let [from, to] = rect[axis];
-    let (middle, more) = (0.5 * (from + to), OVERLAP * (to - from));
+    let (middle, more) = (0.5 * (from + to), overlap * (to - from));
     let mut parts = [rect; 2];
     parts[0][axis] = [from, (middle + more).min(to)];
     parts[1][axis] = [(middle - more).max(from), to];
