@@ -155,9 +155,15 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
                 most = most.max(outcome.boxes);
                 sum += outcome.boxes;
                 wrong += u64::from(outcome.fault.is_some());
-                if faults.len() < 12 { faults.extend(outcome.fault.map(|fault| format!("{name} {kind}: {fault}"))); }
+                if faults.len() < 12 {
+                    faults.extend(outcome.fault.map(|fault| format!("{name} {kind}: {fault}")));
+                }
             }
-            println!("{name:12} placed {kind}: boxes {} at most {most}, wrong {wrong}, {:?}", sum / count, started.elapsed() / count as u32);
+            println!(
+                "{name:12} placed {kind}: boxes {} at most {most}, wrong {wrong}, {:?}",
+                sum / count,
+                started.elapsed() / count as u32
+            );
             if most > MOST_BOXES {
                 faults.push(format!("{name} {kind}: {most} boxes"));
             }
