@@ -76,16 +76,22 @@ impl Line {
         (Double::from(t) - Double::from(self.t_base)) * self.per_t[0] * self.per_t[1]
     }
 
+    /// The form's function along the line.
+    fn along(&self, form: Form) -> Polynomial {
+        form.along(&[0, 1, 2].map(|k| Polynomial(vec![self.base[k], self.direction[k]])))
+    }
+
+    /// How far a point of the line is from the form, to first order.
+    pub(crate) fn distance(&self, form: Form, at: Double) -> f64 {
+        distance(form, &self.along(form), self.point(at), at)
+    }
+
     /// Where the line meets the form, in order. `bound` is how far a computed point may be
     /// from the true one, in form sizes.
     pub(crate) fn crossings(&self, form: Form, bound: f64) -> Vec<Crossing> {
-        let coordinates = [0, 1, 2].map(|k| Polynomial(vec![self.base[k], self.direction[k]]));
-        let along = form.along(&coordinates);
+        let along = self.along(form);
+        let distance = |at: Double| distance(form, &along, self.point(at), at);
         let reach = 8.0; // the base is the line's nearest point to the form's centre
-        let distance = |at: Double| {
-            let gradient = form.gradient(self.point(at)).length();
-            along.at(at).abs().round() / gradient
-        };
         // Where the line turns around so near to the surface that it may as well not meet it.
         let turns = along.derivative().roots(reach);
         let shallow: Vec<f64> =
@@ -114,4 +120,9 @@ impl Line {
             })
             .collect()
     }
+}
+
+/// `|F| / |∇F|`; at a cone's tip, where both vanish, the tip's own distance.
+fn distance(form: Form, along: &Polynomial, point: DVec3, at: Double) -> f64 {
+    (along.at(at).abs().round() / form.gradient(point).length()).min(form.from_tip(point))
 }
