@@ -11,11 +11,13 @@
 mod inside;
 #[path = "robust/judge.rs"]
 mod judge;
+#[path = "common/model.rs"]
+mod model;
 #[path = "robust/models.rs"]
 mod models;
 #[path = "common/random.rs"]
 mod random;
-#[path = "robust/rays.rs"]
+#[path = "common/rays.rs"]
 mod rays;
 #[path = "robust/survey.rs"]
 mod survey;

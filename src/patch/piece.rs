@@ -45,11 +45,13 @@ impl Piece {
     /// The unit normal at a point of the unit square; near collapsed sides its limit from
     /// inside the piece. `None` where there is none.
     ///
-    /// Within half of the digits of a collapsed side the tangent along it has lost too
-    /// many of its own: there the limit at the side itself is nearer to the truth.
+    /// At a distance `ρ` from a collapsed side the tangent along it is known to `error / ρ`,
+    /// while the limit at the side itself differs by up to `ρ / size` from the truth: it is
+    /// taken where it is the nearer of the two. So half of the digits are right everywhere.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         let half_the_digits = 1e-8;
-        let clear = half_the_digits * self.patch.magnitude();
+        let error = self.patch.residual_factor() * self.patch.magnitude();
+        let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
         let near = |side: usize| self.collapsed[side].is_some() && distances[side] <= clear;
         let place = DVec2::new(
