@@ -11,6 +11,8 @@
 mod inside;
 #[path = "robust/judge.rs"]
 mod judge;
+#[path = "robust/leaving.rs"]
+mod leaving;
 #[path = "common/model.rs"]
 mod model;
 #[path = "robust/models.rs"]
