@@ -1,8 +1,7 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
 use glam::DVec3;
-use nurbray::geometry::NurbsSurface;
-use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Hit, Query, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -214,7 +213,13 @@ fn grazing_departures() {
         all.extend((0..20).map(curved));
         let tallies: Vec<Tally> = all
             .into_par_iter()
-            .map(|model| { let t = survey(&model, Departure::Grazing(k), count, k as u64); if k < 3 { t.print(&model.name); } t })
+            .map(|model| {
+                let t = survey(&model, Departure::Grazing(k), count, k as u64);
+                if k < 3 {
+                    t.print(&model.name);
+                }
+                t
+            })
             .collect();
         let tally = tallies.into_iter().fold(Tally::default(), Tally::add);
         tally.print(&format!("grazing 10^-{k}"));
