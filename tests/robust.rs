@@ -4,18 +4,23 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "tests, and the functions they share"
+    dead_code,
+    reason = "tests, and the functions they share, of which each uses some"
 )]
 
 #[path = "robust/inside.rs"]
 mod inside;
 #[path = "robust/judge.rs"]
 mod judge;
+#[path = "robust/leaving.rs"]
+mod leaving;
+#[path = "common/model.rs"]
+mod model;
 #[path = "robust/models.rs"]
 mod models;
 #[path = "common/random.rs"]
 mod random;
-#[path = "robust/rays.rs"]
+#[path = "common/rays.rs"]
 mod rays;
 #[path = "robust/survey.rs"]
 mod survey;

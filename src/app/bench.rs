@@ -41,7 +41,8 @@ Ray sets; N is --size:
                      ray in a random direction around the normal (cosine), 1/5 of the model's
                      diagonal long; in batches
   shadow             any hit on the way from those hits to the scene's first lamp, in packets
-Rays are made before the clock starts, the same for everyone and in every run.
+Rays are made before the clock starts, the same for everyone and in every run; they lie in memory,
+Embree's in the packets it wants.
 
 Speed: the median of 5 rounds, and (largest - smallest) / median as spread. Kernels and rival take
 turns in each round; before the first everyone traces all rays once. Everyone works on the same
@@ -65,15 +66,19 @@ and with a rival:
   rival (embree), rival_version, rival_width (rays a packet), tolerance, rival_mrays_per_s, rival_spread, rival_hits,
   rival_triangles
   rival_plan_seconds
-                  to find out how often to cut; counted nowhere else
+                  to find out how often to cut; part of no other figure
   rival_build_seconds
                   to make the vertices (on one thread), fill the buffers, rtcCommitScene
+  rival_commit_seconds
+                  the last two of these
   rival_total_seconds
                   as total_seconds, with rival_build_seconds instead of build_seconds
   rival_bytes     what Embree reports, vertices included; normals and (u, v) are not
   rival_tnear, hit_disagreements, t_disagreements (rays)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; times are medians.
+
+More models to measure with come from the source tree: cargo run --example bench_models -- FOLDER
 
 Example:
   nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-4,1e-5 --plot teapot.svg";

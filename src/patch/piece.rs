@@ -17,17 +17,23 @@ pub struct Piece {
     pub domain: [[f64; 2]; 2],
     /// Which sides are borders of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     pub border: [bool; 4],
+    /// Whether the surface jumps at the end of the piece, in `u` and in `v`: there the knot
+    /// itself belongs to the next piece.
+    pub jump_at_end: [bool; 2],
     /// The point each side is collapsed to, in the same order.
     pub collapsed: [Option<DVec3>; 4],
 }
 
 impl Piece {
-    /// The surface parameters of a point of the unit square; exact at its corners.
+    /// The surface parameters of a point of the unit square; exact at its corners, but where
+    /// the surface jumps at the end of the piece: there it is the last number before the knot.
     pub fn uv(&self, st: DVec2) -> DVec2 {
-        let at = |[from, to]: [f64; 2], x: f64| {
-            if x == 1.0 { to } else { from + x * (to - from) }
+        let at = |k: usize| {
+            let [from, to] = self.domain[k];
+            let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
+            if self.jump_at_end[k] && u >= to { to.next_down() } else { u }
         };
-        DVec2::new(at(self.domain[0], st.x), at(self.domain[1], st.y))
+        DVec2::new(at(0), at(1))
     }
 
     /// How far, to first order, a point is from the four sides.
@@ -39,11 +45,13 @@ impl Piece {
     /// The unit normal at a point of the unit square; near collapsed sides its limit from
     /// inside the piece. `None` where there is none.
     ///
-    /// Within half of the digits of a collapsed side the tangent along it has lost too
-    /// many of its own: there the limit at the side itself is nearer to the truth.
+    /// At a distance `ρ` from a collapsed side the tangent along it is known to `error / ρ`,
+    /// while the limit at the side itself differs by up to `ρ / size` from the truth: it is
+    /// taken where it is the nearer of the two. So half of the digits are right everywhere.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         let half_the_digits = 1e-8;
-        let clear = half_the_digits * self.patch.magnitude();
+        let error = self.patch.residual_factor() * self.patch.magnitude();
+        let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
         let near = |side: usize| self.collapsed[side].is_some() && distances[side] <= clear;
         let place = DVec2::new(

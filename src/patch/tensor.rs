@@ -19,6 +19,7 @@ pub struct TensorPatch {
     control: Box<[DVec4]>,
     rational: bool,
     magnitude: f64,
+    size: f64,
 }
 
 /// A point of a piece with its first derivatives.
@@ -39,8 +40,9 @@ impl TensorPatch {
         debug_assert_eq!(control.len(), (degree[0] + 1) * (degree[1] + 1));
         let weight = control.first().map_or(1.0, |first| first.w);
         let rational = control.iter().any(|c| c.w != weight);
-        let magnitude = Aabb::around(control.iter().map(|&c| euclidean(c))).magnitude();
-        Self { degree, control, rational, magnitude }
+        let bounds = Aabb::around(control.iter().map(|&c| euclidean(c)));
+        let (magnitude, size) = (bounds.magnitude(), bounds.size().max_element());
+        Self { degree, control, rational, magnitude, size }
     }
 
     /// The degrees in `s` and `t`.
@@ -61,6 +63,11 @@ impl TensorPatch {
     /// The largest absolute coordinate of the control points.
     pub fn magnitude(&self) -> f64 {
         self.magnitude
+    }
+
+    /// The longest side of the control points' bounding box.
+    pub fn size(&self) -> f64 {
+        self.size
     }
 
     /// How far a computed point may be from the true one, per unit of the largest

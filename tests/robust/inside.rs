@@ -43,12 +43,11 @@ fn stretched() -> Vec<Stretched> {
 fn in_rectangle(random: &mut Random) -> Stretch {
     let half = DVec2::new(0.5, 1.0);
     let side = random.below(2);
-    let ends = [-1.0, 1.0].map(|end| {
+    [-1.0, 1.0].map(|end| {
         let mut at = DVec2::splat(random.between(-1.0, 1.0));
         at[side] = end;
         (at * half).extend(0.0)
-    });
-    ends
+    })
 }
 
 fn in_disk(random: &mut Random) -> Stretch {
@@ -155,9 +154,15 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
                 most = most.max(outcome.boxes);
                 sum += outcome.boxes;
                 wrong += u64::from(outcome.fault.is_some());
-                if faults.len() < 12 { faults.extend(outcome.fault.map(|fault| format!("{name} {kind}: {fault}"))); }
+                if faults.len() < 12 {
+                    faults.extend(outcome.fault.map(|fault| format!("{name} {kind}: {fault}")));
+                }
             }
-            println!("{name:12} placed {kind}: boxes {} at most {most}, wrong {wrong}, {:?}", sum / count, started.elapsed() / count as u32);
+            println!(
+                "{name:12} placed {kind}: boxes {} at most {most}, wrong {wrong}, {:?}",
+                sum / count,
+                started.elapsed() / count as u32
+            );
             if most > MOST_BOXES {
                 faults.push(format!("{name} {kind}: {most} boxes"));
             }

@@ -6,7 +6,7 @@ use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Tracer};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
-use crate::models::Model;
+use crate::model::Model;
 use crate::rays::{Shot, Site};
 
 /// Everything a tracer says of one ray.

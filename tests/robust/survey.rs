@@ -5,7 +5,7 @@ use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use crate::judge::{Answers, Judge};
-use crate::models::Model;
+use crate::model::Model;
 use crate::random::Random;
 use crate::rays::{Class, Rays};
 

@@ -81,6 +81,7 @@ impl Report<'_> {
         line["rival_hits"] = json!(result.hits);
         line["rival_triangles"] = json!(rival.triangles);
         line["rival_build_seconds"] = json!(rival.build_seconds);
+        line["rival_commit_seconds"] = json!(rival.commit_seconds);
         line["rival_plan_seconds"] = json!(rival.plan_seconds);
         line["rival_total_seconds"] = json!(self.rival_total(measured, rival, result));
         line["rival_bytes"] = json!(rival.bytes);
@@ -133,13 +134,14 @@ impl Report<'_> {
         );
         for rival in self.rivals {
             text.push_str(&format!(
-                "{}, tolerance {:e}: {}, {}; {} from the surfaces, and {} to plan\n",
+                "{}, tolerance {:e}: {}, {}; {} to plan, {} from the surfaces, {} of it to commit\n",
                 self.rival,
                 rival.tolerance,
                 count(rival.triangles as u64, "triangle"),
                 short_bytes(rival.bytes),
-                time(rival.build_seconds),
                 time(rival.plan_seconds),
+                time(rival.build_seconds),
+                time(rival.commit_seconds),
             ));
         }
         text

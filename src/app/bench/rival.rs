@@ -41,6 +41,8 @@ pub(super) struct Rival {
     pub(super) plan_seconds: f64,
     /// Seconds to make the vertices, fill the buffers and commit the scene.
     pub(super) build_seconds: f64,
+    /// Seconds to fill the buffers and commit the scene.
+    pub(super) commit_seconds: f64,
     /// Memory of vertices, grids and hierarchy.
     pub(super) bytes: usize,
 }
@@ -64,7 +66,7 @@ impl Rival {
         let (meshes, mesh_seconds) =
             repeat(budget, || plan.meshes().with_context(context).or_failed())?;
         let others = embree.bytes();
-        let (scene, scene_seconds) = repeat(budget, || {
+        let (scene, commit_seconds) = repeat(budget, || {
             embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
         })?;
         Ok(Self {
@@ -73,7 +75,8 @@ impl Rival {
             distance: tolerance * plan.diagonal(),
             triangles: meshes.iter().map(|mesh| mesh.triangles().count()).sum(),
             plan_seconds,
-            build_seconds: mesh_seconds + scene_seconds,
+            build_seconds: mesh_seconds + commit_seconds,
+            commit_seconds,
             bytes: embree.bytes().saturating_sub(others),
         })
     }

@@ -240,7 +240,7 @@ impl ExactSolver {
         }
         if ranges[1].magnitude() <= 2.0 * error {
             // The box and the ray lie in one plane, as far as rounding can tell.
-            return self.contact(&bounds);
+            return self.contact(bounds);
         }
 
         let mut part: Rect = [[0.0, 1.0]; 2];
@@ -365,8 +365,7 @@ impl ExactSolver {
             if short || exhausted == [true; 2] {
                 break;
             }
-            let spread = self.net.spread();
-            let axis = usize::from(exhausted[0] || (spread.y > spread.x && !exhausted[1]));
+            let axis = self.end_axis(task, rect, exhausted);
             for part in halves(rect, axis, 0.0) {
                 self.boxes += 1;
                 self.consider(task, part, sign, &mut queue);
@@ -377,6 +376,18 @@ impl ExactSolver {
         }
         self.queue = queue;
         end
+    }
+
+    /// Across which direction to halve a box on the way to an end. At a collapsed side that is
+    /// the one that leads away from it: halves across the other would both keep the point.
+    fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
+        let spread = self.net.spread();
+        let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
+            Some(CollapsedSide::S(_)) => 0,
+            Some(CollapsedSide::T(_)) => 1,
+            None => usize::from(spread.y > spread.x),
+        };
+        if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
     fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<(f64, Rect)>) {

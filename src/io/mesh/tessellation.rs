@@ -68,12 +68,15 @@ impl TessellationPlan {
     /// # Errors
     /// When a grid or all of them together would become too large.
     pub fn meshes(&self) -> Result<Vec<GridMesh>, MeshError> {
-        let counts = self.plans.iter().map(|(_, plan)| plan.vertex_count());
-        let vertices = counts.fold(0, usize::saturating_add);
+        let mut counts = vec![0_usize; self.surfaces];
+        for (surface, plan) in &self.plans {
+            counts[*surface] = counts[*surface].saturating_add(plan.vertex_count());
+        }
+        let vertices = counts.iter().copied().fold(0, usize::saturating_add);
         if vertices > MAX_VERTICES {
             return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
         }
-        let mut meshes = vec![GridMesh::default(); self.surfaces];
+        let mut meshes: Vec<_> = counts.into_iter().map(GridMesh::with_room).collect();
         for (surface, plan) in &self.plans {
             plan.carry_out(&mut meshes[*surface])?;
         }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use nurbray::geometry::SurfaceDerivatives;
 use nurbray::math::Ray;
 
-use crate::models::Model;
+use crate::model::Model;
 use crate::random::Random;
 
 /// A kind of rays.

@@ -1,0 +1,229 @@
+//! Rays that leave a hit: it is not met again, and no other hit is lost with it.
+
+use glam::DVec3;
+use nurbray::intersect::{Hit, Query, Tracer};
+use nurbray::math::Ray;
+use rayon::prelude::*;
+
+use crate::judge::Judge;
+use crate::model::Model;
+use crate::models;
+use crate::random::Random;
+use crate::rays::{Class, Rays};
+
+/// A ray that leaves a hit is given this many times the promise around its origin before a
+/// root counts as another one: the origin is off by the promise, and so is the root.
+const START: f64 = 4.0;
+
+#[derive(Clone, Debug, Default)]
+struct Tally {
+    rays: u64,
+    hits: u64,
+    doubtful: u64,
+    all_doubtful: u64,
+    faults: Vec<String>,
+}
+
+impl Tally {
+    fn add(mut self, other: Self) -> Self {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.doubtful += other.doubtful;
+        self.all_doubtful += other.all_doubtful;
+        self.faults.extend(other.faults);
+        self.faults.truncate(20);
+        self
+    }
+
+    fn print(&self, name: &str) {
+        let share = |count: u64| count as f64 / self.rays.max(1) as f64;
+        println!(
+            "{name:24} rays {:7} hit {:.2} doubtful {:.4} all {:.4} faults {}",
+            self.rays,
+            share(self.hits),
+            share(self.doubtful),
+            share(self.all_doubtful),
+            self.faults.len()
+        );
+    }
+}
+
+/// A way to leave a surface.
+#[derive(Clone, Copy, Debug)]
+enum Departure {
+    /// In any direction.
+    Any,
+    /// At an angle of about 10⁻ᵏ to the tangent plane, to either side.
+    Grazing(i32),
+}
+
+impl Departure {
+    fn direction(self, normal: DVec3, random: &mut Random) -> DVec3 {
+        match self {
+            Self::Any => random.direction(),
+            Self::Grazing(k) => {
+                let along = random.perpendicular(normal);
+                let angle = random.sign() * random.between(0.5, 2.0) * f64::powi(10.0, -k);
+                along + angle * normal
+            }
+        }
+    }
+}
+
+/// All hits of the whole line but the root it starts on, told apart by place alone: a hit of
+/// the same surface no farther from the origin than errors reach. `None` where other roots are
+/// as near, or anything is doubtful.
+fn others(tracer: &mut Tracer<'_>, judge: &Judge<'_>, ray: &Ray, start: &Hit) -> Option<Vec<Hit>> {
+    let (from, to) = (f64::NEG_INFINITY, f64::INFINITY);
+    let line = Ray::with_range(ray.origin(), ray.direction(), from, to).unwrap();
+    let mut hits = Vec::new();
+    if tracer.all_hits(&Query::primary(line), &mut hits) {
+        return None;
+    }
+    let length = ray.direction().length();
+    let reach = |hit: &Hit| {
+        let measure = judge.measure(ray, hit);
+        judge.slack(START * measure.promise, measure.incidence)
+    };
+    let (near, far): (Vec<Hit>, Vec<Hit>) = hits
+        .into_iter()
+        .partition(|hit| hit.surface == start.surface && hit.t.abs() * length <= reach(hit));
+    let other_near = far.iter().any(|hit| hit.t.abs() * length <= 4.0 * reach(hit));
+    (near.len() <= 1 && !other_near).then(|| far.into_iter().filter(|hit| hit.t > 0.0).collect())
+}
+
+fn leave(
+    tracer: &mut Tracer<'_>,
+    judge: &Judge<'_>,
+    start: &Hit,
+    direction: DVec3,
+    tally: &mut Tally,
+) -> Option<String> {
+    let ray = Ray::new(start.point, direction).ok()?;
+    let query = Query::leaving(ray, start);
+    let first = tracer.first_hit(&query);
+    let mut all = Vec::new();
+    let all_doubtful = tracer.all_hits(&query, &mut all);
+    tally.rays += 1;
+    tally.hits += u64::from(first.hit.is_some());
+    tally.doubtful += u64::from(first.doubtful);
+    tally.all_doubtful += u64::from(all_doubtful);
+    let expected = others(tracer, judge, &ray, start)?;
+
+    let same = |a: &Hit, b: &Hit| judge.same_root(&ray, a, b);
+    let due = |hit: &&Hit| judge.due(&ray, hit);
+    if !first.doubtful {
+        match (first.hit, expected.iter().find(due)) {
+            (Some(hit), _)
+                if !expected.iter().any(|other| same(&hit, other)) && judge.due(&ray, &hit) =>
+            {
+                return Some(format!(
+                    "met {} {}, expected {:?}",
+                    hit.t,
+                    hit.uv,
+                    expected.first().map(|h| (h.t, h.uv))
+                ));
+            }
+            (Some(hit), Some(nearest)) if nearest.t < hit.t && !same(&hit, nearest) => {
+                return Some(format!("lost {} {} before {}", nearest.t, nearest.uv, hit.t));
+            }
+            (None, Some(nearest)) => return Some(format!("lost {} {}", nearest.t, nearest.uv)),
+            _ => {}
+        }
+    }
+    if !all_doubtful {
+        let lost =
+            expected.iter().filter(due).find(|hit| !all.iter().any(|other| same(hit, other)));
+        if let Some(hit) = lost {
+            return Some(format!("all hits lost {} {}", hit.t, hit.uv));
+        }
+        let extra =
+            all.iter().filter(due).find(|hit| !expected.iter().any(|other| same(hit, other)));
+        if let Some(hit) = extra {
+            return Some(format!("all hits met {} {} in vain", hit.t, hit.uv));
+        }
+    }
+    None
+}
+
+/// `count` rays that leave hits of rays of some classes.
+fn survey(model: &Model, departure: Departure, count: u64, seed: u64) -> Tally {
+    let bvh = model.bvh();
+    let judge = Judge::new(model);
+    let rays = Rays::new(model);
+    let mut tracer = bvh.tracer();
+    let mut random = Random::new(seed);
+    let mut tally = Tally::default();
+    while tally.rays < count {
+        let class = random.pick(&[Class::Aimed, Class::Lines, Class::Corners, Class::Borders]);
+        let shot = rays.shot(class, &mut random);
+        let Some(start) = tracer.first_hit(&Query::primary(shot.ray)).hit else { continue };
+        let normal = if start.normal.is_nan() { random.direction() } else { start.normal };
+        for _ in 0..4 {
+            let direction = departure.direction(normal, &mut random);
+            let fault = leave(&mut tracer, &judge, &start, direction, &mut tally);
+            tally.faults.extend(fault.map(|fault| {
+                format!(
+                    "{} {departure:?} from {class} {} {:?} along {direction}: {fault}\n      {:?}",
+                    model.name, start.uv, start.flags, shot.ray
+                )
+            }));
+        }
+    }
+    tally
+}
+
+/// Curved surfaces of many kinds and sizes.
+fn curved(seed: u64) -> Model {
+    let mut random = Random::new(seed);
+    let model = match seed % 4 {
+        0 => models::random_rational(seed),
+        1 => models::bezier([2 + random.below(3), 2 + random.below(3)], true, seed),
+        2 => models::bezier([1 + random.below(3), 2 + random.below(3)], false, seed),
+        _ => models::bezier([2, 2], true, seed),
+    };
+    model.placed(random.power_of_ten(-8.0, 8.0), DVec3::ZERO)
+}
+
+#[test]
+fn no_self_hit_and_no_lost_neighbour_on_a_thousand_surfaces() {
+    let count: u64 = std::env::var("N").map_or(1000, |n| n.parse().unwrap());
+    let tallies: Vec<Tally> = (0..count)
+        .into_par_iter()
+        .map(|seed| survey(&curved(seed), Departure::Any, 100, seed))
+        .collect();
+    let tally = tallies.into_iter().fold(Tally::default(), Tally::add);
+    tally.print("any direction");
+    assert!(tally.faults.is_empty(), "{}", tally.faults.join("\n"));
+}
+
+#[test]
+fn grazing_departures() {
+    let count: u64 = std::env::var("N").map_or(200, |n| n.parse().unwrap());
+    let mut faults = Vec::new();
+    for k in 1..=10 {
+        let mut all = vec![
+            models::sphere(),
+            models::torus(),
+            models::cylinder(),
+            models::cone(),
+            models::teapot(),
+            models::wavy_sheet(),
+        ];
+        all.extend((0..20).map(curved));
+        let tallies: Vec<Tally> = all
+            .into_par_iter()
+            .map(|model| {
+                let t = survey(&model, Departure::Grazing(k), count, k as u64);
+                if k < 3 {
+                    t.print(&model.name);
+                }
+                t
+            })
+            .collect();
+        let tally = tallies.into_iter().fold(Tally::default(), Tally::add);
+        tally.print(&format!("grazing 10^-{k}"));
+        faults.extend(tally.faults);
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
