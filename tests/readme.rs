@@ -15,9 +15,10 @@ const README: &str = include_str!("../README.md");
 const CALLS: [&str; 2] = ["cargo run --release -- ", "nurbray "];
 
 /// What is put in place of what a command says, to be quick; added where it says nothing.
-const SMALLER: [(&str, &[(&str, &str)]); 4] = [
+const SMALLER: [(&str, &[(&str, &str)]); 5] = [
     ("render", &[("--size", "16x12"), ("--spp", "1")]),
     ("audit", &[("--rays", "2000")]),
+    ("bench", &[("--size", "16"), ("--seconds", "1e-6"), ("--kernel", "scalar")]),
     ("cast", &[]),
     ("info", &[]),
 ];

@@ -29,7 +29,10 @@ fn json_has_the_same_classes_on_any_day() {
     assert_eq!(a["classes"], b["classes"]);
     assert_ne!(a["classes"], other["classes"]);
     assert_eq!((a["rays"].as_u64(), a["seed"].as_u64()), (Some(1500), Some(5)));
-    assert_eq!((a["input"].as_str(), a["kernel"].as_str()), (Some("square.json"), Some("scalar")));
+    assert_eq!(
+        (a["input"].as_str(), a["kernel"].as_str()),
+        (Some("square.json"), Some(nurbray::intersect::Kernel::default().name()))
+    );
     for key in ["threads", "seconds"] {
         assert!(a[key].as_f64().unwrap() > 0.0, "{key}");
     }

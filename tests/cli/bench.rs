@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
 /// Tracing takes no longer than one pass a round.
-const QUICK: &str = "--size 16 --seconds 1e-6";
+const QUICK: &str = "--size 16 --seconds 1e-6 --kernel scalar";
 
 const RAY_SETS: [&str; 6] =
     ["primary", "single", "incoherent", "incoherent-single", "ao", "shadow"];

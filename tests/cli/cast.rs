@@ -145,7 +145,10 @@ fn json_has_the_counts_and_times() {
     ];
     assert_eq!(keys, expected);
     assert_eq!((json["rays"].as_u64(), json["hits"].as_u64()), (Some(3), Some(3)));
-    assert_eq!((json["threads"].as_u64(), json["kernel"].as_str()), (Some(2), Some("scalar")));
+    assert_eq!(
+        (json["threads"].as_u64(), json["kernel"].as_str()),
+        (Some(2), Some(nurbray::intersect::Kernel::default().name()))
+    );
     assert!(json["bytes"].as_u64().unwrap() > 0 && json["build_seconds"].as_f64().unwrap() > 0.0);
 }
 

@@ -66,7 +66,11 @@ pub(crate) struct BenchArguments {
 impl BenchArguments {
     /// The kernels to measure, each once.
     pub(crate) fn kernels(&self) -> Vec<Kernel> {
-        if self.kernel.is_empty() { Kernel::ALL.to_vec() } else { once_each(&self.kernel) }
+        if self.kernel.is_empty() {
+            Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available()).collect()
+        } else {
+            once_each(&self.kernel)
+        }
     }
 
     /// The ray sets to measure, each once.
