@@ -17,12 +17,20 @@ mod leaving;
 mod model;
 #[path = "robust/models.rs"]
 mod models;
+#[path = "robust/near.rs"]
+mod near;
 #[path = "common/random.rs"]
 mod random;
+#[path = "robust/ranges.rs"]
+mod ranges;
 #[path = "common/rays.rs"]
 mod rays;
+#[path = "robust/same.rs"]
+mod same;
 #[path = "robust/survey.rs"]
 mod survey;
+#[path = "robust/traps.rs"]
+mod traps;
 
 use rays::Class;
 

@@ -214,7 +214,13 @@ fn grazing_departures() {
         all.extend((0..20).map(curved));
         let tallies: Vec<Tally> = all
             .into_par_iter()
-            .map(|model| { let t = survey(&model, Departure::Grazing(k), count, k as u64); if k < 3 { t.print(&model.name); } t })
+            .map(|model| {
+                let t = survey(&model, Departure::Grazing(k), count, k as u64);
+                if k < 3 {
+                    t.print(&model.name);
+                }
+                t
+            })
             .collect();
         let tally = tallies.into_iter().fold(Tally::default(), Tally::add);
         tally.print(&format!("grazing 10^-{k}"));
