@@ -1,4 +1,100 @@
-//! nurbray meets rays with NURBS surfaces directly.
+//! Rays meet NURBS surfaces directly: no tessellation, and each hit is exact to f64 rounding
+//! or says that it is not sure.
+//!
+//! ```text
+//! file ─▶ Scene ─▶ World ───────────────────────▶ Film ─▶ EXR, PNG
+//!                    │                              ▲
+//!                    ▼                              │
+//!         surfaces ─▶ Bézier pieces ─▶ leaves in a hierarchy ◀─ rays
+//!                                            │
+//!                                            ▼
+//!                            Hit: t, surface, (u, v), point, normal, flags
+//! ```
+//!
+//! # The tour
+//!
+//! The modules are floors of a house: each uses only those below it, and a test says so.
+//! From the ground up:
+//!
+//! | floor | what it holds |
+//! |---|---|
+//! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, what rounding costs |
+//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, and exact [`shapes`](geometry::shapes) |
+//! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
+//! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once, a [`Tracer`](intersect::Tracer) a thread asks it for the first [`Hit`](intersect::Hit), any hit, or all of them |
+//! | [`scene`] | what is seen: a [`Scene`](scene::Scene) is as its author wrote it, a [`World`](scene::World) is checked and ready to trace |
+//! | [`render`] | light: integrators turn rays into a [`Film`](render::Film), the same for any number of threads |
+//! | [`io`] | files: scenes, models and rays in, pictures and hits out |
+//!
+//! The program `nurbray` stands on top and is no part of this library; without the default
+//! feature `program` nothing only it needs is built.
+//!
+//! # One example, from a surface to a picture
+//!
+//! ```
+//! use glam::DVec3;
+//! use nurbray::geometry::shapes;
+//! use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+//! use nurbray::math::Ray;
+//!
+//! // A rational bicubic sphere, and a ray at it. Surfaces are counted from 0.
+//! let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?], &BuildOptions::default())?;
+//! let mut tracer = bvh.tracer();
+//! let down = Ray::new(DVec3::new(0.6, 0.0, 5.0), DVec3::NEG_Z)?;
+//!
+//! // The first hit, in f64: no grid of triangles stands between ray and surface.
+//! let answer = tracer.first_hit(&Query::primary(down));
+//! let hit = answer.hit.ok_or("a miss")?;
+//! assert!((hit.t - 4.2).abs() < 1e-14);
+//! assert!(hit.normal.distance(DVec3::new(0.6, 0.0, 0.8)) < 1e-14);
+//! assert!(!answer.doubtful);
+//!
+//! // This ray runs in the plane of the seam, and the hit says that it is on a border.
+//! assert!(hit.flags.contains(HitFlags::BORDER));
+//!
+//! // A ray that leaves a hit does not meet it again, and needs no epsilon for that.
+//! let onwards = Query::leaving(Ray::new(hit.point, DVec3::NEG_Z)?, &hit);
+//! let exit = tracer.first_hit(&onwards).hit.ok_or("a miss")?;
+//! assert!((exit.t - 1.6).abs() < 1e-14);
+//!
+//! // All hits of a ray: a closed surface is entered as often as it is left.
+//! let mut hits = Vec::new();
+//! tracer.all_hits(&Query::primary(down), &mut hits);
+//! assert_eq!(hits.len(), 2);
+//!
+//! // The same sphere as a scene, read as from a file; camera and lights are chosen for it.
+//! let text = "[[object]]\nshape = { sphere = { radius = 1 } }";
+//! let scene = nurbray::io::read_scene(text, "ball.toml", &mut |_, _| unreachable!())?;
+//! let world = nurbray::scene::World::new(&scene)?;
+//!
+//! // And its picture: 16 × 12 pixels, four samples each.
+//! use nurbray::render::{Channel, RenderSettings, render};
+//! let settings = RenderSettings { size: (16, 12), samples: 0..4, ..Default::default() };
+//! let film = render(&world, &settings, &|_| {})?;
+//! assert_eq!(film.value(Channel::A, [8, 6]), Some(1.0)); // the ball is in the middle
+//! assert_eq!(film.value(Channel::A, [0, 0]), Some(0.0)); // and not in the corner
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! To read and write files instead, see [`io::load_input`], [`io::write_exr`] and
+//! [`io::write_png`]; for surfaces of your own, [`geometry`]; for the language of scenes,
+//! [`io::scene_toml`].
+//!
+//! # What may be relied on
+//!
+//! Let ε = 2⁻⁵³, M the largest coordinate magnitude of the ray's origin and the surface, and
+//! C = 4 (p + q + 4) for a surface of degrees p and q ([`math::rounding::residual_factor`]
+//! says where C comes from).
+//!
+//! - Each crossing of each surface is reported, or the answer is flagged
+//!   [doubtful](intersect::Answer::doubtful).
+//! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`.
+//! - Domains are closed: a ray that passes within `C ε M` of a border meets it, and the hit
+//!   is marked [`BORDER`](intersect::HitFlags::BORDER).
+//! - Answers depend on the ray and the surfaces only, pictures on the scene and its settings
+//!   only: not on threads, tiles or crops.
+//! - The library never prints, exits or panics on what it is given: bad input is an error
+//!   that says what was found, what is needed and where.
 
 pub mod geometry;
 pub mod intersect;
@@ -7,3 +103,8 @@ pub mod math;
 pub mod patch;
 pub mod render;
 pub mod scene;
+
+/// The examples of the README are doc tests too. Its text is not repeated in these pages.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -4,7 +4,8 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "tests, and the functions they share"
+    dead_code,
+    reason = "tests, and the functions they share, of which each uses some"
 )]
 
 #[path = "robust/halving.rs"]

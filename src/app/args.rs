@@ -1,5 +1,6 @@
 //! What the user may type.
 
+mod bench;
 mod values;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use nurbray::intersect::Kernel;
 use nurbray::render::AovSet;
 use nurbray::scene::IntegratorKind;
 
+pub(crate) use bench::BenchArguments;
 pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
@@ -43,6 +45,8 @@ pub(crate) enum Command {
     Render(RenderArguments),
     /// Trace rays from a file and write what they hit
     Cast(CastArguments),
+    /// Measure how fast rays are traced, by every kernel and by a rival
+    Bench(BenchArguments),
     /// Check the fast path against the exact solver on random and nasty rays
     Audit(AuditArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
@@ -145,7 +149,8 @@ pub(crate) struct KernelArguments {
 }
 
 fn kernels() -> impl TypedValueParser<Value = Kernel> {
-    let names = Kernel::ALL.iter().map(|kernel| kernel.name());
+    let available = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+    let names = available.map(|kernel| kernel.name());
     // Only names of kernels come this far.
     PossibleValuesParser::new(names).map(|name| name.parse().unwrap_or_default())
 }

@@ -3,7 +3,6 @@
 mod check;
 mod class;
 mod judge;
-mod random;
 mod rays;
 mod report;
 mod sites;

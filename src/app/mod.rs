@@ -5,6 +5,7 @@
 
 mod args;
 mod audit;
+mod bench;
 mod border;
 mod cast;
 mod console;
@@ -13,6 +14,7 @@ mod info;
 mod input;
 mod output;
 mod progress;
+mod random;
 mod render;
 mod table;
 mod threads;
@@ -49,6 +51,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Failure> {
         Command::Render(arguments) => render::run(arguments),
         Command::Cast(arguments) => cast::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Info(arguments) => info::run(arguments),
     }
 }

@@ -60,7 +60,8 @@ impl Progress {
         self.show(done);
     }
 
-    /// `done` units of the work are finished, and so many rays are traced in all.
+    /// `done` units of the work are finished, and so many rays are traced in all; 0 if that
+    /// is not what the work is about.
     pub(crate) fn set(&self, done: u64, rays: u64) {
         self.rays.store(rays, Ordering::Relaxed);
         self.done.store(done, Ordering::Relaxed);
@@ -96,17 +97,22 @@ impl Progress {
     fn line(&self, done: u64, elapsed: Duration) -> String {
         let elapsed = elapsed.as_secs_f64();
         let share = done as f64 / self.total as f64;
-        let rate = rate(self.rays.load(Ordering::Relaxed), elapsed);
         let left = duration(elapsed / share - elapsed);
-        format!("{}: {:.0} %, {rate}, {left} left", self.what, 100.0 * share)
+        let rate = match self.rays.load(Ordering::Relaxed) {
+            0 => String::new(),
+            rays => format!(" {},", rate(rays, elapsed)),
+        };
+        format!("{}: {:.0} %,{rate} {left} left", self.what, 100.0 * share)
     }
 }
 
 fn bar(what: &'static str, total: u64, rays: &Arc<AtomicU64>) -> ProgressBar {
     let rays = Arc::clone(rays);
     let rate = move |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-        let rate = rate(rays.load(Ordering::Relaxed), state.elapsed().as_secs_f64());
-        let _ = text.write_str(&rate);
+        let rays = rays.load(Ordering::Relaxed);
+        if rays > 0 {
+            let _ = text.write_str(&rate(rays, state.elapsed().as_secs_f64()));
+        }
     };
     let template = "{msg} {wide_bar} {percent:>3} %  {rate}  ETA {eta}";
     let style = ProgressStyle::with_template(template)
@@ -144,6 +150,9 @@ mod tests {
         progress.set(10, 3_000_000);
         let line = progress.line(10, Duration::from_secs(30));
         assert_eq!(line, "rendering: 25 %, 0.100 Mrays/s, 1 min 30 s left");
+        progress.set(20, 0);
+        let line = progress.line(20, Duration::from_secs(30));
+        assert_eq!(line, "rendering: 50 %, 30.0 s left");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Curves and surfaces as authored: knot vectors, control nets, weights.
 //!
 //! A surface is made from two knot vectors and a net of control points, checked once; all
-//! that is made from it (refined, split, elevated, turned, moved) is valid again.
+//! that is made from it (refined, split, elevated, turned, moved) is valid again. What is
+//! already known by name is in [`shapes`].
 //!
 //! ```
 //! use glam::DVec3;

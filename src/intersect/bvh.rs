@@ -4,6 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::hierarchy::Hierarchy;
+use super::wide::WideTree;
 use super::{Kernel, Tracer};
 use crate::geometry::NurbsSurface;
 use crate::patch::{PatchSet, PatchSetError};
@@ -27,6 +28,7 @@ pub enum BuildError {
 pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     pub(super) hierarchy: Hierarchy,
+    pub(super) wide: WideTree,
 }
 
 impl SurfaceBvh {
@@ -37,7 +39,8 @@ impl SurfaceBvh {
     pub fn build(surfaces: &[NurbsSurface], _options: &BuildOptions) -> Result<Self, BuildError> {
         let set = PatchSet::new(surfaces)?;
         let hierarchy = Hierarchy::new(&set);
-        Ok(Self { set, hierarchy })
+        let wide = WideTree::new(&set, &hierarchy);
+        Ok(Self { set, hierarchy, wide })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -74,7 +77,7 @@ impl SurfaceBvh {
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        self.set.bytes() + self.hierarchy.bytes()
+        self.set.bytes() + self.hierarchy.bytes() + self.wide.bytes()
     }
 
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.

@@ -21,13 +21,13 @@ const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A node: its box and what is in it.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    min: Vec3,
-    max: Vec3,
+pub(super) struct Node {
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
     /// The first of two children, or the first leaf.
-    first: u32,
+    pub(super) first: u32,
     /// The number of leaves; none for an inner node.
-    leaves: u32,
+    pub(super) leaves: u32,
 }
 
 /// A binary tree of boxes in scaled coordinates.
@@ -111,6 +111,21 @@ impl Hierarchy {
         let below = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_below));
         let above = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_above));
         Box32 { min: below(min), max: above(max) }
+    }
+
+    /// The nodes, the root first.
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The leaf indices that nodes refer to.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// What scaled coordinates are: `(P − center) · scale`.
+    pub(super) fn frame(&self) -> (DVec3, f64) {
+        (self.center, self.scale)
     }
 
     pub(super) fn bytes(&self) -> usize {

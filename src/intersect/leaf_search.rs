@@ -359,7 +359,7 @@ impl Solution {
 }
 
 /// Whether a point lies within rounding of a side that is a border of the surface.
-fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
+pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     piece
         .side_distances(st, jet)
         .into_iter()

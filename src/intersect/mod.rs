@@ -1,16 +1,69 @@
 //! One ray, one answer: what a ray meets, proved or flagged.
+//!
+//! [`SurfaceBvh::build`] prepares surfaces once. A [`Tracer`], one a thread, then answers
+//! for a [`Query`]: [`first_hit`](Tracer::first_hit), [`occluded`](Tracer::occluded),
+//! [`all_hits`](Tracer::all_hits), the first two also for whole batches.
+//!
+//! What happens to a ray on its way:
+//!
+//! 1. The hierarchy yields the leaves whose boxes the ray meets, near ones first.
+//! 2. Where the leaf's certificate holds for the ray's direction, there is at most one root,
+//!    and Newton's iteration on the true surface finds it, or proves that there is none, or
+//!    gives up.
+//! 3. Otherwise (near silhouettes, in pole points, where leaves are folded) *the exact
+//!    solver* finds all roots by subdivision and proof, independently of Newton.
+//! 4. Where rounding has the last word, as in tangency to within the last bits, the answer
+//!    says so: [`Answer::doubtful`].
+//!
+//! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
+//! program's `audit` holds the fast way against it.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nurbray::geometry::shapes;
+//! use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+//! use nurbray::math::Ray;
+//!
+//! // Surface 0 and surface 1: a table, and a sphere above it.
+//! let table = shapes::plane(4.0, 4.0)?;
+//! let up = glam::DAffine3::from_translation(DVec3::new(0.0, 0.0, 2.0));
+//! let ball = shapes::sphere(1.0)?.transformed(&up)?;
+//! let bvh = SurfaceBvh::build(&[table, ball], &BuildOptions::default())?;
+//! let mut tracer = bvh.tracer();
+//!
+//! // Down through the poles of the sphere: every pole is a border, and one hit.
+//! let ray = Ray::new(DVec3::new(0.0, 0.0, 10.0), DVec3::NEG_Z)?;
+//! let mut hits = Vec::new();
+//! let doubtful = tracer.all_hits(&Query::primary(ray), &mut hits);
+//! let met: Vec<_> = hits.iter().map(|hit| hit.surface).collect();
+//! assert_eq!((met, doubtful), (vec![1, 1, 0], false));
+//! assert!((hits[0].t - 7.0).abs() < 1e-14 && hits[0].flags.contains(HitFlags::BORDER));
+//!
+//! // A point of the table in the shadow of the sphere, and one in the light.
+//! for (x, shadowed) in [(0.5, true), (1.5, false)] {
+//!     let down = Ray::new(DVec3::new(x, 0.1, 0.5), DVec3::NEG_Z)?;
+//!     let hit = tracer.first_hit(&Query::primary(down)).hit.ok_or("a miss")?;
+//!     let to_light = Query::leaving(Ray::new(hit.point, DVec3::Z)?, &hit);
+//!     assert_eq!(tracer.occluded(&to_light).occluded, shadowed);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bvh;
 mod crossings;
 mod exact;
 mod hierarchy;
 mod hit;
+mod kernel;
 mod leaf_search;
 mod newton;
+mod packets;
 mod statistics;
 mod tracer;
+mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
 pub use hit::{Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root};
+pub use kernel::Kernel;
 pub use statistics::Statistics;
-pub use tracer::{Kernel, Tracer};
+pub use tracer::Tracer;

@@ -1,61 +1,50 @@
 //! Questions to surfaces: first hit, any hit, all hits.
 
-use std::fmt;
-use std::str::FromStr;
-
 use glam::DVec3;
 
 use super::leaf_search::{self, Findings, Meeting, Question};
+use super::wide::{PACKET, Packet, Work};
 use super::{
-    Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root, Statistics, SurfaceBvh, crossings,
+    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Statistics, SurfaceBvh,
+    crossings,
 };
 use crate::math::RayFrame;
 use crate::patch::{Leaf, Passage, PatchSet};
-
-/// Which code searches for hits. All give the same answers, to the stated accuracy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Kernel {
-    /// The readable specification: one ray at a time in f64.
-    #[default]
-    Scalar,
-}
-
-impl Kernel {
-    /// Every kernel, in the order to list them.
-    pub const ALL: &'static [Self] = &[Self::Scalar];
-
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-        }
-    }
-}
-
-impl fmt::Display for Kernel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Kernel {
-    type Err = ();
-
-    fn from_str(name: &str) -> Result<Self, ()> {
-        Self::ALL.iter().copied().find(|kernel| kernel.name() == name).ok_or(())
-    }
-}
 
 /// Answers questions on one thread: holds the scratch memory and the counts.
 ///
 /// Answers depend on the ray and the surfaces only, never on what was asked before.
 #[derive(Debug)]
 pub struct Tracer<'a> {
-    bvh: &'a SurfaceBvh,
+    pub(super) bvh: &'a SurfaceBvh,
     kernel: Kernel,
-    findings: Findings,
+    pub(super) findings: Findings,
     stack: Vec<(f64, u32)>,
+    pub(super) packets: Box<PacketScratch>,
+}
+
+/// Scratch memory for packets.
+#[derive(Debug)]
+pub(super) struct PacketScratch {
+    pub(super) packet: Packet,
+    pub(super) work: Work,
+    pub(super) frames: Vec<RayFrame>,
+    /// What the scalar search found, with the ray's place in the packet.
+    pub(super) meetings: Vec<(usize, Meeting)>,
+    /// For each ray, from where on something may have been missed.
+    pub(super) doubt: [f64; PACKET],
+}
+
+impl Default for PacketScratch {
+    fn default() -> Self {
+        Self {
+            packet: Packet::new(),
+            work: Work::default(),
+            frames: Vec::new(),
+            meetings: Vec::new(),
+            doubt: [f64::INFINITY; PACKET],
+        }
+    }
 }
 
 /// How a leaf is searched.
@@ -63,7 +52,13 @@ type Search = fn(&Question<'_>, &Leaf, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
-        Self { bvh, kernel, findings: Findings::default(), stack: Vec::new() }
+        Self {
+            bvh,
+            kernel,
+            findings: Findings::default(),
+            stack: Vec::new(),
+            packets: Box::default(),
+        }
     }
 
     /// The kernel that searches.
@@ -118,9 +113,21 @@ impl<'a> Tracer<'a> {
     }
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
-    pub fn first_hits(&mut self, queries: &[Query], _: Coherence, answers: &mut Vec<Answer>) {
+    ///
+    /// Rays said to be coherent are traced in packets, if the kernel has them.
+    pub fn first_hits(
+        &mut self,
+        queries: &[Query],
+        coherence: Coherence,
+        answers: &mut Vec<Answer>,
+    ) {
         answers.clear();
-        answers.extend(queries.iter().map(|query| self.first_hit(query)));
+        match self.kernel.level() {
+            Some(level) if coherence == Coherence::Coherent => {
+                self.first_hits_in_packets(level, queries, answers);
+            }
+            _ => answers.extend(queries.iter().map(|query| self.first_hit(query))),
+        }
     }
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
@@ -141,22 +148,10 @@ impl<'a> Tracer<'a> {
             // Up to the nearest meeting, and as far beyond as it may be off.
             meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
         });
-        let order = |a: &&Meeting, b: &&Meeting| {
-            let place = |m: &Meeting| (m.surface, m.piece);
-            a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b)))
-        };
-        let nearest = self.findings.meetings.iter().min_by(order);
-        let mut hit = nearest.map(|meeting| hit(&self.bvh.set, &frame, meeting));
-        let open = hit.is_none_or(|hit| self.findings.doubt <= hit.t);
-        let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
-        let doubtful = flagged || (open && self.findings.doubt < f64::INFINITY);
-        if let Some(hit) = &mut hit
-            && doubtful
-        {
-            hit.flags.insert(HitFlags::DOUBTFUL);
-        }
-        self.findings.statistics.doubtful += u64::from(doubtful);
-        Answer { hit, doubtful }
+        let findings = &mut self.findings;
+        let answer = answer_of(&self.bvh.set, &frame, findings.meetings.iter(), findings.doubt);
+        findings.statistics.doubtful += u64::from(answer.doubtful);
+        answer
     }
 
     /// Searches all leaves the ray may meet before the limit that `enough` draws from what
@@ -197,6 +192,31 @@ impl<'a> Tracer<'a> {
 fn exactly(question: &Question<'_>, leaf: &Leaf, _: &Passage, limit: f64, findings: &mut Findings) {
     findings.statistics.leaf_tests += 1;
     leaf_search::search_exactly(question, leaf, limit, findings);
+}
+
+/// The first of some meetings, and whether what was doubtful could have come before it.
+pub(super) fn answer_of<'m>(
+    set: &PatchSet,
+    frame: &RayFrame,
+    meetings: impl Iterator<Item = &'m Meeting>,
+    doubt: f64,
+) -> Answer {
+    // The last word has the place on the piece: so the order of the search has none.
+    let order = |a: &&Meeting, b: &&Meeting| {
+        let place = |m: &Meeting| (m.surface, m.piece);
+        let on_piece = |m: &Meeting| (m.st.x, m.st.y);
+        let (p, q) = (on_piece(a), on_piece(b));
+        let by_place = || p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1));
+        a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))).then_with(by_place)
+    };
+    let mut hit = meetings.min_by(order).map(|meeting| hit(set, frame, meeting));
+    let open = doubt < f64::INFINITY && hit.is_none_or(|hit| doubt <= hit.t);
+    let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
+    let doubtful = flagged || open;
+    if let Some(hit) = hit.as_mut().filter(|_| doubtful) {
+        hit.flags.insert(HitFlags::DOUBTFUL);
+    }
+    Answer { hit, doubtful }
 }
 
 /// The answer to give for a meeting.

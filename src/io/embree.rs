@@ -14,7 +14,7 @@
 //! where it is declared.
 #![allow(unsafe_code, reason = "calls into a C library; each use says why it is sound")]
 
-use std::ffi::{CStr, OsString, c_char, c_void};
+use std::ffi::{CStr, CString, OsString, c_char, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 use std::{env, ptr};
@@ -278,12 +278,13 @@ impl Embree {
         Self::open(c"")
     }
 
-    /// Loads Embree, to build scenes with one thread only.
+    /// Loads Embree, to build scenes with so many threads; 0 means one a processor.
     ///
     /// # Errors
     /// As [`Embree::load`].
-    pub fn load_single_threaded() -> Result<Self, EmbreeError> {
-        Self::open(c"threads=1")
+    pub fn load_with_threads(threads: u16) -> Result<Self, EmbreeError> {
+        let config = CString::new(format!("threads={threads}")).unwrap_or_default();
+        Self::open(&config)
     }
 
     fn open(config: &CStr) -> Result<Self, EmbreeError> {

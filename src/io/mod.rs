@@ -1,5 +1,20 @@
 //! Files: scenes, models and rays in, pictures and hits out; and Embree, a library opened
 //! like a file.
+//!
+//! | file | read by | written by |
+//! |---|---|---|
+//! | scene or model, by its ending | [`load_input`] | |
+//! | scene, TOML: [`scene_toml`] shows every key | [`read_scene`] | |
+//! | model, geomdl JSON: [`geomdl`] says what of it | [`read_geomdl`] | |
+//! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
+//! | picture with its data, OpenEXR | | [`write_exr`] |
+//! | picture for a screen, PNG | | [`write_png`] |
+//!
+//! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
+//! points of degree 3 need 11`. Files are written under another name and moved into place
+//! when complete ([`write_atomically`]), so a failure leaves the older file as it was.
+//!
+//! STEP, IGES, 3dm and OBJ have their place here, but are not read yet.
 
 mod atomic;
 #[cfg(feature = "embree")]

@@ -1,4 +1,8 @@
 //! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on glam only.
+//!
+//! Tolerances come from here and nowhere else: [`rounding::residual_factor`] says how far a
+//! computed point of a surface may be from the true one, in units of its coordinates, and
+//! whatever is compared anywhere in the library is compared with multiples of that.
 
 mod aabb;
 pub mod bernstein;

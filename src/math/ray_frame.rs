@@ -47,9 +47,14 @@ impl RayFrame {
     }
 }
 
-/// The unit vector along `v` and the length of `v`; scaled first, so that neither the
-/// squares of tiny nor those of huge components are lost.
+/// The unit vector along `v` and the length of `v`; scaled first where the squares of tiny or
+/// huge components would be lost.
 fn unit_and_length(v: DVec3) -> (DVec3, f64) {
+    let square = v.length_squared();
+    if (1e-100..1e100).contains(&square) {
+        let length = square.sqrt();
+        return (v * (1.0 / length), length);
+    }
     let largest = v.abs().max_element();
     let scaled = v / largest;
     let length = scaled.length();

@@ -17,17 +17,23 @@ pub struct Piece {
     pub domain: [[f64; 2]; 2],
     /// Which sides are borders of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     pub border: [bool; 4],
+    /// Whether the surface jumps at the end of the piece, in `u` and in `v`: there the knot
+    /// itself belongs to the next piece.
+    pub jump_at_end: [bool; 2],
     /// The point each side is collapsed to, in the same order.
     pub collapsed: [Option<DVec3>; 4],
 }
 
 impl Piece {
-    /// The surface parameters of a point of the unit square; exact at its corners.
+    /// The surface parameters of a point of the unit square; exact at its corners, but where
+    /// the surface jumps at the end of the piece: there it is the last number before the knot.
     pub fn uv(&self, st: DVec2) -> DVec2 {
-        let at = |[from, to]: [f64; 2], x: f64| {
-            if x == 1.0 { to } else { from + x * (to - from) }
+        let at = |k: usize| {
+            let [from, to] = self.domain[k];
+            let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
+            if self.jump_at_end[k] && u >= to { to.next_down() } else { u }
         };
-        DVec2::new(at(self.domain[0], st.x), at(self.domain[1], st.y))
+        DVec2::new(at(0), at(1))
     }
 
     /// How far, to first order, a point is from the four sides.

@@ -134,7 +134,9 @@ fn pieces(surface: &NurbsSurface, index: u32) -> Vec<Piece> {
                 is_border(knots_v, v.end),
             ];
             let domain = [[u.start, u.end], [v.start, v.end]];
-            pieces.push(Piece { patch, surface: index, domain, border, collapsed });
+            let jump_at_end = [jumps(knots_u, u.end), jumps(knots_v, v.end)];
+            let surface = index;
+            pieces.push(Piece { patch, surface, domain, border, jump_at_end, collapsed });
         }
     }
     pieces
@@ -143,7 +145,13 @@ fn pieces(surface: &NurbsSurface, index: u32) -> Vec<Piece> {
 /// Whether the surface ends, or may jump, at a knot.
 fn is_border(knots: &KnotVector, t: f64) -> bool {
     let (start, end) = knots.domain();
-    t == start || t == end || knots.multiplicity(t) > knots.degree()
+    t == start || t == end || jumps(knots, t)
+}
+
+/// Whether the surface may jump at a knot inside the domain.
+fn jumps(knots: &KnotVector, t: f64) -> bool {
+    let (start, end) = knots.domain();
+    start < t && t < end && knots.multiplicity(t) > knots.degree()
 }
 
 /// The leaves of all pieces: as flat as their number allows.

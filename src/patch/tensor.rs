@@ -55,6 +55,11 @@ impl TensorPatch {
         &self.control
     }
 
+    /// Whether the weights differ.
+    pub fn is_rational(&self) -> bool {
+        self.rational
+    }
+
     /// The largest absolute coordinate of the control points.
     pub fn magnitude(&self) -> f64 {
         self.magnitude

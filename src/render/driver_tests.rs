@@ -60,7 +60,12 @@ fn two_sample_ranges_are_the_whole() {
         let second = picture(&RenderSettings { samples: middle..end, ..settings() });
         let merged = first.merge(second).unwrap();
         assert_eq!(bits(&merged, merged.window()), bits(&whole, whole.window()));
-        assert_eq!(merged.counters(), whole.counters());
+        // The work depends on which rays share a packet, the answers do not.
+        let answers = |film: &Film| {
+            let counters = film.counters();
+            (counters.rays, counters.hits, counters.doubtful)
+        };
+        assert_eq!(answers(&merged), answers(&whole));
         assert_eq!(merged.settings(), whole.settings());
     }
 }

@@ -1,4 +1,24 @@
 //! Light: settings, samples, tiles, integrators and the film they fill.
+//!
+//! [`render`](fn@render) takes a [`World`](crate::scene::World) and [`RenderSettings`] and
+//! returns a [`Film`]: sums of samples, colour and the data asked for ([`AovSet`]). What a
+//! pixel shows is up to the integrator ([`IntegratorKind`](crate::scene::IntegratorKind)):
+//!
+//! | integrator | shows |
+//! |---|---|
+//! | `direct` | diffuse surfaces in the light of all lights, with shadows |
+//! | `normal` | the normal `n` as the surface orients it, as the colour `(n + 1) / 2` |
+//! | `uv` | `u` as red, `v` as green, from 0 to 1 over the surface's domain |
+//! | `depth` | the distance along the ray, from white to dark grey over the model |
+//! | `id` | a colour for each surface |
+//! | `iterations` | the work of each ray, from black over red and yellow to white |
+//!
+//! All but `direct` are black where nothing is hit (`iterations`: where nothing was done).
+//!
+//! Samples are functions of seed, pixel, sample number and dimension ([`Sampler`]), and a
+//! film of the samples A to B can be [merged](Film::merge) with one of B to C. So a picture
+//! can be made by any number of threads or machines, in crops or in ranges of samples, and
+//! is the same to the last bit.
 
 mod aov;
 mod driver;

@@ -2,6 +2,7 @@
 //!
 //! A reader makes a [`Scene`] from a file, or code fills one in; [`World::new`] checks it,
 //! puts the surfaces in their places, and chooses a view and lights where none are given.
+//! Readers build a `Scene` and nothing else; rendering needs a `World` and nothing else.
 
 mod camera;
 mod document;

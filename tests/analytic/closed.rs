@@ -118,12 +118,12 @@ impl Case<'_> {
 
         // A normal errs by its own rounding, which grows near a pole up to the place where its
         // limit is taken, and because the point may be off: along the ray by the error of t.
-        let from_pole = self.placed.form.from_pole(crossing.point);
+        let from_pole = self.placed.form.pole_distance(crossing.point);
         let rounding = bound * (1.0 + 1.0 / from_pole).min(1.0 / bound.sqrt());
         let allowed = 8.0 * (rounding + bound / crossing.cosine);
         let angle = hit.normal.distance(crossing.normal);
         tally.normal_error = tally.normal_error.max(angle / allowed);
-        let wrong = !(angle <= allowed) && from_pole > bound;
+        let wrong = (angle.is_nan() || angle > allowed) && from_pole > bound;
         wrong.then(|| format!("normal {} at {crossing:?}: {angle:e} > {allowed:e}", hit.normal))
     }
 }

@@ -99,12 +99,12 @@ impl Form {
     }
 
     /// How far a point is from where the form has no tangent plane.
-    pub(crate) fn from_tip(self, p: DVec3) -> f64 {
+    pub(crate) fn tip_distance(self, p: DVec3) -> f64 {
         if self == Self::Cone { p.distance(DVec3::new(0.0, 0.0, HEIGHT)) } else { f64::INFINITY }
     }
 
     /// How far a point is from where the parametrisation ends in a point, at most 1.
-    pub(crate) fn from_pole(self, p: DVec3) -> f64 {
+    pub(crate) fn pole_distance(self, p: DVec3) -> f64 {
         let poles: &[DVec3] = match self {
             Self::Sphere | Self::BiquadraticSphere => &[DVec3::Z, DVec3::NEG_Z],
             Self::Cone => &[DVec3::new(0.0, 0.0, HEIGHT)],

@@ -124,5 +124,5 @@ impl Line {
 
 /// `|F| / |∇F|`; at a cone's tip, where both vanish, the tip's own distance.
 fn distance(form: Form, along: &Polynomial, point: DVec3, at: Double) -> f64 {
-    (along.at(at).abs().round() / form.gradient(point).length()).min(form.from_tip(point))
+    (along.at(at).abs().round() / form.gradient(point).length()).min(form.tip_distance(point))
 }

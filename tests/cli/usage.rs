@@ -4,7 +4,7 @@ use std::process::Stdio;
 
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
-const SUBCOMMANDS: [&str; 4] = ["render", "cast", "audit", "info"];
+const SUBCOMMANDS: [&str; 5] = ["render", "cast", "bench", "audit", "info"];
 
 #[test]
 fn help_is_an_answer_and_lists_what_works() {
@@ -74,6 +74,7 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
     let lines = [
         "render INPUT -o a.png",
         "cast INPUT --rays rays.npy -o hits.npy",
+        "bench INPUT",
         "audit INPUT",
         "info INPUT",
     ];

@@ -149,6 +149,6 @@ fn an_empty_scene_is_never_hit() {
     let mut batch = scene.rays(&rays_down(DVec3::ZERO), PacketWidth::Sixteen, Coherence::Coherent);
     scene.intersect(&mut batch);
     assert!(batch.hits().iter().all(Option::is_none));
-    let single = Embree::load_single_threaded().unwrap();
+    let single = Embree::load_with_threads(1).unwrap();
     assert_eq!(single.version().len(), 3);
 }

@@ -43,12 +43,11 @@ fn stretched() -> Vec<Stretched> {
 fn in_rectangle(random: &mut Random) -> Stretch {
     let half = DVec2::new(0.5, 1.0);
     let side = random.below(2);
-    let ends = [-1.0, 1.0].map(|end| {
+    [-1.0, 1.0].map(|end| {
         let mut at = DVec2::splat(random.between(-1.0, 1.0));
         at[side] = end;
         (at * half).extend(0.0)
-    });
-    ends
+    })
 }
 
 fn in_disk(random: &mut Random) -> Stretch {

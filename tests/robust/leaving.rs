@@ -1,8 +1,7 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
 use glam::DVec3;
-use nurbray::geometry::NurbsSurface;
-use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Hit, Query, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 

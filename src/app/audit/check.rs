@@ -1,7 +1,7 @@
 //! The audit itself: every ray by the fast path and by the exact solver, on all threads.
 
 use nurbray::geometry::NurbsSurface;
-use nurbray::intersect::{Kernel, SurfaceBvh};
+use nurbray::intersect::{Coherence, Kernel, SurfaceBvh};
 use rayon::prelude::*;
 
 use super::class::{Class, shares};
@@ -68,12 +68,16 @@ fn chunk(
 ) -> Tally {
     let mut tracer = what.bvh.tracer_with(what.kernel);
     let mut hits = Vec::new();
+    let mut answers = Vec::new();
     let mut tally = Tally::default();
     for index in indices {
         let Some(shot) = source.shot(class, index, &mut tracer) else {
             continue;
         };
-        let answer = tracer.first_hit(&shot.query);
+        // Through the packets, if the kernel has them: what a ray is answered does not depend
+        // on how many there are.
+        tracer.first_hits(&[shot.query], Coherence::Coherent, &mut answers);
+        let answer = answers[0];
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };

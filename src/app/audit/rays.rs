@@ -5,8 +5,8 @@ use nurbray::geometry::{NurbsSurface, SurfaceDerivatives};
 use nurbray::intersect::{Query, Tracer};
 use nurbray::math::Ray;
 
+use super::super::random::Random;
 use super::class::Class;
-use super::random::Random;
 use super::sites::{Site, Sites};
 
 /// How often a ray is tried anew whose random numbers make none: a normal that is undefined, two

@@ -4,7 +4,7 @@ use glam::DVec3;
 use nurbray::geometry::{NurbsSurface, SurfaceDerivatives};
 
 use super::super::border::Border;
-use super::random::Random;
+use super::super::random::Random;
 
 /// A point of a surface, by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]

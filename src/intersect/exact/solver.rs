@@ -240,7 +240,7 @@ impl ExactSolver {
         }
         if ranges[1].magnitude() <= 2.0 * error {
             // The box and the ray lie in one plane, as far as rounding can tell.
-            return self.contact(&bounds);
+            return self.contact(bounds);
         }
 
         let mut part: Rect = [[0.0, 1.0]; 2];

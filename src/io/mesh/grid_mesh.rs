@@ -112,6 +112,16 @@ pub struct GridMesh {
 }
 
 impl GridMesh {
+    /// A mesh without grids yet, with room for so many vertices.
+    pub(super) fn with_room(vertices: usize) -> Self {
+        Self {
+            positions: Vec::with_capacity(vertices),
+            normals: Vec::with_capacity(vertices),
+            uv: Vec::with_capacity(vertices),
+            grids: Vec::new(),
+        }
+    }
+
     /// Adds a grid of `rows` × `columns` vertices, given row by row by `vertex(row, column)`.
     ///
     /// # Errors

@@ -7,4 +7,4 @@ mod plan;
 mod tessellation;
 
 pub use grid_mesh::{Grid, GridMesh, MAX_GRID_SIDE, MAX_VERTICES, MeshError, MeshPoint};
-pub use tessellation::Tessellation;
+pub use tessellation::{Tessellation, TessellationPlan};

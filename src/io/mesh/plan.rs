@@ -105,9 +105,9 @@ impl Plan {
         measured.worst() > distance
     }
 
-    /// The number of vertices the plan makes, or a little more.
+    /// The number of vertices the plan makes; neighbouring grids have their borders twice.
     pub(super) fn vertex_count(&self) -> usize {
-        let [rows, columns] = self.counts.clone().map(|counts| {
+        let [rows, columns] = self.counts.each_ref().map(|counts| {
             counts.iter().fold(0usize, |sum, &count| sum.saturating_add(count).saturating_add(1))
         });
         rows.saturating_mul(columns)

@@ -12,37 +12,32 @@ use crate::geometry::NurbsSurface;
 /// parametrisation is singular. What is reached is measured and reported in any case.
 const MAX_ROUNDS: usize = 10;
 
-/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
-///
-/// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
-/// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
-/// them; otherwise gaps as wide as the deviation may open.
+/// How finely surfaces are to be cut: found once, carried out as often as need be.
 #[derive(Clone, Debug)]
-pub struct Tessellation {
-    meshes: Vec<GridMesh>,
-    deviation: f64,
+pub struct TessellationPlan {
+    surfaces: usize,
+    plans: Vec<(usize, Plan)>,
     diagonal: f64,
 }
 
-impl Tessellation {
-    /// Cuts every knot span into `cells` × `cells`.
+impl TessellationPlan {
+    /// Every knot span is to be cut into `cells` × `cells`.
     ///
     /// # Errors
-    /// When a grid or all of them together would become too large.
+    /// When a surface cannot be cut at its creases.
     pub fn with_cells(surfaces: &[NurbsSurface], cells: usize) -> Result<Self, MeshError> {
         let diagonal = diagonal(&plans(surfaces, shown)?);
         let plans = plans(surfaces, |_| cells)?;
-        Self::carried_out(surfaces.len(), &plans, diagonal)
+        Ok(Self { surfaces: surfaces.len(), plans, diagonal })
     }
 
-    /// Cuts surfaces so finely that they stay within `fraction` of the diagonal of their
-    /// common bounding box from their triangles; each row and each column of knot spans has
-    /// counts of its own. That they stay there is checked by sampling: see
+    /// Surfaces are to be cut so finely that they stay within `fraction` of the diagonal of
+    /// their common bounding box from their triangles; each row and each column of knot spans
+    /// has counts of its own. That they stay there is checked by sampling: see
     /// [`Tessellation::deviation`].
     ///
     /// # Errors
-    /// When `fraction` is not a positive number, or a grid or all of them together would
-    /// become too large.
+    /// When `fraction` is not a positive number, or a surface cannot be cut at its creases.
     pub fn to_tolerance(surfaces: &[NurbsSurface], fraction: f64) -> Result<Self, MeshError> {
         let usable = fraction > 0.0 && fraction.is_finite(); // false for NaN
         if !usable {
@@ -59,26 +54,73 @@ impl Tessellation {
                 }
             }
         }
-        Self::carried_out(surfaces.len(), &plans, diagonal)
+        Ok(Self { surfaces: surfaces.len(), plans, diagonal })
     }
 
-    fn carried_out(
-        surfaces: usize,
-        plans: &[(usize, Plan)],
-        diagonal: f64,
-    ) -> Result<Self, MeshError> {
-        let vertices =
-            plans.iter().fold(0usize, |sum, (_, plan)| sum.saturating_add(plan.vertex_count()));
+    /// The diagonal of the bounding box of all surfaces, from a few points of each knot span;
+    /// it does not depend on how finely they are cut.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Carries the plan out: one mesh for each surface, in the same order.
+    ///
+    /// # Errors
+    /// When a grid or all of them together would become too large.
+    pub fn meshes(&self) -> Result<Vec<GridMesh>, MeshError> {
+        let mut counts = vec![0_usize; self.surfaces];
+        for (surface, plan) in &self.plans {
+            counts[*surface] = counts[*surface].saturating_add(plan.vertex_count());
+        }
+        let vertices = counts.iter().copied().fold(0, usize::saturating_add);
         if vertices > MAX_VERTICES {
             return Err(MeshError::TooManyVertices { vertices, limit: MAX_VERTICES });
         }
-        let mut meshes = vec![GridMesh::default(); surfaces];
-        let mut deviation: f64 = 0.0;
-        for (surface, plan) in plans {
+        let mut meshes: Vec<_> = counts.into_iter().map(GridMesh::with_room).collect();
+        for (surface, plan) in &self.plans {
             plan.carry_out(&mut meshes[*surface])?;
-            deviation = deviation.max(plan.measure().worst());
         }
-        Ok(Self { meshes, deviation, diagonal })
+        Ok(meshes)
+    }
+
+    fn deviation(&self) -> f64 {
+        self.plans.iter().map(|(_, plan)| plan.measure().worst()).fold(0.0, f64::max)
+    }
+}
+
+/// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
+///
+/// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
+/// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
+/// them; otherwise gaps as wide as the deviation may open.
+#[derive(Clone, Debug)]
+pub struct Tessellation {
+    meshes: Vec<GridMesh>,
+    deviation: f64,
+    diagonal: f64,
+}
+
+impl Tessellation {
+    /// Cuts every knot span into `cells` × `cells`.
+    ///
+    /// # Errors
+    /// As [`TessellationPlan::with_cells`] and [`TessellationPlan::meshes`].
+    pub fn with_cells(surfaces: &[NurbsSurface], cells: usize) -> Result<Self, MeshError> {
+        Self::carried_out(&TessellationPlan::with_cells(surfaces, cells)?)
+    }
+
+    /// Cuts surfaces so finely that they stay within `fraction` of the diagonal of their
+    /// common bounding box from their triangles.
+    ///
+    /// # Errors
+    /// As [`TessellationPlan::to_tolerance`] and [`TessellationPlan::meshes`].
+    pub fn to_tolerance(surfaces: &[NurbsSurface], fraction: f64) -> Result<Self, MeshError> {
+        Self::carried_out(&TessellationPlan::to_tolerance(surfaces, fraction)?)
+    }
+
+    fn carried_out(plan: &TessellationPlan) -> Result<Self, MeshError> {
+        let meshes = plan.meshes()?;
+        Ok(Self { meshes, deviation: plan.deviation(), diagonal: plan.diagonal })
     }
 
     /// One mesh for each surface, in the same order.
@@ -94,8 +136,7 @@ impl Tessellation {
         self.deviation
     }
 
-    /// The diagonal of the bounding box of all surfaces, from a few points of
-    /// each knot span; it does not depend on how finely they are cut.
+    /// As [`TessellationPlan::diagonal`].
     pub fn diagonal(&self) -> f64 {
         self.diagonal
     }

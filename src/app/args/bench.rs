@@ -1,0 +1,145 @@
+//! What `nurbray bench` may be told.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use nurbray::intersect::Kernel;
+
+use super::super::bench::{self, RaySet};
+use super::{MAX_THREADS, kernels};
+
+/// The widest picture: its 64 million rays and their packets take about 20 GB.
+const MAX_SIZE: i64 = 8192;
+
+/// `nurbray bench`.
+#[derive(Debug, Args)]
+#[command(after_help = bench::HELP)]
+pub(crate) struct BenchArguments {
+    /// Scenes (.toml) or bare models (.json)
+    #[arg(value_name = "INPUT", required = true)]
+    pub(crate) inputs: Vec<PathBuf>,
+
+    /// Which rays: names from primary, single, incoherent, incoherent-single, ao, shadow
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = ray_sets(),
+        hide_possible_values = true, default_values_t = RaySet::DEFAULT)]
+    pub(crate) rays: Vec<RaySet>,
+
+    /// Trace the same rays in the same run with a rival, on a tessellation
+    #[arg(long, value_name = "RIVAL", value_parser = ["embree"])]
+    pub(crate) against: Option<String>,
+
+    /// How far the rival's triangles may be from the surface, as fractions of the diagonal of
+    /// the model's bounding box [default: 1e-3,1e-5]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tolerance,
+        requires = "against")]
+    pub(crate) tolerance: Vec<f64>,
+
+    /// Numbers of threads; several are measured one after the other
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1",
+        value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    pub(crate) threads: Vec<u16>,
+
+    /// Which code searches for hits; may name several [default: all, side by side]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kernels())]
+    pub(crate) kernel: Vec<Kernel>,
+
+    /// Pixels along each side of the picture: N x N primary rays, as many incoherent ones
+    #[arg(long, value_name = "N", default_value_t = 1024,
+        value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+    pub(crate) size: u32,
+
+    /// How long to measure each competitor on each ray set. Slow ones take longer: each
+    /// traces all rays six times at least
+    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = seconds)]
+    pub(crate) seconds: f64,
+
+    /// Print one JSON object a line instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Draw speed over tolerance, a panel for each model and ray set
+    #[arg(long, value_name = "OUT.svg", requires = "against")]
+    pub(crate) plot: Option<PathBuf>,
+}
+
+impl BenchArguments {
+    /// The kernels to measure, each once.
+    pub(crate) fn kernels(&self) -> Vec<Kernel> {
+        if self.kernel.is_empty() { Kernel::ALL.to_vec() } else { once_each(&self.kernel) }
+    }
+
+    /// The ray sets to measure, each once.
+    pub(crate) fn ray_sets(&self) -> Vec<RaySet> {
+        once_each(&self.rays)
+    }
+
+    /// The numbers of threads to measure with, each once.
+    pub(crate) fn thread_counts(&self) -> Vec<u16> {
+        once_each(&self.threads)
+    }
+
+    /// The rival's tolerances, each once; none without a rival.
+    pub(crate) fn tolerances(&self) -> Vec<f64> {
+        match &self.against {
+            None => Vec::new(),
+            Some(_) if self.tolerance.is_empty() => vec![1e-3, 1e-5],
+            Some(_) => once_each(&self.tolerance),
+        }
+    }
+}
+
+fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for &item in list {
+        if !once.contains(&item) {
+            once.push(item);
+        }
+    }
+    once
+}
+
+fn ray_sets() -> impl TypedValueParser<Value = RaySet> {
+    let names = RaySet::ALL.iter().map(|set| set.name());
+    // Only names of ray sets come this far.
+    PossibleValuesParser::new(names).map(|name| RaySet::named(&name).unwrap_or(RaySet::Primary))
+}
+
+/// Parses a tolerance: from 1 on it would allow any triangle in the box.
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
+        _ => Err("a fraction between 0 and 1 is needed, such as 1e-3".into()),
+    }
+}
+
+/// Parses a time: a day is too long for anyone to wait for.
+fn seconds(text: &str) -> Result<f64, String> {
+    const DAY: f64 = 86_400.0;
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= DAY => Ok(seconds),
+        _ => Err("a number of seconds is needed, such as 0.5".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerances_and_times() {
+        assert_eq!(tolerance("1e-3"), Ok(1e-3));
+        for wrong in ["", "0", "1", "-1e-3", "nan", "fine"] {
+            assert!(tolerance(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(seconds("0.5"), Ok(0.5));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_named_twice_is_measured_once() {
+        assert_eq!(once_each(&[2, 1, 2]), [2, 1]);
+    }
+}

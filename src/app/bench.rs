@@ -1,0 +1,174 @@
+//! `nurbray bench`: how fast rays are traced, by us and by a rival.
+
+mod clock;
+mod measure;
+mod model;
+mod ours;
+mod outcome;
+mod plot;
+mod ray_set;
+mod rays;
+mod report;
+mod rival;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use nurbray::io::Embree;
+
+use super::args::BenchArguments;
+use super::failure::{Failure, OrFail};
+use super::progress::Progress;
+use super::{console, output, threads};
+use measure::Measurement;
+use model::Model;
+use plot::Panel;
+pub(crate) use ray_set::RaySet;
+use rays::Rays;
+use report::Report;
+use rival::Rival;
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+Ray sets; N is --size:
+  primary            the camera's rays through the middles of N x N pixels, in packets: tiles of
+                     64 x 64 pixels, in each a Z-order curve, so that 16 rays are 4 x 4 pixels
+  single             the same rays in the same order, one call a ray
+  incoherent         N x N chords of a sphere around the model (1 % wider than it), in batches
+  incoherent-single  the same chords, one call a ray
+  ao                 any hit of ambient-occlusion rays: from each exact hit of the primary rays one
+                     ray in a random direction around the normal (cosine), 1/5 of the model's
+                     diagonal long; in batches
+  shadow             any hit on the way from those hits to the scene's first lamp, in packets
+Rays are made before the clock starts, the same for everyone and in every run; they lie in memory,
+Embree's in the packets it wants.
+
+Speed: the median of 5 rounds, and (largest - smallest) / median as spread. Kernels and rival take
+turns in each round; before the first everyone traces all rays once. Everyone works on the same
+number of threads, which take 4096 rays at a time.
+
+--against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST; libembree4 or
+libembree3, or the library named by EMBREE_LIB. Every knot span is cut evenly, as often as is needed
+for the sampled distance between surface and triangles to stay within tolerance x diagonal.
+rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16. tnear is 0, but for
+rays that leave a surface twice the tolerance; nurbray needs none. A ray differs in t if the rival's
+hit is farther from the tangent plane of ours than the tolerance.
+
+With --json one object a line, for each model, ray set, kernel and tolerance:
+  model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits, doubtful (rays),
+  radius (ao: the rays' length)
+  file_seconds    from the file to ready
+  build_seconds   from the placed surfaces to ready, part of file_seconds
+  total_seconds   from the file to the last ray
+  bytes           everything tracing needs
+and with a rival:
+  rival (embree), rival_version, rival_width (rays a packet), tolerance, rival_mrays_per_s, rival_spread, rival_hits,
+  rival_triangles
+  rival_plan_seconds
+                  to find out how often to cut; part of no other figure
+  rival_build_seconds
+                  to make the vertices (on one thread), fill the buffers, rtcCommitScene
+  rival_commit_seconds
+                  the last two of these
+  rival_total_seconds
+                  as total_seconds, with rival_build_seconds instead of build_seconds
+  rival_bytes     what Embree reports, vertices included; normals and (u, v) are not
+  rival_tnear, hit_disagreements, t_disagreements (rays)
+  ratio           mrays_per_s / rival_mrays_per_s
+Preparations are repeated up to 9 times; times are medians.
+
+More models to measure with come from the source tree: cargo run --example bench_models -- FOLDER
+
+Example:
+  nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-4,1e-5 --plot teapot.svg";
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
+    let inputs: Vec<&Path> = arguments.inputs.iter().map(AsRef::as_ref).collect();
+    let outputs: Vec<&Path> = arguments.plot.iter().map(AsRef::as_ref).collect();
+    output::check(&outputs, &inputs)?;
+
+    let mut panels = Vec::new();
+    for &threads in &arguments.thread_counts() {
+        let embree = match &arguments.against {
+            Some(_) => Some(Embree::load_with_threads(threads).or_failed()?),
+            None => None,
+        };
+        let pool = threads::pool(Some(threads))?;
+        for input in &inputs {
+            let bout = Bout { arguments, threads, embree: embree.as_ref() };
+            let (text, row) = pool.install(|| bout.fight(input))?;
+            let gap = if panels.is_empty() || arguments.json { "" } else { "\n" };
+            console::print(&format!("{gap}{text}"))?;
+            panels.push(row);
+        }
+    }
+    if let Some(path) = &arguments.plot {
+        plot::write(path, &panels).or_failed()?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// One model on one number of threads.
+#[derive(Clone, Copy)]
+struct Bout<'a> {
+    arguments: &'a BenchArguments,
+    threads: u16,
+    embree: Option<&'a Embree>,
+}
+
+impl Bout<'_> {
+    /// Measures everything asked for; what to print, and what to draw.
+    fn fight(self, input: &Path) -> Result<(String, Vec<Panel>), Failure> {
+        let arguments = self.arguments;
+        let seconds = arguments.seconds;
+        let budget = Duration::from_secs_f64(seconds);
+        let model = Model::load(input, budget)?;
+        let mut rivals = Vec::new();
+        if let Some(embree) = self.embree {
+            for tolerance in arguments.tolerances() {
+                rivals.push(Rival::build(embree, &model.surfaces, tolerance, budget)?);
+            }
+        }
+
+        let sets = arguments.ray_sets();
+        let progress = Progress::new("measuring", sets.len() as u64);
+        let mut measurements = Vec::new();
+        for (done, &set) in sets.iter().enumerate() {
+            let rays = Rays::new(set, &model, arguments.size);
+            if rays.len() == 0 {
+                console::warning(&format!("{}: there are no {set} rays", model.name));
+                continue;
+            }
+            let kernels = arguments.kernels();
+            measurements.push(Measurement::new(&model, &kernels, &rivals, &rays, seconds));
+            progress.set(done as u64 + 1, 0);
+        }
+        progress.finish();
+
+        let rival = self.rival();
+        let report = Report {
+            model: &model,
+            threads: self.threads,
+            rival: &rival,
+            rivals: &rivals,
+            measurements: &measurements,
+        };
+        let text = if arguments.json {
+            report.json().iter().map(|line| format!("{line}\n")).collect()
+        } else {
+            report.text()
+        };
+        let panel = |measured| Panel::new(&model.name, self.threads, (&rival, measured));
+        Ok((text, measurements.iter().map(panel).collect()))
+    }
+
+    /// What the rival is called, with its version.
+    fn rival(self) -> String {
+        self.embree.map_or_else(String::new, |embree| {
+            let [major, minor, patch] = embree.version();
+            format!("embree {major}.{minor}.{patch}")
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! One set of rays, all competitors.
+
+use nurbray::intersect::Kernel;
+
+use super::clock::{Pass, Speed, race};
+use super::model::Model;
+use super::ours::Ours;
+use super::outcome::{self, Disagreements};
+use super::ray_set::RaySet;
+use super::rays::Rays;
+use super::rival::Rival;
+
+/// How fast everyone traced one set of rays, and what they found.
+#[derive(Clone, Debug)]
+pub(super) struct Measurement {
+    pub(super) set: RaySet,
+    /// The number of rays.
+    pub(super) count: usize,
+    pub(super) kernels: Vec<KernelResult>,
+    /// One for each tolerance.
+    pub(super) rivals: Vec<RivalResult>,
+}
+
+/// One of our kernels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KernelResult {
+    pub(super) kernel: Kernel,
+    pub(super) speed: Speed,
+    pub(super) hits: usize,
+    pub(super) doubtful: usize,
+}
+
+/// The rival at one tolerance.
+#[derive(Clone, Debug)]
+pub(super) struct RivalResult {
+    pub(super) tolerance: f64,
+    /// Rays a packet.
+    pub(super) width: u32,
+    /// Where its rays begin, in scene units.
+    pub(super) t_near: f64,
+    pub(super) speed: Speed,
+    pub(super) hits: usize,
+    /// With each of our kernels, in their order.
+    pub(super) disagreements: Vec<Disagreements>,
+}
+
+impl Measurement {
+    /// Traces the rays on the threads of the pool this runs in: everyone once to compare the
+    /// answers and to warm up, then as long as `seconds` says for each.
+    pub(super) fn new(
+        model: &Model,
+        kernels: &[Kernel],
+        rivals: &[Rival],
+        rays: &Rays,
+        seconds: f64,
+    ) -> Self {
+        let ours: Vec<_> =
+            kernels.iter().map(|&kernel| Ours { bvh: &model.world.bvh, kernel, rays }).collect();
+        let mut entries: Vec<_> = rivals.iter().map(|rival| rival.enter(rays)).collect();
+
+        let found: Vec<_> = ours.iter().map(Ours::outcomes).collect();
+        let mut rival_results = Vec::new();
+        for (rival, entry) in rivals.iter().zip(&entries) {
+            let theirs = entry.outcomes();
+            let against = found.iter().map(|ours| outcome::compare(ours, &theirs, rival.distance));
+            rival_results.push(RivalResult {
+                tolerance: rival.tolerance,
+                width: entry.width(),
+                t_near: entry.t_near,
+                speed: Speed::default(),
+                hits: outcome::hits(&theirs),
+                disagreements: against.collect(),
+            });
+        }
+
+        let mut passes: Vec<Pass<'_>> = Vec::new();
+        passes.extend(ours.iter().map(|ours| Box::new(|| ours.pass()) as Pass<'_>));
+        passes.extend(entries.iter_mut().map(|entry| Box::new(|| entry.pass()) as Pass<'_>));
+        let speeds = race(&mut passes, rays.len(), seconds);
+        let (our_speeds, rival_speeds) = speeds.split_at(ours.len());
+        for (result, &speed) in rival_results.iter_mut().zip(rival_speeds) {
+            result.speed = speed;
+        }
+        let results = ours.iter().zip(&found).zip(our_speeds);
+        let results = results.map(|((ours, found), &speed)| KernelResult {
+            kernel: ours.kernel,
+            speed,
+            hits: outcome::hits(found),
+            doubtful: outcome::doubtful(found),
+        });
+        let kernels = results.collect();
+        Self { set: rays.set, count: rays.len(), kernels, rivals: rival_results }
+    }
+
+    /// The fastest kernel; `None` if none was asked for.
+    pub(super) fn fastest(&self) -> Option<&KernelResult> {
+        let rate = |result: &&KernelResult| result.speed.mrays_per_s;
+        self.kernels.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))
+    }
+}

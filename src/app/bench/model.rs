@@ -1,0 +1,138 @@
+//! An input made ready, and how long that takes.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::intersect::{BuildOptions, SurfaceBvh};
+use nurbray::scene::World;
+
+use super::super::failure::{Failure, OrFail};
+use super::super::input;
+use super::clock::median;
+
+/// The most times a preparation is repeated: an odd number, to have a middle.
+const MOST_RUNS: usize = 9;
+
+/// The bounding sphere is wider than the farthest point found by this factor. Chords of a
+/// sphere would otherwise start on it, which is a class of its own (see `audit`).
+const MARGIN: f64 = 1.01;
+
+/// A model ready to trace.
+#[derive(Debug)]
+pub(super) struct Model {
+    /// The input as typed.
+    pub(super) name: String,
+    /// The scene.
+    pub(super) world: World,
+    /// Its surfaces in their places: what a rival starts from.
+    pub(super) surfaces: Vec<NurbsSurface>,
+    /// From the file to a world ready to trace, in seconds.
+    pub(super) file_seconds: f64,
+    /// From surfaces to what is traced, in seconds: part of `file_seconds`.
+    pub(super) build_seconds: f64,
+    /// The middle of the bounding box.
+    pub(super) centre: DVec3,
+    /// The radius of a sphere about that middle which holds the surfaces.
+    pub(super) radius: f64,
+    /// The diagonal of the bounding box.
+    pub(super) diagonal: f64,
+}
+
+impl Model {
+    /// Reads an input and prepares it, again and again for about as long as the budget says.
+    ///
+    /// # Errors
+    /// When the input is missing, damaged or wrong.
+    pub(super) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
+        let (world, file_seconds) = repeat(budget, || Ok(input::prepare(&input::read(path)?)?.0))?;
+        let surfaces: Vec<_> =
+            world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+        let (_, build_seconds) = repeat(budget, || {
+            SurfaceBvh::build(&surfaces, &BuildOptions::default()).or_bad_input()
+        })?;
+        // A world without surfaces cannot be made.
+        let (low, high) = world.bvh.bounds().unwrap_or_default();
+        let centre = 0.5 * low + 0.5 * high;
+        Ok(Self {
+            name: path.display().to_string(),
+            radius: MARGIN * farthest(&surfaces, centre),
+            surfaces,
+            world,
+            file_seconds,
+            build_seconds,
+            centre,
+            diagonal: (high - low).length(),
+        })
+    }
+}
+
+/// Does something at least once, and until it was done for as long as the budget says; the
+/// last result, and the median of the seconds it took.
+///
+/// # Errors
+/// The first error met.
+pub(super) fn repeat<T>(
+    budget: Duration,
+    mut work: impl FnMut() -> Result<T, Failure>,
+) -> Result<(T, f64), Failure> {
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    loop {
+        let start = Instant::now();
+        let result = work()?;
+        times.push(start.elapsed().as_secs_f64());
+        if times.len() >= MOST_RUNS || begin.elapsed() >= budget {
+            return Ok((result, median(&mut times)));
+        }
+    }
+}
+
+/// The distance from a point to the farthest of some points of the surfaces: four a span and
+/// direction, which miss little of a curve's bulge.
+fn farthest(surfaces: &[NurbsSurface], from: DVec3) -> f64 {
+    let distances = surfaces.iter().flat_map(|surface| {
+        let [us, vs] = [surface.knots_u(), surface.knots_v()].map(parameters);
+        us.into_iter().map(move |u| {
+            vs.iter().map(|&v| surface.point_at(u, v).distance(from)).fold(0.0, f64::max)
+        })
+    });
+    distances.fold(0.0, f64::max)
+}
+
+fn parameters(knots: &KnotVector) -> Vec<f64> {
+    let within = |start: f64, end: f64| {
+        [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|fraction| start + fraction * (end - start))
+    };
+    let spans = knots.spans().flat_map(|span| within(span.start, span.end));
+    spans.chain([knots.domain().1]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::shapes;
+
+    use super::*;
+
+    #[test]
+    fn work_is_repeated_while_there_is_time() {
+        let mut runs = 0;
+        let mut count = || {
+            runs += 1;
+            Ok(runs)
+        };
+        assert_eq!(repeat(Duration::ZERO, &mut count).unwrap().0, 1);
+        assert_eq!(repeat(Duration::from_secs(3600), &mut count).unwrap().0, 1 + MOST_RUNS);
+        let refused = repeat::<()>(Duration::ZERO, || Err(Failure::input("no")));
+        assert!(refused.is_err());
+    }
+
+    #[test]
+    fn the_farthest_point_of_a_sphere_is_a_radius_away() {
+        for radius in [1e-8, 1.0, 1e8] {
+            let sphere = [shapes::sphere(radius).unwrap()];
+            assert!((farthest(&sphere, DVec3::ZERO) / radius - 1.0).abs() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Our side of a race.
+
+use std::hint::black_box;
+
+use nurbray::intersect::{Answer, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
+use rayon::prelude::*;
+
+use super::outcome::Outcome;
+use super::ray_set::{Calls, Question};
+use super::rays::{CHUNK, Rays};
+
+/// One kernel on one set of rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ours<'a> {
+    pub(super) bvh: &'a SurfaceBvh,
+    pub(super) kernel: Kernel,
+    pub(super) rays: &'a Rays,
+}
+
+/// What a thread needs: used again for every chunk, as a renderer does for every tile.
+struct Desk<'a> {
+    tracer: Tracer<'a>,
+    answers: Vec<Answer>,
+    occlusions: Vec<Occlusion>,
+}
+
+impl<'a> Ours<'a> {
+    /// Traces all rays once, on the threads of the pool this runs in. The answers are made and
+    /// dropped.
+    pub(super) fn pass(&self) {
+        self.rays.queries.par_chunks(CHUNK).for_each_init(
+            || self.desk(),
+            |desk, queries| {
+                self.trace(desk, queries);
+                black_box((&desk.answers, &desk.occlusions));
+            },
+        );
+    }
+
+    /// Traces all rays once and keeps what became of them.
+    pub(super) fn outcomes(&self) -> Vec<Outcome> {
+        let chunks = self.rays.queries.par_chunks(CHUNK).map_init(
+            || self.desk(),
+            |desk, queries| {
+                self.trace(desk, queries);
+                self.noted(desk, queries)
+            },
+        );
+        chunks.collect::<Vec<_>>().concat()
+    }
+
+    fn desk(&self) -> Desk<'a> {
+        let tracer = self.bvh.tracer_with(self.kernel);
+        Desk { tracer, answers: Vec::new(), occlusions: Vec::new() }
+    }
+
+    fn trace(&self, desk: &mut Desk<'_>, queries: &[Query]) {
+        let Desk { tracer, answers, occlusions } = desk;
+        match (self.rays.set.question(), self.rays.set.calls()) {
+            (Question::FirstHit, Calls::Batch(coherence)) => {
+                tracer.first_hits(queries, coherence, answers);
+            }
+            (Question::AnyHit, Calls::Batch(coherence)) => {
+                tracer.occlusions(queries, coherence, occlusions);
+            }
+            (Question::FirstHit, Calls::OneByOne) => {
+                answers.clear();
+                answers.extend(queries.iter().map(|query| tracer.first_hit(query)));
+            }
+            (Question::AnyHit, Calls::OneByOne) => {
+                occlusions.clear();
+                occlusions.extend(queries.iter().map(|query| tracer.occluded(query)));
+            }
+        }
+    }
+
+    fn noted(&self, desk: &Desk<'_>, queries: &[Query]) -> Vec<Outcome> {
+        match self.rays.set.question() {
+            Question::FirstHit => {
+                let both = desk.answers.iter().zip(queries);
+                both.map(|(answer, query)| first_hit(answer, query)).collect()
+            }
+            Question::AnyHit => desk.occlusions.iter().map(any_hit).collect(),
+        }
+    }
+}
+
+fn first_hit(answer: &Answer, query: &Query) -> Outcome {
+    let direction = query.ray.direction();
+    let Some(hit) = answer.hit else {
+        return Outcome { distance: None, incidence: 1.0, doubtful: answer.doubtful };
+    };
+    let cosine = (hit.normal.dot(direction) / direction.length()).abs();
+    Outcome {
+        distance: Some(hit.t * direction.length()),
+        incidence: if cosine.is_nan() { 1.0 } else { cosine },
+        doubtful: answer.doubtful || hit.flags.contains(HitFlags::DOUBTFUL),
+    }
+}
+
+fn any_hit(occlusion: &Occlusion) -> Outcome {
+    let distance = occlusion.occluded.then_some(0.0);
+    Outcome { distance, incidence: 1.0, doubtful: occlusion.doubtful }
+}

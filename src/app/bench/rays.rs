@@ -1,0 +1,243 @@
+//! The rays that are timed: made once, for everyone.
+
+use glam::{DVec2, DVec3};
+use nurbray::intersect::{Coherence, Hit, Kernel, Query};
+use nurbray::math::Ray;
+use nurbray::scene::{Light, World};
+use rayon::prelude::*;
+
+use super::super::random::Random;
+use super::model::Model;
+use super::ray_set::RaySet;
+
+/// Rays a thread takes at a time. Fixed, so that packets do not depend on the number of
+/// threads; a tile of 64 × 64 pixels.
+pub(super) const CHUNK: usize = TILE * TILE;
+
+/// The side of a tile in pixels: a power of 2, for the Z-order curve.
+const TILE: usize = 64;
+
+/// How far ambient-occlusion rays reach, as a fraction of the model's diagonal: into the next
+/// hollow, not across the model.
+pub(super) const REACH: f64 = 0.2;
+
+/// Which random rays: fixed, so that two runs trace the same ones.
+const SEED: u64 = 1;
+
+/// The streams of random numbers, one a purpose.
+const CHORDS: u64 = 0;
+const OCCLUSION: u64 = 1;
+
+/// Rays to trace, in the order everyone traces them.
+#[derive(Debug)]
+pub(super) struct Rays {
+    /// Which set this is.
+    pub(super) set: RaySet,
+    /// The rays, with the roots they leave.
+    pub(super) queries: Vec<Query>,
+}
+
+impl Rays {
+    /// Makes the rays of a set; `size` is the side of the picture in pixels.
+    ///
+    /// There may be none: of a scene without a lamp, or seen past.
+    pub(super) fn new(set: RaySet, model: &Model, size: u32) -> Self {
+        let queries = match set {
+            RaySet::Primary | RaySet::Single => primary(&model.world, size),
+            RaySet::Incoherent | RaySet::IncoherentSingle => {
+                let count = u64::from(size) * u64::from(size);
+                (0..count).into_par_iter().filter_map(|index| chord(model, index)).collect()
+            }
+            RaySet::AmbientOcclusion => {
+                let reach = REACH * model.diagonal;
+                let hits = seen(&model.world, size).into_iter().enumerate();
+                hits.filter_map(|(index, seen)| occlusion_ray(&seen, reach, index as u64)).collect()
+            }
+            RaySet::Shadow => {
+                let lamp = model.world.lights.iter().find(|light| is_lamp(light));
+                let hits = seen(&model.world, size);
+                lamp.map_or_else(Vec::new, |lamp| {
+                    hits.iter().filter_map(|seen| shadow_ray(seen, lamp)).collect()
+                })
+            }
+        };
+        Self { set, queries }
+    }
+
+    /// The number of rays.
+    pub(super) fn len(&self) -> usize {
+        self.queries.len()
+    }
+}
+
+/// The rays through the pixels' middles of a square picture.
+///
+/// Tiles of 64 × 64 pixels, row after row; within a tile along a Z-order curve, so that 16
+/// rays in a row are 4 × 4 pixels and 64 are 8 × 8: coherent packets of every width.
+fn primary(world: &World, size: u32) -> Vec<Query> {
+    let side = size as usize;
+    let tiles = side.div_ceil(TILE);
+    let pixels = (0..tiles * tiles).flat_map(|tile| {
+        let corner = [tile % tiles * TILE, tile / tiles * TILE];
+        (0..CHUNK).map(move |code| [corner[0] + even_bits(code), corner[1] + even_bits(code >> 1)])
+    });
+    let film = |[x, y]: [usize; 2]| DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / side as f64;
+    pixels
+        .filter(|pixel| pixel[0] < side && pixel[1] < side)
+        .map(|pixel| Query::primary(world.camera.ray(film(pixel), 1.0)))
+        .collect()
+}
+
+/// Bits 0, 2, 4, … of a number below [`CHUNK`], next to one another.
+fn even_bits(code: usize) -> usize {
+    (0..TILE.ilog2()).map(|bit| (code >> (2 * bit) & 1) << bit).sum()
+}
+
+/// A chord of the bounding sphere: from one random point of it to another.
+fn chord(model: &Model, index: u64) -> Option<Query> {
+    let mut random = Random::new(SEED, CHORDS, index);
+    let [from, to] = [random.direction(), random.direction()];
+    let origin = model.centre + model.radius * from;
+    Ray::new(origin, (to - from).normalize_or_zero()).ok().map(Query::primary)
+}
+
+/// A point the camera sees.
+struct Seen {
+    hit: Hit,
+    /// The unit normal on the camera's side.
+    facing: DVec3,
+}
+
+/// What the camera sees, pixel by pixel in the order of [`primary`], as exact hits. Points
+/// without a normal are left out.
+fn seen(world: &World, size: u32) -> Vec<Seen> {
+    let queries = primary(world, size);
+    let chunks = queries.par_chunks(CHUNK).map(|queries| {
+        let mut answers = Vec::new();
+        let mut tracer = world.bvh.tracer_with(Kernel::default());
+        tracer.first_hits(queries, Coherence::Coherent, &mut answers);
+        let hits = answers.iter().zip(queries).filter_map(|(answer, query)| {
+            let hit = answer.hit?;
+            let away = hit.normal.dot(query.ray.direction()) > 0.0;
+            let facing = if away { -hit.normal } else { hit.normal };
+            facing.is_finite().then_some(Seen { hit, facing })
+        });
+        hits.collect::<Vec<_>>()
+    });
+    chunks.collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+/// A ray over the camera's side of a surface, its direction distributed as the cosine to the
+/// normal: a random point of the unit sphere that touches the surface.
+fn occlusion_ray(seen: &Seen, reach: f64, index: u64) -> Option<Query> {
+    let mut random = Random::new(SEED, OCCLUSION, index);
+    let direction = (seen.facing + random.direction()).normalize_or(seen.facing);
+    let ray = Ray::with_range(seen.hit.point, direction, 0.0, reach).ok()?;
+    Some(Query::leaving(ray, &seen.hit))
+}
+
+fn is_lamp(light: &Light) -> bool {
+    !matches!(light, Light::Ambient { .. })
+}
+
+/// A ray to a lamp; `None` where it stands behind the surface.
+fn shadow_ray(seen: &Seen, lamp: &Light) -> Option<Query> {
+    let origin = seen.hit.point;
+    let ray = match *lamp {
+        Light::Point { position, .. } => Ray::with_range(origin, position - origin, 0.0, 1.0),
+        Light::Directional { to_light, .. } => Ray::new(origin, to_light),
+        Light::Ambient { .. } => return None,
+    };
+    let ray = ray.ok()?;
+    (seen.facing.dot(ray.direction()) > 0.0).then(|| Query::leaving(ray, &seen.hit))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+    use std::fs;
+    use std::time::Duration;
+
+    use super::*;
+
+    fn sphere() -> Model {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sphere.toml");
+        fs::write(&path, "[[object]]\nshape = { sphere = { radius = 2 } }\n").unwrap();
+        Model::load(&path, Duration::ZERO).unwrap()
+    }
+
+    #[test]
+    fn every_pixel_has_one_ray_and_packets_are_squares() {
+        let model = sphere();
+        let rays = Rays::new(RaySet::Primary, &model, 100);
+        assert_eq!(rays.len(), 100 * 100);
+        let key = |query: &Query| query.ray.direction().to_array().map(f64::to_bits);
+        assert_eq!(rays.queries.iter().map(key).collect::<HashSet<_>>().len(), 100 * 100);
+
+        let pixel = |index: usize| {
+            let camera = &model.world.camera;
+            let d = rays.queries[index].ray.direction();
+            let right = camera.ray(DVec2::new(1.0, 0.5), 1.0).direction() - camera.forward();
+            let x = d.dot(camera.right()) / right.length();
+            let y = -d.dot(camera.up()) / right.length();
+            [x, y].map(|s| (50.0 * s + 49.5).round() as i32)
+        };
+        for (packet, side) in [(16, 4), (64, 8)] {
+            let pixels: Vec<_> = (3 * packet..4 * packet).map(pixel).collect();
+            let widest = |axis: usize| {
+                let along = pixels.iter().map(|pixel| pixel[axis]);
+                along.clone().max().unwrap() - along.min().unwrap()
+            };
+            assert_eq!([widest(0), widest(1)], [side - 1, side - 1]);
+        }
+    }
+
+    #[test]
+    fn chords_cross_the_sphere_about_the_model() {
+        let model = sphere();
+        assert!((model.radius - 2.02).abs() < 1e-3, "{}", model.radius);
+        let rays = Rays::new(RaySet::Incoherent, &model, 32);
+        assert_eq!(rays.len(), 32 * 32);
+        let mut meeting = 0;
+        for Query { ray, .. } in &rays.queries {
+            let offset = ray.origin() - model.centre;
+            assert!((offset.length() - model.radius).abs() < 1e-14);
+            let nearest = offset.reject_from_normalized(ray.direction()).length();
+            meeting += u32::from(nearest < 2.0);
+        }
+        // The squared distance of such a chord from the centre is uniform: 1 - 2 % of them
+        // pass within 2.00 of 2.02.
+        assert!((970..=1024).contains(&meeting), "{meeting}");
+        let again = Rays::new(RaySet::Incoherent, &model, 32);
+        assert_eq!(rays.queries[5].ray, again.queries[5].ray);
+    }
+
+    #[test]
+    fn occlusion_rays_leave_the_side_that_is_seen() {
+        let model = sphere();
+        let rays = Rays::new(RaySet::AmbientOcclusion, &model, 24);
+        assert!((200..24 * 24).contains(&rays.len()), "{}", rays.len());
+        for query in &rays.queries {
+            let (point, ray) = (query.ray.origin(), query.ray);
+            assert!((point.length() - 2.0).abs() < 1e-14);
+            assert!(point.dot(ray.direction()) >= 0.0);
+            assert_eq!(ray.t_max(), REACH * model.diagonal);
+            assert!(query.from.is_some());
+        }
+    }
+
+    #[test]
+    fn shadow_rays_go_to_the_lamp_in_front() {
+        let model = sphere();
+        let rays = Rays::new(RaySet::Shadow, &model, 24);
+        let first = rays.queries[0].ray.direction();
+        for query in &rays.queries {
+            assert_eq!(query.ray.direction(), first); // the default lamp is far away
+            assert!(query.ray.origin().dot(first) > 0.0);
+        }
+        let mut dark = sphere();
+        dark.world.lights = vec![Light::Ambient { radiance: [1.0; 3] }];
+        assert_eq!(Rays::new(RaySet::Shadow, &dark, 24).len(), 0);
+    }
+}

@@ -1,0 +1,266 @@
+//! What was measured of one model, as JSON and as tables.
+
+use serde_json::{Value, json};
+
+use super::super::table::{count, short, short_bytes, table};
+use super::clock::Speed;
+use super::measure::{KernelResult, Measurement, RivalResult};
+use super::model::Model;
+use super::ray_set::{Question, RaySet};
+use super::rays::REACH;
+use super::rival::Rival;
+
+/// Everything measured of one model on one number of threads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Report<'a> {
+    pub(super) model: &'a Model,
+    pub(super) threads: u16,
+    /// What the rival is called: its name, a space, its version.
+    pub(super) rival: &'a str,
+    /// One for each tolerance.
+    pub(super) rivals: &'a [Rival],
+    pub(super) measurements: &'a [Measurement],
+}
+
+impl Report<'_> {
+    /// One object for each ray set, kernel and tolerance.
+    pub(super) fn json(&self) -> Vec<Value> {
+        let mut lines = Vec::new();
+        for measured in self.measurements {
+            for (index, ours) in measured.kernels.iter().enumerate() {
+                if measured.rivals.is_empty() {
+                    lines.push(self.json_ours(measured, ours));
+                }
+                for (rival, result) in self.rivals.iter().zip(&measured.rivals) {
+                    let mut line = self.json_ours(measured, ours);
+                    self.add_rival(&mut line, (measured, index), (rival, result));
+                    lines.push(line);
+                }
+            }
+        }
+        lines
+    }
+
+    fn json_ours(&self, measured: &Measurement, ours: &KernelResult) -> Value {
+        let mut line = json!({
+            "model": self.model.name,
+            "rays": measured.set.name(),
+            "count": measured.count,
+            "kernel": ours.kernel.name(),
+            "threads": self.threads,
+            "mrays_per_s": ours.speed.mrays_per_s,
+            "spread": ours.speed.spread,
+            "hits": ours.hits,
+            "doubtful": ours.doubtful,
+            "file_seconds": self.model.file_seconds,
+            "build_seconds": self.model.build_seconds,
+            "total_seconds": self.our_total(measured, ours),
+            "bytes": self.model.world.bvh.bytes(),
+        });
+        if measured.set == RaySet::AmbientOcclusion {
+            line["radius"] = json!(REACH * self.model.diagonal);
+        }
+        line
+    }
+
+    fn add_rival(
+        &self,
+        line: &mut Value,
+        (measured, kernel): (&Measurement, usize),
+        (rival, result): (&Rival, &RivalResult),
+    ) {
+        let ours = measured.kernels[kernel].speed.mrays_per_s;
+        let disagreements = result.disagreements[kernel];
+        let (name, version) = self.rival.split_once(' ').unwrap_or((self.rival, ""));
+        line["rival"] = json!(name);
+        line["rival_version"] = json!(version);
+        line["rival_width"] = json!(result.width);
+        line["tolerance"] = json!(result.tolerance);
+        line["rival_mrays_per_s"] = json!(result.speed.mrays_per_s);
+        line["rival_spread"] = json!(result.speed.spread);
+        line["rival_hits"] = json!(result.hits);
+        line["rival_triangles"] = json!(rival.triangles);
+        line["rival_build_seconds"] = json!(rival.build_seconds);
+        line["rival_commit_seconds"] = json!(rival.commit_seconds);
+        line["rival_plan_seconds"] = json!(rival.plan_seconds);
+        line["rival_total_seconds"] = json!(self.rival_total(measured, rival, result));
+        line["rival_bytes"] = json!(rival.bytes);
+        line["rival_tnear"] = json!(result.t_near);
+        line["hit_disagreements"] = json!(disagreements.hit);
+        if measured.set.question() == Question::FirstHit {
+            line["t_disagreements"] = json!(disagreements.distance);
+        }
+        line["ratio"] = json!(ours / result.speed.mrays_per_s);
+    }
+
+    /// From the file to the last ray, in seconds.
+    fn our_total(&self, measured: &Measurement, ours: &KernelResult) -> f64 {
+        self.model.file_seconds + tracing_seconds(measured, ours.speed)
+    }
+
+    /// The same for the rival: it has the same file to read.
+    fn rival_total(&self, measured: &Measurement, rival: &Rival, result: &RivalResult) -> f64 {
+        let reading = (self.model.file_seconds - self.model.build_seconds).max(0.0);
+        reading + rival.build_seconds + tracing_seconds(measured, result.speed)
+    }
+
+    /// Tables for people.
+    pub(super) fn text(&self) -> String {
+        let mut text = self.preparation();
+        text.push('\n');
+        text.push_str(&table(&self.speeds(), &[0]));
+        if !self.rivals.is_empty() {
+            text.push('\n');
+            text.push_str(&table(&self.comparison(), &[0, 1]));
+            text.push_str(&self.totals());
+        }
+        text
+    }
+
+    /// What there is, how large it is, how long it took to prepare.
+    fn preparation(&self) -> String {
+        let Self { model, .. } = self;
+        let bvh = &model.world.bvh;
+        let mut text = format!(
+            "{}, {}: {}, {}, {}, {}; {} from the surfaces, {} from the file\n",
+            model.name,
+            count(self.threads.into(), "thread"),
+            count(bvh.surface_count() as u64, "surface"),
+            count(bvh.patches().pieces().len() as u64, "piece"),
+            count(bvh.patches().leaves().len() as u64, "leaf").replace("leafs", "leaves"),
+            short_bytes(bvh.bytes()),
+            time(model.build_seconds),
+            time(model.file_seconds),
+        );
+        for rival in self.rivals {
+            text.push_str(&format!(
+                "{}, tolerance {:e}: {}, {}; {} to plan, {} from the surfaces, {} of it to commit\n",
+                self.rival,
+                rival.tolerance,
+                count(rival.triangles as u64, "triangle"),
+                short_bytes(rival.bytes),
+                time(rival.plan_seconds),
+                time(rival.build_seconds),
+                time(rival.commit_seconds),
+            ));
+        }
+        text
+    }
+
+    /// Speeds: a row a ray set, kernels side by side, then the rival.
+    fn speeds(&self) -> Vec<Vec<String>> {
+        let Some(first) = self.measurements.first() else { return Vec::new() };
+        let mut heading = vec!["Mrays/s (spread)".to_owned(), "rays".into(), "hits".into()];
+        heading.push("doubtful".into());
+        heading.extend(first.kernels.iter().map(|ours| ours.kernel.to_string()));
+        for rival in &first.rivals {
+            heading.extend([format!("at {:e}", rival.tolerance), "packet".into(), "ratio".into()]);
+        }
+        let mut rows = vec![heading];
+        for measured in self.measurements {
+            let Some(fastest) = measured.fastest() else { continue };
+            let share = 100.0 * fastest.hits as f64 / measured.count as f64;
+            let mut row = vec![measured.set.to_string(), measured.count.to_string()];
+            row.extend([format!("{share:.1} %"), fastest.doubtful.to_string()]);
+            row.extend(measured.kernels.iter().map(|ours| rate(ours.speed)));
+            for rival in &measured.rivals {
+                let ratio = fastest.speed.mrays_per_s / rival.speed.mrays_per_s;
+                row.extend([rate(rival.speed), rival.width.to_string(), three_digits(ratio)]);
+            }
+            rows.push(row);
+        }
+        rows
+    }
+
+    /// What the rival finds that we do not, and the other way round.
+    fn comparison(&self) -> Vec<Vec<String>> {
+        let heading = ["rays that differ", "tolerance", "tnear", "hit or miss", "t"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        for measured in self.measurements {
+            for rival in &measured.rivals {
+                let Some(differ) = rival.disagreements.first() else { continue };
+                let t = match measured.set.question() {
+                    Question::FirstHit => differ.distance.to_string(),
+                    Question::AnyHit => "-".into(),
+                };
+                let tolerance = format!("{:e}", rival.tolerance);
+                let t_near = short(rival.t_near);
+                rows.push(vec![
+                    measured.set.to_string(),
+                    tolerance,
+                    t_near,
+                    differ.hit.to_string(),
+                    t,
+                ]);
+            }
+        }
+        rows
+    }
+
+    /// From the file to the picture.
+    fn totals(&self) -> String {
+        let primary = self.measurements.iter().find(|measured| measured.set == RaySet::Primary);
+        let Some((measured, ours)) =
+            primary.and_then(|measured| Some((measured, measured.fastest()?)))
+        else {
+            return String::new();
+        };
+        let mut text = format!(
+            "\nFrom the file to the last primary ray: {} ({})",
+            time(self.our_total(measured, ours)),
+            ours.kernel
+        );
+        for (rival, result) in self.rivals.iter().zip(&measured.rivals) {
+            let total = time(self.rival_total(measured, rival, result));
+            text.push_str(&format!(", {total} at {:e}", rival.tolerance));
+        }
+        text.push('\n');
+        text
+    }
+}
+
+fn tracing_seconds(measured: &Measurement, speed: Speed) -> f64 {
+    1e-6 * measured.count as f64 / speed.mrays_per_s
+}
+
+fn rate(speed: Speed) -> String {
+    format!("{} ({:.0} %)", three_digits(speed.mrays_per_s), 100.0 * speed.spread)
+}
+
+/// `0.0123`, `1.23`, `12.3`, `123`.
+fn three_digits(number: f64) -> String {
+    let decimals = 2 - number.abs().log10().floor().clamp(-3.0, 2.0) as i32;
+    format!("{number:.*}", decimals as usize)
+}
+
+/// `12.3 µs`, `1.23 ms`, `12.3 s`.
+fn time(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        ..1e-3 => (1e6 * seconds, "µs"),
+        ..1.0 => (1e3 * seconds, "ms"),
+        _ => (seconds, "s"),
+    };
+    format!("{} {unit}", three_digits(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits_are_enough() {
+        let cases = [
+            (0.001234, "0.00123"),
+            (0.5, "0.500"),
+            (9.876, "9.88"),
+            (12.34, "12.3"),
+            (1234.5, "1234"),
+            (0.0, "0.00000"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(three_digits(number), text);
+        }
+        assert_eq!([2e-5, 0.0123, 2.0].map(time), ["20.0 µs", "12.3 ms", "2.00 s"]);
+        assert_eq!(rate(Speed { mrays_per_s: 70.23, spread: 0.034 }), "70.2 (3 %)");
+    }
+}

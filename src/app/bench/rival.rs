@@ -1,0 +1,179 @@
+//! The rival's side of a race: Embree, on grids of triangles.
+
+use std::time::Duration;
+
+use anyhow::Context;
+use nurbray::geometry::NurbsSurface;
+use nurbray::intersect::{Coherence, Query};
+use nurbray::io::mesh::TessellationPlan;
+use nurbray::io::{Embree, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
+use nurbray::math::Ray;
+use rayon::prelude::*;
+
+use super::super::failure::{Failure, OrFail};
+use super::clock::seconds_a_pass;
+use super::model::repeat;
+use super::outcome::Outcome;
+use super::ray_set::{Calls, Question};
+use super::rays::{CHUNK, Rays};
+
+/// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface,
+/// and the triangles up to one tolerance above it: less would make rays at 30° to the surface
+/// meet the triangles they start from. Flatter ones still may.
+pub(super) const CLEARANCE: f64 = 2.0;
+
+/// How often, and for how long each time, a packet width is tried. The best one is measured
+/// properly later; of those that are nearly as good any will do.
+const HEATS: usize = 3;
+const HEAT: Duration = Duration::from_millis(50);
+
+/// A tessellation in Embree's hierarchy.
+#[derive(Debug)]
+pub(super) struct Rival {
+    scene: EmbreeScene,
+    /// The tolerance as a fraction of the diagonal.
+    pub(super) tolerance: f64,
+    /// The tolerance in scene units.
+    pub(super) distance: f64,
+    /// The number of triangles.
+    pub(super) triangles: usize,
+    /// Seconds to find out how finely to cut.
+    pub(super) plan_seconds: f64,
+    /// Seconds to make the vertices, fill the buffers and commit the scene.
+    pub(super) build_seconds: f64,
+    /// Seconds to fill the buffers and commit the scene.
+    pub(super) commit_seconds: f64,
+    /// Memory of vertices, grids and hierarchy.
+    pub(super) bytes: usize,
+}
+
+impl Rival {
+    /// Tessellates surfaces and builds the hierarchy, again and again for about as long as
+    /// the budget says.
+    ///
+    /// # Errors
+    /// When the mesh becomes too large.
+    pub(super) fn build(
+        embree: &Embree,
+        surfaces: &[NurbsSurface],
+        tolerance: f64,
+        budget: Duration,
+    ) -> Result<Self, Failure> {
+        let context = || format!("tolerance {tolerance:e}");
+        let (plan, plan_seconds) = repeat(budget, || {
+            TessellationPlan::to_tolerance(surfaces, tolerance).with_context(context).or_failed()
+        })?;
+        let (meshes, mesh_seconds) =
+            repeat(budget, || plan.meshes().with_context(context).or_failed())?;
+        let others = embree.bytes();
+        let (scene, commit_seconds) = repeat(budget, || {
+            embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
+        })?;
+        Ok(Self {
+            scene,
+            tolerance,
+            distance: tolerance * plan.diagonal(),
+            triangles: meshes.iter().map(|mesh| mesh.triangles().count()).sum(),
+            plan_seconds,
+            build_seconds: mesh_seconds + commit_seconds,
+            commit_seconds,
+            bytes: embree.bytes().saturating_sub(others),
+        })
+    }
+
+    /// Makes rays ready, in packets of the width that suits them best.
+    pub(super) fn enter(&self, rays: &Rays) -> Entry<'_> {
+        let of_width = |width| Entry::new(self, rays, width);
+        let widths = match rays.set.calls() {
+            Calls::OneByOne => &[PacketWidth::One][..],
+            Calls::Batch(_) => &[PacketWidth::One, PacketWidth::Eight, PacketWidth::Sixteen],
+        };
+        let timed = widths.iter().map(|&width| {
+            let mut entry = of_width(width);
+            entry.pass(); // warm-up
+            let heats = (0..HEATS).map(|_| seconds_a_pass(&mut || entry.pass(), HEAT));
+            (heats.fold(f64::INFINITY, f64::min), entry)
+        });
+        let best = timed.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or_else(|| of_width(PacketWidth::One), |(_, entry)| entry)
+    }
+}
+
+/// The rival on one set of rays.
+#[derive(Debug)]
+pub(super) struct Entry<'a> {
+    rival: &'a Rival,
+    question: Question,
+    width: PacketWidth,
+    /// The lengths of the rays' directions: what a `t` of 1 means.
+    lengths: Vec<f64>,
+    chunks: Vec<EmbreeRays>,
+    /// Where the rays begin, in scene units.
+    pub(super) t_near: f64,
+}
+
+impl<'a> Entry<'a> {
+    fn new(rival: &'a Rival, rays: &Rays, width: PacketWidth) -> Self {
+        let question = rays.set.question();
+        let coherence = match rays.set.calls() {
+            Calls::Batch(coherence) => coherence,
+            Calls::OneByOne => Coherence::Incoherent,
+        };
+        let t_near = match question {
+            Question::FirstHit => 0.0,
+            Question::AnyHit => CLEARANCE * rival.distance,
+        };
+        let chunks = rays.queries.par_chunks(CHUNK).map(|queries| {
+            let rays: Vec<Ray> = queries.iter().map(|query| clear(&query.ray, t_near)).collect();
+            rival.scene.rays(&rays, width, coherence)
+        });
+        let chunks = chunks.collect();
+        let length = |query: &Query| query.ray.direction().length();
+        let lengths = rays.queries.iter().map(length).collect();
+        Self { rival, question, width, lengths, chunks, t_near }
+    }
+
+    /// How many rays a packet holds.
+    pub(super) fn width(&self) -> u32 {
+        match self.width {
+            PacketWidth::One => 1,
+            PacketWidth::Eight => 8,
+            PacketWidth::Sixteen => 16,
+        }
+    }
+
+    /// Traces all rays once, on the threads of the pool this runs in. The answers stay in
+    /// the packets.
+    pub(super) fn pass(&mut self) {
+        let scene = &self.rival.scene;
+        match self.question {
+            Question::FirstHit => {
+                self.chunks.par_iter_mut().for_each(|rays| scene.intersect(rays));
+            }
+            Question::AnyHit => self.chunks.par_iter_mut().for_each(|rays| scene.occluded(rays)),
+        }
+    }
+
+    /// What became of the rays in the last pass.
+    pub(super) fn outcomes(&self) -> Vec<Outcome> {
+        let certain = |distance| Outcome { distance, incidence: 1.0, doubtful: false };
+        match self.question {
+            Question::FirstHit => {
+                let hits = self.chunks.iter().flat_map(EmbreeRays::hits).zip(&self.lengths);
+                hits.map(|(hit, length)| certain(hit.map(|hit| f64::from(hit.t) * length)))
+                    .collect()
+            }
+            Question::AnyHit => {
+                let occlusions = self.chunks.iter().flat_map(EmbreeRays::occlusions);
+                occlusions.map(|occluded| certain(occluded.then_some(0.0))).collect()
+            }
+        }
+    }
+}
+
+/// The ray from a distance `t_near` on; a shorter one from its middle on.
+fn clear(ray: &Ray, t_near: f64) -> Ray {
+    let start = t_near / ray.direction().length();
+    let start = ray.t_min().max(start).min(0.5 * ray.t_min() + 0.5 * ray.t_max());
+    Ray::with_range(ray.origin(), ray.direction(), start, ray.t_max()).unwrap_or(*ray)
+}

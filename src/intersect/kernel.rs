@@ -1,0 +1,78 @@
+//! Which code searches for hits.
+
+use std::fmt;
+use std::str::FromStr;
+
+use fearless_simd::Level;
+
+/// Which code searches for hits. All give the same answers, to the stated accuracy; one
+/// kernel gives the same bits wherever it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kernel {
+    /// The readable specification: one ray at a time in f64.
+    Scalar,
+    /// Packets of rays on instructions that every processor of its kind has.
+    Portable,
+    /// Packets of rays on AVX2.
+    Avx2,
+    /// Packets of rays on AVX-512.
+    Avx512,
+}
+
+impl Kernel {
+    /// Every kernel, the plainest first.
+    pub const ALL: &'static [Self] = &[Self::Scalar, Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this processor can run it.
+    pub fn is_available(self) -> bool {
+        self == Self::Scalar || self.level().is_some()
+    }
+
+    /// The instructions it uses, if this processor has them; none for the scalar kernel.
+    pub(super) fn level(self) -> Option<Level> {
+        let level = Level::new();
+        match self {
+            Self::Scalar => None,
+            Self::Portable => Some(Level::baseline()),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => level.as_avx2().map(Level::Avx2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx512 => level.as_avx512().map(Level::Avx512),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            Self::Avx2 | Self::Avx512 => None,
+        }
+    }
+}
+
+impl Default for Kernel {
+    /// The fastest this processor can run.
+    fn default() -> Self {
+        let fastest_first = Self::ALL.iter().rev();
+        fastest_first.copied().find(|kernel| kernel.is_available()).unwrap_or(Self::Scalar)
+    }
+}
+
+impl fmt::Display for Kernel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Kernel {
+    type Err = ();
+
+    fn from_str(name: &str) -> Result<Self, ()> {
+        Self::ALL.iter().copied().find(|kernel| kernel.name() == name).ok_or(())
+    }
+}

@@ -1,0 +1,257 @@
+//! Eight rays against one leaf, in f64 on the true surface.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+use fearless_simd_macros::simd;
+
+use super::packet::Packet;
+use super::search::{dot_d, load3d};
+use crate::math::bernstein::MAX_DEGREE;
+use crate::patch::{LEAF_SLACK, Leaf, Piece, TensorPatch, WIDENING};
+
+/// Steps in f64: one or two are usual after the search in f32.
+const MOST_STEPS: usize = 4;
+
+/// A leaf, its piece, and which leaf it is.
+#[derive(Clone, Copy)]
+pub(super) struct Target<'a> {
+    pub(super) leaf: &'a Leaf,
+    pub(super) piece: &'a Piece,
+    pub(super) index: u32,
+}
+
+/// Eight lanes' Jacobian data.
+struct Jets<S: Simd> {
+    point: [f64x8<S>; 3],
+    ds: [f64x8<S>; 3],
+    dt: [f64x8<S>; 3],
+}
+
+/// Newton's steps in f64 for rays `base … base + 7`, of which `wanted` take part, from a
+/// start in box coordinates; hits nearer than those known are put into the packet.
+///
+/// All of these rays are certified: they meet the widened leaf at most once. So a lane that
+/// converges has found its one root: it is a hit if it lies in the leaf or its slack, else
+/// the leaf is proved to be missed. Returns the lanes the scalar search must look at: those
+/// that did not converge, and those whose hit lies outside the piece or too near an end of
+/// the ray.
+#[simd]
+pub(super) fn finish<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    packet: &mut Packet,
+    base: usize,
+    wanted: mask64x8<S>,
+    start: (f64x8<S>, f64x8<S>),
+) -> u64 {
+    let [s_range, t_range] = target.leaf.rect;
+    let half_s = f64x8::splat(simd, 0.5 * (s_range[1] - s_range[0]));
+    let half_t = f64x8::splat(simd, 0.5 * (t_range[1] - t_range[0]));
+    let middle_s = f64x8::splat(simd, 0.5 * (s_range[0] + s_range[1]));
+    let middle_t = f64x8::splat(simd, 0.5 * (t_range[0] + t_range[1]));
+    let mut s = start.0.mul_add(half_s, middle_s);
+    let mut t = start.1.mul_add(half_t, middle_t);
+
+    let origin = load3d(simd, &packet.origin, base);
+    let axis = load3d(simd, &packet.axis, base);
+    let n1 = load3d(simd, &packet.normals[0], base);
+    let n2 = load3d(simd, &packet.normals[1], base);
+    let magnitude = f64x8::from_slice(simd, &packet.magnitude[base..base + 8]);
+    let patch = &target.piece.patch;
+    let error = f64x8::splat(simd, patch.residual_factor())
+        * magnitude.max(f64x8::splat(simd, patch.magnitude()));
+
+    let zero = f64x8::splat(simd, 0.0);
+    let mut open = wanted;
+    let mut found = simd.splat_mask64x8(false);
+    let (mut root_s, mut root_t, mut z) = (zero, zero, zero);
+    let mut point = [zero; 3];
+    let mut cross = [zero; 3];
+    for _ in 0..MOST_STEPS {
+        let jets = jets(simd, patch, s, t);
+        let from_origin =
+            [jets.point[0] - origin[0], jets.point[1] - origin[1], jets.point[2] - origin[2]];
+        let (f1, f2) = (dot_d(n1, from_origin), dot_d(n2, from_origin));
+        let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
+        let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
+        let inverse = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+        let step_s = (f1 * b2 - f2 * b1) * inverse;
+        let step_t = (a1 * f2 - a2 * f1) * inverse;
+
+        // Converged where the residual is within the error. What is left of the distance is
+        // taken off along the tangent plane.
+        let residual = f1.mul_add(f1, f2 * f2);
+        let done = residual.simd_le(error * error);
+        let new = done & open;
+        let new_s = s - step_s;
+        let new_t = t - step_t;
+        root_s = new.select(new_s, root_s);
+        root_t = new.select(new_t, root_t);
+        let mut along = zero;
+        for i in 0..3 {
+            let moved = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
+            point[i] = new.select(moved, point[i]);
+            along = axis[i].mul_add(moved - origin[i], along);
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let normal = jets.ds[j] * jets.dt[k] - jets.ds[k] * jets.dt[j];
+            cross[i] = new.select(normal, cross[i]);
+        }
+        z = new.select(along, z);
+        found |= new;
+        open &= !new;
+        if open.all_false() {
+            break;
+        }
+        // Steps stay within what the certificate covers; NaN becomes a bound.
+        let more = f64x8::splat(simd, 2.0 * WIDENING + 1.0);
+        s = new_s.max(middle_s - half_s * more).min(middle_s + half_s * more);
+        t = new_t.max(middle_t - half_t * more).min(middle_t + half_t * more);
+    }
+
+    // The leaf and its slack.
+    let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+    let inside = (root_s - middle_s).abs().simd_le(half_s * reach)
+        & (root_t - middle_t).abs().simd_le(half_t * reach);
+    found &= inside;
+
+    // Roots outside the piece, and those too near the ray's beginning, are judged elsewhere.
+    let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+    let on_piece =
+        root_s.simd_ge(low) & root_s.simd_le(high) & root_t.simd_ge(low) & root_t.simd_le(high);
+    let z_min = f64x8::from_slice(simd, &packet.z_min[base..base + 8]);
+    let best = f64x8::from_slice(simd, &packet.z[base..base + 8]);
+    let size = dot_d(cross, cross).sqrt();
+    let cosine = dot_d(cross, axis).abs() / size;
+    let z_error = error / cosine * f64x8::splat(simd, 2.0);
+    let clear = z.simd_ge(z_min + z_error) | z.simd_le(z_min - z_error);
+    let judged = found & (!on_piece | !clear);
+    // Of hits at the same place the leaf that comes first counts, whichever was searched
+    // first: so the order of the search does not matter.
+    let mut earlier = 0;
+    for k in 0..8 {
+        earlier |= u64::from(target.index < packet.leaf[base + k]) << k;
+    }
+    let tie = z.simd_eq(best) & mask64x8::from_bitmask(simd, earlier);
+    let hit = found & !judged & z.simd_gt(z_min) & (z.simd_lt(best) | tie);
+
+    if hit.any_true() {
+        put(simd, hit, &mut packet.z[base..base + 8], z);
+        put(simd, hit, &mut packet.s[base..base + 8], root_s);
+        put(simd, hit, &mut packet.t[base..base + 8], root_t);
+        for i in 0..3 {
+            put(simd, hit, &mut packet.point[i][base..base + 8], point[i]);
+            put(simd, hit, &mut packet.cross[i][base..base + 8], cross[i]);
+        }
+        let mut lanes = hit.to_bitmask();
+        while lanes != 0 {
+            let k = base + lanes.trailing_zeros() as usize;
+            packet.leaf[k] = target.index;
+            packet.shorten(k);
+            lanes &= lanes - 1;
+        }
+    }
+    (open | judged).to_bitmask()
+}
+
+/// Replaces the lanes of a mask.
+#[simd]
+fn put<S: Simd>(simd: S, mask: mask64x8<S>, lanes: &mut [f64], value: f64x8<S>) {
+    let old = f64x8::from_slice(simd, lanes);
+    mask.select(value, old).store_slice(lanes);
+}
+
+/// The true surface and its first derivatives at eight places: the same sums as
+/// [`TensorPatch::jet`], with unrolled loops and little scratch memory for the degrees met
+/// most.
+#[simd]
+fn jets<S: Simd>(simd: S, patch: &TensorPatch, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
+    match patch.degree() {
+        [3, 3] => jets_of::<S, 3, 3, 4>(simd, patch, s, t),
+        [2, 2] => jets_of::<S, 2, 2, 4>(simd, patch, s, t),
+        [2, 1] => jets_of::<S, 2, 1, 4>(simd, patch, s, t),
+        [1, 2] => jets_of::<S, 1, 2, 4>(simd, patch, s, t),
+        [1, 1] => jets_of::<S, 1, 1, 4>(simd, patch, s, t),
+        [p, q] if p.max(q) < 8 => jets_of::<S, 0, 0, 8>(simd, patch, s, t),
+        _ => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }>(simd, patch, s, t),
+    }
+}
+
+/// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`.
+#[simd]
+fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
+    simd: S,
+    patch: &TensorPatch,
+    s: f64x8<S>,
+    t: f64x8<S>,
+) -> Jets<S> {
+    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+    let (bs, ds) = basis::<S, N>(simd, p, s);
+    let (bt, dt) = basis::<S, N>(simd, q, t);
+    let zero = f64x8::splat(simd, 0.0);
+    let mut value = [zero; 4];
+    let mut along_s = [zero; 4];
+    let mut along_t = [zero; 4];
+    let rational = patch.is_rational();
+    let components = if rational { 4 } else { 3 };
+    for i in 0..=p {
+        let row = &patch.control()[i * (q + 1)..(i + 1) * (q + 1)];
+        for c in 0..components {
+            let (mut sum, mut slope) = (zero, zero);
+            for j in 0..=q {
+                let control = f64x8::splat(simd, row[j][c]);
+                sum = bt[j].mul_add(control, sum);
+                slope = dt[j].mul_add(control, slope);
+            }
+            value[c] = bs[i].mul_add(sum, value[c]);
+            along_s[c] = ds[i].mul_add(sum, along_s[c]);
+            along_t[c] = bs[i].mul_add(slope, along_t[c]);
+        }
+    }
+    let weight = if rational { value[3] } else { f64x8::splat(simd, patch.control()[0].w) };
+    let inverse = f64x8::splat(simd, 1.0) / weight;
+    let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
+    for i in 0..3 {
+        jets.point[i] = value[i] * inverse;
+        if rational {
+            along_s[i] -= along_s[3] * jets.point[i];
+            along_t[i] -= along_t[3] * jets.point[i];
+        }
+        jets.ds[i] = along_s[i] * inverse;
+        jets.dt[i] = along_t[i] * inverse;
+    }
+    jets
+}
+
+/// Bernstein functions and their derivatives: those of one degree less, then the recurrence.
+#[simd]
+fn basis<S: Simd, const N: usize>(
+    simd: S,
+    degree: usize,
+    t: f64x8<S>,
+) -> ([f64x8<S>; N], [f64x8<S>; N]) {
+    let zero = f64x8::splat(simd, 0.0);
+    let one = f64x8::splat(simd, 1.0);
+    let rest = one - t;
+    let mut lower = [zero; N];
+    let mut power = one;
+    let mut binomial = 1.0;
+    for i in 0..degree {
+        lower[i] = power * f64x8::splat(simd, binomial);
+        power *= t;
+        binomial *= (degree - 1 - i) as f64 / (i + 1) as f64;
+    }
+    power = one;
+    for i in (0..degree).rev() {
+        lower[i] *= power;
+        power *= rest;
+    }
+    let mut values = [zero; N];
+    let mut slopes = [zero; N];
+    let p = f64x8::splat(simd, degree as f64);
+    for i in 0..=degree {
+        let (before, here) =
+            (if i > 0 { lower[i - 1] } else { zero }, if i < degree { lower[i] } else { zero });
+        values[i] = rest.mul_add(here, t * before);
+        slopes[i] = p * (before - here);
+    }
+    (values, slopes)
+}

@@ -1,0 +1,167 @@
+//! `nurbray bench`, on pictures of a few pixels: what it prints, not how fast it is.
+
+use serde_json::Value;
+
+use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
+
+/// Tracing takes no longer than one pass a round.
+const QUICK: &str = "--size 16 --seconds 1e-6";
+
+const RAY_SETS: [&str; 6] =
+    ["primary", "single", "incoherent", "incoherent-single", "ao", "shadow"];
+
+fn sandbox() -> Sandbox {
+    Sandbox::with(&[("sphere.toml", SPHERE), ("square.json", SQUARE)])
+}
+
+fn lines(run: &Run) -> Vec<Value> {
+    run.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// `--against embree`, or nothing where `NURBRAY_WITHOUT_EMBREE=1` says that it is missing.
+fn embree() -> Option<&'static str> {
+    let without = std::env::var_os("NURBRAY_WITHOUT_EMBREE").is_some_and(|value| value == "1");
+    (!without).then_some("--against embree")
+}
+
+#[track_caller]
+fn check_positive(line: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(line[key].as_f64().is_some_and(|number| number > 0.0), "{key} in {line}");
+    }
+}
+
+#[test]
+fn an_object_for_each_model_ray_set_and_kernel() {
+    let all = RAY_SETS.join(",");
+    let line = format!("bench sphere.toml square.json --rays {all} --json {QUICK}");
+    let run = sandbox().run(&line).succeeded();
+    let lines = lines(&run);
+    let models = ["sphere.toml", "square.json"];
+    let expected = models.iter().flat_map(|model| RAY_SETS.map(|rays| (*model, rays)));
+    let found =
+        lines.iter().map(|line| (line["model"].as_str().unwrap(), line["rays"].as_str().unwrap()));
+    assert!(found.eq(expected), "{}", run.stdout);
+    for line in &lines {
+        let keys = ["mrays_per_s", "build_seconds", "file_seconds", "total_seconds", "bytes"];
+        check_positive(line, &keys);
+        assert!(line["spread"].as_f64().unwrap() >= 0.0);
+        assert_eq!((line["kernel"].as_str(), line["threads"].as_u64()), (Some("scalar"), Some(1)));
+        assert!(line.get("rival").is_none() && line.get("ratio").is_none(), "{line}");
+        assert_eq!(line.get("radius").is_some(), line["rays"] == "ao");
+    }
+    // The same rays, handed over otherwise.
+    assert_eq!(lines[0]["hits"], lines[1]["hits"]);
+    assert_eq!(lines[2]["hits"], lines[3]["hits"]);
+    assert_eq!(lines[0]["count"], 16 * 16);
+    // From each point seen one ray; nothing stands in its way over a sphere.
+    assert_eq!(lines[0]["hits"], lines[4]["count"]);
+    assert_eq!((&lines[4]["hits"], &lines[5]["hits"]), (&0.into(), &0.into()));
+}
+
+#[test]
+fn embree_traces_the_same_rays() {
+    let Some(against) = embree() else { return };
+    let sets = "--rays primary,single,ao";
+    let line = format!("bench sphere.toml {against} --tolerance 1e-2,1e-4 {sets} --json {QUICK}");
+    let run = sandbox().run(&line).succeeded();
+    let lines = lines(&run);
+    assert_eq!(lines.len(), 3 * 2);
+    for (index, line) in lines.iter().enumerate() {
+        let tolerance = [1e-2, 1e-4][index % 2];
+        assert_eq!(line["rival"], "embree");
+        assert_eq!(line["tolerance"], tolerance);
+        check_positive(line, &["rival_mrays_per_s", "rival_build_seconds", "rival_bytes", "ratio"]);
+        check_positive(line, &["rival_total_seconds", "rival_triangles", "rival_spread"]);
+        let ratio =
+            line["mrays_per_s"].as_f64().unwrap() / line["rival_mrays_per_s"].as_f64().unwrap();
+        assert!((line["ratio"].as_f64().unwrap() / ratio - 1.0).abs() < 1e-12);
+        let width = line["rival_width"].as_u64().unwrap();
+        assert!(if line["rays"] == "single" { width == 1 } else { [1, 8, 16].contains(&width) });
+        assert_eq!(line["rival_tnear"].as_f64().unwrap() > 0.0, line["rays"] == "ao");
+        assert_eq!(line.get("t_disagreements").is_some(), line["rays"] != "ao");
+    }
+    // A hundredth of the tolerance takes a hundred times the triangles, and the hits agree.
+    let number = |line: usize, key: &str| lines[line][key].as_f64().unwrap();
+    let more = number(1, "rival_triangles") / number(0, "rival_triangles");
+    assert!((50.0..200.0).contains(&more), "{more}");
+    assert_eq!(number(1, "hits"), number(1, "rival_hits"));
+    assert_eq!((number(1, "hit_disagreements"), number(1, "t_disagreements")), (0.0, 0.0));
+    // 12 bytes a vertex at least, and a vertex for every two triangles.
+    assert!(number(1, "rival_bytes") > 6.0 * number(1, "rival_triangles"));
+}
+
+#[test]
+fn tables_for_people() {
+    let line = format!("bench sphere.toml square.json --threads 1,2 {QUICK}");
+    let run = sandbox().run(&line).succeeded();
+    let parts: Vec<&str> = run.stdout.split("\n\n").collect();
+    assert_eq!(parts.len(), 2 * 4, "{}", run.stdout);
+    for (part, title) in parts.iter().step_by(2).zip([
+        "sphere.toml, 1 thread: 1 surface, ",
+        "square.json, 1 thread: 1 surface, ",
+        "sphere.toml, 2 threads: 1 surface, ",
+        "square.json, 2 threads: 1 surface, ",
+    ]) {
+        assert!(part.starts_with(title), "{part}");
+    }
+    let rows: Vec<Vec<&str>> =
+        parts[1].lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(rows[0], ["Mrays/s", "(spread)", "rays", "hits", "doubtful", "scalar"]);
+    let sets = rows[1..].iter().map(|row| row[0]);
+    assert!(sets.eq(["primary", "single", "incoherent", "ao"]));
+    // The disc a framed sphere shows takes up 71 % of the picture: 180 of its pixels.
+    assert_eq!(rows[1][1..4], ["256", "70.3", "%"]);
+}
+
+#[test]
+fn a_drawing_of_speed_over_tolerance() {
+    let Some(against) = embree() else { return };
+    let sandbox = sandbox();
+    let line = format!("bench sphere.toml {against} --plot speed.svg --rays primary,ao {QUICK}");
+    let run = sandbox.run(&line).succeeded();
+    assert!(run.stdout.contains("From the file to the last primary ray: "));
+    let drawing = String::from_utf8(sandbox.bytes("speed.svg")).unwrap();
+    assert!(drawing.starts_with("<svg"));
+    for words in ["sphere.toml, primary, 1 thread", "nurbray scalar", "embree ", "1e-5", "1e-3"] {
+        assert!(drawing.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn wrong_use_is_explained() {
+    let sandbox = sandbox();
+    let run = |rest: &str| sandbox.run(&format!("bench sphere.toml {rest}"));
+    run("--rays primry").misused("invalid value 'primry' for '--rays <LIST>'");
+    run("--threads 0").misused("invalid value '0' for '--threads <LIST>': 0 is not in 1..=1024");
+    run("--against embree --tolerance 2").misused(
+        "invalid value '2' for '--tolerance <LIST>': a fraction between 0 and 1 is needed, such as \
+         1e-3",
+    );
+    run("--tolerance 1e-3").misused("the following required arguments were not provided:");
+    run("--plot a.svg").misused("the following required arguments were not provided:");
+    run("--against embree --plot sphere.toml")
+        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
+    sandbox.run("bench").misused("the following required arguments were not provided:");
+    assert_eq!(sandbox.files(), ["sphere.toml", "square.json"]);
+}
+
+#[test]
+fn a_missing_embree_is_named_with_a_remedy() {
+    let sandbox = sandbox();
+    let mut command = sandbox.command("bench sphere.toml --against embree");
+    let run = Run::from_output(command.env("EMBREE_LIB", "./no/libembree.so").output().unwrap());
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.starts_with("error: Embree cannot be loaded ("), "{}", run.stderr);
+    assert!(run.stderr.contains("apt install libembree"), "{}", run.stderr);
+}
+
+#[test]
+fn sets_without_rays_are_said_to_be_empty() {
+    let dark = format!("[[light]]\nambient = {{ radiance = 1 }}\n{SPHERE}");
+    let sandbox = Sandbox::with(&[("dark.toml", &dark)]);
+    let run = sandbox.run(&format!("bench dark.toml --rays primary,shadow {QUICK} --json"));
+    let run = run.succeeded();
+    assert_eq!(run.stderr, "warning: dark.toml: there are no shadow rays\n");
+    assert_eq!(lines(&run).len(), 1);
+}

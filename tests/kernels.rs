@@ -1,0 +1,214 @@
+//! Every kernel gives the answers of the scalar one, whatever the company of a ray.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a failing test is a panic, also in its helpers"
+)]
+
+use glam::{DAffine3, DVec3};
+use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Query, SurfaceBvh};
+use nurbray::math::{Ray, rounding};
+
+/// Reproducible numbers in `[0, 1)` (xorshift64*, Vigna 2016).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        loop {
+            let p = 2.0 * DVec3::new(self.next(), self.next(), self.next()) - 1.0;
+            if (0.01..1.0).contains(&p.length_squared()) {
+                return p.normalize();
+            }
+        }
+    }
+}
+
+/// A wavy sheet of any degrees, rational where asked.
+fn sheet(degree: (usize, usize), points: usize, rational: bool) -> NurbsSurface {
+    let knots = |degree| KnotVector::clamped_uniform(degree, points).unwrap();
+    let at = |k: usize| 2.0 * k as f64 / (points - 1) as f64 - 1.0;
+    let grid = (0..points).flat_map(|i| (0..points).map(move |j| (i, j)));
+    let net = grid.clone().map(|(i, j)| {
+        let (x, y) = (at(i), at(j));
+        DVec3::new(x, y, 0.4 * (3.0 * x).sin() * (2.0 * y + 1.0).cos())
+    });
+    let weights =
+        rational.then(|| grid.map(|(i, j)| 1.0 + 0.5 * ((i + 2 * j) % 3) as f64).collect());
+    NurbsSurface::new(knots(degree.0), knots(degree.1), net.collect(), weights).unwrap()
+}
+
+fn models() -> Vec<(String, Vec<NurbsSurface>)> {
+    let mut models = vec![
+        ("sphere".into(), vec![shapes::sphere(1.0).unwrap()]),
+        ("biquadratic sphere".into(), vec![shapes::sphere_biquadratic(1.0).unwrap()]),
+        ("torus".into(), vec![shapes::torus(1.0, 0.4).unwrap()]),
+        (
+            "cylinder and disk".into(),
+            vec![shapes::cylinder(1.0, 1.0).unwrap(), shapes::disk(1.0).unwrap()],
+        ),
+        ("cone".into(), vec![shapes::cone(1.0, 1.5).unwrap()]),
+        ("plane".into(), vec![shapes::plane(2.0, 2.0).unwrap()]),
+        ("lecture patch".into(), vec![shapes::lecture_patch_3()]),
+    ];
+    for (degree, points, rational) in [
+        ((3, 3), 12, false),
+        ((2, 3), 9, true),
+        ((5, 5), 8, false),
+        ((7, 1), 9, true),
+        ((24, 3), 25, false),
+    ] {
+        models
+            .push((format!("sheet {degree:?} {rational}"), vec![sheet(degree, points, rational)]));
+    }
+    models
+}
+
+/// Rays from one eye through a grid, rays from everywhere, and rays at corners, knot lines,
+/// poles and along axes.
+fn rays(surfaces: &[NurbsSurface], center: DVec3, radius: f64, random: &mut Random) -> Vec<Query> {
+    let mut rays = Vec::new();
+    let eye = center + 2.5 * radius * random.direction();
+    let forward = (center - eye).normalize();
+    let right = forward.any_orthonormal_vector();
+    let up = forward.cross(right);
+    for k in 0..32 * 32 {
+        let (x, y) = ((k % 32) as f64 / 16.0 - 1.0, (k / 32) as f64 / 16.0 - 1.0);
+        rays.push((eye, forward + 0.45 * (x * right + y * up)));
+    }
+    for _ in 0..600 {
+        let origin = center + 1.5 * radius * random.direction();
+        rays.push((origin, center + radius * random.next() * random.direction() - origin));
+    }
+    for surface in surfaces {
+        let [(u0, u1), (v0, v1)] = surface.domain();
+        for _ in 0..600 {
+            let grid = |random: &mut Random| (random.next() * 9.0).floor() / 8.0;
+            let (a, b) =
+                (grid(random), if random.next() < 0.5 { grid(random) } else { random.next() });
+            let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+            let origin = target + 3.0 * radius * random.direction();
+            rays.push((origin, target - origin));
+        }
+    }
+    for k in 0..150 {
+        let axis = [DVec3::X, DVec3::Y, -DVec3::Z][k % 3];
+        let at = (4.0 * random.direction()).round() / 4.0 * radius;
+        rays.push((center + at - 3.0 * radius * axis, axis));
+    }
+    for _ in 0..150 {
+        let origin = center + 1e6 * radius * random.direction();
+        rays.push((origin, center + 0.9 * radius * random.direction() - origin));
+    }
+    rays.into_iter().map(|(o, d)| Query::primary(Ray::new(o, d).unwrap())).collect()
+}
+
+fn trace(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    bvh.tracer_with(kernel).first_hits(queries, Coherence::Coherent, &mut answers);
+    answers
+}
+
+fn compare(name: &str, kernel: Kernel, scale: f64, query: &Query, wide: &Answer, scalar: &Answer) {
+    let ray = &query.ray;
+    let context = || format!("{name}, {kernel}: {ray:?}\n{wide:?}\n{scalar:?}");
+    if wide.doubtful || scalar.doubtful {
+        return; // counted by the caller
+    }
+    match (&wide.hit, &scalar.hit) {
+        (Some(a), Some(b)) => {
+            let direction = ray.direction().normalize();
+            let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
+            // Twice the promise: either answer may use all of it.
+            let error = 2.0 * rounding::residual_factor(24, 3) * magnitude;
+            let cosine = a.normal.dot(direction).abs().min(b.normal.dot(direction).abs());
+            let apart = (a.t - b.t).abs() * ray.direction().length();
+            assert!(apart <= error / cosine, "{}", context());
+            assert!(a.point.distance(ray.at(a.t)) <= error, "{}", context());
+            let turned = a.normal.distance(b.normal);
+            // Where surfaces, or all sides of a tip, meet either may be named; and a sheet of
+            // degree 1 has creases.
+            let same =
+                a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !name.contains(", 1)");
+            assert!(
+                !same || turned <= 1e-9 + 1e2 * error / scale || cosine < 1e-3,
+                "normals differ by {turned}: {}",
+                context()
+            );
+        }
+        (None, None) => {}
+        _ => panic!("only one kernel hits: {}", context()),
+    }
+}
+
+#[test]
+fn packets_answer_as_the_scalar_kernel() {
+    for (scale, shift) in
+        [(1.0, DVec3::ZERO), (1e-8, DVec3::ZERO), (1.0, DVec3::new(1e6, 2e6, -1e6))]
+    {
+        for (name, surfaces) in models() {
+            let placed =
+                DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
+            let surfaces: Vec<_> =
+                surfaces.iter().map(|surface| surface.transformed(&placed).unwrap()).collect();
+            let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+            let (low, high) = bvh.bounds().unwrap();
+            let mut random = Random(0x9E37_79B9_7F4A_7C15);
+            let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
+            let queries = rays(&surfaces, center, radius, &mut random);
+            let scalar = trace(&bvh, Kernel::Scalar, &queries);
+            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+                let wide = trace(&bvh, kernel, &queries);
+                assert_eq!(wide.len(), queries.len());
+                for ((query, a), b) in queries.iter().zip(&wide).zip(&scalar) {
+                    compare(&name, kernel, scale, query, a, b);
+                }
+                let doubts = |answers: &[Answer]| answers.iter().filter(|a| a.doubtful).count();
+                let (a, b) = (doubts(&wide), doubts(&scalar));
+                assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_answer_does_not_depend_on_the_company() {
+    for (name, surfaces) in models() {
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let (low, high) = bvh.bounds().unwrap();
+        let mut random = Random(7);
+        let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
+        let queries = rays(&surfaces, center, radius, &mut random);
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let together = trace(&bvh, kernel, &queries);
+            // Every ray again, in another order and in packets of another size.
+            let mut order: Vec<usize> = (0..queries.len()).collect();
+            for k in (1..order.len()).rev() {
+                order.swap(k, (random.next() * (k + 1) as f64) as usize);
+            }
+            for company in order.chunks(23) {
+                let mixed: Vec<Query> = company.iter().map(|&k| queries[k]).collect();
+                let answers = trace(&bvh, kernel, &mixed);
+                for (&k, answer) in company.iter().zip(&answers) {
+                    let bits = |answer: &Answer| {
+                        let hit = answer.hit.map(|hit| {
+                            let values = [hit.t, hit.uv.x, hit.uv.y, hit.normal.x, hit.point.y];
+                            (values.map(f64::to_bits), hit.surface, hit.flags.bits())
+                        });
+                        (hit, answer.doubtful)
+                    };
+                    assert_eq!(bits(answer), bits(&together[k]), "{name}, {kernel}: ray {k}");
+                }
+            }
+        }
+    }
+}
