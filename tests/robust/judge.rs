@@ -85,6 +85,12 @@ impl<'a> Judge<'a> {
         faults
     }
 
+    /// What is wrong with a first hit alone.
+    pub(crate) fn faults_of_first(&self, shot: &Shot, first: &Answer) -> Vec<String> {
+        let unsound = first.hit.iter().filter_map(|hit| self.unsound(&shot.ray, hit));
+        unsound.chain(self.target_passed(shot, "first hit", first)).collect()
+    }
+
     /// Whether a hit breaks a promise by itself.
     fn unsound(&self, ray: &Ray, hit: &Hit) -> Option<String> {
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
@@ -163,25 +169,32 @@ impl<'a> Judge<'a> {
     }
 
     /// A ray aimed steeply at a point of a surface meets it there, if not before.
-    fn target_lost(&self, shot: &Shot, answers: &Answers) -> Option<String> {
-        let (site, t) = shot.target?;
-        let ray = &shot.ray;
-        let measure = self.measure_at(ray, site, t);
-        if measure.incidence < STEEP {
-            return None;
-        }
-        let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
-        let last = t + slack / ray.direction().length();
-        for (name, answer) in [("first", answers.first), ("exact", answers.exact)] {
-            if !answer.doubtful && answer.hit.is_none_or(|hit| hit.t > last) {
-                let has = answer.hit.map(|hit| (hit.t, hit.uv));
-                return Some(format!("{name} hit lost the target {site:?} {t}, has {has:?}"));
-            }
-        }
-        let found = |hit: &Hit| (hit.t - t).abs() * ray.direction().length() <= slack;
-        (!answers.all_doubtful && !answers.all.iter().any(found)).then(|| {
-            format!("all hits lost the target {site:?} {t}, steepness {}", measure.incidence)
+    fn target_passed(&self, shot: &Shot, name: &str, answer: &Answer) -> Option<String> {
+        let (site, t, slack) = self.target(shot)?;
+        let late = |hit: Hit| (hit.t - t) * shot.ray.direction().length() > slack;
+        (!answer.doubtful && answer.hit.is_none_or(late)).then(|| {
+            let has = answer.hit.map(|hit| (hit.t, hit.uv));
+            format!("{name} lost the target {site:?} {t}, has {has:?}")
         })
+    }
+
+    fn target_lost(&self, shot: &Shot, answers: &Answers) -> Option<String> {
+        let (site, t, slack) = self.target(shot)?;
+        let length = shot.ray.direction().length();
+        let found = |hit: &Hit| (hit.t - t).abs() * length <= slack;
+        let lost = !answers.all_doubtful && !answers.all.iter().any(found);
+        let of_all = lost.then(|| format!("all hits lost the target {site:?} {t}"));
+        of_all
+            .or_else(|| self.target_passed(shot, "first hit", &answers.first))
+            .or_else(|| self.target_passed(shot, "exact first hit", &answers.exact))
+    }
+
+    /// The place a ray surely crosses, its `t`, and how far that may be off.
+    fn target(&self, shot: &Shot) -> Option<(Site, f64, f64)> {
+        let (site, t) = shot.target?;
+        let measure = self.measure_at(&shot.ray, site, t);
+        let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
+        (measure.incidence >= STEEP).then_some((site, t, slack))
     }
 
     fn occlusion_wrong(&self, ray: &Ray, answers: &Answers) -> Option<String> {
@@ -248,7 +261,7 @@ impl<'a> Judge<'a> {
         let factor = residual_factor(surface.knots_u().degree(), surface.knots_v().degree());
         let parameters = site.u.abs() * at.du.length() + site.v.abs() * at.dv.length();
         let promise = factor * magnitude;
-        let normal = unit_normal(surface, site).unwrap_or(DVec3::ZERO);
+        let normal = surface.normal(site.u, site.v).unwrap_or(DVec3::ZERO);
         Measure {
             residual: at.point.distance(ray.at(t)),
             promise,
@@ -258,6 +271,86 @@ impl<'a> Judge<'a> {
     }
 }
 
-fn unit_normal(surface: &NurbsSurface, site: Site) -> Option<DVec3> {
-    surface.normal(site.u, site.v)
+#[cfg(test)]
+mod tests {
+    use nurbray::intersect::Occlusion;
+
+    use super::*;
+    use crate::models;
+
+    /// A sphere met head on at t = 2 and t = 4: what the judge says of falsified answers.
+    fn verdict(falsify: impl Fn(&mut Answers)) -> Vec<String> {
+        let model = models::sphere();
+        let bvh = model.bvh();
+        let direction = DVec3::new(-0.6, -0.48, -0.64);
+        let ray = Ray::new(-3.0 * direction, direction).unwrap();
+        let mut answers = Answers::ask(&mut bvh.tracer(), &Query::primary(ray));
+        assert_eq!(answers.all.len(), 2);
+        falsify(&mut answers);
+        Judge::new(&model).faults(&Shot { ray, target: None }, &answers)
+    }
+
+    #[test]
+    fn what_is_right_has_no_fault() {
+        assert_eq!(verdict(|_| ()), Vec::<String>::new());
+        // One rounding of t is no other root; and what is doubted may be missing.
+        assert!(verdict(|a| moved(&mut a.first, f64::EPSILON)).is_empty());
+        assert!(verdict(|a| a.first = Answer { hit: None, doubtful: true }).is_empty());
+    }
+
+    fn moved(answer: &mut Answer, by: f64) {
+        if let Some(hit) = &mut answer.hit {
+            hit.t += by;
+        }
+    }
+
+    #[test]
+    fn every_falsified_answer_has_a_fault() {
+        let falsified: [fn(&mut Answers); 11] = [
+            |a| a.first.hit = None,
+            |a| a.exact.hit = None,
+            |a| a.first.hit = Some(a.all[1]),
+            |a| a.exact.hit = Some(a.all[1]),
+            |a| moved(&mut a.first, 1e-13),
+            |a| moved(&mut a.first, f64::NAN),
+            |a| {
+                a.all.remove(0);
+            },
+            |a| a.all[0].uv.x += 1e-12,
+            |a| a.all[1].normal *= 1.0 + 1e-12,
+            |a| a.all[1].normal = DVec3::NAN,
+            |a| a.occlusion = Occlusion::default(),
+        ];
+        for (k, falsify) in falsified.into_iter().enumerate() {
+            assert!(!verdict(falsify).is_empty(), "falsification {k} passes");
+        }
+    }
+
+    #[test]
+    fn a_lost_target_is_a_fault_though_all_agree() {
+        let model = models::sphere();
+        let judge = Judge::new(&model);
+        let site = Site { surface: 0, u: 0.4, v: 0.3 };
+        let point = model.surfaces[0].point_at(site.u, site.v);
+        let faults = |direction: DVec3| {
+            let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
+            let shot = Shot { ray, target: Some((site, 2.0)) };
+            judge.faults_of_first(&shot, &Answer::default())
+        };
+        assert_eq!(faults(-point).len(), 1);
+        assert_eq!(faults(point.any_orthonormal_vector()).len(), 0, "it may only touch");
+    }
+
+    #[test]
+    fn parity_is_that_of_in_and_out() {
+        let model = models::sphere();
+        let bvh = model.bvh();
+        let line = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z).unwrap();
+        let mut hits = Vec::new();
+        bvh.tracer().all_hits(&Query::primary(line), &mut hits);
+        let judge = Judge::new(&model);
+        assert_eq!(judge.parity_broken(&hits, &line), None);
+        assert!(judge.parity_broken(&hits[..1], &line).is_some());
+        assert!(judge.parity_broken(&[hits[0], hits[0]], &line).is_some());
+    }
 }

@@ -1,27 +1,36 @@
 //! Many rays of every class, asked and judged; one line of numbers a class.
 
-use nurbray::intersect::{HitFlags, Query};
+use nurbray::intersect::{Answer, HitFlags, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use crate::judge::{Answers, Judge};
 use crate::model::Model;
 use crate::random::Random;
-use crate::rays::{Class, Rays};
+use crate::rays::{Class, Rays, Shot};
+
+/// How many rays of a class, and how many of them are asked everything.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// All of them are asked for the first hit.
+    pub(crate) rays: u64,
+    /// One in so many is also asked the exact solver, for all hits, and for occlusion.
+    pub(crate) thorough: u64,
+}
 
 /// What was found of the rays of one class.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) rays: u64,
     pub(crate) hits: u64,
-    /// Rays with a doubtful first hit, and with doubtful hits at all.
+    /// Rays with a doubtful first hit.
     pub(crate) doubtful: u64,
+    /// Rays asked everything, and those of them with doubt in all hits, or inside a surface.
+    pub(crate) thorough: u64,
     pub(crate) all_doubtful: u64,
     pub(crate) inside: u64,
-    /// The largest residual of a certain hit, as a part of the promise.
+    /// The largest residual of a certain first hit, as a part of the promise.
     pub(crate) residual: f64,
-    pub(crate) exact_boxes: u64,
-    pub(crate) seconds: f64,
     pub(crate) fault_count: u64,
     /// The first few faults.
     pub(crate) faults: Vec<String>,
@@ -35,89 +44,113 @@ impl Tally {
         self.rays += other.rays;
         self.hits += other.hits;
         self.doubtful += other.doubtful;
+        self.thorough += other.thorough;
         self.all_doubtful += other.all_doubtful;
         self.inside += other.inside;
         self.residual = self.residual.max(other.residual);
-        self.exact_boxes += other.exact_boxes;
-        self.seconds += other.seconds;
         self.fault_count += other.fault_count;
         self.faults.extend(other.faults);
         self.faults.truncate(FAULTS_SHOWN);
     }
 
+    /// The share of first hits that are doubtful.
+    pub(crate) fn doubt(&self) -> f64 {
+        self.doubtful as f64 / self.rays.max(1) as f64
+    }
+
     pub(crate) fn print(&self, name: &str) {
-        let share = |count: u64| count as f64 / self.rays.max(1) as f64;
+        let of_all = |count: u64| count as f64 / self.thorough.max(1) as f64;
         println!(
-            "{name:28} rays {:7} hit {:.2} doubtful {:.4} all {:.4} inside {:.4} residual {:.2} \
-             boxes {:6.1} µs {:6.1} faults {}",
+            "{name:14} rays {:6} hit {:.2} doubtful {:.4} | all hits of {:5}: doubtful {:.4} \
+             inside {:.4} | residual {:.2} faults {}",
             self.rays,
-            share(self.hits),
-            share(self.doubtful),
-            share(self.all_doubtful),
-            share(self.inside),
+            self.hits as f64 / self.rays.max(1) as f64,
+            self.doubt(),
+            self.thorough,
+            of_all(self.all_doubtful),
+            of_all(self.inside),
             self.residual,
-            share(self.exact_boxes),
-            self.seconds * 1e6 / self.rays.max(1) as f64,
             self.fault_count
         );
-        for fault in &self.faults {
-            println!("    {fault}");
-        }
     }
 }
 
-/// Rays are asked in blocks of this many, each with a tracer and random numbers of its own.
-const BLOCK: u64 = 250;
+/// Asks rays of a class of a model.
+pub(crate) struct Survey<'a> {
+    model: &'a Model,
+    bvh: SurfaceBvh,
+    judge: Judge<'a>,
+    rays: Rays<'a>,
+}
 
-/// Asks `count` rays of a class of a model.
-pub(crate) fn survey(model: &Model, class: Class, count: u64, seed: u64) -> Tally {
-    let bvh = model.bvh();
-    let judge = Judge::new(model);
-    let rays = Rays::new(model);
-    let blocks: Vec<Tally> = (0..count.div_ceil(BLOCK))
-        .into_par_iter()
-        .map(|block| {
-            let started = std::time::Instant::now();
+impl<'a> Survey<'a> {
+    pub(crate) fn new(model: &'a Model) -> Self {
+        Self { model, bvh: model.bvh(), judge: Judge::new(model), rays: Rays::new(model) }
+    }
+
+    /// Asks as many rays as planned, in blocks with tracers and random numbers of their own.
+    pub(crate) fn class(&self, class: Class, plan: Plan, seed: u64) -> Tally {
+        let block_size = 250;
+        let block = |block: u64| {
             let mut random = Random::new(seed ^ (block << 32));
-            let mut tracer = bvh.tracer();
+            let mut tracer = self.bvh.tracer();
             let mut tally = Tally::default();
-            for _ in 0..BLOCK.min(count - block * BLOCK) {
-                let shot = rays.shot(class, &mut random);
-                let answers = Answers::ask(&mut tracer, &Query::primary(shot.ray));
-                tally.note(&judge, &shot.ray, &answers);
-                let mut faults = judge.faults(&shot, &answers);
-                if model.closed {
-                    let line = whole_line(&shot.ray);
-                    let mut hits = Vec::new();
-                    if !tracer.all_hits(&Query::primary(line), &mut hits) {
-                        faults.extend(judge.parity_broken(&hits, &line));
-                    }
-                }
+            for k in 0..block_size.min(plan.rays - block * block_size) {
+                let shot = self.rays.shot(class, &mut random);
+                let thorough = k % plan.thorough == 0;
+                let faults = self.ask(&shot, thorough, &mut tracer, &mut tally);
                 tally.fault_count += u64::from(!faults.is_empty());
-                let told = |fault| format!("{} {class}: {fault}\n      {:?}", model.name, shot.ray);
+                let name = &self.model.name;
+                let told = |fault| format!("{name} {class}: {fault}\n      {:?}", shot.ray);
                 tally.faults.extend(faults.into_iter().map(told));
                 tally.faults.truncate(FAULTS_SHOWN);
             }
-            tally.exact_boxes = tracer.statistics().exact_boxes;
-            tally.seconds = started.elapsed().as_secs_f64();
             tally
-        })
-        .collect();
-    let mut sum = Tally::default();
-    blocks.into_iter().for_each(|tally| sum.add(tally));
-    sum
+        };
+        let blocks: Vec<Tally> =
+            (0..plan.rays.div_ceil(block_size)).into_par_iter().map(block).collect();
+        let mut sum = Tally::default();
+        blocks.into_iter().for_each(|tally| sum.add(tally));
+        sum
+    }
+
+    fn ask(
+        &self,
+        shot: &Shot,
+        thorough: bool,
+        tracer: &mut Tracer<'_>,
+        tally: &mut Tally,
+    ) -> Vec<String> {
+        let query = Query::primary(shot.ray);
+        if !thorough {
+            let first = tracer.first_hit(&query);
+            tally.note(&self.judge, &shot.ray, first);
+            return self.judge.faults_of_first(shot, &first);
+        }
+        let answers = Answers::ask(tracer, &query);
+        tally.note(&self.judge, &shot.ray, answers.first);
+        tally.thorough += 1;
+        tally.all_doubtful += u64::from(answers.all_doubtful);
+        let inside = answers.all.iter().any(|hit| hit.flags.contains(HitFlags::INSIDE));
+        tally.inside += u64::from(inside);
+        let mut faults = self.judge.faults(shot, &answers);
+        if self.model.closed {
+            let line = whole_line(&shot.ray);
+            let mut hits = Vec::new();
+            if !tracer.all_hits(&Query::primary(line), &mut hits) {
+                faults.extend(self.judge.parity_broken(&hits, &line));
+            }
+        }
+        faults
+    }
 }
 
 impl Tally {
-    fn note(&mut self, judge: &Judge<'_>, ray: &Ray, answers: &Answers) {
+    fn note(&mut self, judge: &Judge<'_>, ray: &Ray, first: Answer) {
         self.rays += 1;
-        self.hits += u64::from(answers.first.hit.is_some());
-        self.doubtful += u64::from(answers.first.doubtful);
-        self.all_doubtful += u64::from(answers.all_doubtful);
-        let inside = answers.all.iter().any(|hit| hit.flags.contains(HitFlags::INSIDE));
-        self.inside += u64::from(inside);
-        let certain = |flags: HitFlags| !flags.contains(HitFlags::DOUBTFUL);
-        for hit in answers.first.hit.iter().filter(|hit| certain(hit.flags)) {
+        self.hits += u64::from(first.hit.is_some());
+        self.doubtful += u64::from(first.doubtful);
+        for hit in first.hit.iter().filter(|hit| !hit.flags.contains(HitFlags::DOUBTFUL)) {
             let off = hit.point.distance(ray.at(hit.t)) / judge.measure(ray, hit).promise;
             self.residual = self.residual.max(off);
         }

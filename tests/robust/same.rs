@@ -1,0 +1,177 @@
+//! The same question has the same answer, bit for bit: whoever asks, in whatever order, however
+//! the surfaces were prepared, and wherever they stand in the list.
+
+use glam::{DAffine3, DVec3};
+use nurbray::geometry::NurbsSurface;
+use nurbray::intersect::{Answer, BuildOptions, Coherence, Hit, Occlusion, Query, SurfaceBvh};
+use nurbray::math::Ray;
+
+use crate::model::Model;
+use crate::models;
+use crate::random::Random;
+use crate::rays::{Class, Rays};
+
+/// Everything a hit says, as bits: NaN is equal to itself.
+fn bits(hit: &Hit) -> Vec<u64> {
+    let numbers = [&[hit.t][..], &hit.uv.to_array(), &hit.point.to_array(), &hit.normal.to_array()];
+    let numbers = numbers.concat().into_iter().map(f64::to_bits);
+    numbers.chain([u64::from(hit.surface), u64::from(hit.flags.bits())]).collect()
+}
+
+type Said = (Vec<Vec<u64>>, bool);
+
+/// All that is said of a ray: first hit, exact first hit, all hits, occlusion.
+fn said(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<(Said, Said, Said, Occlusion)> {
+    let mut tracer = bvh.tracer();
+    let one = |answer: Answer| (answer.hit.iter().map(bits).collect(), answer.doubtful);
+    queries
+        .iter()
+        .map(|query| {
+            let mut hits = Vec::new();
+            let doubtful = tracer.all_hits(query, &mut hits);
+            let all = (hits.iter().map(bits).collect(), doubtful);
+            let (first, exact) = (tracer.first_hit(query), tracer.exact_first_hit(query));
+            (one(first), one(exact), all, tracer.occluded(query))
+        })
+        .collect()
+}
+
+/// Rays of every class, and rays that leave their hits.
+fn queries(model: &Model, bvh: &SurfaceBvh, count: usize, seed: u64) -> Vec<Query> {
+    let rays = Rays::new(model);
+    let mut random = Random::new(seed);
+    let mut tracer = bvh.tracer();
+    let mut queries = Vec::new();
+    for class in Class::all() {
+        for _ in 0..count {
+            let query = Query::primary(rays.shot(class, &mut random).ray);
+            queries.push(query);
+            if let Some(hit) = tracer.first_hit(&query).hit {
+                let ray = Ray::new(hit.point, random.direction()).unwrap();
+                queries.push(Query::leaving(ray, &hit));
+            }
+        }
+    }
+    queries
+}
+
+fn some_models() -> Vec<Model> {
+    vec![models::sphere(), models::saddle(), models::random_rational(3), models::teapot()]
+}
+
+#[test]
+fn whoever_asks_in_whatever_order() {
+    for model in some_models() {
+        let bvh = model.bvh();
+        let queries = queries(&model, &bvh, 10, 51);
+        let forward = said(&bvh, &queries);
+        let reversed: Vec<Query> = queries.iter().rev().copied().collect();
+        let mut backward = said(&bvh, &reversed);
+        backward.reverse();
+        assert_eq!(forward, backward, "{}", model.name);
+        // A tracer that was never asked anything else.
+        for (query, expected) in queries.iter().zip(&forward) {
+            assert_eq!(said(&bvh, &[*query])[0], *expected, "{}: {query:?}", model.name);
+        }
+    }
+}
+
+#[test]
+fn alone_or_in_a_batch() {
+    for model in some_models() {
+        let bvh = model.bvh();
+        let queries = queries(&model, &bvh, 10, 52);
+        let mut tracer = bvh.tracer();
+        let alone: Vec<Answer> = queries.iter().map(|query| tracer.first_hit(query)).collect();
+        let occluded: Vec<Occlusion> = queries.iter().map(|query| tracer.occluded(query)).collect();
+        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+            let (mut answers, mut occlusions) = (Vec::new(), Vec::new());
+            tracer.first_hits(&queries, coherence, &mut answers);
+            tracer.occlusions(&queries, coherence, &mut occlusions);
+            assert_eq!(occlusions, occluded, "{}", model.name);
+            for (a, b) in answers.iter().zip(&alone) {
+                assert_eq!(a.hit.as_ref().map(bits), b.hit.as_ref().map(bits), "{}", model.name);
+                assert_eq!(a.doubtful, b.doubtful, "{}", model.name);
+            }
+        }
+    }
+}
+
+/// Parallel builds of obvhs may differ from serial ones; answers must not.
+#[test]
+fn however_many_threads_built_the_tree() {
+    for model in some_models() {
+        let built = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| model.bvh())
+        };
+        let (one, two, five) = (built(1), built(2), built(5));
+        let queries = queries(&model, &one, 10, 53);
+        let expected = said(&one, &queries);
+        assert_eq!(said(&two, &queries), expected, "{}", model.name);
+        assert_eq!(said(&five, &queries), expected, "{}", model.name);
+        for surface in 0..one.surface_count() {
+            assert_eq!(one.leaf_count(surface), two.leaf_count(surface));
+        }
+    }
+}
+
+/// Ties go to the surface, then the piece, that was given first; nothing else depends on where
+/// a surface stands in the list.
+#[test]
+fn wherever_a_surface_stands_in_the_list() {
+    let model = models::teapot();
+    let bvh = model.bvh();
+    let queries: Vec<Query> =
+        queries(&model, &bvh, 10, 54).into_iter().filter(|query| query.from.is_none()).collect();
+    let mut random = Random::new(55);
+    let mut order: Vec<usize> = (0..model.surfaces.len()).collect();
+    for k in (1..order.len()).rev() {
+        order.swap(k, random.below(k + 1));
+    }
+    let shuffled: Vec<NurbsSurface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();
+    let shuffled = SurfaceBvh::build(&shuffled, &BuildOptions::default()).unwrap();
+    let (mut a, mut b) = (bvh.tracer(), shuffled.tracer());
+    let mut ties = 0;
+    for query in &queries {
+        let (first, other) = (a.first_hit(query), b.first_hit(query));
+        assert_eq!(first.doubtful, other.doubtful, "{query:?}");
+        assert_eq!(first.hit.is_some(), other.hit.is_some(), "{query:?}");
+        let (Some(first), Some(other)) = (first.hit, other.hit) else { continue };
+        assert_eq!(first.t.to_bits(), other.t.to_bits(), "{query:?}");
+        let same = order[other.surface as usize] == first.surface as usize;
+        ties += u32::from(!same);
+        if same {
+            let mapped = Hit { surface: first.surface, ..other };
+            assert_eq!(bits(&first), bits(&mapped), "{query:?}");
+        }
+    }
+    // Where borders of two surfaces are met, either may be given first.
+    assert!(ties < queries.len() as u32 / 4, "{ties} of {}", queries.len());
+}
+
+#[test]
+fn ties_go_to_the_surface_given_first() {
+    let sheet = models::wavy_sheet();
+    let aside = DAffine3::from_translation(DVec3::X * 30.0);
+    let other = sheet.surfaces[0].transformed(&aside).unwrap();
+    let same = &sheet.surfaces[0];
+    // Copies of one surface among others, in three orders.
+    for (surfaces, first) in [
+        (vec![same.clone(), same.clone(), other.clone(), same.clone()], 0),
+        (vec![other.clone(), same.clone(), same.clone()], 1),
+        (vec![other.clone(), other, same.clone(), same.clone()], 2),
+    ] {
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let mut tracer = bvh.tracer();
+        let rays = Rays::new(&sheet);
+        let mut random = Random::new(56);
+        for class in [Class::Aimed, Class::Lines, Class::Corners] {
+            for _ in 0..50 {
+                let query = Query::primary(rays.shot(class, &mut random).ray);
+                let hit = tracer.first_hit(&query).hit.unwrap();
+                assert_eq!(hit.surface, first, "{query:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Traps of the hierarchy's builder, obvhs 0.4.0: each was measured to lose hits or to end the
+//! program in some use of that crate; each is held shut here.
+
+use glam::{DAffine3, DVec3};
+use nurbray::geometry::{NurbsSurface, shapes};
+use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+use nurbray::math::Ray;
+
+use crate::random::Random;
+
+fn build(surfaces: &[NurbsSurface]) -> SurfaceBvh {
+    SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+}
+
+fn placed(surface: &NurbsSurface, scale: f64, at: DVec3) -> NurbsSurface {
+    let map = DAffine3::from_translation(at) * DAffine3::from_scale(DVec3::splat(scale));
+    surface.transformed(&map).unwrap()
+}
+
+/// A cloud of small spheres: radius 0.1, on a grid of 4 × 4 × 4 in `[−1.5, 1.5]³`.
+fn cloud(scale: f64) -> Vec<NurbsSurface> {
+    let sphere = shapes::sphere_biquadratic(0.1).unwrap();
+    let at = |k: i32| DVec3::new(f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16)) - 1.5;
+    (0..64).map(|k| placed(&sphere, scale, scale * at(k))).collect()
+}
+
+/// The traversals of obvhs drop boxes that end before `t = 1e-4`.
+#[test]
+fn tiny_scenes_do_not_vanish() {
+    for scale in [1e-5, 1e-8, 1e-30] {
+        let bvh = build(&cloud(scale));
+        let mut tracer = bvh.tracer();
+        let mut random = Random::new(41);
+        for k in 0..64 {
+            let middle = bvh_middle(&bvh, k, scale);
+            let ray = Ray::new(middle + 1e-2 * scale * random.direction(), random.direction());
+            let answer = tracer.first_hit(&Query::primary(ray.unwrap()));
+            let hit = answer.hit.unwrap_or_else(|| panic!("scale {scale:e}: sphere {k} is lost"));
+            assert_eq!(hit.surface, k, "scale {scale:e}");
+            assert!(!answer.doubtful && hit.t < 0.2 * scale, "scale {scale:e}: {hit:?}");
+        }
+    }
+}
+
+fn bvh_middle(_: &SurfaceBvh, k: u32, scale: f64) -> DVec3 {
+    let (x, y, z) = (k % 4, k / 4 % 4, k / 16);
+    scale * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) - 1.5)
+}
+
+/// `safe_inverse` clamps direction components below 1.2e-7.
+#[test]
+fn directions_need_not_be_normalised() {
+    let bvh = build(&cloud(1.0));
+    let mut tracer = bvh.tracer();
+    let mut random = Random::new(42);
+    for k in (-300..=300).step_by(20) {
+        let length = 10f64.powi(k);
+        for _ in 0..20 {
+            let target = bvh_middle(&bvh, random.below(64) as u32, 1.0);
+            let from = target + 5.0 * random.direction();
+            let unit = (target - from).normalize();
+            let first = |d: DVec3| tracer_first(&mut bvh.tracer(), from, d);
+            let (a, b) = (first(unit), first(unit * length));
+            assert_eq!(a.0, b.0, "length 1e{k}");
+            assert!((a.1 - b.1 * length).abs() < 1e-13, "length 1e{k}: {} {}", a.1, b.1);
+        }
+        // One component much smaller than the others: along x, past a row of spheres.
+        let low = DVec3::new(-3.0, -1.5, -1.5 + 0.05);
+        let ray = Ray::new(low, DVec3::new(length, 0.0, 1e-9 * length)).unwrap();
+        let hit = tracer.first_hit(&Query::primary(ray)).hit.unwrap();
+        assert_eq!(hit.surface, 0, "length 1e{k}");
+    }
+}
+
+fn tracer_first(
+    tracer: &mut nurbray::intersect::Tracer<'_>,
+    from: DVec3,
+    direction: DVec3,
+) -> (u32, f64) {
+    let hit = tracer.first_hit(&Query::primary(Ray::new(from, direction).unwrap())).hit.unwrap();
+    (hit.surface, hit.t)
+}
+
+/// The slab test is not conservative: rays in a face of a flat box miss in one of ten cases.
+#[test]
+fn rays_in_the_faces_of_flat_boxes_are_not_lost() {
+    let mut random = Random::new(43);
+    for _ in 0..300 {
+        // Flat boxes with faces at numbers that f32 does not have.
+        let at = DVec3::new(random.between(-1.0, 1.0), random.unit(), random.between(-9.0, 9.0));
+        let square = placed(&shapes::plane(1.0, 1.0).unwrap(), random.between(0.1, 3.0), at);
+        let bvh = build(std::slice::from_ref(&square));
+        let mut tracer = bvh.tracer();
+        let corner = |u: f64, v: f64| square.point_at(u, v);
+        let mid = corner(0.5, 0.5);
+
+        // Within the plane, along both axes: through the middle, and along the border.
+        for (from, to) in [
+            (corner(0.0, 0.5), corner(1.0, 0.5)),
+            (corner(0.5, 1.0), corner(0.5, 0.0)),
+            (corner(0.0, 0.0), corner(1.0, 0.0)),
+            (corner(0.0, 1.0), corner(0.0, 0.0)),
+        ] {
+            let ray = Ray::new(from - (to - from), to - from).unwrap();
+            let answer = tracer.first_hit(&Query::primary(ray));
+            assert!(answer.doubtful && answer.hit.is_some(), "{ray:?}: {answer:?}");
+        }
+        // Across it, along the third axis, in the planes of the box's side faces.
+        for (u, v) in [(0.0, 0.5), (1.0, 0.3), (0.7, 0.0), (0.2, 1.0), (0.0, 0.0), (1.0, 1.0)] {
+            let target = corner(u, v);
+            let ray = Ray::new(DVec3::new(target.x, target.y, mid.z + 4.0), DVec3::NEG_Z).unwrap();
+            let answer = tracer.first_hit(&Query::primary(ray));
+            let hit = answer.hit.unwrap_or_else(|| panic!("lost: {ray:?}"));
+            assert!(hit.flags.contains(HitFlags::BORDER) && !answer.doubtful, "{hit:?}");
+        }
+    }
+}
+
+/// Equal boxes chain in the tree: one level for each.
+#[test]
+fn a_hundred_thousand_equal_boxes_do_not_overflow_the_stack() {
+    let square = shapes::plane(1.0, 1.0).unwrap();
+    for shift in [0.0, 1e-13, 1e-7] {
+        let copies: Vec<NurbsSurface> = (0..100_000)
+            .map(|k| placed(&square, 1.0, DVec3::Z * shift * f64::from(k % 1000)))
+            .collect();
+        let bvh = build(&copies);
+        assert_eq!(bvh.surface_count(), 100_000);
+        let ray = Ray::new(DVec3::new(0.1, 0.2, 3.0), DVec3::new(0.0, 0.1, -1.0)).unwrap();
+        let hit = bvh.tracer().first_hit(&Query::primary(ray)).hit.unwrap();
+        let highest = if shift == 0.0 { 0 } else { 999 };
+        assert_eq!(hit.surface, highest, "shift {shift:e}");
+    }
+}
+
+/// What a leaf of the tree holds is a slot, not the index of a box.
+#[test]
+fn surfaces_are_not_taken_for_one_another() {
+    let mut random = Random::new(44);
+    let mut surfaces = cloud(1.0);
+    // In no order of space.
+    let mut places: Vec<u32> = (0..64).collect();
+    for k in (1..64).rev() {
+        let other = random.below(k + 1);
+        surfaces.swap(k, other);
+        places.swap(k, other);
+    }
+    let bvh = build(&surfaces);
+    let mut tracer = bvh.tracer();
+    for (surface, &place) in (0u32..).zip(&places) {
+        let middle = bvh_middle(&bvh, place, 1.0);
+        let ray = Ray::new(middle, random.direction()).unwrap();
+        assert_eq!(tracer.first_hit(&Query::primary(ray)).hit.unwrap().surface, surface);
+    }
+}
+
+/// `t` is an f32 there: a hit nearer by less than its last digit is not told apart.
+#[test]
+fn the_nearest_of_two_is_told_in_f64() {
+    let square = shapes::plane(10.0, 10.0).unwrap();
+    for (gap, nearest) in [(1e-6, 1), (-1e-6, 0)] {
+        let bvh = build(&[square.clone(), placed(&square, 1.0, DVec3::Z * gap)]);
+        let ray = Ray::new(DVec3::new(1.0, 2.0, 1e6), DVec3::NEG_Z).unwrap();
+        let answer = bvh.tracer().first_hit(&Query::primary(ray));
+        assert_eq!(answer.hit.unwrap().surface, nearest, "gap {gap:e}");
+        assert!(!answer.doubtful);
+    }
+}
