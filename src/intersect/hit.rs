@@ -27,15 +27,11 @@ pub struct Hit {
 /// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
-    /// The surface the root lies on.
-    pub(crate) surface: u32,
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,
-    /// Its place in space.
-    pub(crate) point: DVec3,
-    /// How far the true root may be from `point`, in scene units.
+    /// How far the true root may be from the surface's point there, in scene units.
     pub(crate) error: f64,
 }
 

@@ -39,6 +39,16 @@ pub(super) struct Question<'a> {
     pub(super) from: Option<&'a Root>,
 }
 
+impl<'a> Question<'a> {
+    /// The root the ray starts on, and its piece, if it lies on that surface.
+    fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
+        let root = self.from?;
+        // A root of other surfaces than these is none of theirs.
+        let piece = self.set.pieces().get(root.piece as usize)?;
+        (piece.surface == surface).then_some((root, piece))
+    }
+}
+
 /// What a search found, and its scratch memory.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
@@ -255,9 +265,9 @@ fn accept(
     }
 
     // The root the ray starts on is not met again.
-    if let Some(root) = question.from.filter(|root| root.surface == piece.surface) {
+    if let Some((root, start)) = question.start_on(piece.surface) {
         let reach = z_error + root.error;
-        if z.abs() <= reach && jet.point.distance(root.point) <= 2.0 * reach {
+        if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
             let same = match solution.proof {
                 Proof::Isolated(rect) => root.piece != leaf.piece || holds(rect, root.st),
                 Proof::Collapsed => true,

@@ -28,7 +28,6 @@ pub struct Tracer<'a> {
 pub(super) struct PacketScratch {
     pub(super) packet: Packet,
     pub(super) work: Work,
-    pub(super) frames: Vec<RayFrame>,
     /// What the scalar search found, with the ray's place in the packet.
     pub(super) meetings: Vec<(usize, Meeting)>,
     /// For each ray, from where on something may have been missed.
@@ -40,7 +39,6 @@ impl Default for PacketScratch {
         Self {
             packet: Packet::new(),
             work: Work::default(),
-            frames: Vec::new(),
             meetings: Vec::new(),
             doubt: [f64::INFINITY; PACKET],
         }
@@ -227,13 +225,8 @@ fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
-    let root = Root {
-        surface: meeting.surface,
-        piece: meeting.piece,
-        st: meeting.st,
-        point: meeting.jet.point,
-        error: meeting.t_error / frame.t_from_z,
-    };
+    let error = meeting.t_error / frame.t_from_z;
+    let root = Root { piece: meeting.piece, st: meeting.st, error };
     Hit {
         t: meeting.t,
         surface: meeting.surface,

@@ -17,6 +17,18 @@ pub(super) struct Target<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) piece: &'a Piece,
     pub(super) index: u32,
+    /// How near a side of the piece a hit may be at a border of the surface; `None` if the
+    /// leaf is away from all borders.
+    pub(super) reach: Option<[f64; 4]>,
+}
+
+/// What became of eight rays.
+#[derive(Clone, Copy)]
+pub(super) struct Done {
+    /// The lanes the scalar search must look at.
+    pub(super) left: u64,
+    /// Whether some ray's nearest hit is new.
+    pub(super) found: bool,
 }
 
 /// Eight lanes' Jacobian data.
@@ -42,7 +54,7 @@ pub(super) fn finish<S: Simd>(
     base: usize,
     wanted: mask64x8<S>,
     start: (f64x8<S>, f64x8<S>),
-) -> u64 {
+) -> Done {
     let [s_range, t_range] = target.leaf.rect;
     let half_s = f64x8::splat(simd, 0.5 * (s_range[1] - s_range[0]));
     let half_t = f64x8::splat(simd, 0.5 * (t_range[1] - t_range[0]));
@@ -121,8 +133,9 @@ pub(super) fn finish<S: Simd>(
     let best = f64x8::from_slice(simd, &packet.z[base..base + 8]);
     let size = dot_d(cross, cross).sqrt();
     let cosine = dot_d(cross, axis).abs() / size;
-    let z_error = error / cosine * f64x8::splat(simd, 2.0);
-    let clear = z.simd_ge(z_min + z_error) | z.simd_le(z_min - z_error);
+    let z_error = error / cosine.max(f64x8::splat(simd, f64::EPSILON));
+    let near_end = z_error + z_error;
+    let clear = z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end);
     let judged = found & (!on_piece | !clear);
     // Of hits at the same place the leaf that comes first counts, whichever was searched
     // first: so the order of the search does not matter.
@@ -133,14 +146,26 @@ pub(super) fn finish<S: Simd>(
     let tie = z.simd_eq(best) & mask64x8::from_bitmask(simd, earlier);
     let hit = found & !judged & z.simd_gt(z_min) & (z.simd_lt(best) | tie);
 
-    if hit.any_true() {
+    let any = hit.any_true();
+    if any {
         put(simd, hit, &mut packet.z[base..base + 8], z);
         put(simd, hit, &mut packet.s[base..base + 8], root_s);
         put(simd, hit, &mut packet.t[base..base + 8], root_t);
+        put(simd, hit, &mut packet.z_error[base..base + 8], z_error);
+        let inverse = f64x8::splat(simd, 1.0) / size;
         for i in 0..3 {
             put(simd, hit, &mut packet.point[i][base..base + 8], point[i]);
-            put(simd, hit, &mut packet.cross[i][base..base + 8], cross[i]);
+            put(simd, hit, &mut packet.normal[i][base..base + 8], cross[i] * inverse);
         }
+        let mut near = simd.splat_mask64x8(false);
+        if let Some(reach) = target.reach {
+            let distances = [root_s, high - root_s, root_t, high - root_t];
+            for side in 0..4 {
+                near |= distances[side].simd_le(f64x8::splat(simd, reach[side]));
+            }
+        }
+        packet.near_border &= !(hit.to_bitmask() << base);
+        packet.near_border |= (near & hit).to_bitmask() << base;
         let mut lanes = hit.to_bitmask();
         while lanes != 0 {
             let k = base + lanes.trailing_zeros() as usize;
@@ -149,7 +174,7 @@ pub(super) fn finish<S: Simd>(
             lanes &= lanes - 1;
         }
     }
-    (open | judged).to_bitmask()
+    Done { left: (open | judged).to_bitmask(), found: any }
 }
 
 /// Replaces the lanes of a mask.

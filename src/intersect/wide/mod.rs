@@ -10,6 +10,7 @@
 //! other rays of the packet.
 
 mod finish;
+mod load;
 mod packet;
 mod record;
 mod search;

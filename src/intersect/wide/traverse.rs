@@ -4,12 +4,13 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 use fearless_simd_macros::simd;
 
 use super::finish::{Target, finish};
+use super::load::{farthest, prepare};
 use super::packet::{Packet, PacketBounds};
 use super::search::{bits, cosines, cross_box, search_fit, widen};
 use super::tree::{Child, WideNode, WideTree};
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
-use crate::patch::PatchSet;
+use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece};
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
@@ -17,9 +18,11 @@ pub(in crate::intersect) struct Work {
     stack: Vec<(f32, Child)>,
     /// Rays and leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
+    /// One bit for each ray that has leaves left.
+    pub(in crate::intersect) rest_rays: u64,
 }
 
-/// Finds the nearest certified hit of every ray of a packet; `work.rest` names the pairs of
+/// Finds the nearest certified hit of every ray of a packet that was just loaded; `work.rest` names the pairs of
 /// ray and leaf that could not be certified or decided, which may hold nearer ones.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd>(
@@ -30,14 +33,17 @@ pub(in crate::intersect) fn trace<S: Simd>(
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
+    packet.scale = tree.scale;
+    prepare(simd, packet, tree.center);
     work.rest.clear();
+    work.rest_rays = 0;
     work.stack.clear();
     if tree.nodes.is_empty() {
         return;
     }
     work.stack.push((f32::NEG_INFINITY, Child::Node(0)));
     while let Some((entry, child)) = work.stack.pop() {
-        if entry > packet.farthest() {
+        if entry > packet.farthest {
             continue;
         }
         match child {
@@ -46,7 +52,7 @@ pub(in crate::intersect) fn trace<S: Simd>(
                 statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let first = work.stack.len();
-                let (entries, mut met) = enter(simd, node, &packet.bounds, packet.farthest());
+                let (entries, mut met) = enter(simd, node, &packet.bounds, packet.farthest);
                 while met != 0 {
                     let k = met.trailing_zeros() as usize;
                     work.stack.push((entries[k], node.child(k)));
@@ -114,7 +120,8 @@ fn search<S: Simd>(
     let record = &tree.records[index as usize];
     let leaf = &set.leaves()[index as usize];
     let piece = &set.pieces()[leaf.piece as usize];
-    let target = Target { leaf, piece, index };
+    let target = Target { leaf, piece, index, reach: border_reach(leaf, piece) };
+    let mut found = false;
     let factor = piece.patch.residual_factor();
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
         let crossing = cross_box(simd, record, packet, base);
@@ -144,13 +151,38 @@ fn search<S: Simd>(
                 statistics.newton_iterations += lanes.count_ones() as u64;
                 let wanted = fearless_simd::mask64x8::from_bitmask(simd, lanes);
                 let at = base + 8 * half;
-                let left = finish(simd, &target, packet, at, wanted, (xs[half], ys[half]));
-                rest |= (left as u32) << (8 * half);
+                let done = finish(simd, &target, packet, at, wanted, (xs[half], ys[half]));
+                rest |= (done.left as u32) << (8 * half);
+                found |= done.found;
             }
         }
+        work.rest_rays |= u64::from(rest) << base;
         while rest != 0 {
             work.rest.push((base + rest.trailing_zeros() as usize, index));
             rest &= rest - 1;
         }
     }
+    if found {
+        packet.farthest = farthest(simd, packet);
+    }
+}
+
+/// For each side of the piece that is a border of the surface and near the leaf: how far
+/// from it, in the parameter, a hit may be within rounding of it.
+///
+/// The leaf is certified for the ray, so rounding moves a root by less than half of the
+/// leaf's slack: what is farther from the side than a few times that is not at the border.
+fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
+    let mut reach = [f64::NEG_INFINITY; 4];
+    let mut any = false;
+    for side in (0..4).filter(|&side| piece.border[side]) {
+        let [from, to] = leaf.rect[side / 2];
+        let more = 4.0 * LEAF_SLACK * (to - from);
+        let distance = if side % 2 == 0 { from } else { 1.0 - to };
+        if distance <= more {
+            reach[side] = more;
+            any = true;
+        }
+    }
+    any.then_some(reach)
 }

@@ -1,6 +1,6 @@
 //! The hierarchy collapsed into nodes of sixteen children.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::LANES;
 use super::record::SearchRecord;
@@ -56,15 +56,20 @@ impl WideNode {
 }
 
 /// The wide hierarchy and the leaves' search records.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(in crate::intersect) struct WideTree {
     pub(super) nodes: Vec<WideNode>,
     pub(super) records: Vec<SearchRecord>,
+    /// Scaled coordinates: `(P − center) · scale`.
+    pub(super) center: DVec3,
+    pub(super) scale: f64,
 }
 
 impl WideTree {
     pub(in crate::intersect) fn new(set: &PatchSet, hierarchy: &Hierarchy) -> Self {
-        let mut tree = Self { nodes: Vec::new(), records: SearchRecord::all(set, hierarchy) };
+        let (center, scale) = hierarchy.frame();
+        let records = SearchRecord::all(set, hierarchy);
+        let mut tree = Self { nodes: Vec::new(), records, center, scale };
         if !hierarchy.nodes().is_empty() {
             tree.collapse(hierarchy);
         }
