@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3};
 
 use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
-use super::newton::{Newton, newton, project};
+use super::newton::{Grounds, Newton, newton, project};
 use super::{HitFlags, Root, Statistics};
 use crate::math::RayFrame;
-use crate::patch::{CollapsedSide, Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ impl Findings {
 /// converges there, a second point with a residual below the error could only be within
 /// `error·spread/cos` of it: well inside the slack. So the point found is the leaf's one
 /// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to
-/// be missed. `z_limit` is how far along the ray anything is still of interest.
+/// be missed; so it is where a step from beyond the leaf surely leads away. `z_limit` is how far along the ray anything is still of interest.
 pub(super) fn search(
     question: &Question<'_>,
     leaf: &Leaf,
@@ -92,21 +92,27 @@ pub(super) fn search(
     let error = error_bound(piece, ray);
 
     if certified(leaf, ray, error) {
-        let widened = widened(leaf, WIDENING);
+        let widened = leaf.widened(WIDENING);
         let starts_here =
             question.from.is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
         if starts_here {
             return; // the one root is the one the ray starts on
         }
         let start = first_guess(leaf, passage.middle);
-        let (end, steps) = newton(&piece.patch, ray, start, widened, error);
+        let wanted = leaf.widened(LEAF_SLACK);
+        let grounds = Grounds { domain: widened, wanted, bend: leaf.certificate.bend };
+        let (end, steps) = newton(&piece.patch, ray, start, &grounds, error);
         findings.statistics.newton_iterations += u64::from(steps);
-        if let Newton::Converged { st, jet, z } = end {
-            if holds(self::widened(leaf, LEAF_SLACK), st) {
-                let solution = Solution { st, proof: Proof::Isolated(widened) };
-                accept(question, leaf, &solution, Some((jet, z)), findings);
+        match end {
+            Newton::Converged { st, jet, z } => {
+                if holds(wanted, st) {
+                    let solution = Solution { st, proof: Proof::Isolated(widened) };
+                    accept(question, leaf, &solution, Some((jet, z)), findings);
+                }
+                return;
             }
-            return;
+            Newton::Missed => return,
+            Newton::Failed => {}
         }
     }
     search_exactly(question, leaf, z_limit, findings);
@@ -120,12 +126,7 @@ pub(super) fn search_exactly(
     findings: &mut Findings,
 ) {
     let piece = &question.set.pieces()[leaf.piece as usize];
-    let mut rect = widened(leaf, LEAF_SLACK);
-    match leaf.collapsed {
-        Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
-        Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
-        None => {}
-    }
+    let rect = leaf.widened(LEAF_SLACK);
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
@@ -184,22 +185,7 @@ fn certified(leaf: &Leaf, ray: &RayFrame, error: f64) -> bool {
         let distance = ray.coordinates(pole.point).truncate().length();
         error * pole.spread <= slack * distance
     });
-    cosine > certificate.threshold && error * certificate.spread <= slack && away_from_pole
-}
-
-/// The leaf's rectangle with `part` of its sides added on each side, but for a side that
-/// is collapsed to a point.
-fn widened(leaf: &Leaf, part: f64) -> Rect {
-    let mut rect = leaf.rect.map(|[from, to]| {
-        let more = part * (to - from);
-        [from - more, to + more]
-    });
-    match leaf.collapsed {
-        Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
-        Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
-        None => {}
-    }
-    rect
+    certificate.holds(ray.axis) && error * certificate.spread <= slack && away_from_pole
 }
 
 fn holds(rect: Rect, st: DVec2) -> bool {

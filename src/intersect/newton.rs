@@ -22,8 +22,46 @@ pub(super) enum Newton {
         /// How far along the ray.
         z: f64,
     },
+    /// Beyond the leaf, where a step leads so surely away that the leaf is proved to be
+    /// missed, as the certificate says.
+    Missed,
     /// Outside the domain, or nowhere: nothing is known.
     Failed,
+}
+
+/// Where Newton's iteration may go, for a certified leaf and ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grounds {
+    /// The rectangle on which there is at most one root.
+    pub(super) domain: Rect,
+    /// The part of it that roots are wanted in: the leaf with its slack.
+    pub(super) wanted: Rect,
+    /// The certificate's measure of how surely a step must lead away.
+    pub(super) bend: [f64; 2],
+}
+
+/// Added to the certificate's measure: far above what rounding does to a residual that is
+/// [`CLEAR`] of the error.
+pub(super) const SURELY: f64 = 1e-3;
+
+/// A miss is only proved from residuals this much larger than the error.
+pub(super) const CLEAR: f64 = 1e4;
+
+impl Grounds {
+    /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual,
+    /// `a` and `b` the tangents, in the planes.
+    fn rule_out(&self, st: DVec2, delta: DVec2, f: DVec2, [a, b]: [DVec2; 2], jet: &Jet) -> bool {
+        let least = |bend: f64, tangent: DVec3| (bend + SURELY) * f.length() * tangent.length();
+        let sure = [
+            f.perp_dot(b).abs() > least(self.bend[0], jet.dt),
+            f.perp_dot(a).abs() > least(self.bend[1], jet.ds),
+        ];
+        (0..2).any(|k| {
+            let [low, high] = self.wanted[k];
+            let away = (st[k] < low && delta[k] > 0.0) || (st[k] > high && delta[k] < 0.0);
+            away && sure[k]
+        })
+    }
 }
 
 /// Searches for the root of the two distances from the ray's planes, from a first guess.
@@ -33,18 +71,20 @@ pub(super) enum Newton {
 /// ray, in scene units. A step solves `J δ = −f`, `J = [nₖ · S_s, nₖ · S_t]`, by Cramer's
 /// rule; `det J = ± d · (S_s × S_t)` vanishes at silhouettes and poles.
 ///
-/// The iteration stays in `domain`, the rectangle on which the caller knows that there is
-/// at most one root; it may touch its border once. It ends where `|f| ≤ error`, after one
-/// more step if rounding leaves something to gain. Also returns the number of steps.
+/// The iteration stays in the domain, the rectangle on which the caller knows that there is
+/// at most one root. It ends where `|f| ≤ error`, after one more step if rounding leaves
+/// something to gain; where the leaf is proved to be missed; or where it touches the domain's
+/// border for the second time. Also returns the number of steps.
 ///
 /// Kajiya 1982 (two planes); Martin, Cohen, Fish & Shirley 2000 (the iteration).
 pub(super) fn newton(
     patch: &TensorPatch,
     ray: &RayFrame,
     start: DVec2,
-    domain: Rect,
+    grounds: &Grounds,
     error: f64,
 ) -> (Newton, u32) {
+    let domain = grounds.domain;
     let low = DVec2::new(domain[0][0], domain[1][0]);
     let high = DVec2::new(domain[0][1], domain[1][1]);
     let finest = 4.0 * rounding::UNIT_ROUNDOFF * patch.magnitude().max(ray.magnitude);
@@ -70,6 +110,9 @@ pub(super) fn newton(
 
         let (a, b) = (project(ray, jet.ds), project(ray, jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
+        if residual > CLEAR * error && grounds.rule_out(st, delta, f, [a, b], &jet) {
+            return (Newton::Missed, step);
+        }
         let next = (st - delta).clamp(low, high);
         if next != st - delta {
             escapes += 1; // also when delta is not a number

@@ -100,8 +100,7 @@ impl Tracer<'_> {
 /// A lane's hit that lies on no border.
 #[inline]
 fn plain_hit(set: &PatchSet, hit: &LaneHit) -> Hit {
-    let piece_index = set.leaves()[hit.leaf as usize].piece;
-    let piece = &set.pieces()[piece_index as usize];
+    let piece = &set.pieces()[hit.piece as usize];
     Hit {
         t: hit.t,
         surface: piece.surface,
@@ -109,33 +108,33 @@ fn plain_hit(set: &PatchSet, hit: &LaneHit) -> Hit {
         point: hit.point,
         normal: hit.normal,
         flags: HitFlags::NONE,
-        root: Root { piece: piece_index, st: hit.st, error: hit.z_error },
+        root: Root { piece: hit.piece, st: hit.st, error: hit.z_error },
     }
 }
 
 /// A lane's hit as the scalar search would have found it.
 fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
-    let leaf = &set.leaves()[hit.leaf as usize];
-    let piece = &set.pieces()[leaf.piece as usize];
+    let piece = &set.pieces()[hit.piece as usize];
     let error = leaf_search::error_bound(piece, frame);
-    let cosine = hit.normal.dot(frame.axis);
-    let jet = if hit.near_border {
-        piece.patch.jet(hit.st)
-    } else {
-        Jet { point: hit.point, ds: hit.normal, dt: hit.normal }
-    };
     let mut flags = HitFlags::NONE;
-    if hit.near_border && leaf_search::at_border(piece, hit.st, &jet, error) {
-        flags.insert(HitFlags::BORDER);
+    let mut jet = Jet { point: hit.point, ds: hit.normal, dt: hit.normal };
+    let mut normal = hit.normal.is_finite().then_some(hit.normal);
+    if hit.near_border {
+        jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
+        normal = piece.normal(hit.st, &jet);
+        if leaf_search::at_border(piece, hit.st, &jet, error) {
+            flags.insert(HitFlags::BORDER);
+        }
     }
+    let cosine = normal.map_or(0.0, |normal| normal.dot(frame.axis));
     Meeting {
         t: hit.t,
         t_error: hit.z_error * frame.t_from_z,
         surface: piece.surface,
-        piece: leaf.piece,
+        piece: hit.piece,
         st: hit.st,
-        jet: Jet { point: hit.point, ..jet },
-        normal: hit.normal.is_finite().then_some(hit.normal),
+        jet,
+        normal,
         flags,
         error,
         cosine,

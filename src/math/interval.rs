@@ -32,6 +32,12 @@ impl Interval {
         Self { lo: self.lo.min(x), hi: self.hi.max(x) }
     }
 
+    /// The smallest interval that holds this one and the other.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
     /// Grown by `margin ≥ 0` at both ends.
     #[must_use]
     pub fn grown(self, margin: f64) -> Self {

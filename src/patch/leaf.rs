@@ -12,8 +12,8 @@ use crate::math::{Aabb, bernstein};
 pub const LEAF_SLACK: f64 = 1e-3;
 
 /// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's
-/// steps may stray there.
-pub const WIDENING: f64 = 0.1;
+/// steps may stray there. Wider, it would speak of fewer rays.
+pub const WIDENING: f64 = 0.05;
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.
@@ -34,6 +34,23 @@ pub struct Leaf {
     pub certificate: Certificate,
     /// Where the leaf ends at a collapsed side of its piece.
     pub collapsed: Option<CollapsedSide>,
+}
+
+impl Leaf {
+    /// The leaf's rectangle with `part` of its sides added on each side, but for a side that
+    /// is collapsed to a point.
+    pub fn widened(&self, part: f64) -> [[f64; 2]; 2] {
+        let mut rect = self.rect.map(|[from, to]| {
+            let more = part * (to - from);
+            [from - more, to + more]
+        });
+        match self.collapsed {
+            Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
+            Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
+            None => {}
+        }
+        rect
+    }
 }
 
 /// A part of a piece on the way to become a leaf.

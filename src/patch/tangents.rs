@@ -6,7 +6,7 @@ use super::tensor::euclidean;
 use crate::math::{Interval, rounding};
 
 /// A promise about all rays that are steep enough: each meets the leaf, widened on all
-/// sides, at most once.
+/// sides, at most once; and how far the leaf's tangents turn.
 ///
 /// # What is bounded
 /// Write the piece over the convex parameter rectangle `D` as `S = c + X / W`, where the
@@ -15,41 +15,55 @@ use crate::math::{Interval, rounding};
 /// likewise. On `D` every component of `X_s` lies between the smallest and the largest
 /// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
 /// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
-/// the coefficients, gives boxes that hold `a` and `b`, in the frame `(a₀, b₀, n)` of
-/// their means: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. Boxes are convex,
-/// so they hold the means of `a` and `b` over any set as well.
+/// the coefficients, gives a box around every coefficient of `a` and of `b`, in the frame
+/// `(a₀, b₀, n)` of their means: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. With
+/// `α₁ > 0` in all of these boxes the quotients `α₂/α₁` and `α₃/α₁` of sums of members are
+/// weighted means of those of the members, and `b` likewise: intervals around the quotients
+/// of the coefficients hold those of the means of `a` and of `b` over any set.
 ///
 /// # What is concluded
 /// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
 /// the two distances from a pair of perpendicular planes through the ray. Then
 /// `0 = F(y) − F(x) = J̄ (y − x)`, where `J̄` is the mean of the Jacobian along the segment
 /// from `x` to `y`: its columns are the projections of `∫ a/W` and `∫ b/W`, which are
-/// positive multiples `λā`, `μb̄` of members of the boxes, and `det J̄ = ± λμ d·(ā × b̄)`.
-/// With `θ` the angle between `d` and `n`,
+/// positive multiples `λā`, `μb̄` of means of `a` and `b`, and `det J̄ = ± λμ d·(ā × b̄)`.
+/// With `ā = α₁ (a₀ + ρ₂ b₀ + ρ₃ n)` and `b̄ = β₂ (σ₁ a₀ + b₀ + σ₃ n)`
 ///
-/// `|d·(ā × b̄)| ≥ cos θ |a₀ × b₀| m − sin θ (|a₀| e₁ + |b₀| e₂)`,
+/// `|d·(ā × b̄)| ≥ α₁ β₂ (|d·(a₀ × b₀)| m − |d·(a₀ × n)| e₁ − |d·(b₀ × n)| e₂)`,
 ///
-/// `m = min(α₁β₂ − α₂β₁)`, `e₁ = max|α₁β₃ − α₃β₁|`, `e₂ = max|α₂β₃ − α₃β₂|`. This is
-/// positive, hence `x = y`, whenever `tan θ < 1 / K` with
-/// `K = (|a₀| e₁ + |b₀| e₂) / (|a₀ × b₀| m)`: a threshold on `|n·d|`. Splitting off the
-/// parts along `a₀` and `b₀` matters: the speed of the parametrisation does no harm, only
-/// the turning of the tangents does.
+/// `m = min(1 − ρ₂σ₁)`, `e₁ = max|σ₃ − ρ₃σ₁|`, `e₂ = max|ρ₂σ₃ − ρ₃|`. This is positive,
+/// hence `x = y`, whenever `|n·d| > |A·d| + |B·d|` with `A = (a₀ × n) e₁ / (|a₀ × b₀| m)` and
+/// `B = (b₀ × n) e₂ / (|a₀ × b₀| m)`: three dot products. Splitting off the parts along `a₀`
+/// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
+/// the turning of the tangents does; and a ray may be the flatter the less the leaf turns
+/// in the direction it comes from.
+///
+/// # How a miss is proved
+/// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
+/// component of known sign, and let the ray be certified. If it met the leaf at `y`,
+/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of `F(x) × b̄` known: opposite to
+/// where Newton's step from `x` leads if that is away from the leaf, and this for every
+/// possible `b̄`. All of them have the direction `b₀ + σ₁ a₀ + σ₃ n`, within `r = max|σ₁ a₀ +
+/// σ₃ n| / |b₀|` of `b₀`'s; so they agree with the tangent at `x` in the sign of the cross
+/// product whenever `|F × S_t| > κ |F| |S_t|`, `κ = 2r / (1 − r)`. The same holds for `t`.
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
 /// multiples keep the argument. So poles are certified too, but for the pole itself.
 ///
 /// # What rounding costs
-/// The threshold is that of `1.05 K`, so that `|d·(ā × b̄)| ≥ 0.047 cos θ |a₀ × b₀| m`.
-/// A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
+/// `A` and `B` are taken with 2 % to spare, so that with `θ` the angle between `d` and `n`
+/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m`. A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
 /// owner compares that with the slack it allows itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
     /// The unit normal `n`.
     pub normal: DVec3,
-    /// A ray with `|n·d|` above this meets the widened leaf at most once.
-    pub threshold: f64,
+    /// `A` and `B`: a ray with `|n·d| > |A·d| + |B·d|` meets the widened leaf at most once.
+    pub turning: [DVec3; 2],
+    /// `κ` for a step in `s` and in `t`: how surely Newton's step must lead away.
+    pub bend: [f64; 2],
     /// See above; per unit of distance.
     pub spread: f64,
     /// At a collapsed side: where it is, and the spread times the distance from it.
@@ -76,12 +90,20 @@ pub enum CollapsedSide {
 }
 
 /// Leaves whose tangents are bounded with this factor to spare.
-const MARGIN: f64 = 1.05;
+const MARGIN: f64 = 1.02;
 
 impl Certificate {
     /// No ray is certified.
     pub(super) fn none(normal: DVec3) -> Self {
-        Self { normal, threshold: f64::INFINITY, spread: f64::INFINITY, pole: None }
+        let (turning, bend) = ([DVec3::ZERO; 2], [f64::INFINITY; 2]);
+        Self { normal, turning, bend, spread: f64::INFINITY, pole: None }
+    }
+
+    /// Whether a ray of this unit direction meets the widened leaf at most once.
+    pub fn holds(&self, direction: DVec3) -> bool {
+        let [a, b] = self.turning.map(|turning| turning.dot(direction).abs());
+        let rounding = 16.0 * rounding::UNIT_ROUNDOFF;
+        self.spread.is_finite() && self.normal.dot(direction).abs() > a + b + rounding
     }
 
     /// The certificate of the net over the widened rectangle; `None` when the tangents
@@ -100,6 +122,9 @@ impl Certificate {
                 let mut certificate = Tangents::at_pole(&net, pole)?.certificate(Some(pole))?;
                 if turned.2 {
                     certificate.normal = -certificate.normal;
+                }
+                if let CollapsedSide::S(_) = side {
+                    certificate.bend.reverse();
                 }
                 Some(certificate)
             }
@@ -178,6 +203,7 @@ impl Field {
         Interval::hull(self.values.iter().map(|value| value.w))
     }
 
+    /// The range of the component along a direction.
     fn component(&self, direction: DVec3) -> Interval {
         Interval::hull(self.values.iter().map(|value| direction.dot(value.truncate())))
     }
@@ -234,18 +260,33 @@ impl Tangents {
         Some(tangents)
     }
 
-    /// The box of one tangent's components along three directions.
-    fn components(&self, which: usize, directions: &[DVec3; 3]) -> [Interval; 3] {
+    /// How one tangent turns: `which` of the directions' components it is measured by, and the
+    /// ranges of the quotients of the other two by it. `None` if that one may vanish.
+    fn turns(&self, which: usize, directions: &[DVec3; 3]) -> Option<Turns> {
         let (along, factor) = match which {
             0 => (&self.along_s, &self.factor_s),
             _ => (&self.along_t, &self.factor_t),
         };
         let degree = along.degree[which] as f64 + 1.0;
-        directions.map(|direction| {
-            let turning = factor.component(direction) * self.weight_slopes[which];
+        let boxes = directions.map(|direction| {
             let noise = 4.0 * degree * self.noise * direction.length();
-            (along.component(direction) - turning).grown(noise)
-        })
+            (factor.component(direction) * self.weight_slopes[which]).grown(noise)
+        });
+        let mut turns =
+            Turns { least: f64::INFINITY, other: Interval::EMPTY, normal: Interval::EMPTY };
+        for value in &along.values {
+            let component =
+                |k: usize| Interval::point(directions[k].dot(value.truncate())) - boxes[k];
+            let speed = component(which);
+            let forward = speed.lo > 0.0; // false for NaN
+            if !forward {
+                return None;
+            }
+            turns.least = turns.least.min(speed.lo);
+            turns.other = turns.other.union(component(1 - which).over_positive(speed));
+            turns.normal = turns.normal.union(component(2).over_positive(speed));
+        }
+        Some(turns)
     }
 
     fn certificate(&self, pole: Option<DVec3>) -> Option<Certificate> {
@@ -265,24 +306,28 @@ impl Tangents {
         let normal = cross / area;
         let dual = [b0.cross(normal) / area, normal.cross(a0) / area, normal];
 
-        let [a1, a2, a3] = self.components(0, &dual);
-        let [b1, b2, b3] = self.components(1, &dual);
-        let m = (a1 * b2 - a2 * b1).lo;
+        let (a, b) = (self.turns(0, &dual)?, self.turns(1, &dual)?);
+        let m = (Interval::point(1.0) - a.other * b.other).lo;
         let independent = m > 0.0; // false for NaN
         if !independent {
             return None;
         }
-        let e1 = (a1 * b3 - a3 * b1).magnitude();
-        let e2 = (a2 * b3 - a3 * b2).magnitude();
-        let k = MARGIN * (a0.length() * e1 + b0.length() * e2) / (area * m);
-        let threshold = k / (1.0 + k * k).sqrt() + 4.0 * rounding::UNIT_ROUNDOFF;
+        let e1 = (b.normal - a.normal * b.other).magnitude();
+        let e2 = (a.other * b.normal - a.normal).magnitude();
+        let turning = [a0.cross(normal) * e1, b0.cross(normal) * e2].map(|v| v * MARGIN / (area * m));
+        // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
+        let (length_a, length_b) = (a0.length(), b0.length());
+        let bend = [
+            bend(b.other.magnitude() * length_a + b.normal.magnitude(), length_b),
+            bend(a.other.magnitude() * length_b + a.normal.magnitude(), length_a),
+        ];
 
         // How far from the root a point with a small residual may be.
-        let determinant = (1.0 - 1.0 / MARGIN) * area * m;
-        let turning =
+        let determinant = (1.0 - 1.0 / MARGIN) * area * m * a.least * b.least;
+        let more =
             |which: usize, factor: &Field| self.weight_slopes[which].magnitude() * factor.length();
-        let longest_s = self.along_s.length() + turning(0, &self.factor_s);
-        let longest_t = self.along_t.length() + turning(1, &self.factor_t);
+        let longest_s = self.along_s.length() + more(0, &self.factor_s);
+        let longest_t = self.along_t.length() + more(1, &self.factor_t);
         let spread = match pole {
             None => longest_s.max(longest_t) * self.weights.hi / determinant,
             Some(_) => longest_s * self.weights.hi / determinant,
@@ -291,13 +336,25 @@ impl Tangents {
             let ratio = self.weights.hi / self.weights.lo;
             Pole { point, spread: longest_t * longest_t * ratio / determinant }
         });
-        (threshold < 1.0 && spread.is_finite()).then_some(Certificate {
-            normal,
-            threshold,
-            spread,
-            pole,
-        })
+        let certificate = Certificate { normal, turning, bend, spread, pole };
+        certificate.holds(normal).then_some(certificate)
     }
+}
+
+/// How a tangent turns over a leaf.
+struct Turns {
+    /// The least component along its mean, which is one there.
+    least: f64,
+    /// The component along the other tangent's mean over that.
+    other: Interval,
+    /// The component along the normal over that.
+    normal: Interval,
+}
+
+/// `κ = 2r / (1 − r)` of a tangent whose end strays by `deviation` from that of its mean.
+fn bend(deviation: f64, length: f64) -> f64 {
+    let r = deviation / length;
+    if r < 1.0 { MARGIN * 2.0 * r / (1.0 - r) } else { f64::INFINITY }
 }
 
 /// The coefficients `(w (P − c), w)`.

@@ -3,8 +3,11 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
+use glam::DVec3;
+
 use super::packet::Packet;
 use super::search::{dot_d, load3d};
+use crate::intersect::newton::{CLEAR, SURELY};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::patch::{LEAF_SLACK, Leaf, Piece, TensorPatch, WIDENING};
 
@@ -17,10 +20,45 @@ pub(super) struct Target<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) piece: &'a Piece,
     pub(super) index: u32,
+    /// Where the leaf's certificate holds.
+    domain: [[f64; 2]; 2],
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
     /// leaf is away from all borders.
-    pub(super) reach: Option<[f64; 4]>,
+    reach: Option<[f64; 4]>,
 }
+
+impl<'a> Target<'a> {
+    pub(super) fn new(leaf: &'a Leaf, piece: &'a Piece, index: u32) -> Self {
+        let domain = leaf.widened(WIDENING);
+        // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
+        let reach = match leaf.certificate.pole {
+            Some(_) => Some([f64::INFINITY; 4]),
+            None => border_reach(leaf, piece),
+        };
+        Self { leaf, piece, index, domain, reach }
+    }
+}
+
+/// For each side of the piece that is a border of the surface and near the leaf: how far
+/// from it, in the parameter, a hit may be within rounding of it.
+///
+/// The leaf is certified for the ray, so rounding moves a root by less than half of the
+/// leaf's slack: what is farther from the side than a few times that is not at the border.
+fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
+    let mut reach = [f64::NEG_INFINITY; 4];
+    let mut any = false;
+    for side in (0..4).filter(|&side| piece.border[side]) {
+        let [from, to] = leaf.rect[side / 2];
+        let more = 4.0 * LEAF_SLACK * (to - from);
+        let distance = if side % 2 == 0 { from } else { 1.0 - to };
+        if distance <= more {
+            reach[side] = more;
+            any = true;
+        }
+    }
+    any.then_some(reach)
+}
+
 
 /// What became of eight rays.
 #[derive(Clone, Copy)]
@@ -43,7 +81,7 @@ struct Jets<S: Simd> {
 ///
 /// All of these rays are certified: they meet the widened leaf at most once. So a lane that
 /// converges has found its one root: it is a hit if it lies in the leaf or its slack, else
-/// the leaf is proved to be missed. Returns the lanes the scalar search must look at: those
+/// the leaf is proved to be missed; so it is where a step surely leads away. Returns the lanes the scalar search must look at: those
 /// that did not converge, and those whose hit lies outside the piece or too near an end of
 /// the ray.
 #[simd]
@@ -60,8 +98,19 @@ pub(super) fn finish<S: Simd>(
     let half_t = f64x8::splat(simd, 0.5 * (t_range[1] - t_range[0]));
     let middle_s = f64x8::splat(simd, 0.5 * (s_range[0] + s_range[1]));
     let middle_t = f64x8::splat(simd, 0.5 * (t_range[0] + t_range[1]));
-    let mut s = start.0.mul_add(half_s, middle_s);
-    let mut t = start.1.mul_add(half_t, middle_t);
+    let [[s_low, s_high], [t_low, t_high]] = target.domain;
+    let domain = [
+        f64x8::splat(simd, s_low),
+        f64x8::splat(simd, s_high),
+        f64x8::splat(simd, t_low),
+        f64x8::splat(simd, t_high),
+    ];
+    let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+    let (outer_s, outer_t) = (half_s * reach, half_t * reach);
+    let mut s = start.0.mul_add(half_s, middle_s).max(domain[0]).min(domain[1]);
+    let mut t = start.1.mul_add(half_t, middle_t).max(domain[2]).min(domain[3]);
+    let sure = target.leaf.certificate.bend.map(|bend| (bend + SURELY) * (bend + SURELY));
+    let sure = [f64x8::splat(simd, sure[0]), f64x8::splat(simd, sure[1])];
 
     let origin = load3d(simd, &packet.origin, base);
     let axis = load3d(simd, &packet.axis, base);
@@ -74,6 +123,21 @@ pub(super) fn finish<S: Simd>(
 
     let zero = f64x8::splat(simd, 0.0);
     let mut open = wanted;
+    let mut left = simd.splat_mask64x8(false);
+    if let Some(pole) = &target.leaf.certificate.pole {
+        let offset = [
+            f64x8::splat(simd, pole.point.x) - origin[0],
+            f64x8::splat(simd, pole.point.y) - origin[1],
+            f64x8::splat(simd, pole.point.z) - origin[2],
+        ];
+        let (f1, f2) = (dot_d(n1, offset), dot_d(n2, offset));
+        let distance = f1.mul_add(f1, f2 * f2).sqrt();
+        let cosine = dot_d(splat3(simd, target.leaf.certificate.normal), axis).abs();
+        let slack = f64x8::splat(simd, 0.5 * LEAF_SLACK) * cosine * distance;
+        let away = (error * f64x8::splat(simd, pole.spread)).simd_le(slack);
+        left = open & !away;
+        open &= away;
+    }
     let mut found = simd.splat_mask64x8(false);
     let (mut root_s, mut root_t, mut z) = (zero, zero, zero);
     let mut point = [zero; 3];
@@ -86,8 +150,8 @@ pub(super) fn finish<S: Simd>(
         let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
         let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
         let inverse = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
-        let step_s = (f1 * b2 - f2 * b1) * inverse;
-        let step_t = (a1 * f2 - a2 * f1) * inverse;
+        let (cross_s, cross_t) = (f1 * b2 - f2 * b1, a1 * f2 - a2 * f1);
+        let (step_s, step_t) = (cross_s * inverse, cross_t * inverse);
 
         // Converged where the residual is within the error. What is left of the distance is
         // taken off along the tangent plane.
@@ -110,19 +174,31 @@ pub(super) fn finish<S: Simd>(
         z = new.select(along, z);
         found |= new;
         open &= !new;
+        // A step that surely leads away from the leaf: it is missed, as in the scalar search.
+        let (from_middle_s, from_middle_t) = (s - middle_s, t - middle_t);
+        let outside = from_middle_s.abs().simd_gt(outer_s) | from_middle_t.abs().simd_gt(outer_t);
+        if (outside & open).any_true() {
+            // Products are negative where the place is on the side the step leads to.
+            let away_s = from_middle_s.abs().simd_gt(outer_s) & (from_middle_s * step_s).simd_lt(zero);
+            let away_t = from_middle_t.abs().simd_gt(outer_t) & (from_middle_t * step_t).simd_lt(zero);
+            let sure_s =
+                (cross_s * cross_s).simd_gt(residual * dot_d(jets.dt, jets.dt) * sure[0]);
+            let sure_t =
+                (cross_t * cross_t).simd_gt(residual * dot_d(jets.ds, jets.ds) * sure[1]);
+            let clear = residual.simd_gt(error * error * f64x8::splat(simd, CLEAR * CLEAR));
+            open &= !(clear & (away_s & sure_s | away_t & sure_t));
+        }
         if open.all_false() {
             break;
         }
-        // Steps stay within what the certificate covers; NaN becomes a bound.
-        let more = f64x8::splat(simd, 2.0 * WIDENING + 1.0);
-        s = new_s.max(middle_s - half_s * more).min(middle_s + half_s * more);
-        t = new_t.max(middle_t - half_t * more).min(middle_t + half_t * more);
+        // Steps stay where the certificate holds; NaN becomes a bound.
+        s = new_s.max(domain[0]).min(domain[1]);
+        t = new_t.max(domain[2]).min(domain[3]);
     }
 
     // The leaf and its slack.
-    let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
-    let inside = (root_s - middle_s).abs().simd_le(half_s * reach)
-        & (root_t - middle_t).abs().simd_le(half_t * reach);
+    let inside = (root_s - middle_s).abs().simd_le(outer_s)
+        & (root_t - middle_t).abs().simd_le(outer_t);
     found &= inside;
 
     // Roots outside the piece, and those too near the ray's beginning, are judged elsewhere.
@@ -170,11 +246,17 @@ pub(super) fn finish<S: Simd>(
         while lanes != 0 {
             let k = base + lanes.trailing_zeros() as usize;
             packet.leaf[k] = target.index;
+            packet.piece[k] = target.leaf.piece;
             packet.shorten(k);
             lanes &= lanes - 1;
         }
     }
-    Done { left: (open | judged).to_bitmask(), found: any }
+    Done { left: (left | open | judged).to_bitmask(), found: any }
+}
+
+#[simd]
+fn splat3<S: Simd>(simd: S, v: DVec3) -> [f64x8<S>; 3] {
+    [f64x8::splat(simd, v.x), f64x8::splat(simd, v.y), f64x8::splat(simd, v.z)]
 }
 
 /// Replaces the lanes of a mask.
@@ -189,20 +271,24 @@ fn put<S: Simd>(simd: S, mask: mask64x8<S>, lanes: &mut [f64], value: f64x8<S>) 
 /// most.
 #[simd]
 fn jets<S: Simd>(simd: S, patch: &TensorPatch, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-    match patch.degree() {
-        [3, 3] => jets_of::<S, 3, 3, 4>(simd, patch, s, t),
-        [2, 2] => jets_of::<S, 2, 2, 4>(simd, patch, s, t),
-        [2, 1] => jets_of::<S, 2, 1, 4>(simd, patch, s, t),
-        [1, 2] => jets_of::<S, 1, 2, 4>(simd, patch, s, t),
-        [1, 1] => jets_of::<S, 1, 1, 4>(simd, patch, s, t),
-        [p, q] if p.max(q) < 8 => jets_of::<S, 0, 0, 8>(simd, patch, s, t),
-        _ => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }>(simd, patch, s, t),
+    match (patch.degree(), patch.is_rational()) {
+        ([3, 3], true) => jets_of::<S, 3, 3, 4, 4>(simd, patch, s, t),
+        ([3, 3], false) => jets_of::<S, 3, 3, 4, 3>(simd, patch, s, t),
+        ([2, 2], true) => jets_of::<S, 2, 2, 4, 4>(simd, patch, s, t),
+        ([2, 1], true) => jets_of::<S, 2, 1, 4, 4>(simd, patch, s, t),
+        ([1, 2], true) => jets_of::<S, 1, 2, 4, 4>(simd, patch, s, t),
+        ([1, 1], false) => jets_of::<S, 1, 1, 4, 3>(simd, patch, s, t),
+        ([p, q], true) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 4>(simd, patch, s, t),
+        ([p, q], false) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 3>(simd, patch, s, t),
+        (_, true) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, patch, s, t),
+        (_, false) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, patch, s, t),
     }
 }
 
-/// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`.
+/// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C`
+/// components: four for rational surfaces, else three.
 #[simd]
-fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
+fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     patch: &TensorPatch,
     s: f64x8<S>,
@@ -212,33 +298,33 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     let (bs, ds) = basis::<S, N>(simd, p, s);
     let (bt, dt) = basis::<S, N>(simd, q, t);
     let zero = f64x8::splat(simd, 0.0);
-    let mut value = [zero; 4];
-    let mut along_s = [zero; 4];
-    let mut along_t = [zero; 4];
-    let rational = patch.is_rational();
-    let components = if rational { 4 } else { 3 };
+    let mut value = [zero; C];
+    let mut along_s = [zero; C];
+    let mut along_t = [zero; C];
     for i in 0..=p {
-        let row = &patch.control()[i * (q + 1)..(i + 1) * (q + 1)];
-        for c in 0..components {
-            let (mut sum, mut slope) = (zero, zero);
-            for j in 0..=q {
-                let control = f64x8::splat(simd, row[j][c]);
-                sum = bt[j].mul_add(control, sum);
-                slope = dt[j].mul_add(control, slope);
+        let (mut sum, mut slope) = ([zero; C], [zero; C]);
+        for j in 0..=q {
+            let control = patch.control()[i * (q + 1) + j].to_array();
+            for c in 0..C {
+                let control = f64x8::splat(simd, control[c]);
+                sum[c] = bt[j].mul_add(control, sum[c]);
+                slope[c] = dt[j].mul_add(control, slope[c]);
             }
-            value[c] = bs[i].mul_add(sum, value[c]);
-            along_s[c] = ds[i].mul_add(sum, along_s[c]);
-            along_t[c] = bs[i].mul_add(slope, along_t[c]);
+        }
+        for c in 0..C {
+            value[c] = bs[i].mul_add(sum[c], value[c]);
+            along_s[c] = ds[i].mul_add(sum[c], along_s[c]);
+            along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
         }
     }
-    let weight = if rational { value[3] } else { f64x8::splat(simd, patch.control()[0].w) };
+    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.control()[0].w) };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
     for i in 0..3 {
         jets.point[i] = value[i] * inverse;
-        if rational {
-            along_s[i] -= along_s[3] * jets.point[i];
-            along_t[i] -= along_t[3] * jets.point[i];
+        if C == 4 {
+            along_s[i] -= along_s[C - 1] * jets.point[i];
+            along_t[i] -= along_t[C - 1] * jets.point[i];
         }
         jets.ds[i] = along_s[i] * inverse;
         jets.dt[i] = along_t[i] * inverse;

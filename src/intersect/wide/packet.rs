@@ -43,7 +43,8 @@ pub(in crate::intersect) struct Packet {
     pub(super) farthest: f32,
     /// The leaf of the nearest hit; `u32::MAX` for none.
     pub(super) leaf: [u32; PACKET],
-    /// One bit a ray: whether its nearest hit may be within rounding of a border.
+    pub(super) piece: [u32; PACKET],
+    /// One bit a ray: whether its nearest hit may be within rounding of a border, or is near a pole.
     pub(super) near_border: u64,
     pub(super) s: [f64; PACKET],
     pub(super) t: [f64; PACKET],
@@ -72,7 +73,7 @@ pub(super) struct PacketBounds {
 /// A hit as the packet holds it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct LaneHit {
-    pub(in crate::intersect) leaf: u32,
+    pub(in crate::intersect) piece: u32,
     /// The distance along the ray, and how far that may be off.
     pub(in crate::intersect) z: f64,
     pub(in crate::intersect) z_error: f64,
@@ -82,7 +83,7 @@ pub(in crate::intersect) struct LaneHit {
     pub(in crate::intersect) point: DVec3,
     /// NaN where there is none.
     pub(in crate::intersect) normal: DVec3,
-    /// Whether it may be within rounding of a border of its surface.
+    /// Whether it may be within rounding of a border of its surface, or is near a pole.
     pub(in crate::intersect) near_border: bool,
 }
 
@@ -107,6 +108,7 @@ impl Packet {
             far_f: [0.0; PACKET],
             farthest: 0.0,
             leaf: [u32::MAX; PACKET],
+            piece: [0; PACKET],
             near_border: 0,
             s: [0.0; PACKET],
             t: [0.0; PACKET],
@@ -142,7 +144,7 @@ impl Packet {
     #[inline]
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
         (self.leaf[k] != u32::MAX).then(|| LaneHit {
-            leaf: self.leaf[k],
+            piece: self.piece[k],
             z: self.z[k],
             t: self.z[k] * self.t_from_z[k],
             z_error: self.z_error[k],

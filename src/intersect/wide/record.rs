@@ -25,9 +25,8 @@ pub(super) struct SearchRecord {
     pub(super) fit: [[f32; 16]; 3],
     /// The unit normal of the certificate.
     pub(super) normal: [f32; 3],
-    /// The certificate's threshold, rounded up; above 1 where there is none, or where only
-    /// the scalar search knows how to use it.
-    pub(super) threshold: f32,
+    /// The certificate's turning vectors.
+    pub(super) turning: [[f32; 3]; 2],
     /// The smallest cosine, for an error of one scene unit, for which rounding is small
     /// against the leaf.
     pub(super) cosine_per_error: f32,
@@ -62,11 +61,10 @@ impl SearchRecord {
         });
 
         let certificate = &leaf.certificate;
-        let usable = certificate.pole.is_none() && certificate.threshold < 1.0;
-        let threshold = if usable { certificate.threshold as f32 + 2e-6 } else { 2.0 };
         let cosine_per_error = (certificate.spread / (0.5 * LEAF_SLACK)) as f32 * 1.001;
+        let turning = certificate.turning.map(|turning| turning.as_vec3().to_array());
         let normal = certificate.normal.as_vec3().to_array();
-        Self { rows, fit, normal, threshold, cosine_per_error, middle }
+        Self { rows, fit, normal, turning, cosine_per_error, middle }
     }
 }
 

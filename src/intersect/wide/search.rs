@@ -7,6 +7,7 @@ use fearless_simd_macros::simd;
 
 use super::packet::{Lanes3, Lanes3f, Packet};
 use super::record::SearchRecord;
+use crate::patch::WIDENING;
 
 /// Directions along a box's side are taken for at least this part of a turn: so quotients
 /// stay finite, and far larger than any distance that matters.
@@ -17,12 +18,15 @@ const LEAST_SLOPE: f32 = 1e-12;
 const SPARE: f32 = 4e-6;
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
-/// second 1e-4 or the fit's error.
-const STEPS: usize = 2;
+/// second 1e-4, the third the fit's error. A step here costs a fifth of one in f64.
+const STEPS: usize = 3;
 
-/// The search may leave the leaf by this much of its half side, within what the certificate
-/// covers.
-const REACH: f32 = 1.2;
+/// The search may leave the leaf by this much of its half side: as far as its certificate
+/// reaches.
+const REACH: f32 = 1.0 + 2.0 * WIDENING as f32;
+
+/// More than what rounding to f32 does to the cosines of a certificate.
+const ROUNDING: f32 = 2e-6;
 
 /// Which of sixteen rays meet a leaf's box, and where they cross its middle.
 pub(super) struct Crossing<S: Simd> {
@@ -92,18 +96,28 @@ pub(super) fn cross_box<S: Simd>(
     Crossing { met, x, y }
 }
 
-/// Cosines of the rays with the leaf's normal.
+/// The part of the certificate that depends on directions: which of sixteen rays meet the
+/// leaf at most once, and their cosines with its normal.
 #[simd]
-pub(super) fn cosines<S: Simd>(
+pub(super) fn certify<S: Simd>(
     simd: S,
     record: &SearchRecord,
     packet: &Packet,
     base: usize,
-) -> f32x16<S> {
+) -> (mask32x16<S>, f32x16<S>) {
     let axis = load3(simd, &packet.axis_f, base);
-    let [nx, ny, nz] = record.normal;
-    let (nx, ny, nz) = (f32x16::splat(simd, nx), f32x16::splat(simd, ny), f32x16::splat(simd, nz));
-    nx.mul_add(axis[0], ny.mul_add(axis[1], nz * axis[2])).abs()
+    let cosine = along(simd, record.normal, axis);
+    let [a, b] = record.turning;
+    let turning = along(simd, a, axis) + along(simd, b, axis);
+    (cosine.simd_gt(turning + f32x16::splat(simd, ROUNDING)), cosine)
+}
+
+/// The magnitude of lanes' components along a vector.
+#[simd]
+fn along<S: Simd>(simd: S, vector: [f32; 3], lanes: [f32x16<S>; 3]) -> f32x16<S> {
+    let [x, y, z] = vector;
+    let (x, y, z) = (f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z));
+    x.mul_add(lanes[0], y.mul_add(lanes[1], z * lanes[2])).abs()
 }
 
 /// Newton's iteration on the leaf's bicubic approximation.

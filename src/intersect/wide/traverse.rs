@@ -6,11 +6,11 @@ use fearless_simd_macros::simd;
 use super::finish::{Target, finish};
 use super::load::{farthest, prepare};
 use super::packet::{Packet, PacketBounds};
-use super::search::{bits, cosines, cross_box, search_fit, widen};
+use super::search::{bits, certify, cross_box, search_fit, widen};
 use super::tree::{Child, WideNode, WideTree};
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
-use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece};
+use crate::patch::PatchSet;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
@@ -120,7 +120,7 @@ fn search<S: Simd>(
     let record = &tree.records[index as usize];
     let leaf = &set.leaves()[index as usize];
     let piece = &set.pieces()[leaf.piece as usize];
-    let target = Target { leaf, piece, index, reach: border_reach(leaf, piece) };
+    let target = Target::new(leaf, piece, index);
     let mut found = false;
     let factor = piece.patch.residual_factor();
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
@@ -132,12 +132,11 @@ fn search<S: Simd>(
         statistics.leaf_tests += u64::from(met.count_ones());
 
         // The certificate, lane by lane.
-        let cosine = cosines(simd, record, packet, base);
+        let (single, cosine) = certify(simd, record, packet, base);
         let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
             .max(f32x16::splat(simd, piece.patch.magnitude() as f32));
         let per_error = f32x16::splat(simd, record.cosine_per_error * factor as f32);
-        let least = f32x16::splat(simd, record.threshold).max(magnitude * per_error);
-        let certain = met & bits(cosine.simd_gt(least));
+        let certain = met & bits(single & cosine.simd_gt(magnitude * per_error));
         let mut rest = met & !certain;
         if certain != 0 {
             let start = (crossing.x, crossing.y);
@@ -165,24 +164,4 @@ fn search<S: Simd>(
     if found {
         packet.farthest = farthest(simd, packet);
     }
-}
-
-/// For each side of the piece that is a border of the surface and near the leaf: how far
-/// from it, in the parameter, a hit may be within rounding of it.
-///
-/// The leaf is certified for the ray, so rounding moves a root by less than half of the
-/// leaf's slack: what is farther from the side than a few times that is not at the border.
-fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
-    let mut reach = [f64::NEG_INFINITY; 4];
-    let mut any = false;
-    for side in (0..4).filter(|&side| piece.border[side]) {
-        let [from, to] = leaf.rect[side / 2];
-        let more = 4.0 * LEAF_SLACK * (to - from);
-        let distance = if side % 2 == 0 { from } else { 1.0 - to };
-        if distance <= more {
-            reach[side] = more;
-            any = true;
-        }
-    }
-    any.then_some(reach)
 }
