@@ -67,6 +67,8 @@ pub(super) struct Done {
     pub(super) left: u64,
     /// Whether some ray's nearest hit is new.
     pub(super) found: bool,
+    /// Newton's steps taken, over all lanes.
+    pub(super) steps: u32,
 }
 
 /// Eight lanes' Jacobian data.
@@ -142,7 +144,9 @@ pub(super) fn finish<S: Simd>(
     let (mut root_s, mut root_t, mut z) = (zero, zero, zero);
     let mut point = [zero; 3];
     let mut cross = [zero; 3];
+    let mut steps = 0;
     for _ in 0..MOST_STEPS {
+        steps += open.to_bitmask().count_ones();
         let jets = jets(simd, patch, s, t);
         let from_origin =
             [jets.point[0] - origin[0], jets.point[1] - origin[1], jets.point[2] - origin[2]];
@@ -251,7 +255,7 @@ pub(super) fn finish<S: Simd>(
             lanes &= lanes - 1;
         }
     }
-    Done { left: (left | open | judged).to_bitmask(), found: any }
+    Done { left: (left | open | judged).to_bitmask(), found: any, steps }
 }
 
 #[simd]

@@ -147,12 +147,12 @@ fn search<S: Simd>(
                 if lanes == 0 {
                     continue;
                 }
-                statistics.newton_iterations += lanes.count_ones() as u64;
                 let wanted = fearless_simd::mask64x8::from_bitmask(simd, lanes);
                 let at = base + 8 * half;
                 let done = finish(simd, &target, packet, at, wanted, (xs[half], ys[half]));
                 rest |= (done.left as u32) << (8 * half);
                 found |= done.found;
+                statistics.newton_iterations += u64::from(done.steps);
             }
         }
         work.rest_rays |= u64::from(rest) << base;
