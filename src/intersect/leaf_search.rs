@@ -100,7 +100,7 @@ pub(super) fn search(
         }
         let start = first_guess(leaf, passage.middle);
         let wanted = leaf.widened(LEAF_SLACK);
-        let grounds = Grounds { domain: widened, wanted, bend: leaf.certificate.bend };
+        let grounds = Grounds { domain: widened, wanted, certificate: &leaf.certificate };
         let (end, steps) = newton(&piece.patch, ray, start, &grounds, error);
         findings.statistics.newton_iterations += u64::from(steps);
         match end {

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::exact::Rect;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, TensorPatch};
+use crate::patch::{Certificate, Jet, TensorPatch};
 
 /// Steps allowed: from a flat leaf's middle plane three are usual, since the number of
 /// correct digits doubles; what needs more is left to the exact solver.
@@ -31,35 +31,38 @@ pub(super) enum Newton {
 
 /// Where Newton's iteration may go, for a certified leaf and ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grounds {
+pub(super) struct Grounds<'a> {
     /// The rectangle on which there is at most one root.
     pub(super) domain: Rect,
     /// The part of it that roots are wanted in: the leaf with its slack.
     pub(super) wanted: Rect,
-    /// The certificate's measure of how surely a step must lead away.
-    pub(super) bend: [f64; 2],
+    /// What is known of the leaf's tangents.
+    pub(super) certificate: &'a Certificate,
 }
 
-/// Added to the certificate's measure: far above what rounding does to a residual that is
-/// [`CLEAR`] of the error.
+/// Added to the certificate's measure of turning: far above what rounding does to a residual
+/// that is [`CLEAR`] of the error.
 pub(super) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals this much larger than the error.
 pub(super) const CLEAR: f64 = 1e4;
 
-impl Grounds {
-    /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual,
-    /// `a` and `b` the tangents, in the planes.
-    fn rule_out(&self, st: DVec2, delta: DVec2, f: DVec2, [a, b]: [DVec2; 2], jet: &Jet) -> bool {
-        let least = |bend: f64, tangent: DVec3| (bend + SURELY) * f.length() * tangent.length();
-        let sure = [
-            f.perp_dot(b).abs() > least(self.bend[0], jet.dt),
-            f.perp_dot(a).abs() > least(self.bend[1], jet.ds),
-        ];
+impl Grounds<'_> {
+    /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual.
+    ///
+    /// The cross product of `f` and a projected vector `v` is `v · g`, where `g` is `f` turned
+    /// by a right angle in the plane perpendicular to the ray.
+    fn rule_out(&self, ray: &RayFrame, st: DVec2, delta: DVec2, f: DVec2) -> bool {
+        let certificate = self.certificate;
+        let g = f.x * ray.normals[1] - f.y * ray.normals[0];
+        let across = certificate.tangents.map(|tangent| tangent.dot(g).abs());
+        let normal = certificate.normal.dot(g).abs();
         (0..2).any(|k| {
             let [low, high] = self.wanted[k];
             let away = (st[k] < low && delta[k] > 0.0) || (st[k] > high && delta[k] < 0.0);
-            away && sure[k]
+            let [other, out] = certificate.bend[k];
+            let turned = other * across[k] + out * normal + SURELY * f.length();
+            away && across[1 - k] > turned
         })
     }
 }
@@ -81,7 +84,7 @@ pub(super) fn newton(
     patch: &TensorPatch,
     ray: &RayFrame,
     start: DVec2,
-    grounds: &Grounds,
+    grounds: &Grounds<'_>,
     error: f64,
 ) -> (Newton, u32) {
     let domain = grounds.domain;
@@ -110,7 +113,7 @@ pub(super) fn newton(
 
         let (a, b) = (project(ray, jet.ds), project(ray, jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
-        if residual > CLEAR * error && grounds.rule_out(st, delta, f, [a, b], &jet) {
+        if residual > CLEAR * error && grounds.rule_out(ray, st, delta, f) {
             return (Newton::Missed, step);
         }
         let next = (st - delta).clamp(low, high);

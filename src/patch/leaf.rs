@@ -13,7 +13,7 @@ pub const LEAF_SLACK: f64 = 1e-3;
 
 /// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's
 /// steps may stray there. Wider, it would speak of fewer rays.
-pub const WIDENING: f64 = 0.05;
+pub const WIDENING: f64 = 0.02;
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.

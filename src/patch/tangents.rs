@@ -41,11 +41,10 @@ use crate::math::{Interval, rounding};
 /// # How a miss is proved
 /// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
 /// component of known sign, and let the ray be certified. If it met the leaf at `y`,
-/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of `F(x) × b̄` known: opposite to
-/// where Newton's step from `x` leads if that is away from the leaf, and this for every
-/// possible `b̄`. All of them have the direction `b₀ + σ₁ a₀ + σ₃ n`, within `r = max|σ₁ a₀ +
-/// σ₃ n| / |b₀|` of `b₀`'s; so they agree with the tangent at `x` in the sign of the cross
-/// product whenever `|F × S_t| > κ |F| |S_t|`, `κ = 2r / (1 − r)`. The same holds for `t`.
+/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
+/// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
+/// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
+/// with the largest `|σ₁|` and `|σ₃|`. The same holds for `t`, with `ρ₂` and `ρ₃`.
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
@@ -62,8 +61,11 @@ pub struct Certificate {
     pub normal: DVec3,
     /// `A` and `B`: a ray with `|n·d| > |A·d| + |B·d|` meets the widened leaf at most once.
     pub turning: [DVec3; 2],
-    /// `κ` for a step in `s` and in `t`: how surely Newton's step must lead away.
-    pub bend: [f64; 2],
+    /// Unit vectors along `a₀` and `b₀`.
+    pub tangents: [DVec3; 2],
+    /// For a step in `s`, then in `t`: how much of the other tangent, and of the normal, may
+    /// have to be added to `b₀`, or `a₀`, for those of the unit vectors.
+    pub bend: [[f64; 2]; 2],
     /// See above; per unit of distance.
     pub spread: f64,
     /// At a collapsed side: where it is, and the spread times the distance from it.
@@ -95,8 +97,14 @@ const MARGIN: f64 = 1.02;
 impl Certificate {
     /// No ray is certified.
     pub(super) fn none(normal: DVec3) -> Self {
-        let (turning, bend) = ([DVec3::ZERO; 2], [f64::INFINITY; 2]);
-        Self { normal, turning, bend, spread: f64::INFINITY, pole: None }
+        Self {
+            normal,
+            turning: [DVec3::ZERO; 2],
+            tangents: [DVec3::ZERO; 2],
+            bend: [[f64::INFINITY; 2]; 2],
+            spread: f64::INFINITY,
+            pole: None,
+        }
     }
 
     /// Whether a ray of this unit direction meets the widened leaf at most once.
@@ -124,6 +132,7 @@ impl Certificate {
                     certificate.normal = -certificate.normal;
                 }
                 if let CollapsedSide::S(_) = side {
+                    certificate.tangents.reverse();
                     certificate.bend.reverse();
                 }
                 Some(certificate)
@@ -318,9 +327,10 @@ impl Tangents {
         // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
         let (length_a, length_b) = (a0.length(), b0.length());
         let bend = [
-            bend(b.other.magnitude() * length_a + b.normal.magnitude(), length_b),
-            bend(a.other.magnitude() * length_b + a.normal.magnitude(), length_a),
+            [b.other.magnitude() * length_a / length_b, b.normal.magnitude() / length_b],
+            [a.other.magnitude() * length_b / length_a, a.normal.magnitude() / length_a],
         ];
+        let tangents = [a0 / length_a, b0 / length_b];
 
         // How far from the root a point with a small residual may be.
         let determinant = (1.0 - 1.0 / MARGIN) * area * m * a.least * b.least;
@@ -336,7 +346,7 @@ impl Tangents {
             let ratio = self.weights.hi / self.weights.lo;
             Pole { point, spread: longest_t * longest_t * ratio / determinant }
         });
-        let certificate = Certificate { normal, turning, bend, spread, pole };
+        let certificate = Certificate { normal, turning, tangents, bend, spread, pole };
         certificate.holds(normal).then_some(certificate)
     }
 }
@@ -349,12 +359,6 @@ struct Turns {
     other: Interval,
     /// The component along the normal over that.
     normal: Interval,
-}
-
-/// `κ = 2r / (1 − r)` of a tangent whose end strays by `deviation` from that of its mean.
-fn bend(deviation: f64, length: f64) -> f64 {
-    let r = deviation / length;
-    if r < 1.0 { MARGIN * 2.0 * r / (1.0 - r) } else { f64::INFINITY }
 }
 
 /// The coefficients `(w (P − c), w)`.

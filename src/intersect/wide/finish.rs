@@ -111,8 +111,6 @@ pub(super) fn finish<S: Simd>(
     let (outer_s, outer_t) = (half_s * reach, half_t * reach);
     let mut s = start.0.mul_add(half_s, middle_s).max(domain[0]).min(domain[1]);
     let mut t = start.1.mul_add(half_t, middle_t).max(domain[2]).min(domain[3]);
-    let sure = target.leaf.certificate.bend.map(|bend| (bend + SURELY) * (bend + SURELY));
-    let sure = [f64x8::splat(simd, sure[0]), f64x8::splat(simd, sure[1])];
 
     let origin = load3d(simd, &packet.origin, base);
     let axis = load3d(simd, &packet.axis, base);
@@ -154,8 +152,8 @@ pub(super) fn finish<S: Simd>(
         let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
         let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
         let inverse = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
-        let (cross_s, cross_t) = (f1 * b2 - f2 * b1, a1 * f2 - a2 * f1);
-        let (step_s, step_t) = (cross_s * inverse, cross_t * inverse);
+        let step_s = (f1 * b2 - f2 * b1) * inverse;
+        let step_t = (a1 * f2 - a2 * f1) * inverse;
 
         // Converged where the residual is within the error. What is left of the distance is
         // taken off along the tangent plane.
@@ -182,13 +180,29 @@ pub(super) fn finish<S: Simd>(
         let (from_middle_s, from_middle_t) = (s - middle_s, t - middle_t);
         let outside = from_middle_s.abs().simd_gt(outer_s) | from_middle_t.abs().simd_gt(outer_t);
         if (outside & open).any_true() {
-            // Products are negative where the place is on the side the step leads to.
+            let g = [
+                f1 * n2[0] - f2 * n1[0],
+                f1 * n2[1] - f2 * n1[1],
+                f1 * n2[2] - f2 * n1[2],
+            ];
+            let certificate = &target.leaf.certificate;
+            let across_a = dot_d(splat3(simd, certificate.tangents[0]), g).abs();
+            let across_b = dot_d(splat3(simd, certificate.tangents[1]), g).abs();
+            let normal = dot_d(splat3(simd, certificate.normal), g).abs();
+            let rest = residual.sqrt() * f64x8::splat(simd, SURELY);
+            let [[other_s, out_s], [other_t, out_t]] = certificate.bend;
+            let turned_s = across_a.mul_add(
+                f64x8::splat(simd, other_s),
+                normal.mul_add(f64x8::splat(simd, out_s), rest),
+            );
+            let turned_t = across_b.mul_add(
+                f64x8::splat(simd, other_t),
+                normal.mul_add(f64x8::splat(simd, out_t), rest),
+            );
+            // The step leads away where it has the sign of the place's side.
             let away_s = from_middle_s.abs().simd_gt(outer_s) & (from_middle_s * step_s).simd_lt(zero);
             let away_t = from_middle_t.abs().simd_gt(outer_t) & (from_middle_t * step_t).simd_lt(zero);
-            let sure_s =
-                (cross_s * cross_s).simd_gt(residual * dot_d(jets.dt, jets.dt) * sure[0]);
-            let sure_t =
-                (cross_t * cross_t).simd_gt(residual * dot_d(jets.ds, jets.ds) * sure[1]);
+            let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
             let clear = residual.simd_gt(error * error * f64x8::splat(simd, CLEAR * CLEAR));
             open &= !(clear & (away_s & sure_s | away_t & sure_t));
         }
