@@ -4,7 +4,7 @@ use fearless_simd::{Level, dispatch};
 use super::leaf_search::{self, Meeting, Question};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, trace};
-use super::{Answer, Hit, HitFlags, Query, Root, Tracer};
+use super::{Answer, HitFlags, Query, Tracer};
 use crate::math::RayFrame;
 use crate::patch::{Jet, PatchSet};
 
@@ -16,18 +16,22 @@ impl Tracer<'_> {
         queries: &[Query],
         answers: &mut Vec<Answer>,
     ) {
-        // Rays that leave a root are traced one by one: what a ray is answered must not depend
-        // on its neighbours.
-        for alike in queries.chunk_by(|a, b| a.from.is_some() == b.from.is_some()) {
-            if alike[0].from.is_some() || self.bvh.set.leaves().is_empty() {
-                answers.extend(alike.iter().map(|query| self.first_hit(query)));
+        answers.reserve(queries.len());
+        let mut rest = queries;
+        while let Some(first) = rest.first() {
+            // Rays that leave a root are traced one by one: what a ray is answered must not
+            // depend on its neighbours.
+            if first.from.is_some() || self.bvh.set.leaves().is_empty() {
+                answers.push(self.first_hit(first));
+                rest = &rest[1..];
                 continue;
             }
-            for packet in alike.chunks(PACKET) {
-                self.trace_packet(level, packet);
-                self.search_rest(packet);
-                answers.extend(packet.iter().enumerate().map(|(k, q)| self.packet_answer(q, k)));
-            }
+            let alike = rest.iter().take(PACKET).take_while(|query| query.from.is_none()).count();
+            let (packet, others) = rest.split_at(alike);
+            self.trace_packet(level, packet);
+            self.search_rest(packet);
+            self.answer_packet(packet, answers);
+            rest = others;
         }
     }
 
@@ -65,50 +69,35 @@ impl Tracer<'_> {
         }
     }
 
-    /// The nearest of what the packet and the scalar search found for ray `k`.
-    #[inline]
-    fn packet_answer(&mut self, query: &Query, k: usize) -> Answer {
-        let PacketScratch { packet, work, .. } = &*self.packets;
-        let certain = packet.hit(k);
-        if work.rest_rays >> k & 1 == 0 {
-            match certain {
-                None => return Answer::default(),
-                Some(hit) if !hit.near_border && hit.normal.is_finite() => {
-                    return Answer { hit: Some(plain_hit(&self.bvh.set, &hit)), doubtful: false };
-                }
-                Some(_) => {}
+    /// The nearest of what the packet and the scalar search found for each ray.
+    fn answer_packet(&mut self, queries: &[Query], answers: &mut Vec<Answer>) {
+        let looked_at = self.packets.work.rest_rays | self.packets.packet.near_border();
+        for (k, query) in queries.iter().enumerate() {
+            // Three ways to fill the place, each for itself: so that none is filled by copying.
+            let packet = &self.packets.packet;
+            if looked_at >> k & 1 != 0 {
+                answers.push(self.judged_answer(query, k));
+            } else if packet.has_hit(k) {
+                let hit = packet.plain_hit(self.bvh.set.pieces(), k);
+                answers.push(Answer { hit: Some(hit), doubtful: false });
+            } else {
+                answers.push(Answer { hit: None, doubtful: false });
             }
         }
-        self.judged_answer(query, k, certain)
     }
 
-    /// The same where borders, a missing normal or the scalar search have a say.
+    /// The answer where borders, a missing normal or the scalar search have a say.
     #[cold]
-    fn judged_answer(&mut self, query: &Query, k: usize, certain: Option<LaneHit>) -> Answer {
-        let PacketScratch { work, meetings, doubt, .. } = &*self.packets;
+    fn judged_answer(&mut self, query: &Query, k: usize) -> Answer {
+        let PacketScratch { packet, work, meetings, doubt } = &*self.packets;
         let set = &self.bvh.set;
         let frame = RayFrame::new(&query.ray);
-        let certain = certain.map(|hit| meeting(set, &frame, &hit));
+        let certain = packet.hit(k).map(|hit| meeting(set, &frame, &hit));
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
         let doubt = if work.rest_rays >> k & 1 == 0 { f64::INFINITY } else { doubt[k] };
         let answer = answer_of(set, &frame, certain.iter().chain(others), doubt);
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
-    }
-}
-
-/// A lane's hit that lies on no border.
-#[inline]
-fn plain_hit(set: &PatchSet, hit: &LaneHit) -> Hit {
-    let piece = &set.pieces()[hit.piece as usize];
-    Hit {
-        t: hit.t,
-        surface: piece.surface,
-        uv: piece.uv(hit.st),
-        point: hit.point,
-        normal: hit.normal,
-        flags: HitFlags::NONE,
-        root: Root { piece: hit.piece, st: hit.st, error: hit.z_error },
     }
 }
 

@@ -251,7 +251,8 @@ pub(super) fn finish<S: Simd>(
             put(simd, hit, &mut packet.point[i][base..base + 8], point[i]);
             put(simd, hit, &mut packet.normal[i][base..base + 8], cross[i] * inverse);
         }
-        let mut near = simd.splat_mask64x8(false);
+        // A closer look is also due where the normal is not a number.
+        let mut near = !inverse.simd_lt(f64x8::splat(simd, f64::INFINITY));
         if let Some(reach) = target.reach {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {

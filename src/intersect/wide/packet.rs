@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::PACKET;
 use super::load::END_SPARE;
-use crate::intersect::Query;
+use crate::intersect::{Hit, HitFlags, Query, Root};
+use crate::patch::Piece;
 
 /// A vector of f64 for each ray, by coordinate.
 pub(super) type Lanes3 = [[f64; PACKET]; 3];
@@ -140,10 +141,37 @@ impl Packet {
         self.far_f[k] = ((self.z[k] - self.shift[k]) * self.scale) as f32 + END_SPARE;
     }
 
-    /// The nearest hit of a ray.
+    /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of
+    /// a border, be near a pole, or have no normal.
+    pub(in crate::intersect) fn near_border(&self) -> u64 {
+        self.near_border
+    }
+
+    /// Whether a ray has met anything.
     #[inline]
+    pub(in crate::intersect) fn has_hit(&self, k: usize) -> bool {
+        self.leaf[k] != u32::MAX
+    }
+
+    /// The nearest hit of a ray, if it needs no closer look.
+    #[inline]
+    pub(in crate::intersect) fn plain_hit(&self, pieces: &[Piece], k: usize) -> Hit {
+        let piece = &pieces[self.piece[k] as usize];
+        let st = DVec2::new(self.s[k], self.t[k]);
+        Hit {
+            t: self.z[k] * self.t_from_z[k],
+            surface: piece.surface,
+            uv: piece.uv(st),
+            point: gather(&self.point, k),
+            normal: gather(&self.normal, k),
+            flags: HitFlags::NONE,
+            root: Root { piece: self.piece[k], st, error: self.z_error[k] },
+        }
+    }
+
+    /// The nearest hit of a ray.
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
-        (self.leaf[k] != u32::MAX).then(|| LaneHit {
+        self.has_hit(k).then(|| LaneHit {
             piece: self.piece[k],
             z: self.z[k],
             t: self.z[k] * self.t_from_z[k],
