@@ -107,6 +107,45 @@ impl Query {
     }
 }
 
+/// What a batch may be made of: rays, or queries. Rays alone take less memory to read.
+pub trait Shot: sealed::Sealed {
+    /// The ray.
+    fn ray(&self) -> &Ray;
+    /// The root the ray starts on.
+    fn from(&self) -> Option<&Root>;
+    /// Both.
+    fn query(&self) -> Query {
+        Query { ray: *self.ray(), from: self.from().copied() }
+    }
+}
+
+impl Shot for Ray {
+    fn ray(&self) -> &Ray {
+        self
+    }
+
+    fn from(&self) -> Option<&Root> {
+        None
+    }
+}
+
+impl Shot for Query {
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    fn from(&self) -> Option<&Root> {
+        self.from.as_ref()
+    }
+}
+
+mod sealed {
+    /// Only the two kinds of shot there are.
+    pub trait Sealed {}
+    impl Sealed for super::Ray {}
+    impl Sealed for super::Query {}
+}
+
 /// The first hit, or a proved miss, or a doubtful answer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Answer {

@@ -68,7 +68,7 @@ mod tracer;
 mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
-pub use hit::{Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root};
+pub use hit::{Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root, Shot};
 pub use kernel::Kernel;
 pub use statistics::Statistics;
 pub use tracer::Tracer;

@@ -4,29 +4,29 @@ use fearless_simd::{Level, dispatch};
 use super::leaf_search::{self, Meeting, Question};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, trace};
-use super::{Answer, HitFlags, Query, Tracer};
-use crate::math::RayFrame;
+use super::{Answer, HitFlags, Shot, Tracer};
+use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
 
 impl Tracer<'_> {
     /// First hits by packets of up to [`PACKET`] rays, appended to `answers`.
-    pub(super) fn first_hits_in_packets(
+    pub(super) fn first_hits_in_packets<Q: Shot>(
         &mut self,
         level: Level,
-        queries: &[Query],
+        shots: &[Q],
         answers: &mut Vec<Answer>,
     ) {
-        answers.reserve(queries.len());
-        let mut rest = queries;
+        answers.reserve(shots.len());
+        let mut rest = shots;
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: what a ray is answered must not
             // depend on its neighbours.
-            if first.from.is_some() || self.bvh.set.leaves().is_empty() {
-                answers.push(self.first_hit(first));
+            if first.from().is_some() || self.bvh.set.leaves().is_empty() {
+                answers.push(self.first_hit(&first.query()));
                 rest = &rest[1..];
                 continue;
             }
-            let alike = rest.iter().take(PACKET).take_while(|query| query.from.is_none()).count();
+            let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
             self.trace_packet(level, packet);
             self.search_rest(packet);
@@ -35,17 +35,17 @@ impl Tracer<'_> {
         }
     }
 
-    fn trace_packet(&mut self, level: Level, queries: &[Query]) {
+    fn trace_packet<Q: Shot>(&mut self, level: Level, shots: &[Q]) {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
-        packet.load(queries);
+        packet.load(shots);
         let statistics = &mut self.findings.statistics;
-        statistics.rays += queries.len() as u64;
+        statistics.rays += shots.len() as u64;
         let (tree, set) = (&self.bvh.wide, &self.bvh.set);
         dispatch!(level, simd => trace(simd, tree, set, packet, work, statistics));
     }
 
     /// The scalar search for the rays and leaves the packet could not decide.
-    fn search_rest(&mut self, queries: &[Query]) {
+    fn search_rest<Q: Shot>(&mut self, shots: &[Q]) {
         let PacketScratch { packet, work, meetings, doubt } = &mut *self.packets;
         meetings.clear();
         if work.rest.is_empty() {
@@ -54,7 +54,7 @@ impl Tracer<'_> {
         *doubt = [f64::INFINITY; PACKET];
         let set = &self.bvh.set;
         for &(k, index) in &work.rest {
-            let ray = &queries[k].ray;
+            let ray = shots[k].ray();
             let frame = &RayFrame::new(ray);
             let leaf = &set.leaves()[index as usize];
             let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
@@ -70,13 +70,13 @@ impl Tracer<'_> {
     }
 
     /// The nearest of what the packet and the scalar search found for each ray.
-    fn answer_packet(&mut self, queries: &[Query], answers: &mut Vec<Answer>) {
+    fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let looked_at = self.packets.work.rest_rays | self.packets.packet.near_border();
-        for (k, query) in queries.iter().enumerate() {
+        for (k, shot) in shots.iter().enumerate() {
             // Three ways to fill the place, each for itself: so that none is filled by copying.
             let packet = &self.packets.packet;
             if looked_at >> k & 1 != 0 {
-                answers.push(self.judged_answer(query, k));
+                answers.push(self.judged_answer(shot.ray(), k));
             } else if packet.has_hit(k) {
                 let hit = packet.plain_hit(self.bvh.set.pieces(), k);
                 answers.push(Answer { hit: Some(hit), doubtful: false });
@@ -88,10 +88,10 @@ impl Tracer<'_> {
 
     /// The answer where borders, a missing normal or the scalar search have a say.
     #[cold]
-    fn judged_answer(&mut self, query: &Query, k: usize) -> Answer {
+    fn judged_answer(&mut self, ray: &Ray, k: usize) -> Answer {
         let PacketScratch { packet, work, meetings, doubt } = &*self.packets;
         let set = &self.bvh.set;
-        let frame = RayFrame::new(&query.ray);
+        let frame = RayFrame::new(ray);
         let certain = packet.hit(k).map(|hit| meeting(set, &frame, &hit));
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
         let doubt = if work.rest_rays >> k & 1 == 0 { f64::INFINITY } else { doubt[k] };

@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::leaf_search::{self, Findings, Meeting, Question};
 use super::wide::{PACKET, Packet, Work};
 use super::{
-    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Statistics, SurfaceBvh,
-    crossings,
+    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics,
+    SurfaceBvh, crossings,
 };
 use crate::math::RayFrame;
 use crate::patch::{Leaf, Passage, PatchSet};
@@ -113,18 +113,18 @@ impl<'a> Tracer<'a> {
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
     /// Rays said to be coherent are traced in packets, if the kernel has them.
-    pub fn first_hits(
+    pub fn first_hits<Q: Shot>(
         &mut self,
-        queries: &[Query],
+        shots: &[Q],
         coherence: Coherence,
         answers: &mut Vec<Answer>,
     ) {
         answers.clear();
         match self.kernel.level() {
             Some(level) if coherence == Coherence::Coherent => {
-                self.first_hits_in_packets(level, queries, answers);
+                self.first_hits_in_packets(level, shots, answers);
             }
-            _ => answers.extend(queries.iter().map(|query| self.first_hit(query))),
+            _ => answers.extend(shots.iter().map(|shot| self.first_hit(&shot.query()))),
         }
     }
 

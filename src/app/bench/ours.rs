@@ -3,6 +3,7 @@
 use std::hint::black_box;
 
 use nurbray::intersect::{Answer, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
+use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use super::outcome::Outcome;
@@ -28,10 +29,10 @@ impl<'a> Ours<'a> {
     /// Traces all rays once, on the threads of the pool this runs in. The answers are made and
     /// dropped.
     pub(super) fn pass(&self) {
-        self.rays.queries.par_chunks(CHUNK).for_each_init(
+        self.chunks().for_each_init(
             || self.desk(),
-            |desk, queries| {
-                self.trace(desk, queries);
+            |desk, chunk| {
+                self.trace(desk, chunk);
                 black_box((&desk.answers, &desk.occlusions));
             },
         );
@@ -39,11 +40,11 @@ impl<'a> Ours<'a> {
 
     /// Traces all rays once and keeps what became of them.
     pub(super) fn outcomes(&self) -> Vec<Outcome> {
-        let chunks = self.rays.queries.par_chunks(CHUNK).map_init(
+        let chunks = self.chunks().map_init(
             || self.desk(),
-            |desk, queries| {
-                self.trace(desk, queries);
-                self.noted(desk, queries)
+            |desk, chunk| {
+                self.trace(desk, chunk);
+                self.noted(desk, chunk.0)
             },
         );
         chunks.collect::<Vec<_>>().concat()
@@ -54,11 +55,17 @@ impl<'a> Ours<'a> {
         Desk { tracer, answers: Vec::new(), occlusions: Vec::new() }
     }
 
-    fn trace(&self, desk: &mut Desk<'_>, queries: &[Query]) {
+    /// The queries, and the rays alone, chunk by chunk.
+    fn chunks(&self) -> impl IndexedParallelIterator<Item = (&'a [Query], &'a [Ray])> {
+        let rays = self.rays;
+        rays.queries.par_chunks(CHUNK).zip(rays.alone.par_chunks(CHUNK))
+    }
+
+    fn trace(&self, desk: &mut Desk<'_>, (queries, alone): (&[Query], &[Ray])) {
         let Desk { tracer, answers, occlusions } = desk;
         match (self.rays.set.question(), self.rays.set.calls()) {
             (Question::FirstHit, Calls::Batch(coherence)) => {
-                tracer.first_hits(queries, coherence, answers);
+                tracer.first_hits(alone, coherence, answers);
             }
             (Question::AnyHit, Calls::Batch(coherence)) => {
                 tracer.occlusions(queries, coherence, occlusions);

@@ -35,6 +35,8 @@ pub(super) struct Rays {
     pub(super) set: RaySet,
     /// The rays, with the roots they leave.
     pub(super) queries: Vec<Query>,
+    /// The rays alone, which is all there is to those that ask for first hits.
+    pub(super) alone: Vec<Ray>,
 }
 
 impl Rays {
@@ -61,7 +63,8 @@ impl Rays {
                 })
             }
         };
-        Self { set, queries }
+        let alone = queries.iter().map(|query| query.ray).collect();
+        Self { set, queries, alone }
     }
 
     /// The number of rays.

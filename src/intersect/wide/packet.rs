@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::PACKET;
 use super::load::END_SPARE;
-use crate::intersect::{Hit, HitFlags, Query, Root};
+use crate::intersect::{Hit, HitFlags, Root, Shot};
 use crate::patch::Piece;
 
 /// A vector of f64 for each ray, by coordinate.
@@ -122,10 +122,10 @@ impl Packet {
     }
 
     /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
-    pub(in crate::intersect) fn load(&mut self, queries: &[Query]) {
-        self.count = queries.len();
+    pub(in crate::intersect) fn load<Q: Shot>(&mut self, shots: &[Q]) {
+        self.count = shots.len();
         for k in 0..PACKET {
-            let ray = &queries[if k < queries.len() { k } else { 0 }].ray;
+            let ray = shots[if k < shots.len() { k } else { 0 }].ray();
             let (origin, direction) = (ray.origin(), ray.direction());
             for i in 0..3 {
                 self.origin[i][k] = origin[i];
