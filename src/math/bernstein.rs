@@ -11,13 +11,12 @@ pub const MAX_DEGREE: usize = 32;
 /// Room for the basis functions of one direction.
 pub type Basis = [f64; MAX_DEGREE + 1];
 
-/// `B_i(t) = C(p, i) tⁱ (1 − t)^(p−i)` for `i = 0 … p`, and as many zero entries as
-/// `Basis` has beyond.
+/// `B_i(t) = C(p, i) tⁱ (1 − t)^(p−i)` for `i = 0 … p`, and zeros in the room beyond.
 ///
 /// `t` may lie outside `[0, 1]`; the functions then lose positivity, not validity. Each
 /// value errs by at most `(2p + 2) u` relatively; at `t = 0` and `t = 1` they are exact.
-pub fn basis(degree: usize, t: f64) -> Basis {
-    let mut values = [0.0; MAX_DEGREE + 1];
+pub fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
+    let mut values = [0.0; N];
     let complement = 1.0 - t;
 
     // Powers of t upwards with the binomial factor, then powers of 1 − t downwards.
@@ -38,8 +37,8 @@ pub fn basis(degree: usize, t: f64) -> Basis {
 
 /// The derivatives `B_i'(t) = p (B_{i−1}^{p−1}(t) − B_i^{p−1}(t))`, from the functions of
 /// degree `p − 1`.
-pub fn derivative_from_lower(degree: usize, lower: &Basis) -> Basis {
-    let mut values = [0.0; MAX_DEGREE + 1];
+pub fn derivative_from_lower<const N: usize>(degree: usize, lower: &[f64; N]) -> [f64; N] {
+    let mut values = [0.0; N];
     let p = degree as f64;
     values[0] = -p * lower[0];
     for i in 1..degree {
@@ -51,8 +50,8 @@ pub fn derivative_from_lower(degree: usize, lower: &Basis) -> Basis {
 
 /// The functions of degree `p` from those of degree `p − 1`:
 /// `B_i^p = (1 − t) B_i^{p−1} + t B_{i−1}^{p−1}`.
-pub fn raised(degree: usize, t: f64, lower: &Basis) -> Basis {
-    let mut values = [0.0; MAX_DEGREE + 1];
+pub fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) -> [f64; N] {
+    let mut values = [0.0; N];
     values[0] = (1.0 - t) * lower[0];
     for i in 1..degree {
         values[i] = (1.0 - t) * lower[i] + t * lower[i - 1];
@@ -81,6 +80,32 @@ pub fn restrict_row<T>(net: &mut [T], row: Row, a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
+    // The same for every degree; small ones in a row of known length.
+    match row.degree {
+        1 => restrict_in_place::<T, 2>(net, row, a, b),
+        2 => restrict_in_place::<T, 3>(net, row, a, b),
+        3 => restrict_in_place::<T, 4>(net, row, a, b),
+        _ => cut(net, row, a, b),
+    }
+}
+
+/// Restricts a row of `N` coefficients outside the net.
+fn restrict_in_place<T, const N: usize>(net: &mut [T], row: Row, a: f64, b: f64)
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
+    let mut coefficients = std::array::from_fn::<T, N, _>(|i| net[row.start + i * row.stride]);
+    cut(&mut coefficients, Row { start: 0, stride: 1, degree: N - 1 }, a, b);
+    for (i, coefficient) in coefficients.into_iter().enumerate() {
+        net[row.start + i * row.stride] = coefficient;
+    }
+}
+
+#[inline(always)]
+fn cut<T>(net: &mut [T], row: Row, a: f64, b: f64)
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
     // Cutting first at the end that leaves the longer part keeps the second cut inside.
     if 1.0 - a >= b {
         keep_right(net, row, a);
@@ -92,6 +117,7 @@ where
 }
 
 /// De Casteljau at `t`, keeping the part on `[0, t]`.
+#[inline(always)]
 fn keep_left<T>(net: &mut [T], row: Row, t: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -108,6 +134,7 @@ where
 }
 
 /// De Casteljau at `t`, keeping the part on `[t, 1]`.
+#[inline(always)]
 fn keep_right<T>(net: &mut [T], row: Row, t: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -149,8 +176,8 @@ mod tests {
     fn basis_sums_to_one_and_matches_the_recurrence() {
         for degree in 1..=MAX_DEGREE {
             for t in [-0.1, 0.0, 1e-9, 0.3, 0.5, 0.99, 1.0, 1.1] {
-                let values = basis(degree, t);
-                let lower = basis(degree - 1, t);
+                let values: Basis = basis(degree, t);
+                let lower: Basis = basis(degree - 1, t);
                 let sum: f64 = values.iter().sum();
                 let size: f64 = values.iter().map(|b| b.abs()).sum();
                 assert!((sum - 1.0).abs() < 1e-14 * size, "degree {degree} at {t}: {sum}");
@@ -166,7 +193,7 @@ mod tests {
     fn derivative_is_that_of_a_power() {
         // t³ has the coefficients 0, 0, 0, 1; its derivative is 3t².
         let t = 0.37;
-        let derivative = derivative_from_lower(3, &basis(2, t));
+        let derivative: Basis = derivative_from_lower(3, &basis(2, t));
         assert!((derivative[3] - 3.0 * t * t).abs() < 1e-15);
     }
 
@@ -175,7 +202,7 @@ mod tests {
         let degree = [4, 3];
         let net: Vec<f64> = (0..20).map(|k| ((k * k) as f64 * 0.37).sin()).collect();
         let value = |net: &[f64], s: f64, t: f64| {
-            let (bs, bt) = (basis(4, s), basis(3, t));
+            let (bs, bt): (Basis, Basis) = (basis(4, s), basis(3, t));
             (0..20).map(|k| net[k] * bs[k / 4] * bt[k % 4]).sum::<f64>()
         };
         for (s, t) in

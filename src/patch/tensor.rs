@@ -80,8 +80,18 @@ impl TensorPatch {
     ///
     /// The order of operations is fixed, so that every caller gets the same bits.
     pub fn jet(&self, st: DVec2) -> Jet {
+        // The same sums with as much room for basis functions as the degrees need.
+        match self.degree[0].max(self.degree[1]) {
+            ..=3 => self.jet_in::<4>(st),
+            ..=7 => self.jet_in::<8>(st),
+            _ => self.jet_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
+        }
+    }
+
+    fn jet_in<const N: usize>(&self, st: DVec2) -> Jet {
         let [p, q] = self.degree;
-        let (lower_s, lower_t) = (bernstein::basis(p - 1, st.x), bernstein::basis(q - 1, st.y));
+        let (lower_s, lower_t) =
+            (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
         let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
         let (ds, dt) = (
             bernstein::derivative_from_lower(p, &lower_s),
@@ -162,11 +172,11 @@ pub(super) fn euclidean(control: DVec4) -> DVec3 {
 
 /// Basis functions with their first and second derivatives.
 fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
-    let lower = bernstein::basis(degree - 1, t);
+    let lower: Basis = bernstein::basis(degree - 1, t);
     let second = if degree < 2 {
         [0.0; bernstein::MAX_DEGREE + 1]
     } else {
-        let lowest = bernstein::basis(degree - 2, t);
+        let lowest: Basis = bernstein::basis(degree - 2, t);
         bernstein::derivative_from_lower(
             degree,
             &bernstein::derivative_from_lower(degree - 1, &lowest),

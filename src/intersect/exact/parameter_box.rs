@@ -3,7 +3,8 @@
 
 use glam::{DMat2, DVec2, DVec4};
 
-use crate::math::{Interval, bernstein};
+use crate::math::bernstein::{self, Basis};
+use crate::math::Interval;
 
 /// A closed rectangle of parameters: from and to in `s`, then in `t`.
 pub(crate) type Rect = [[f64; 2]; 2];
@@ -133,7 +134,7 @@ impl Preconditioned {
     /// `g` at the middle of the box.
     pub(super) fn middle(&self) -> DVec2 {
         let [p, q] = self.degree;
-        let (bs, bt) = (bernstein::basis(p, 0.5), bernstein::basis(q, 0.5));
+        let (bs, bt): (Basis, Basis) = (bernstein::basis(p, 0.5), bernstein::basis(q, 0.5));
         let rows = self.values.chunks_exact(q + 1).zip(&bs);
         rows.map(|(row, &b)| b * row.iter().zip(&bt).map(|(&g, &b)| b * g).sum::<DVec2>()).sum()
     }
@@ -161,29 +162,43 @@ impl Preconditioned {
 
 /// Where the hull of the points `(i / p, low_i)` and `(i / p, high_i)` meets zero.
 ///
-/// An end of that stretch lies on an edge of the hull, which joins a point below zero to
-/// one above; every other such segment lies inside. So the ends are the extremes over all
-/// pairs: quadratic in the degree, but simple and without special cases.
+/// It begins at 0 if the first column holds zero; else, with the first column above zero,
+/// where the hull's lower border comes down to it. That border runs through some of the
+/// points `(i / p, low_i)`, and joins one above zero to one below; every other such segment
+/// lies inside the hull: so the place is the least over all pairs, quadratic in the degree,
+/// but simple and without special cases. With the first column below zero it is where the
+/// upper border comes up; and the end is the beginning seen from the other side.
 fn clip_hull(low: &[f64], high: &[f64]) -> Option<[f64; 2]> {
-    let degree = (low.len() - 1) as f64;
-    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut include = |x: f64| range = [range[0].min(x), range[1].max(x)];
-    for i in 0..low.len() {
-        if low[i] <= 0.0 && high[i] >= 0.0 {
-            include(i as f64 / degree);
+    let last = low.len() - 1;
+    let begin = first_zero(|i| (low[i], high[i]), last)?;
+    let end = last as f64 - first_zero(|i| (low[last - i], high[last - i]), last)?;
+    // Rounding may turn a single point around.
+    Some([begin.min(end) / last as f64, end.max(begin) / last as f64])
+}
+
+/// The least abscissa at which the hull of columns `0 … last` meets zero.
+#[inline(always)]
+fn first_zero(column: impl Fn(usize) -> (f64, f64), last: usize) -> Option<f64> {
+    let (low, high) = column(0);
+    if low <= 0.0 && high >= 0.0 {
+        return Some(0.0);
+    }
+    // Mirrored where the first column is below zero: then only lower ends count.
+    let height = |i: usize| if low > 0.0 { column(i).0 } else { -column(i).1 };
+    let mut first = f64::INFINITY;
+    for j in 1..=last {
+        let below = height(j);
+        if below > 0.0 {
+            continue;
         }
-        for j in (0..low.len()).filter(|&j| j != i) {
-            for (below, above) in
-                [(low[i], low[j]), (low[i], high[j]), (high[i], low[j]), (high[i], high[j])]
-            {
-                if below < 0.0 && above > 0.0 {
-                    let part = below / (below - above);
-                    include((i as f64 + part * (j as f64 - i as f64)) / degree);
-                }
+        for i in 0..j {
+            let above = height(i);
+            if above > 0.0 {
+                first = first.min(i as f64 + (j - i) as f64 * (above / (above - below)));
             }
         }
     }
-    (range[0] <= range[1]).then_some(range)
+    (first < f64::INFINITY).then_some(first)
 }
 
 #[cfg(test)]
