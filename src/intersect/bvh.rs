@@ -37,8 +37,8 @@ impl SurfaceBvh {
     /// # Errors
     /// When there is more than 32-bit indices can count.
     pub fn build(surfaces: &[NurbsSurface], _options: &BuildOptions) -> Result<Self, BuildError> {
-        let set = PatchSet::new(surfaces)?;
-        let hierarchy = Hierarchy::new(&set);
+        let (set, boxes) = PatchSet::new(surfaces)?;
+        let hierarchy = Hierarchy::new(&set, &boxes);
         let wide = WideTree::new(&set, &hierarchy);
         Ok(Self { set, hierarchy, wide })
     }

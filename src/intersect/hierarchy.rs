@@ -41,7 +41,8 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    pub(super) fn new(set: &PatchSet) -> Self {
+    /// The tree over the leaves of a set, given a box around each.
+    pub(super) fn new(set: &PatchSet, leaves: &[Aabb]) -> Self {
         let bounds = set.bounds();
         if bounds.is_empty() {
             return Self::default();
@@ -53,8 +54,8 @@ impl Hierarchy {
 
         // Leaves with equal boxes become one primitive.
         let mut boxes: Vec<(Box32, u32)> = (0u32..)
-            .zip(set.leaves())
-            .map(|(k, leaf)| (hierarchy.scaled(leaf.bounds), k))
+            .zip(leaves)
+            .map(|(k, &leaf)| (hierarchy.scaled(leaf), k))
             .collect();
         boxes.sort_by(|(a, j), (b, k)| a.total_cmp(b).then(j.cmp(k)));
         let mut primitives: Vec<(Box32, std::ops::Range<u32>)> = Vec::new();

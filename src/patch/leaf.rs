@@ -1,10 +1,11 @@
 //! Pieces halved until they are flat enough to search.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use super::tangents::{Certificate, CollapsedSide, Net};
 use super::tensor::euclidean;
-use super::{OrientedBox, Piece};
+use super::{ControlNet, OrientedBox, Piece};
 use crate::math::{Aabb, bernstein};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
@@ -26,9 +27,7 @@ pub struct Leaf {
     pub piece: u32,
     /// The part of the piece's unit square: from and to in `s`, then in `t`.
     pub rect: [[f64; 2]; 2],
-    /// Holds every point the leaf answers for, but for rounding.
-    pub bounds: Aabb,
-    /// A closer box around the same points.
+    /// A close box around all points the leaf answers for.
     pub oriented: OrientedBox,
     /// Which rays meet the leaf at most once.
     pub certificate: Certificate,
@@ -58,23 +57,24 @@ impl Leaf {
 pub(super) struct Part {
     rect: [[f64; 2]; 2],
     halvings: [u32; 2],
-    net: Vec<DVec4>,
+    net: ControlNet,
 }
 
 impl Part {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        let net = piece.patch.control().to_vec();
+        let net = piece.patch.control().collect();
         Self { rect: [[0.0, 1.0]; 2], halvings: [0; 2], net }
     }
 
-    /// The parts of this part that are flat to within `flatness`.
-    pub(super) fn flattened(self, piece: &Piece, flatness: f64, done: &mut Vec<Self>) {
-        let mut waiting = vec![self];
-        while let Some(part) = waiting.pop() {
-            match part.direction_to_halve(piece, flatness) {
-                None => done.push(part),
-                Some(direction) => waiting.extend(part.halves(piece, direction)),
+    /// Hands over the parts of this part that are flat to within `flatness`.
+    pub(super) fn flattened(self, piece: &Piece, flatness: f64, done: &mut impl FnMut(Self)) {
+        match self.direction_to_halve(piece, flatness) {
+            None => done(self),
+            Some(direction) => {
+                let [first, second] = self.halves(piece, direction);
+                second.flattened(piece, flatness, done);
+                first.flattened(piece, flatness, done);
             }
         }
     }
@@ -87,7 +87,7 @@ impl Part {
     fn direction_to_halve(&self, piece: &Piece, flatness: f64) -> Option<usize> {
         let [p, q] = piece.patch.degree();
         let noise = piece.patch.residual_factor() * piece.patch.magnitude();
-        let points: Vec<DVec3> = self.net.iter().map(|&c| euclidean(c)).collect();
+        let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
         if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
             return None; // rounding is all there is left to see
         }
@@ -112,8 +112,8 @@ impl Part {
 
         // Two collapsed sides at the two ends of a direction need a leaf each.
         let both_ends = |at: usize| {
-            piece.collapsed[2 * at].is_some()
-                && piece.collapsed[2 * at + 1].is_some()
+            piece.collapsed(2 * at).is_some()
+                && piece.collapsed(2 * at + 1).is_some()
                 && self.halvings[at] == 0
         };
         let mut wanted = [bend_s.0.max(twist), bend_t.0.max(twist)];
@@ -148,8 +148,9 @@ impl Part {
         [half([0.0, 0.5], [from, middle]), half([0.5, 1.0], [middle, to])]
     }
 
-    /// The finished leaf.
-    pub(super) fn into_leaf(self, index: u32, piece: &Piece) -> Leaf {
+    /// The finished leaf, and a box with sides along the axes that holds every point the leaf
+    /// answers for, but for rounding.
+    pub(super) fn into_leaf(self, index: u32, piece: &Piece) -> (Leaf, Aabb) {
         let degree = piece.patch.degree();
         let noise = piece.patch.residual_factor() * piece.patch.magnitude();
         let collapsed = self.collapsed_side(piece);
@@ -185,7 +186,7 @@ impl Part {
         let [a, b] = self.chords(piece);
         let certificate = Certificate::new(&net, collapsed)
             .unwrap_or_else(|| Certificate::none(a.cross(b).normalize_or_zero()));
-        Leaf { piece: index, rect: self.rect, bounds, oriented, certificate, collapsed }
+        (Leaf { piece: index, rect: self.rect, oriented, certificate, collapsed }, bounds)
     }
 
     fn collapsed_side(&self, piece: &Piece) -> Option<CollapsedSide> {

@@ -21,6 +21,12 @@ mod set;
 mod tangents;
 mod tensor;
 
+use glam::DVec4;
+use smallvec::SmallVec;
+
+/// The homogeneous control points of a part of a piece: those of a bicubic lie in place.
+type ControlNet = SmallVec<[DVec4; 16]>;
+
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
 pub use piece::Piece;

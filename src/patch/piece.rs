@@ -20,8 +20,8 @@ pub struct Piece {
     /// Whether the surface jumps at the end of the piece, in `u` and in `v`: there the knot
     /// itself belongs to the next piece.
     pub jump_at_end: [bool; 2],
-    /// The point each side is collapsed to, in the same order.
-    pub collapsed: [Option<DVec3>; 4],
+    /// The points sides are collapsed to; few pieces have any.
+    pub(super) collapsed: Option<Box<[Option<DVec3>; 4]>>,
 }
 
 impl Piece {
@@ -34,6 +34,11 @@ impl Piece {
             if self.jump_at_end[k] && u >= to { to.next_down() } else { u }
         };
         DVec2::new(at(0), at(1))
+    }
+
+    /// The point a side is collapsed to; sides are counted as in [`Self::border`].
+    pub fn collapsed(&self, side: usize) -> Option<DVec3> {
+        self.collapsed.as_ref().and_then(|points| points[side])
     }
 
     /// How far, to first order, a point is from the four sides.
@@ -53,7 +58,7 @@ impl Piece {
         let error = self.patch.residual_factor() * self.patch.magnitude();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
-        let near = |side: usize| self.collapsed[side].is_some() && distances[side] <= clear;
+        let near = |side: usize| self.collapsed(side).is_some() && distances[side] <= clear;
         let place = DVec2::new(
             if near(0) {
                 0.0
@@ -84,30 +89,28 @@ impl Piece {
     pub fn collapsed_sides(&self) -> impl Iterator<Item = (CollapsedSide, DVec3)> {
         let sides =
             [CollapsedSide::S(0), CollapsedSide::S(1), CollapsedSide::T(0), CollapsedSide::T(1)];
-        sides.into_iter().zip(self.collapsed).filter_map(|(side, at)| Some((side, at?)))
+        let points = (0..4).map(|side| self.collapsed(side));
+        sides.into_iter().zip(points).filter_map(|(side, at)| Some((side, at?)))
     }
 }
 
 /// The point each side of a piece is collapsed to: all its control points agree to a few
 /// roundings of their size.
-pub(super) fn collapsed(patch: &TensorPatch) -> [Option<DVec3>; 4] {
+pub(super) fn collapsed(patch: &TensorPatch) -> Option<Box<[Option<DVec3>; 4]>> {
     let [p, q] = patch.degree();
-    let control = patch.control();
     let tolerance = 4.0 * patch.residual_factor() * patch.magnitude();
-    let point_of = |indices: &mut dyn Iterator<Item = usize>| {
-        let mut points = indices.map(|k| euclidean(control[k]));
+    let point_of = |places: &mut dyn Iterator<Item = (usize, usize)>| {
+        let mut points = places.map(|(i, j)| euclidean(patch.row(i)[j]));
         let first = points.next()?;
         points.all(|point| (point - first).abs().max_element() <= tolerance).then_some(first)
     };
-    let mut sides = [
-        point_of(&mut (0..=q)),
-        point_of(&mut (0..=q).map(|j| p * (q + 1) + j)),
-        point_of(&mut (0..=p).map(|i| i * (q + 1))),
-        point_of(&mut (0..=p).map(|i| i * (q + 1) + q)),
+    let sides = [
+        point_of(&mut (0..=q).map(|j| (0, j))),
+        point_of(&mut (0..=q).map(|j| (p, j))),
+        point_of(&mut (0..=p).map(|i| (i, 0))),
+        point_of(&mut (0..=p).map(|i| (i, q))),
     ];
     // A piece that is a point all over has no sides to speak of.
-    if sides.iter().all(Option::is_some) {
-        sides = [None; 4];
-    }
-    sides
+    let some = sides.iter().any(Option::is_some) && !sides.iter().all(Option::is_some);
+    some.then(|| Box::new(sides))
 }

@@ -1,8 +1,9 @@
 //! All pieces and leaves of a list of surfaces.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use glam::DVec4;
+use glam::{DVec3, DVec4};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -40,34 +41,41 @@ pub enum PatchSetError {
 
 /// Surfaces cut into Bézier pieces, and those into leaves; both in the order of the
 /// surfaces, whatever the number of threads.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct PatchSet {
     pieces: Vec<Piece>,
     leaves: Vec<Leaf>,
+    /// Holds every surface, but for rounding.
+    bounds: Aabb,
+    /// The number of control points in the surfaces' nets.
+    points: usize,
     /// Where the pieces of each surface are.
     pieces_of: Vec<Range<usize>>,
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces and leaves.
+    /// Cuts surfaces into pieces and leaves; also returns a box around each leaf, for a
+    /// hierarchy.
     ///
     /// # Errors
     /// When there are more than 32-bit indices can count.
-    pub fn new(surfaces: &[NurbsSurface]) -> Result<Self, PatchSetError> {
+    pub fn new(surfaces: &[NurbsSurface]) -> Result<(Self, Vec<Aabb>), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
-        let cut: Vec<Vec<Piece>> =
+        let cut: Vec<(Vec<Piece>, usize)> =
             surfaces.par_iter().enumerate().map(|(k, surface)| pieces(surface, k as u32)).collect();
+        let points = cut.iter().map(|(_, points)| points).sum();
         let mut pieces_of = Vec::with_capacity(cut.len());
         let mut start = 0;
-        for some in &cut {
+        for (some, _) in &cut {
             pieces_of.push(start..start + some.len());
             start += some.len();
         }
-        let pieces: Vec<Piece> = cut.into_iter().flatten().collect();
+        let pieces: Vec<Piece> = cut.into_iter().flat_map(|(pieces, _)| pieces).collect();
         check_count("Bézier pieces", pieces.len())?;
-        let leaves = leaves(&pieces);
+        let (leaves, boxes) = leaves(&pieces);
         check_count("leaves", leaves.len())?;
-        Ok(Self { pieces, leaves, pieces_of })
+        let bounds = boxes.iter().fold(Aabb::EMPTY, |bounds, &leaf| bounds.union(leaf));
+        Ok((Self { pieces, leaves, bounds, points, pieces_of }, boxes))
     }
 
     /// The pieces, surface by surface.
@@ -92,14 +100,15 @@ impl PatchSet {
 
     /// Holds every surface, but for rounding.
     pub fn bounds(&self) -> Aabb {
-        self.leaves.iter().fold(Aabb::EMPTY, |bounds, leaf| bounds.union(leaf.bounds))
+        self.bounds
     }
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        let control: usize = self.pieces.iter().map(|piece| piece.patch.control().len()).sum();
+        let collapsed = self.pieces.iter().filter(|piece| piece.collapsed.is_some()).count();
         size_of_val(&self.pieces[..])
-            + control * size_of::<DVec4>()
+            + collapsed * size_of::<[Option<DVec3>; 4]>()
+            + self.points * size_of::<DVec4>()
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.pieces_of[..])
     }
@@ -111,21 +120,19 @@ fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
 }
 
 /// The Bézier pieces of a surface, by knot insertion to full multiplicity: neighbours get
-/// the same control points on the edge they share.
-fn pieces(surface: &NurbsSurface, index: u32) -> Vec<Piece> {
+/// the same control points on the edge they share. Also returns the size of their net.
+fn pieces(surface: &NurbsSurface, index: u32) -> (Vec<Piece>, usize) {
     let bezier = surface.bezier_form();
     let (_, nv) = bezier.size();
     let (knots_u, knots_v) = (bezier.knots_u(), bezier.knots_v());
     let degree = [knots_u.degree(), knots_v.degree()];
     let [p, q] = degree;
 
+    let net: Arc<[DVec4]> = bezier.control().into();
     let mut pieces = Vec::new();
     for u in knots_u.spans() {
         for v in knots_v.spans() {
-            let rows = u.index - p..=u.index;
-            let columns = |i: usize| i * nv + v.index - q..=i * nv + v.index;
-            let control = rows.flat_map(|i| bezier.control()[columns(i)].iter().copied());
-            let patch = TensorPatch::new(degree, control.collect());
+            let patch = TensorPatch::new(degree, (&net, nv), [u.index - p, v.index - q]);
             let collapsed = piece::collapsed(&patch);
             let border = [
                 is_border(knots_u, u.start),
@@ -139,7 +146,7 @@ fn pieces(surface: &NurbsSurface, index: u32) -> Vec<Piece> {
             pieces.push(Piece { patch, surface, domain, border, jump_at_end, collapsed });
         }
     }
-    pieces
+    (pieces, net.len())
 }
 
 /// Whether the surface ends, or may jump, at a knot.
@@ -154,36 +161,34 @@ fn jumps(knots: &KnotVector, t: f64) -> bool {
     start < t && t < end && knots.multiplicity(t) > knots.degree()
 }
 
-/// The leaves of all pieces: as flat as their number allows.
-fn leaves(pieces: &[Piece]) -> Vec<Leaf> {
-    let mut parts: Vec<Vec<Part>> = Vec::new();
-    for flatness in FLATNESS {
-        let flattened: Vec<Vec<Part>> = if parts.is_empty() {
-            let whole = pieces.par_iter().map(|piece| {
-                let mut done = Vec::new();
-                Part::whole(piece).flattened(piece, flatness, &mut done);
-                done
-            });
-            whole.collect()
-        } else {
-            let finer = parts.par_iter().zip(pieces).map(|(parts, piece)| {
-                let mut done = Vec::new();
-                for part in parts {
-                    part.clone().flattened(piece, flatness, &mut done);
-                }
-                done
-            });
-            finer.collect()
-        };
-        let count: usize = flattened.iter().map(Vec::len).sum();
-        if !parts.is_empty() && count * size_of::<Leaf>() > WORTHWHILE_BYTES {
+/// The leaves of all pieces, and a box around each: as flat as their number allows.
+fn leaves(pieces: &[Piece]) -> (Vec<Leaf>, Vec<Aabb>) {
+    let flatness = worthwhile_flatness(pieces);
+    let leaves = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
+        let mut parts = Vec::new();
+        Part::whole(piece).flattened(piece, flatness, &mut |part| parts.push(part));
+        parts.into_iter().map(move |part| part.into_leaf(k as u32, piece))
+    });
+    leaves.unzip()
+}
+
+/// The finest flatness whose leaves take no more room than is worthwhile.
+fn worthwhile_flatness(pieces: &[Piece]) -> f64 {
+    let [mut finest, finer @ ..] = FLATNESS;
+    let most = WORTHWHILE_BYTES / size_of::<Leaf>();
+    for flatness in finer {
+        if pieces.len() > most {
             break;
         }
-        parts = flattened;
-    }
-    let leaves =
-        parts.into_par_iter().zip(pieces).enumerate().flat_map_iter(|(k, (parts, piece))| {
-            parts.into_iter().map(move |part| part.into_leaf(k as u32, piece))
+        let counts = pieces.par_iter().map(|piece| {
+            let mut count = 0;
+            Part::whole(piece).flattened(piece, flatness, &mut |_| count += 1);
+            count
         });
-    leaves.collect()
+        if counts.sum::<usize>() > most {
+            break;
+        }
+        finest = flatness;
+    }
+    finest
 }

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
+use super::ControlNet;
 use super::tensor::euclidean;
 use crate::math::{Interval, rounding};
 
@@ -157,7 +158,7 @@ impl Net<'_> {
 
     /// The net turned so that the collapsed side becomes `t = 0`, and whether that
     /// flipped its orientation.
-    fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], Vec<DVec4>, bool) {
+    fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], ControlNet, bool) {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
@@ -167,7 +168,7 @@ impl Net<'_> {
                 .collect()
         };
         match side {
-            CollapsedSide::T(0) => ([p, q], self.control.to_vec(), false),
+            CollapsedSide::T(0) => ([p, q], self.control.into(), false),
             CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j)), true),
             CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i)), true),
             CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i)), false),
@@ -178,7 +179,7 @@ impl Net<'_> {
 /// Bernstein coefficients of three components and a weight on a rectangle.
 struct Field {
     degree: [usize; 2],
-    values: Vec<DVec4>,
+    values: ControlNet,
 }
 
 impl Field {

@@ -1,5 +1,7 @@
 //! Tensor-product rational Bézier pieces.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3, DVec4};
 
 use crate::geometry::SurfaceDerivatives;
@@ -16,7 +18,11 @@ use crate::math::{Aabb, rounding};
 #[derive(Clone, Debug)]
 pub struct TensorPatch {
     degree: [usize; 2],
-    control: Box<[DVec4]>,
+    /// The net of the whole surface: neighbouring pieces share the points of their common edge.
+    net: Arc<[DVec4]>,
+    /// Where in the net the piece's first row starts, and how far apart its rows are.
+    start: usize,
+    stride: usize,
     rational: bool,
     magnitude: f64,
     size: f64,
@@ -34,15 +40,24 @@ pub struct Jet {
 }
 
 impl TensorPatch {
-    /// A piece from its degrees and homogeneous control points. The caller has checked
-    /// the invariants: only surfaces that hold them can be built.
-    pub(super) fn new(degree: [usize; 2], control: Box<[DVec4]>) -> Self {
-        debug_assert_eq!(control.len(), (degree[0] + 1) * (degree[1] + 1));
-        let weight = control.first().map_or(1.0, |first| first.w);
-        let rational = control.iter().any(|c| c.w != weight);
-        let bounds = Aabb::around(control.iter().map(|&c| euclidean(c)));
-        let (magnitude, size) = (bounds.magnitude(), bounds.size().max_element());
-        Self { degree, control, rational, magnitude, size }
+    /// A piece of a surface in Bézier form: its degrees, the surface's homogeneous net and the
+    /// length of its rows, and the first point's place in it. The caller has checked the
+    /// invariants: only surfaces that hold them can be built.
+    pub(super) fn new(
+        degree: [usize; 2],
+        (net, stride): (&Arc<[DVec4]>, usize),
+        first: [usize; 2],
+    ) -> Self {
+        let start = first[0] * stride + first[1];
+        let net = Arc::clone(net);
+        let mut patch =
+            Self { degree, net, start, stride, rational: false, magnitude: 0.0, size: 0.0 };
+        let weight = patch.row(0)[0].w;
+        let rational = patch.control().any(|c| c.w != weight);
+        patch.rational = rational;
+        let bounds = Aabb::around(patch.control().map(euclidean));
+        (patch.magnitude, patch.size) = (bounds.magnitude(), bounds.size().max_element());
+        patch
     }
 
     /// The degrees in `s` and `t`.
@@ -51,8 +66,20 @@ impl TensorPatch {
     }
 
     /// The homogeneous control points `(w x, w y, w z, w)`, second index fastest.
-    pub fn control(&self) -> &[DVec4] {
-        &self.control
+    pub fn control(&self) -> impl Iterator<Item = DVec4> + '_ {
+        self.rows().flatten().copied()
+    }
+
+    /// One row of them, of `q + 1` points, for the `i`-th Bernstein function of `s`.
+    #[inline]
+    pub fn row(&self, i: usize) -> &[DVec4] {
+        let start = self.start + i * self.stride;
+        &self.net[start..=start + self.degree[1]]
+    }
+
+    /// All rows.
+    pub fn rows(&self) -> impl Iterator<Item = &[DVec4]> {
+        (0..=self.degree[0]).map(|i| self.row(i))
     }
 
     /// Whether the weights differ.
@@ -82,8 +109,8 @@ impl TensorPatch {
     pub fn jet(&self, st: DVec2) -> Jet {
         // The same sums with as much room for basis functions as the degrees need.
         match self.degree[0].max(self.degree[1]) {
-            ..=3 => self.jet_in::<4>(st),
-            ..=7 => self.jet_in::<8>(st),
+            0..=3 => self.jet_in::<4>(st),
+            4..=7 => self.jet_in::<8>(st),
             _ => self.jet_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
         }
     }
@@ -101,7 +128,7 @@ impl TensorPatch {
         let mut value = DVec4::ZERO;
         let mut along_s = DVec4::ZERO;
         let mut along_t = DVec4::ZERO;
-        for (i, row) in self.control.chunks_exact(q + 1).enumerate() {
+        for (i, row) in self.rows().enumerate() {
             let (mut sum, mut slope) = (DVec4::ZERO, DVec4::ZERO);
             for (j, &c) in row.iter().enumerate() {
                 sum += bt[j] * c;
@@ -114,7 +141,7 @@ impl TensorPatch {
 
         // Quotient rule: S_s = (X_s − S W_s) / W.
         if !self.rational {
-            let w = self.control[0].w;
+            let w = self.row(0)[0].w;
             return Jet {
                 point: value.truncate() / w,
                 ds: along_s.truncate() / w,
@@ -140,7 +167,7 @@ impl TensorPatch {
         let [p, q] = self.degree;
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
         let sum = |order_s: usize, order_t: usize| -> DVec4 {
-            let rows = self.control.chunks_exact(q + 1).zip(&bs[order_s]);
+            let rows = self.rows().zip(&bs[order_s]);
             rows.map(|(row, &b)| {
                 b * row.iter().zip(&bt[order_t]).map(|(&c, &b)| b * c).sum::<DVec4>()
             })

@@ -1,6 +1,6 @@
 //! What is known of each surface that is ready to trace.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use nurbray::math::Aabb;
 use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
@@ -47,13 +47,15 @@ impl Facts {
         for piece in patches.pieces() {
             let surface = &mut surfaces[piece.surface as usize];
             surface.pieces += 1;
-            surface.bytes += size_of::<Piece>() + size_of_val(piece.patch.control());
+            surface.bytes += size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
         }
         for leaf in patches.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();
-            surface.bounds = surface.bounds.union(leaf.bounds);
+            let piece = &patches.pieces()[leaf.piece as usize];
+            let hull = piece.patch.control().map(|c| c.truncate() / c.w);
+            surface.bounds = surface.bounds.union(Aabb::around(hull));
         }
         Self { surfaces, bytes: world.bvh.bytes(), bounds: patches.bounds() }
     }

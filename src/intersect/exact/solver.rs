@@ -136,7 +136,7 @@ impl ExactSolver {
         let ray = task.ray;
         self.whole.degree = task.patch.degree();
         self.whole.control.clear();
-        self.whole.control.extend(task.patch.control().iter().map(|c| {
+        self.whole.control.extend(task.patch.control().map(|c| {
             let from_origin = c.truncate() - c.w * ray.origin;
             DVec3::new(
                 ray.normals[0].dot(from_origin),

@@ -9,7 +9,7 @@ use super::packet::Packet;
 use super::search::{dot_d, load3d};
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::math::bernstein::MAX_DEGREE;
-use crate::patch::{LEAF_SLACK, Leaf, Piece, TensorPatch, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece, TensorPatch, WIDENING};
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: usize = 4;
@@ -28,7 +28,9 @@ pub(super) struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(leaf: &'a Leaf, piece: &'a Piece, index: u32) -> Self {
+    pub(super) fn new(set: &'a PatchSet, index: u32) -> Self {
+        let leaf = &set.leaves()[index as usize];
+        let piece = &set.pieces()[leaf.piece as usize];
         let domain = leaf.widened(WIDENING);
         // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
         let reach = match leaf.certificate.pole {
@@ -321,9 +323,10 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
     let mut along_s = [zero; C];
     let mut along_t = [zero; C];
     for i in 0..=p {
+        let row = patch.row(i);
         let (mut sum, mut slope) = ([zero; C], [zero; C]);
         for j in 0..=q {
-            let control = patch.control()[i * (q + 1) + j].to_array();
+            let control = row[j].to_array();
             for c in 0..C {
                 let control = f64x8::splat(simd, control[c]);
                 sum[c] = bt[j].mul_add(control, sum[c]);
@@ -336,7 +339,7 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
             along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
         }
     }
-    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.control()[0].w) };
+    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.row(0)[0].w) };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
     for i in 0..3 {

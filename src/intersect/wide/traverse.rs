@@ -118,23 +118,25 @@ fn search<S: Simd>(
     statistics: &mut Statistics,
 ) {
     let record = &tree.records[index as usize];
-    let leaf = &set.leaves()[index as usize];
-    let piece = &set.pieces()[leaf.piece as usize];
-    let target = Target::new(leaf, piece, index);
+    // The boxes of most leaves are missed by most rays: their data are only touched when they
+    // are needed.
+    let mut target = None;
     let mut found = false;
-    let factor = piece.patch.residual_factor();
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
         let crossing = cross_box(simd, record, packet, base);
         let met = bits(crossing.met);
         if met == 0 {
             continue;
         }
+        let target = target.get_or_insert_with(|| Target::new(set, index));
+        let patch = &target.piece.patch;
+        let factor = patch.residual_factor();
         statistics.leaf_tests += u64::from(met.count_ones());
 
         // The certificate, lane by lane.
         let (single, cosine) = certify(simd, record, packet, base);
         let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
-            .max(f32x16::splat(simd, piece.patch.magnitude() as f32));
+            .max(f32x16::splat(simd, patch.magnitude() as f32));
         let per_error = f32x16::splat(simd, record.cosine_per_error * factor as f32);
         let certain = met & bits(single & cosine.simd_gt(magnitude * per_error));
         let mut rest = met & !certain;
@@ -149,7 +151,7 @@ fn search<S: Simd>(
                 }
                 let wanted = fearless_simd::mask64x8::from_bitmask(simd, lanes);
                 let at = base + 8 * half;
-                let done = finish(simd, &target, packet, at, wanted, (xs[half], ys[half]));
+                let done = finish(simd, target, packet, at, wanted, (xs[half], ys[half]));
                 rest |= (done.left as u32) << (8 * half);
                 found |= done.found;
                 statistics.newton_iterations += u64::from(done.steps);
