@@ -171,7 +171,8 @@ impl Part {
             grown(slack, 1, true),
         );
         let bounds = Aabb::around(answered.iter().map(|&c| euclidean(c))).grown(noise);
-        let oriented = OrientedBox::around(&answered, self.chords(piece), noise);
+        let chords = self.chords(piece);
+        let oriented = OrientedBox::around(&answered, chords, noise);
 
         // The certificate speaks of the widened rectangle, which ends at a collapsed side.
         let mut ranges = [grown(WIDENING, 0, false), grown(WIDENING, 1, false)];
@@ -183,9 +184,10 @@ impl Part {
         let mut widened = self.net.clone();
         bernstein::restrict_net(&mut widened, degree, ranges[0], ranges[1]);
         let net = Net { degree, control: &widened, noise };
-        let [a, b] = self.chords(piece);
         let certificate = Certificate::new(&net, collapsed)
-            .unwrap_or_else(|| Certificate::none(a.cross(b).normalize_or_zero()));
+            .unwrap_or_else(|| {
+                Certificate::none(chords[0].cross(chords[1]).normalize_or_zero())
+            });
         (Leaf { piece: index, rect: self.rect, oriented, certificate, collapsed }, bounds)
     }
 

@@ -156,9 +156,30 @@ impl TensorPatch {
         }
     }
 
-    /// The point at `(s, t)`.
+    /// The point at `(s, t)`: that of the jet, bit for bit.
     pub fn point(&self, st: DVec2) -> DVec3 {
-        self.jet(st).point
+        match self.degree[0].max(self.degree[1]) {
+            0..=3 => self.point_in::<4>(st),
+            4..=7 => self.point_in::<8>(st),
+            _ => self.point_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
+        }
+    }
+
+    fn point_in<const N: usize>(&self, st: DVec2) -> DVec3 {
+        let [p, q] = self.degree;
+        let (lower_s, lower_t) =
+            (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
+        let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
+        let mut value = DVec4::ZERO;
+        for (i, row) in self.rows().enumerate() {
+            let mut sum = DVec4::ZERO;
+            for (j, &c) in row.iter().enumerate() {
+                sum += bt[j] * c;
+            }
+            value += bs[i] * sum;
+        }
+        let weight = if self.rational { value.w } else { self.row(0)[0].w };
+        value.truncate() / weight
     }
 
     /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
@@ -210,4 +231,30 @@ fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
         )
     };
     [bernstein::raised(degree, t, &lower), bernstein::derivative_from_lower(degree, &lower), second]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_that_of_the_jet_in_every_room() {
+        for degree in [[1, 1], [3, 2], [2, 3], [5, 4], [7, 1], [8, 3], [32, 9]] {
+            let count = (degree[0] + 1) * (degree[1] + 1);
+            for rational in [false, true] {
+                let net: Arc<[DVec4]> = (0..count)
+                    .map(|k| {
+                        let x = k as f64;
+                        let w = if rational { 1.0 + 0.5 * x.sin() } else { 2.0 };
+                        w * DVec3::new((3.0 * x).cos(), x.sin(), 0.1 * x).extend(1.0)
+                    })
+                    .collect();
+                let patch = TensorPatch::new(degree, (&net, degree[1] + 1), [0, 0]);
+                assert_eq!(patch.is_rational(), rational);
+                for st in [DVec2::new(0.3, 0.7), DVec2::new(0.0, 1.0), DVec2::new(-0.01, 1.02)] {
+                    assert_eq!(patch.point(st), patch.jet(st).point, "{degree:?} at {st}");
+                }
+            }
+        }
+    }
 }
