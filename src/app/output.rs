@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nurbray::io::check_writable;
+use nurbray::io::{Quoted, check_writable};
 
 use super::failure::{Failure, OrFail};
 
@@ -15,11 +15,11 @@ pub(crate) fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<(), Failure> 
         if inputs.iter().any(|input| is_same_file(input, output)) {
             return Err(Failure::input(format!(
                 "{} would be overwritten: it is an input of this run",
-                output.display()
+                Quoted(output)
             )));
         }
         if outputs[..index].iter().any(|other| is_same_place(other, output)) {
-            return Err(Failure::input(format!("{} is given twice as output", output.display())));
+            return Err(Failure::input(format!("{} is given twice as output", Quoted(output))));
         }
         check_writable(output).or_bad_input()?;
     }

@@ -7,9 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
 
-use nurbray::io::{ExrNotes, ExrPrecision, write_exr, write_png};
+use nurbray::io::{ExrNotes, ExrPrecision, Quoted, write_exr, write_png};
 use nurbray::render::{AovSet, Film, PixelRect, RenderSettings, render};
-use nurbray::scene::{CameraSpec, Lens, Place, RenderDefaults, World};
+use nurbray::scene::{CameraSpec, Lens, RenderDefaults, World};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
@@ -98,29 +98,28 @@ fn settings(
     Ok(settings)
 }
 
-/// Moves the camera as the command line says.
+/// Moves the camera as the command line says. What it says has no place in the scene, and
+/// errors will name none.
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
-    let RenderArguments { look_from, look_at, up, fov, .. } = arguments;
-    let (look_from, look_at, up, fov) = (*look_from, *look_at, *up, *fov);
-    if look_from.is_none() && look_at.is_none() && up.is_none() && fov.is_none() {
-        return Ok(());
-    }
-    camera.place = Place::default(); // what is wrong now is not the scene's fault
-    if look_from.is_some() {
-        camera.look_from = look_from;
+    if let Some(look_from) = arguments.look_from {
+        camera.look_from = Some(look_from.into());
         camera.look_at = None; // the centre, unless --look-at says otherwise
     }
-    camera.look_at = look_at.or(camera.look_at);
-    camera.up = up.or(camera.up);
-    match (&mut camera.lens, fov) {
+    if let Some(look_at) = arguments.look_at {
+        camera.look_at = Some(look_at.into());
+    }
+    if let Some(up) = arguments.up {
+        camera.up = Some(up.into());
+    }
+    match (&mut camera.lens, arguments.fov) {
         (_, None) => Ok(()),
-        (Lens::Perspective { fov }, given) => {
-            *fov = given;
+        (Lens::Perspective { fov }, Some(given)) => {
+            *fov = Some(given.into());
             Ok(())
         }
         (Lens::Orthographic { .. }, Some(_)) => Err(Failure::input(format!(
             "--fov: the camera of {} is orthographic and has no field of view",
-            arguments.input.display()
+            Quoted(&arguments.input)
         ))),
     }
 }

@@ -8,18 +8,20 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
+use super::Quoted;
+
 /// Why a file cannot be written. Whatever was there before is as it was.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
     /// The path does not end in a file's name.
-    #[error("cannot write \"{}\": it does not name a file", .0.display())]
+    #[error("cannot write {}: it does not name a file", Quoted(.0))]
     NoName(PathBuf),
     /// There is a folder of that name.
-    #[error("cannot write {}: it is a folder", .0.display())]
+    #[error("cannot write {}: it is a folder", Quoted(.0))]
     Folder(PathBuf),
     /// The folder to write into does not exist.
-    #[error("cannot write {}: there is no folder {}", .path.display(), .folder.display())]
+    #[error("cannot write {}: there is no folder {}", Quoted(path), Quoted(folder))]
     NoFolder {
         /// The file to be written.
         path: PathBuf,
@@ -27,7 +29,7 @@ pub enum WriteError {
         folder: PathBuf,
     },
     /// The system refuses, or the contents cannot be encoded.
-    #[error("cannot write {}: {reason}", .path.display())]
+    #[error("cannot write {}: {reason}", Quoted(path))]
     Io {
         /// The file to be written.
         path: PathBuf,
@@ -111,16 +113,12 @@ fn target(path: &Path) -> Result<Target, WriteError> {
 }
 
 /// An empty file that disappears unless it is kept, with the permissions of a new file.
+///
+/// It is opened here, for `tempfile` would add its name, which means nothing to anyone, to
+/// what the system says.
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".nurbray-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What `File::create` asks for; the system takes the user's mask off.
-        builder.permissions(Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder).map_err(without_path)
+    let open = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
+    tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(folder, open)
 }
 
 /// Writes a temporary file and puts it in the file's place.
@@ -164,11 +162,6 @@ fn fill(
     buffer.flush()
 }
 
-/// The system's reason without the temporary file's name, which means nothing to anyone.
-fn without_path(error: io::Error) -> io::Error {
-    error.raw_os_error().map_or(error, io::Error::from_raw_os_error)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,7 +200,7 @@ mod tests {
             file.write_all(b"half of the n")?;
             Err(io::Error::other("the disk is on fire"))
         });
-        let message = format!("cannot write {}: the disk is on fire", path.display());
+        let message = format!("cannot write {}: the disk is on fire", Quoted(&path));
         assert_eq!(error.unwrap_err().to_string(), message);
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["a.txt"]);
@@ -227,10 +220,10 @@ mod tests {
         let error = check_writable(&missing).unwrap_err().to_string();
         let parent = folder.path().join("no/such");
         let expected =
-            format!("cannot write {}: there is no folder {}", missing.display(), parent.display());
+            format!("cannot write {}: there is no folder {}", Quoted(&missing), Quoted(&parent));
         assert_eq!(error, expected);
         let error = put(folder.path(), "").unwrap_err().to_string();
-        assert_eq!(error, format!("cannot write {}: it is a folder", folder.path().display()));
+        assert_eq!(error, format!("cannot write {}: it is a folder", Quoted(folder.path())));
         let error = check_writable(Path::new("")).unwrap_err().to_string();
         assert_eq!(error, "cannot write \"\": it does not name a file");
         let file = folder.path().join("file");
@@ -253,6 +246,15 @@ mod tests {
         assert_eq!(mode(&path), 0o640);
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_temporary_file_is_not_mentioned() {
+        // Nobody, not even root, makes files in the kernel's tables.
+        let error = check_writable(Path::new("/proc/a.exr")).unwrap_err().to_string();
+        assert!(error.starts_with("cannot write \"/proc/a.exr\": "), "{error}");
+        assert!(error.ends_with(')') && !error.contains("nurbray"), "{error}");
+    }
+
     #[cfg(unix)]
     #[test]
     fn links_stay_links() {
@@ -272,6 +274,6 @@ mod tests {
         put(Path::new("/dev/null"), "gone").unwrap();
         assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
         let error = put(Path::new("/dev/full"), "too much").unwrap_err().to_string();
-        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+        assert!(error.starts_with("cannot write \"/dev/full\": No space left"), "{error}");
     }
 }

@@ -50,8 +50,8 @@ use self::points::Points;
 use super::LoadError;
 use super::message::explain;
 use super::source::Source;
-use crate::geometry::SurfaceError;
-use crate::scene::{ImportNote, Knots, Net, Part, Place, SceneError, SceneFault, Shape, Written};
+use crate::geometry::NurbsSurface;
+use crate::scene::{ImportNote, Knots, Net, Part, Place, Shape, Written};
 
 /// The surfaces of a model file, and what else it holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,15 +62,17 @@ pub struct Model {
     pub notes: Vec<ImportNote>,
 }
 
-/// Reads a geomdl JSON model; errors and notes call the file `label`.
+/// Reads a geomdl JSON model. Errors and notes call the file `label`, and its surfaces
+/// `called`, the name of their object, with their own name behind it, as a world does.
 ///
 /// Whether the numbers are surfaces is found out by [`World::new`](crate::scene::World::new).
 ///
 /// # Errors
 /// When the text is no JSON, or has not the layout above.
-pub fn read_geomdl(text: &str, label: &str) -> Result<Model, LoadError> {
+pub fn read_geomdl(text: &str, label: &str, called: &str) -> Result<Model, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader { source: Source::new(text, label), model: Model::default() };
+    let source = Source::new(text, label);
+    let mut reader = Reader { source, called, model: Model::default() };
     reader.document()?;
     Ok(reader.model)
 }
@@ -138,6 +140,7 @@ struct ControlPoints<'a> {
 
 struct Reader<'a> {
     source: Source<'a>,
+    called: &'a str,
     model: Model,
 }
 
@@ -206,7 +209,10 @@ impl<'a> Reader<'a> {
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
         let name = name.filter(|name| !name.is_empty());
         let part_name = name.or_else(|| index.map(|index| index.to_string())).unwrap_or_default();
-        let label = if part_name.is_empty() { "0".to_owned() } else { part_name.clone() };
+        let label = match part_name.as_str() {
+            "" => self.called.to_owned(),
+            part => format!("{}/{part}", self.called),
+        };
         let entry = Entry { item, place, label };
 
         if let Some((what, why)) = no_surface(&entry.item) {
@@ -266,27 +272,22 @@ impl<'a> Reader<'a> {
             }
         }
         let points = Written::new(points.value.points, points.place);
-        let weights = weights.map(|raw| self.weights(entry, raw, size[1])).transpose()?;
+        let weights = weights.map(|raw| self.weights(raw)).transpose()?;
         Ok(Some(Net { degree, knots, size, points, weights }))
     }
 
-    /// The weights; one that cannot be is named here, where its own place is still known.
-    fn weights(
-        &self,
-        entry: &Entry<'a>,
-        raw: &'a RawValue,
-        size_v: usize,
-    ) -> Result<Written<Vec<f64>>, LoadError> {
+    /// The weights, at the place of the first one that cannot be, if there is one.
+    fn weights(&self, raw: &'a RawValue) -> Result<Written<Vec<f64>>, LoadError> {
         let weights: Vec<f64> = self.parse(raw.get())?;
-        let Some(k) = weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) else {
-            return Ok(Written::new(weights, self.place(raw)));
+        let unusable = weights.iter().position(|weight| !NurbsSurface::usable_weight(*weight));
+        let place = match unusable {
+            None => self.place(raw),
+            Some(index) => {
+                let each: Vec<&RawValue> = self.parse(raw.get())?;
+                self.place(each.get(index).copied().unwrap_or(raw))
+            }
         };
-        let each: Vec<&RawValue> = self.parse(raw.get())?;
-        let place = each.get(k).map_or_else(|| self.place(raw), |raw| self.place(raw));
-        let (i, j) = (k / size_v.max(1), k % size_v.max(1));
-        let error = SurfaceError::Weight { i, j, weight: weights[k] };
-        let fault = SceneFault::Surface { surface: entry.label.clone(), error };
-        Err(SceneError::new(place, fault).into())
+        Ok(Written::new(weights, place))
     }
 
     /// Notes what the file says of a surface that is not done.

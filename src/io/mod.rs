@@ -35,6 +35,7 @@ mod message;
 mod npy;
 mod npy_header;
 mod png;
+mod quoted;
 pub mod scene_toml;
 mod source;
 
@@ -51,4 +52,5 @@ pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use png::{PngWarning, write_png};
+pub use quoted::Quoted;
 pub use scene_toml::read_scene;

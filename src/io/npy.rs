@@ -9,6 +9,7 @@ use npyz::{NpyFile, NpyHeader, Order, WriterBuilder};
 use thiserror::Error;
 
 use super::npy_header::read_header;
+use super::quoted::{Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
 use crate::math::{Ray, RayError};
 
@@ -41,7 +42,7 @@ impl Table {
 #[non_exhaustive]
 pub enum NpyError {
     /// The system refuses.
-    #[error("cannot read {}: {reason}", .path.display())]
+    #[error("cannot read {}: {}", Quoted(path), WhyUnread(reason))]
     Io {
         /// The file.
         path: PathBuf,
@@ -352,7 +353,7 @@ mod tests {
             "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY"
         );
         let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();
-        assert!(error.starts_with("cannot read /no/such.npy: "), "{error}");
+        assert_eq!(error, "cannot read \"/no/such.npy\": there is no such file");
         assert!(matches!(read_table(Path::new("/"), &[6]), Err(NpyError::Io { .. })));
     }
 

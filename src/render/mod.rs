@@ -37,7 +37,7 @@ pub use driver::{Progress, RenderError, render};
 pub use film::{Counters, Film, FilmError, MergeError};
 pub use rect::{PixelRect, RectError};
 pub use sampler::{Dimensions, Sampler};
-pub use settings::{MAX_PIXELS, MAX_SIDE, MAX_THREADS, RenderSettings, SettingsError};
+pub use settings::{MAX_PIXELS, MAX_THREADS, RenderSettings, SettingsError};
 
 #[cfg(test)]
 mod driver_tests;
