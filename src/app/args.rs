@@ -1,6 +1,7 @@
 //! What the user may type.
 
 mod bench;
+mod count;
 mod values;
 
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use nurbray::render::AovSet;
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
+use count::count;
 pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
@@ -55,12 +57,7 @@ pub(crate) enum Command {
 
 /// `nurbray render`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Samples depend on --seed, the pixel, the sample's number and the dimension only: crops and \
-sample ranges are the same pixels as the whole picture, on any number of threads.
-
-Example:
-  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64")]
+#[command(after_help = super::render::HELP)]
 pub(crate) struct RenderArguments {
     /// Scene (.toml) or bare model (.json)
     pub(crate) input: PathBuf,
@@ -70,19 +67,20 @@ pub(crate) struct RenderArguments {
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Width and height in pixels, such as 1024x768 [default: the scene's]
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    /// Width and height in pixels, such as 1024x768 [default: the scene's, else 800x600]
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub(crate) size: Option<Size>,
 
-    /// Samples a pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Samples a pixel [default: the scene's, else 16]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=u32::MAX.into()),
+        allow_hyphen_values = true)]
     pub(crate) spp: Option<u32>,
 
-    /// Take only samples A to B-1 of each pixel, to split work between runs
-    #[arg(long, value_name = "A..B", value_parser = values::samples)]
+    /// Take only samples A to B-1 of each pixel, to split work between runs [default: 0..spp]
+    #[arg(long, value_name = "A..B", value_parser = values::samples, allow_hyphen_values = true)]
     pub(crate) samples: Option<SampleRange>,
 
-    /// What a pixel shows [default: the scene's]
+    /// What a pixel shows [default: the scene's, else direct]
     #[arg(long, value_name = "NAME", value_parser = integrators())]
     pub(crate) integrator: Option<IntegratorKind>,
 
@@ -92,7 +90,7 @@ pub(crate) struct RenderArguments {
     pub(crate) aov: Option<AovSet>,
 
     /// Render only the pixels X0 <= x < X1, Y0 <= y < Y1, counted from the top left
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop)]
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
 
     /// Put the camera here; without --look-at it looks at the model's centre
@@ -107,16 +105,18 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
 
-    /// Vertical field of view in degrees
+    /// Vertical field of view in degrees [default: the scene's, else 30]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f64>,
 
-    /// Brightness of the .png in stops: +1 doubles the light [default: the scene's]
+    /// Brightness of the .png in stops: +1 doubles the light [default: the scene's, else 0]
     #[arg(long, value_name = "EV", value_parser = values::finite, allow_hyphen_values = true)]
     pub(crate) exposure: Option<f64>,
 
-    /// Which samples to take: pictures of different seeds have independent noise
-    #[arg(long, value_name = "N")]
+    /// Which samples to take: pictures of different seeds have independent noise [default: the
+    /// scene's, else 0]
+    #[arg(long, value_name = "N", value_parser = count::<u64>(0..=u64::MAX),
+        allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
 
     /// How to use the processor.
@@ -132,7 +132,8 @@ pub(crate) struct RenderArguments {
 #[derive(Debug, Args)]
 pub(crate) struct WorkArguments {
     /// Number of threads [default: one for each processor]; it changes no result
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    #[arg(long, value_name = "N", value_parser = count::<u16>(1..=MAX_THREADS as u64),
+        allow_hyphen_values = true)]
     pub(crate) threads: Option<u16>,
 
     /// How to use each thread.
@@ -186,7 +187,7 @@ pub(crate) struct CastArguments {
     #[arg(long, value_name = "RAYS.npy")]
     pub(crate) rays: PathBuf,
 
-    /// Hits to write, a NumPy file
+    /// Hits to write, a NumPy file (.npy)
     #[arg(short, long, value_name = "HITS.npy")]
     pub(crate) output: PathBuf,
 
@@ -216,11 +217,12 @@ pub(crate) struct AuditArguments {
 
     /// How many rays, of all classes together
     #[arg(long, value_name = "N", default_value_t = 100_000,
-        value_parser = clap::value_parser!(u64).range(1..=super::audit::MAX_RAYS))]
+        value_parser = count::<u64>(1..=super::audit::MAX_RAYS), allow_hyphen_values = true)]
     pub(crate) rays: u64,
 
     /// Which rays: the same seed makes the same rays, on any number of threads
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = count::<u64>(0..=u64::MAX),
+        allow_hyphen_values = true)]
     pub(crate) seed: u64,
 
     /// Which code to check.
@@ -231,7 +233,7 @@ pub(crate) struct AuditArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Write the rays at fault here, a NumPy file of shape (n, 8) that `nurbray cast` reads
+    /// Write the rays at fault here, a NumPy file (.npy) of shape (n, 8) that `nurbray cast` reads
     #[arg(long, value_name = "RAYS.npy")]
     pub(crate) offenders: Option<PathBuf>,
 }

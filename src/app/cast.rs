@@ -19,6 +19,7 @@ use trace::{Traced, Tracing};
 
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
+    output::check_npy(&arguments.output)?;
     output::check(&[&arguments.output], &[&arguments.input, &arguments.rays])?;
     let rays = read_rays(&arguments.rays).or_bad_input()?;
     let scene = input::read(&arguments.input)?;
@@ -57,7 +58,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
         let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
         console::print(&format!(
             "{} rays, {} hits, {} doubtful; {seconds:.3} s on {threads} {} ({rate:.3} Mrays/s, \
-             kernel {}); {}\n",
+             kernel {}); wrote {}\n",
             rays.len(),
             counts.hits,
             counts.doubtful,

@@ -32,7 +32,7 @@ mod settings;
 mod sums;
 mod tile;
 
-pub use aov::{Aov, AovSet, Channel};
+pub use aov::{Aov, AovListError, AovSet, Channel};
 pub use driver::{Progress, RenderError, render};
 pub use film::{Counters, Film, FilmError, MergeError};
 pub use rect::{PixelRect, RectError};

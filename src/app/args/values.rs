@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::count::whole;
+
 /// Width and height of a picture in pixels, both at least 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {
@@ -37,7 +39,8 @@ pub(crate) struct SampleRange {
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     const NEED: &str = "a size is WIDTHxHEIGHT in pixels, such as 1024x768";
     let (width, height) = text.split_once(['x', 'X']).ok_or(NEED)?;
-    let [width, height] = [width, height].map(|side| side.parse().ok().filter(|&side| side > 0));
+    let side = |text| u32::try_from(whole(text)?).ok().filter(|&side| side > 0);
+    let [width, height] = [width, height].map(side);
     match (width, height) {
         (Some(width), Some(height)) => Ok(Size { width, height }),
         _ => Err(NEED.into()),
@@ -47,7 +50,8 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
 /// Parses `X0,Y0,X1,Y1`.
 pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     const NEED: &str = "a crop is X0,Y0,X1,Y1 in pixels from the top left, such as 0,0,512,384";
-    let [x0, y0, x1, y1] = list(text).ok_or(NEED)?;
+    let pixel = |text: &str| u32::try_from(whole(text)?).ok();
+    let [x0, y0, x1, y1] = list(text, pixel).ok_or(NEED)?;
     if x0 >= x1 || y0 >= y1 {
         return Err("there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into());
     }
@@ -58,9 +62,10 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
 pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
     const NEED: &str = "a range of samples is A..B, B not included, such as 0..16";
     let (first, end) = text.split_once("..").ok_or(NEED)?;
-    match (first.parse(), end.parse()) {
-        (Ok(first), Ok(end)) if first < end => Ok(SampleRange { first, end }),
-        (Ok(_), Ok(_)) => Err("there are no samples in it: A must be smaller than B".into()),
+    let sample = |text| u32::try_from(whole(text)?).ok();
+    match (sample(first), sample(end)) {
+        (Some(first), Some(end)) if first < end => Ok(SampleRange { first, end }),
+        (Some(_), Some(_)) => Err("there are no samples in it: A must be smaller than B".into()),
         _ => Err(NEED.into()),
     }
 }
@@ -68,7 +73,7 @@ pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
 /// Parses `X,Y,Z`.
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     const NEED: &str = "three finite numbers X,Y,Z are needed, such as 1,-2.5,4";
-    let point = DVec3::from_array(list(text).ok_or(NEED)?);
+    let point = DVec3::from_array(list(text, |x| x.parse().ok()).ok_or(NEED)?);
     if point.is_finite() { Ok(point) } else { Err(NEED.into()) }
 }
 
@@ -89,9 +94,8 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 }
 
 /// Exactly `N` values between commas.
-fn list<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
-    let values: Vec<T> =
-        text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+fn list<T, const N: usize>(text: &str, value: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
+    let values: Vec<T> = text.split(',').map(|part| value(part.trim())).collect::<Option<_>>()?;
     values.try_into().ok()
 }
 
@@ -102,9 +106,18 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!(size("640x480"), Ok(Size { width: 640, height: 480 }));
-        for wrong in
-            ["640", "640x", "x480", "0x480", "640x-1", "640x480x3", "1e3x2", "99999999999x1"]
-        {
+        assert_eq!(size("1e3x1_000"), Ok(Size { width: 1000, height: 1000 }));
+        for wrong in [
+            "640",
+            "640x",
+            "x480",
+            "0x480",
+            "640x-1",
+            "-640x1",
+            "640x480x3",
+            "1.5x2",
+            "99999999999x1",
+        ] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
     }
