@@ -95,7 +95,7 @@ fn target(path: &Path) -> Result<Target, WriteError> {
             // A file nobody may write to is not to be replaced either.
             OpenOptions::new().write(true).open(path).map_err(failed)?;
         }
-        None if path.file_name().is_none() => return Err(WriteError::NoName(path.to_owned())),
+        None if !names_file(path) => return Err(WriteError::NoName(path.to_owned())),
         None => {}
     }
 
@@ -110,6 +110,12 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     }
     let old = old.map(|old| old.permissions());
     Ok(Target::File { path: file, folder, old })
+}
+
+/// Whether a path ends in a file's name: not in `..`, nor in a slash, as a folder's may.
+fn names_file(path: &Path) -> bool {
+    let ends_open = path.to_string_lossy().ends_with(std::path::is_separator);
+    path.file_name().is_some() && !ends_open
 }
 
 /// An empty file that disappears unless it is kept, with the permissions of a new file.
@@ -226,6 +232,8 @@ mod tests {
         assert_eq!(error, format!("cannot write {}: it is a folder", Quoted(folder.path())));
         let error = check_writable(Path::new("")).unwrap_err().to_string();
         assert_eq!(error, "cannot write \"\": it does not name a file");
+        let error = check_writable(Path::new("new.exr/")).unwrap_err().to_string();
+        assert_eq!(error, "cannot write \"new.exr/\": it does not name a file");
         let file = folder.path().join("file");
         put(&file, "x").unwrap();
         assert!(matches!(check_writable(&file.join("below")), Err(WriteError::Io { .. })));

@@ -47,7 +47,6 @@ pub enum NpyError {
         /// The file.
         path: PathBuf,
         /// What the system says.
-        #[source]
         reason: io::Error,
     },
     /// The file does not begin as a NumPy file does.

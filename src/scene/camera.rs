@@ -35,9 +35,12 @@ pub enum Projection {
 /// speck from there.
 const MAX_COORDINATE: f64 = 1e100;
 
-/// The smallest field of view in degrees, that of a coin a thousand kilometres away. A camera
-/// that shows all of a model so stands 10⁸ sizes off, and rounding is 10⁻⁸ of a size there.
-const MIN_FOV: f64 = 1e-6;
+impl Projection {
+    /// The smallest field of view in degrees, that of a coin a thousand kilometres away. A
+    /// camera that shows all of a model so stands 10⁸ sizes off, and rounding is 10⁻⁸ of a
+    /// size there.
+    pub const MIN_FOV: f64 = 1e-6;
+}
 
 /// Which side of the picture the field of view is measured along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +73,11 @@ pub enum CameraError {
     #[error("up {} must not be zero or run along the view", ShownVector(*.0))]
     NoUp(DVec3),
     /// The angle cannot be seen by a flat picture, or hardly be told from 0.
-    #[error("fov is {}: needed is an angle from {MIN_FOV:e} degrees up to, not including, 180", Shown(*.0))]
+    #[error(
+        "fov is {}: needed is an angle from {:e} degrees up to, not including, 180",
+        Shown(*.0),
+        Projection::MIN_FOV
+    )]
     Fov(f64),
     /// The picture has no height.
     #[error("height is {}: needed is a positive length, at most {MAX_COORDINATE:e}", Shown(*.0))]
@@ -126,7 +133,7 @@ impl Camera {
             }
         }
         match projection {
-            Projection::Perspective { fov } if !(MIN_FOV..180.0).contains(&fov) => {
+            Projection::Perspective { fov } if !(Projection::MIN_FOV..180.0).contains(&fov) => {
                 return Err(CameraError::Fov(fov));
             }
             Projection::Orthographic { height } if !(height > 0.0 && height <= MAX_COORDINATE) => {

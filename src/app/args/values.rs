@@ -1,6 +1,7 @@
 //! Values of several numbers, and the ranges of single ones.
 
 use glam::DVec3;
+use nurbray::scene::Projection;
 
 use super::count::whole;
 
@@ -77,11 +78,14 @@ pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     if point.is_finite() { Ok(point) } else { Err(NEED.into()) }
 }
 
-/// Parses a vertical field of view: a picture needs an angle between 0 and 180 degrees.
+/// Parses a vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
-        _ => Err("degrees between 0 and 180, ends not included, are needed, such as 35".into()),
+        Ok(degrees) if (Projection::MIN_FOV..180.0).contains(&degrees) => Ok(degrees),
+        _ => Err(format!(
+            "an angle from {:e} degrees up to, not including, 180 is needed, such as 35",
+            Projection::MIN_FOV
+        )),
     }
 }
 
@@ -149,7 +153,7 @@ mod tests {
     #[test]
     fn angles_and_stops() {
         assert_eq!(field_of_view("35"), Ok(35.0));
-        for wrong in ["0", "180", "-5", "nan", "wide"] {
+        for wrong in ["0", "1e-9", "180", "-5", "nan", "wide"] {
             assert!(field_of_view(wrong).is_err(), "{wrong}");
         }
         assert_eq!(finite("-1.5"), Ok(-1.5));
