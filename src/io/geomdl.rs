@@ -48,6 +48,7 @@ use serde_json::value::RawValue;
 
 use self::points::Points;
 use super::LoadError;
+use super::keyed::Keyed;
 use super::message::explain;
 use super::source::Source;
 use crate::geometry::NurbsSurface;
@@ -160,7 +161,10 @@ impl Entry<'_> {
 impl<'a> Reader<'a> {
     fn document(&mut self) -> Result<(), LoadError> {
         let text = self.source.text();
-        let document: Document<'a> = self.parse(text)?;
+        if text.trim().is_empty() {
+            return Err(LoadError::malformed(self.source.file().clone(), "the file is empty"));
+        }
+        let Keyed(document): Keyed<Document<'a>> = self.parse(text)?;
         if let Some(order) = &document.order
             && !order.starts_with("v fastest")
         {
@@ -169,7 +173,7 @@ impl<'a> Reader<'a> {
         }
         let mut lists = Vec::new();
         if let Some(shape) = document.shape {
-            let keys: ShapeKeys<'a> = self.parse(shape.get())?;
+            let Keyed(keys): Keyed<ShapeKeys<'a>> = self.parse(shape.get())?;
             let data = keys.data.ok_or_else(|| {
                 LoadError::malformed(self.place(shape), "shape: missing key \"data\"")
             })?;
@@ -204,7 +208,7 @@ impl<'a> Reader<'a> {
     }
 
     fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
-        let item: Item<'a> = self.parse(raw)?;
+        let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
         let name = name.filter(|name| !name.is_empty());
@@ -247,7 +251,7 @@ impl<'a> Reader<'a> {
         let control: Written<&RawValue> =
             self.needed(entry, "control_points", item.control_points)?;
         let (points, weights) = if control.value.get().starts_with('{') {
-            let keys: ControlPoints<'a> = self.parse(control.value.get())?;
+            let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.value.get())?;
             (keys.points, keys.weights.or(item.weights))
         } else {
             (Some(control.value), item.weights)
@@ -331,7 +335,9 @@ impl<'a> Reader<'a> {
     /// Reads a part of the text; errors name their place in the whole.
     fn parse<T: Deserialize<'a>>(&self, part: &'a str) -> Result<T, LoadError> {
         serde_json::from_str(part).map_err(|error| {
-            let offset = self.source.offset_of(part) + offset_of(&error, part);
+            // What is no list or object is to blame as a whole, from its beginning on.
+            let inside = if part.starts_with(['[', '{']) { offset_of(&error, part) } else { 0 };
+            let offset = self.source.offset_of(part) + inside;
             let text = self.source.text();
             // The complaint is about the byte there or, within a number, the one before.
             let around = [1, 0].map(|back| text.get(offset.saturating_sub(back)..).unwrap_or(""));
@@ -385,10 +391,13 @@ fn message(error: &serde_json::Error, around: [&str; 2]) -> String {
             return format!("{word} is not a number JSON knows: numbers must be finite");
         }
     }
-    if said == "number out of range" {
-        return "the number is too large: numbers must be finite".to_owned();
+    match said {
+        "expected value" | "expected ident" => "this is no JSON".to_owned(),
+        "key must be a string" => "a key must be in double quotes".to_owned(),
+        "trailing characters" => "the model ends before this".to_owned(),
+        "number out of range" => "the number is too large: numbers must be finite".to_owned(),
+        _ => explain(said, "").replace("a table", "an object"),
     }
-    explain(said, "").replace("a table", "an object")
 }
 
 #[cfg(test)]

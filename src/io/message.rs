@@ -49,6 +49,12 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     if let Some(key) = message.strip_prefix("missing field ") {
         return format!("missing key {}", key.replace('`', "\""));
     }
+    if let Some(key) = message.strip_prefix("duplicate field ") {
+        return format!("key {} is given twice", key.replace('`', "\""));
+    }
+    if message == "duplicate key" {
+        return format!("key \"{}\" is given twice", written.trim());
+    }
     if let Some(said) = one_or_several(message, written.trim()) {
         return said;
     }

@@ -25,6 +25,7 @@ mod embree_error;
 mod embree_rays;
 mod exr;
 pub mod geomdl;
+mod keyed;
 mod load;
 mod load_error;
 #[cfg(test)]

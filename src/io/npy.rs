@@ -335,6 +335,20 @@ mod tests {
             message(&with("<i8", "(2, 6)")),
             "rays.npy: found numbers of type '<i8', needed float64 or float32 (array.astype('f8'))"
         );
+        for unknown in ["|O", "=f8", "f8", "<M8[ns]"] {
+            assert_eq!(
+                message(&with(unknown, "(2, 6)")),
+                format!(
+                    "rays.npy: found numbers of type '{unknown}', needed float64 or float32 \
+                     (array.astype('f8'))"
+                )
+            );
+        }
+        for garbage in ["garbage", "", "{'descr'", "{'shape': (2, 6)}"] {
+            let message = message(&file(garbage, &data));
+            assert!(message.starts_with("rays.npy: not a NumPy .npy file: "), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+        }
         assert_eq!(
             message(&with("<f8", "(12,)")),
             "rays.npy: found an array of shape (12,), needed (n, 6) or (n, 8)"

@@ -114,7 +114,7 @@
 //! ```
 
 mod keys;
-mod table;
+mod kinds;
 mod values;
 
 use std::path::Path;
@@ -126,10 +126,11 @@ use self::keys::{
     CameraKeys, Grid, LightKeys, MaterialKeys, NurbsKeys, ObjectKeys, RenderKeys, SceneKeys,
     ShapeKeys, ShapeSource, TransformKeys,
 };
-use self::table::{OneOf, Table};
+use self::kinds::OneOf;
 use self::values::{Number, Vector};
 use super::LoadError;
 use super::geomdl::Model;
+use super::keyed::Keyed;
 use super::load::stem;
 use super::message::explain;
 use super::source::Source;
@@ -154,7 +155,7 @@ pub fn read_scene(
     read_model: &mut ReadModel<'_>,
 ) -> Result<Scene, LoadError> {
     let source = Source::new(text, label);
-    let Table(keys): Table<SceneKeys> = toml::from_str(text).map_err(|error| {
+    let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         let message = explain(error.message(), source.slice(span.clone()));
         LoadError::malformed(source.place(span.start), message)
@@ -194,9 +195,9 @@ impl Reader<'_, '_> {
         })
     }
 
-    fn camera(&self, keys: Spanned<Table<CameraKeys>>) -> Result<CameraSpec, LoadError> {
+    fn camera(&self, keys: Spanned<Keyed<CameraKeys>>) -> Result<CameraSpec, LoadError> {
         let place = self.source.place(keys.span().start);
-        let Table(keys) = keys.into_inner();
+        let Keyed(keys) = keys.into_inner();
         let number = |number: Spanned<Number>| self.written(number, |number| number.0);
         let vector = |vector: Spanned<Vector>| self.written(vector, |vector| vector.0);
         let lens = match (keys.perspective, keys.orthographic) {
@@ -206,10 +207,10 @@ impl Reader<'_, '_> {
                 return Err(LoadError::malformed(place, message));
             }
             (None, Some(keys)) => {
-                let Table(keys) = keys.into_inner();
+                let Keyed(keys) = keys.into_inner();
                 Lens::Orthographic { height: keys.height.map(number) }
             }
-            (Some(Table(keys)), None) => Lens::Perspective { fov: keys.fov.map(number) },
+            (Some(Keyed(keys)), None) => Lens::Perspective { fov: keys.fov.map(number) },
             (None, None) => Lens::default(),
         };
         Ok(CameraSpec {
@@ -227,7 +228,7 @@ impl Reader<'_, '_> {
         Written::new(meant(value.into_inner()), place)
     }
 
-    fn settings(&self, Table(keys): Table<RenderKeys>) -> Result<RenderDefaults, LoadError> {
+    fn settings(&self, Keyed(keys): Keyed<RenderKeys>) -> Result<RenderDefaults, LoadError> {
         let mut settings = RenderDefaults::default();
         if let Some(size) = keys.size {
             settings.size = size.get_ref().0.into();
@@ -255,11 +256,11 @@ impl Reader<'_, '_> {
 
     fn light(&self, OneOf(keys): OneOf<LightKeys>) -> Result<Light, LoadError> {
         match keys {
-            LightKeys::Point(Table(keys)) => {
+            LightKeys::Point(Keyed(keys)) => {
                 Ok(Light::Point { position: keys.position.0, intensity: keys.intensity.0 })
             }
-            LightKeys::Ambient(Table(keys)) => Ok(Light::Ambient { radiance: keys.radiance.0 }),
-            LightKeys::Directional(Table(keys)) => {
+            LightKeys::Ambient(Keyed(keys)) => Ok(Light::Ambient { radiance: keys.radiance.0 }),
+            LightKeys::Directional(Keyed(keys)) => {
                 let offset = keys.from.span().start;
                 Light::directional(keys.from.into_inner().0, keys.irradiance.0).ok_or_else(|| {
                     let message = "directional: from (0, 0, 0) is no direction";
@@ -278,7 +279,7 @@ impl Reader<'_, '_> {
         Ok(name)
     }
 
-    fn material(&self, Table(keys): Table<MaterialKeys>) -> Result<Written<Material>, LoadError> {
+    fn material(&self, Keyed(keys): Keyed<MaterialKeys>) -> Result<Written<Material>, LoadError> {
         let Written { value: name, place } = self.name(keys.name)?;
         let mut textures = Vec::new();
         if let Some(color) = keys.color {
@@ -286,7 +287,7 @@ impl Reader<'_, '_> {
         }
         if let Some(checker) = keys.checker {
             let offset = checker.span().start;
-            let Table(checker) = checker.into_inner();
+            let Keyed(checker) = checker.into_inner();
             let colors = checker.colors.0.map(|color| color.0);
             let count = checker.count.get_ref().0;
             if count.contains(&0) {
@@ -297,7 +298,7 @@ impl Reader<'_, '_> {
         }
         if let Some(lines) = keys.lines {
             let offset = lines.span().start;
-            let Table(lines) = lines.into_inner();
+            let Keyed(lines) = lines.into_inner();
             let width = lines.width.get_ref().0;
             if !(0.0..=1.0).contains(&width) {
                 let place = self.source.place(lines.width.span().start);
@@ -323,7 +324,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn object(&mut self, Table(keys): Table<ObjectKeys>) -> Result<Object, LoadError> {
+    fn object(&mut self, Keyed(keys): Keyed<ObjectKeys>) -> Result<Object, LoadError> {
         let name = keys.name.map(|name| self.name(name)).transpose()?;
         let material = keys.material.map(|material| self.written(material, |name| name));
         let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
@@ -338,7 +339,7 @@ impl Reader<'_, '_> {
     fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {
         match step {
             TransformKeys::Translate(by) => self.written(by, |by| Transform::Translate(by.0)),
-            TransformKeys::Rotate(Table(keys)) => {
+            TransformKeys::Rotate(Keyed(keys)) => {
                 let degrees = keys.degrees.0;
                 self.written(keys.axis, |axis| Transform::Rotate { axis: axis.0, degrees })
             }
@@ -364,7 +365,7 @@ impl Reader<'_, '_> {
                 Ok((named.name().to_owned(), only(Shape::Named(named, measures))))
             }
             ShapeSource::Nurbs(keys) => {
-                let Table(keys) = *keys;
+                let Keyed(keys) = *keys;
                 let net = self.net(called.unwrap_or("nurbs"), keys)?;
                 Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
             }

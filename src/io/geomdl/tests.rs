@@ -193,7 +193,7 @@ fn wrong_layout() {
     );
     assert_eq!(
         error(&changed("\"degree_u\": 1", "\"degree_u\": 1.5")),
-        "m.json:3:32: found floating point 1.5, needed a whole number from 0 on"
+        "m.json:3:30: found floating point 1.5, needed a whole number from 0 on"
     );
     assert_eq!(
         error(&changed("[0, 1, 1]", "[0, 1]")),
@@ -207,7 +207,22 @@ fn wrong_layout() {
         error("{\"surfaces\": [], \"order\": \"u fastest\"}"),
         "m.json: order \"u fastest\": only points written v fastest can be read"
     );
-    assert_eq!(error("{\"surfaces\": 3}"), "m.json:1:14: found integer 3, needed an object");
+    for (text, message) in [
+        ("", ": the file is empty"),
+        (" \n", ": the file is empty"),
+        ("[]", ":1:1: found a list, needed an object"),
+        ("[[1]]", ":1:1: found a list, needed an object"),
+        ("garbage", ":1:1: this is no JSON"),
+        ("null", ":1:1: found null, needed an object"),
+        ("{\"surfaces\": 3}", ":1:14: found integer 3, needed an object"),
+        ("{\"shape\": [\"x\"]}", ":1:11: found a list, needed an object"),
+        ("{\"surfaces\": [[1, 2]]}", ":1:15: found a list, needed an object"),
+        ("{\"shape\": {}, \"shape\": {}}", ":1:21: key \"shape\" is given twice"),
+        ("{'shape': {}}", ":1:2: a key must be in double quotes"),
+        ("{} {}", ":1:4: the model ends before this"),
+    ] {
+        assert_eq!(error(text), format!("m.json{message}"), "{text}");
+    }
 }
 
 #[test]

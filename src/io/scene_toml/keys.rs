@@ -3,7 +3,8 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::table::{Kinds, OneOf, Table};
+use super::super::keyed::Keyed;
+use super::kinds::{Kinds, OneOf};
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -11,15 +12,15 @@ use crate::scene::NamedShape;
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneKeys {
     pub(super) background: Option<Color>,
-    pub(super) camera: Option<Spanned<Table<CameraKeys>>>,
+    pub(super) camera: Option<Spanned<Keyed<CameraKeys>>>,
     #[serde(default)]
-    pub(super) render: Table<RenderKeys>,
+    pub(super) render: Keyed<RenderKeys>,
     #[serde(default)]
     pub(super) light: Vec<OneOf<LightKeys>>,
     #[serde(default)]
-    pub(super) material: Vec<Table<MaterialKeys>>,
+    pub(super) material: Vec<Keyed<MaterialKeys>>,
     #[serde(default)]
-    pub(super) object: Vec<Table<ObjectKeys>>,
+    pub(super) object: Vec<Keyed<ObjectKeys>>,
 }
 
 #[derive(Deserialize)]
@@ -28,8 +29,8 @@ pub(super) struct CameraKeys {
     pub(super) look_from: Option<Spanned<Vector>>,
     pub(super) look_at: Option<Spanned<Vector>>,
     pub(super) up: Option<Spanned<Vector>>,
-    pub(super) perspective: Option<Table<PerspectiveKeys>>,
-    pub(super) orthographic: Option<Spanned<Table<OrthographicKeys>>>,
+    pub(super) perspective: Option<Keyed<PerspectiveKeys>>,
+    pub(super) orthographic: Option<Spanned<Keyed<OrthographicKeys>>>,
 }
 
 #[derive(Deserialize)]
@@ -57,9 +58,9 @@ pub(super) struct RenderKeys {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum LightKeys {
-    Directional(Table<DirectionalKeys>),
-    Point(Table<PointKeys>),
-    Ambient(Table<AmbientKeys>),
+    Directional(Keyed<DirectionalKeys>),
+    Point(Keyed<PointKeys>),
+    Ambient(Keyed<AmbientKeys>),
 }
 
 impl Kinds for LightKeys {
@@ -91,8 +92,8 @@ pub(super) struct AmbientKeys {
 pub(super) struct MaterialKeys {
     pub(super) name: Spanned<String>,
     pub(super) color: Option<Spanned<Color>>,
-    pub(super) checker: Option<Spanned<Table<CheckerKeys>>>,
-    pub(super) lines: Option<Spanned<Table<LinesKeys>>>,
+    pub(super) checker: Option<Spanned<Keyed<CheckerKeys>>>,
+    pub(super) lines: Option<Spanned<Keyed<LinesKeys>>>,
 }
 
 #[derive(Deserialize)]
@@ -153,7 +154,7 @@ pub(super) struct ObjectKeys {
 #[serde(rename_all = "snake_case")]
 pub(super) enum TransformKeys {
     Translate(Spanned<Vector>),
-    Rotate(Table<RotateKeys>),
+    Rotate(Keyed<RotateKeys>),
     Scale(Spanned<Factors>),
     Matrix(Spanned<Exactly<Exactly<Number, 4>, 3>>),
 }
@@ -172,23 +173,23 @@ pub(super) struct RotateKeys {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ShapeKeys {
-    Sphere(Table<RadiusKeys>),
-    SphereBiquadratic(Table<RadiusKeys>),
-    Hemisphere(Table<RadiusKeys>),
-    Octant(Table<RadiusKeys>),
-    Cylinder(Table<RadiusHeightKeys>),
-    Cone(Table<RadiusHeightKeys>),
-    Torus(Table<TorusKeys>),
-    Disk(Table<RadiusKeys>),
-    Plane(Table<PlaneKeys>),
+    Sphere(Keyed<RadiusKeys>),
+    SphereBiquadratic(Keyed<RadiusKeys>),
+    Hemisphere(Keyed<RadiusKeys>),
+    Octant(Keyed<RadiusKeys>),
+    Cylinder(Keyed<RadiusHeightKeys>),
+    Cone(Keyed<RadiusHeightKeys>),
+    Torus(Keyed<TorusKeys>),
+    Disk(Keyed<RadiusKeys>),
+    Plane(Keyed<PlaneKeys>),
     #[serde(rename = "lecture_patch_1")]
-    LecturePatch1(Table<NoKeys>),
+    LecturePatch1(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_2")]
-    LecturePatch2(Table<NoKeys>),
+    LecturePatch2(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_3")]
-    LecturePatch3(Table<NoKeys>),
-    DeckPatch(Table<NoKeys>),
-    Nurbs(Box<Table<NurbsKeys>>),
+    LecturePatch3(Keyed<NoKeys>),
+    DeckPatch(Keyed<NoKeys>),
+    Nurbs(Box<Keyed<NurbsKeys>>),
     File(Spanned<String>),
 }
 
@@ -258,7 +259,7 @@ pub(super) struct NurbsKeys {
 /// Where a shape's surfaces come from.
 pub(super) enum ShapeSource {
     Named(NamedShape, Measures),
-    Nurbs(Box<Table<NurbsKeys>>),
+    Nurbs(Box<Keyed<NurbsKeys>>),
     File(Spanned<String>),
 }
 
@@ -277,32 +278,32 @@ impl ShapeKeys {
         let shape = match self {
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
-            Self::Sphere(Table(keys)) => {
+            Self::Sphere(Keyed(keys)) => {
                 NamedShape::Sphere { radius: measure("radius", keys.radius) }
             }
-            Self::SphereBiquadratic(Table(keys)) => {
+            Self::SphereBiquadratic(Keyed(keys)) => {
                 NamedShape::SphereBiquadratic { radius: measure("radius", keys.radius) }
             }
-            Self::Hemisphere(Table(keys)) => {
+            Self::Hemisphere(Keyed(keys)) => {
                 NamedShape::Hemisphere { radius: measure("radius", keys.radius) }
             }
-            Self::Octant(Table(keys)) => {
+            Self::Octant(Keyed(keys)) => {
                 NamedShape::Octant { radius: measure("radius", keys.radius) }
             }
-            Self::Cylinder(Table(keys)) => NamedShape::Cylinder {
+            Self::Cylinder(Keyed(keys)) => NamedShape::Cylinder {
                 radius: measure("radius", keys.radius),
                 height: measure("height", keys.height),
             },
-            Self::Cone(Table(keys)) => NamedShape::Cone {
+            Self::Cone(Keyed(keys)) => NamedShape::Cone {
                 radius: measure("radius", keys.radius),
                 height: measure("height", keys.height),
             },
-            Self::Torus(Table(keys)) => NamedShape::Torus {
+            Self::Torus(Keyed(keys)) => NamedShape::Torus {
                 major: measure("major radius", keys.major),
                 minor: measure("minor radius", keys.minor),
             },
-            Self::Disk(Table(keys)) => NamedShape::Disk { radius: measure("radius", keys.radius) },
-            Self::Plane(Table(keys)) => NamedShape::Plane {
+            Self::Disk(Keyed(keys)) => NamedShape::Disk { radius: measure("radius", keys.radius) },
+            Self::Plane(Keyed(keys)) => NamedShape::Plane {
                 width: measure("width", keys.width),
                 height: measure("height", keys.height),
             },

@@ -466,7 +466,7 @@ fn broken_toml() {
         ("a = ", "s.toml:1:5: string values must be quoted, expected literal string"),
         ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
         ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
-        ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: duplicate key"),
+        ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
         ("[[object]]\nname = 'x", "s.toml:2:10: invalid literal string, expected \"'\""),
     ] {
         assert_eq!(error(text), message, "{text}");

@@ -1,40 +1,14 @@
-//! Tables that must be tables, and kinds of things told apart by the one key of a table.
-//!
-//! Readers that serde derives are more lenient than their messages: a list of values in the
-//! order of the keys passes for a table. Nobody means that who writes a scene.
+//! Kinds of things, told apart by the one key of a table.
 
 use std::fmt;
 use std::marker::PhantomData;
 
 use serde::Deserialize;
-use serde::de::value::{EnumAccessDeserializer, MapAccessDeserializer, MapDeserializer};
+use serde::de::value::{EnumAccessDeserializer, MapDeserializer};
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, IgnoredAny, IntoDeserializer, MapAccess,
     VariantAccess, Visitor,
 };
-
-/// The keys of a table; anything else, a list too, is refused.
-#[derive(Default)]
-pub(super) struct Table<T>(pub(super) T);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visit<T>(PhantomData<T>);
-
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Visit<T> {
-            type Value = Table<T>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Table<T>, A::Error> {
-                T::deserialize(MapAccessDeserializer::new(map)).map(Table)
-            }
-        }
-        deserializer.deserialize_map(Visit(PhantomData))
-    }
-}
 
 /// Things of several kinds, each of which is an enum's variant with one value.
 pub(super) trait Kinds {
