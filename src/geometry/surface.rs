@@ -14,7 +14,8 @@ use super::{Direction, KnotVector, SurfaceError};
 /// - no coordinate is larger than [`MAX_MAGNITUDE`], and weights are from [`MIN_MAGNITUDE`]
 ///   to [`MAX_MAGNITUDE`];
 /// - the control points are not all the same (within rounding), and span at least
-///   [`MIN_MAGNITUDE`] along an axis.
+///   [`MIN_MAGNITUDE`] along an axis;
+/// - the domains of u and v are from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`] long.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsSurface {
     knots: [KnotVector; 2],
@@ -71,6 +72,8 @@ impl NurbsSurface {
         control: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
         check_count(&knots_u, &knots_v, control.len())?;
+        check_domain(Direction::U, &knots_u)?;
+        check_domain(Direction::V, &knots_v)?;
         let nv = knots_v.point_count();
         for (k, point) in control.iter().enumerate() {
             let (i, j, weight) = (k / nv, k % nv, point.w);
@@ -165,6 +168,15 @@ impl NurbsSurface {
     pub fn domain(&self) -> [(f64, f64); 2] {
         [self.knots[0].domain(), self.knots[1].domain()]
     }
+}
+
+/// Derivatives are sizes over lengths of domains, and their squares must be finite.
+fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
+    let (start, end) = knots.domain();
+    if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&(end - start)) {
+        return Ok(());
+    }
+    Err(SurfaceError::Domain { direction, start, end })
 }
 
 /// Whether a point can be a control point.

@@ -98,6 +98,22 @@ pub enum SurfaceError {
         /// How far they span along the longest axis.
         size: f64,
     },
+    /// The domain of a parameter is shorter than [`MIN_MAGNITUDE`] or longer than
+    /// [`MAX_MAGNITUDE`].
+    #[error(
+        "direction {direction}: the domain runs from {} to {}: \
+         lengths from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e} are supported",
+        Shown(*start),
+        Shown(*end)
+    )]
+    Domain {
+        /// Which direction.
+        direction: Direction,
+        /// Where the domain begins.
+        start: f64,
+        /// Where the domain ends.
+        end: f64,
+    },
     /// A parameter does not lie where the operation needs it.
     #[error(
         "direction {direction}: the parameter {} does not lie inside the domain from {} to {}",

@@ -56,6 +56,22 @@ fn errors_name_the_control_point() {
 }
 
 #[test]
+fn domains_have_lengths_that_derivatives_can_be_divided_by() {
+    for (length, usable) in [(1e-71, false), (1e-70, true), (1e70, true), (1e71, false)] {
+        let long = KnotVector::new(1, vec![0.0, 0.0, length, length]).unwrap();
+        let surface = NurbsSurface::new(long, knots(1, 2), net(2, 2), None);
+        assert_eq!(surface.is_ok(), usable, "{length}");
+        if length > 1e70 {
+            assert_eq!(
+                surface.unwrap_err().to_string(),
+                "direction u: the domain runs from 0 to 1e71: lengths from 1e-70 to 1e70 are \
+                 supported"
+            );
+        }
+    }
+}
+
+#[test]
 fn operations_refuse_what_they_cannot_do() {
     let plane = shapes::plane(1.0, 1.0).unwrap();
     assert_eq!(

@@ -211,6 +211,8 @@ impl<'a> Reader<'a> {
         let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
+        // A name stays on its line, whatever a program has put into it.
+        let name = name.map(|name| name.replace(char::is_control, "\u{fffd}"));
         let name = name.filter(|name| !name.is_empty());
         let part_name = name.or_else(|| index.map(|index| index.to_string())).unwrap_or_default();
         let label = match part_name.as_str() {

@@ -154,6 +154,7 @@ pub fn read_scene(
     label: &str,
     read_model: &mut ReadModel<'_>,
 ) -> Result<Scene, LoadError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(text, label);
     let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
@@ -275,6 +276,10 @@ impl Reader<'_, '_> {
         let name = self.written(name, |name| name);
         if name.value.is_empty() {
             return Err(LoadError::malformed(name.place, "a name needs a letter at least"));
+        }
+        if name.value.contains(char::is_control) {
+            let message = "a name is a single line, without control characters";
+            return Err(LoadError::malformed(name.place, message));
         }
         Ok(name)
     }

@@ -126,7 +126,7 @@ pub enum SceneFault {
 /// A comma before `direction u: …`, a colon before the rest.
 fn separator(error: &SurfaceError) -> &'static str {
     match error {
-        SurfaceError::Knots { .. } => ", ",
+        SurfaceError::Knots { .. } | SurfaceError::Domain { .. } => ", ",
         _ => ": ",
     }
 }

@@ -376,6 +376,7 @@ fn errors_point_at_the_value_not_at_its_table() {
             "5:21: found 0, needed counts from 1 on",
         ),
         ("name = ''", "3:8: a name needs a letter at least"),
+        ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
         (
             "[render]\nseed = 99999999999999999999",
             "4:8: found integer 99999999999999999999, needed a whole number from 0 on",
@@ -463,6 +464,7 @@ fn broken_toml() {
             "",
             "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\"",
         ),
+        ("\u{feff}[objec]\r\n", "s.toml:1:2: unknown key \"objec\"; did you mean \"object\"?"),
         ("a = ", "s.toml:1:5: string values must be quoted, expected literal string"),
         ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
         ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
