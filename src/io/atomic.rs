@@ -64,7 +64,8 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 ///
 /// The bytes go to a temporary file in the same folder, which takes the file's place when
 /// all are safely there; when anything fails it is removed and an older file stays as it
-/// was. A new file has the permissions the system gives to new files, a replaced one keeps
+/// was. (A run that is killed in this very moment leaves the temporary file behind, named
+/// `.nurbray-….tmp`.) A new file has the permissions the system gives to new files, a replaced one keeps
 /// its own; links are followed.
 ///
 /// # Errors

@@ -61,7 +61,8 @@
 //!
 //! # Shapes
 //!
-//! By name, in their own coordinates; all measures may be left out:
+//! By name, in their own coordinates. All measures may be left out, and with them the table:
+//! `shape = "sphere"`.
 //!
 //! ```toml
 //! [[object]]

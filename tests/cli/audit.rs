@@ -8,7 +8,7 @@ fn sandbox() -> Sandbox {
 
 #[test]
 fn a_row_for_each_class_and_one_for_all() {
-    let run = sandbox().run("audit sphere.toml --rays 2000").succeeded();
+    let run = sandbox().run("audit sphere.toml --rays 2e3").succeeded();
     let rows: Vec<Vec<&str>> =
         run.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
     assert_eq!(rows[0][..6], ["class", "rays", "hits", "misses", "wrong", "false"]);
@@ -82,12 +82,13 @@ fn wrong_outputs_are_refused_first() {
     let sandbox = sandbox();
     sandbox
         .run("audit none.toml --offenders no/bad.npy")
-        .failed(2, "cannot write no/bad.npy: there is no folder no");
+        .failed(2, "cannot write \"no/bad.npy\": there is no folder \"no\"");
     sandbox
-        .run("audit sphere.toml --offenders sphere.toml")
-        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
-    sandbox
-        .run("audit sphere.toml --rays 0")
-        .misused("invalid value '0' for '--rays <N>': 0 is not in 1..=1000000000");
+        .run("audit sphere.toml --offenders bad.csv")
+        .failed(2, "bad.csv: cannot write .csv files; known is .npy");
+    sandbox.run("audit sphere.toml --rays 0").misused(
+        "invalid value '0' for '--rays <N>': a whole number from 1 to 1000000000 is needed, \
+             such as 64, 1_000 or 1e3",
+    );
     assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
 }
