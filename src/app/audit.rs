@@ -93,6 +93,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(None)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
     let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
 
     let kernel = arguments.kernel.kernel;

@@ -25,6 +25,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(arguments.work.threads)?;
     let (world, build) = pool.install(|| input::prepare(&scene))?;
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
 
     let tracing = Tracing {
         bvh: &world.bvh,

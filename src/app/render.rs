@@ -50,11 +50,12 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let settings = settings(arguments, &scene.settings, &pictures)?;
     override_camera(arguments, &mut scene.camera)?;
     warn_of_what_is_lost(arguments, &pictures);
-    warn_of_bright_materials(&scene);
 
     let pool = threads::pool(arguments.work.threads)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
     drop(pool); // rendering has threads of its own
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
+    warn_of_bright_materials(&scene);
 
     let start = Instant::now();
     let progress = match arguments.quiet {

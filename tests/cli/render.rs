@@ -2,7 +2,7 @@
 
 use exr::prelude::read_first_flat_layer_from_file;
 
-use crate::sandbox::{SPHERE, Sandbox};
+use crate::sandbox::{SPHERE, Sandbox, trimmed_square};
 
 fn sandbox() -> Sandbox {
     Sandbox::with(&[("sphere.toml", SPHERE)])
@@ -74,6 +74,23 @@ fn a_png_that_cannot_hold_what_is_asked_for_warns() {
     assert_eq!(run.stderr, warning);
     let both = sandbox.run("render sphere.toml -o a.png -o a.exr --aov Z,N --quiet").succeeded();
     assert_eq!(both.stderr, ""); // the EXR holds them
+}
+
+#[test]
+fn what_is_not_shown_warns() {
+    let sandbox = Sandbox::with(&[("square.json", &trimmed_square())]);
+    sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]]);
+    for line in [
+        "render square.json -o a.png --size 8x8 --quiet",
+        "cast square.json --rays rays.npy -o hits.npy",
+        "audit square.json --rays 100",
+    ] {
+        assert_eq!(
+            sandbox.run(line).succeeded().stderr,
+            "warning: not imported: square.json:5:7: surface \"square\": 1 trim curve left out: \
+             trimming is not supported yet\n"
+        );
+    }
 }
 
 #[test]
