@@ -21,14 +21,12 @@ mod threads;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use args::{Arguments, Command};
 use failure::Failure;
 
 /// Runs the command line this process was started with.
 pub(crate) fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match Arguments::parse_words(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(message) => {
             // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2).

@@ -45,7 +45,7 @@ pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
 pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
-pub use surface::NurbsSurface;
+pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};
 pub use surface_error::{Direction, SurfaceError};
 
 #[cfg(test)]

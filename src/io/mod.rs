@@ -25,6 +25,7 @@ mod embree_error;
 mod embree_rays;
 mod exr;
 pub mod geomdl;
+mod keyed;
 mod load;
 mod load_error;
 #[cfg(test)]
@@ -35,6 +36,7 @@ mod message;
 mod npy;
 mod npy_header;
 mod png;
+mod quoted;
 pub mod scene_toml;
 mod source;
 
@@ -51,4 +53,5 @@ pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use png::{PngWarning, write_png};
+pub use quoted::Quoted;
 pub use scene_toml::read_scene;

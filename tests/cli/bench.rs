@@ -141,7 +141,7 @@ fn wrong_use_is_explained() {
     run("--tolerance 1e-3").misused("the following required arguments were not provided:");
     run("--plot a.svg").misused("the following required arguments were not provided:");
     run("--against embree --plot sphere.toml")
-        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
+        .failed(2, "\"sphere.toml\" would be overwritten: it is an input of this run");
     sandbox.run("bench").misused("the following required arguments were not provided:");
     assert_eq!(sandbox.files(), ["sphere.toml", "square.json"]);
 }
