@@ -1,6 +1,7 @@
 //! What the user may type.
 
 mod bench;
+mod compare;
 mod values;
 
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use nurbray::render::AovSet;
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
+pub(crate) use compare::{Against, CompareArguments};
 pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
@@ -49,6 +51,8 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Check the fast path against the exact solver on random and nasty rays
     Audit(AuditArguments),
+    /// Trace the camera's rays another way, too, and report how the pictures differ
+    Compare(CompareArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
     Info(InfoArguments),
 }

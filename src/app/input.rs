@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-//STUB
 use nurbray::io::load_input;
 use nurbray::scene::{Scene, World};
 

@@ -1,4 +1,4 @@
-//! Speed over tolerance, as a drawing: our speed knows no tolerance and is a flat line.
+//! Drawings of what depends on a rival's tolerance: logarithmic panels side by side.
 
 use std::io::Write;
 use std::ops::Range;
@@ -9,85 +9,82 @@ use nurbray::io::write_atomically;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::measure::Measurement;
-
 /// The size of a panel in pixels.
 const PANEL: (u32, u32) = (400, 300);
 
-/// Colours of our kernels, one after the other: those of Okabe and Ito (2008), which people
-/// with any colour vision can tell apart. The rival is black.
-const COLORS: [RGBColor; 4] =
+/// Colours of flat lines, one after the other: those of Okabe and Ito (2008), which people
+/// with any colour vision can tell apart.
+const LEVELS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
+
+/// Shades of curves: the first is black.
+const CURVES: [RGBColor; 3] = [BLACK, RGBColor(140, 140, 140), RGBColor(190, 190, 190)];
 
 /// How far the axis of tolerances reaches beyond the first and the last: room for points.
 const MARGIN: f64 = 2.0;
 
-/// One model and ray set.
+/// One panel: positive numbers over tolerances.
 #[derive(Clone, Debug)]
-pub(super) struct Panel {
-    title: String,
-    /// Kernels and their speeds.
-    kernels: Vec<(String, f64)>,
-    rival: String,
-    /// Tolerances and the rival's speeds, the finest first.
-    points: Vec<(f64, f64)>,
+pub(crate) struct Panel {
+    /// What stands above it.
+    pub(crate) title: String,
+    /// What is drawn, with its unit. Panels of one quantity share a scale.
+    pub(crate) quantity: &'static str,
+    /// What knows no tolerance: a flat line each.
+    pub(crate) levels: Vec<(String, f64)>,
+    /// Names, and points `(tolerance, value)` in any order. Values that are not positive
+    /// are not drawn.
+    pub(crate) curves: Vec<(String, Vec<(f64, f64)>)>,
 }
 
 impl Panel {
-    /// The panel of a measurement.
-    pub(super) fn new(model: &str, threads: u16, (rival, measured): (&str, &Measurement)) -> Self {
-        let name = Path::new(model).file_name().map_or(model.into(), |name| name.to_string_lossy());
-        let plural = if threads == 1 { "" } else { "s" };
-        let kernels = measured.kernels.iter();
-        let mut points: Vec<_> = measured
-            .rivals
-            .iter()
-            .map(|result| (result.tolerance, result.speed.mrays_per_s))
-            .collect();
+    /// A curve's points with positive values, the finest tolerance first.
+    fn points(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let mut points: Vec<_> = curve.iter().copied().filter(|point| point.1 > 0.0).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self {
-            title: format!("{name}, {}, {threads} thread{plural}", measured.set),
-            kernels: kernels
-                .map(|ours| (format!("nurbray {}", ours.kernel), ours.speed.mrays_per_s))
-                .collect(),
-            rival: rival.to_owned(),
-            points,
-        }
+        points
     }
 
-    /// All speeds to draw.
-    fn speeds(&self) -> impl Iterator<Item = f64> {
-        let ours = self.kernels.iter().map(|(_, speed)| *speed);
-        ours.chain(self.points.iter().map(|point| point.1))
+    /// All values to draw.
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let levels = self.levels.iter().map(|(_, value)| *value);
+        let curves = self.curves.iter().flat_map(|(_, curve)| Self::points(curve));
+        levels.chain(curves.map(|point| point.1))
+    }
+
+    /// The number of lines of its legend.
+    fn names(&self) -> usize {
+        self.levels.len() + self.curves.len()
     }
 
     fn draw(
         &self,
         area: &DrawingArea<SVGBackend<'_>, Shift>,
-        speeds: Range<f64>,
+        values: Range<f64>,
     ) -> Result<(), Error> {
-        let tolerances: Vec<f64> = self.points.iter().map(|point| point.0).collect();
+        let tolerances: Vec<f64> =
+            self.curves.iter().flat_map(|(_, curve)| curve).map(|point| point.0).collect();
         let across = widened(range(&tolerances));
 
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, ("sans-serif", 15))
             .margin(10)
             .x_label_area_size(36)
-            .y_label_area_size(48)
-            .build_cartesian_2d(across.clone().log_scale(), speeds.log_scale())
+            .y_label_area_size(54)
+            .build_cartesian_2d(across.clone().log_scale(), values.log_scale())
             .map_err(failed)?;
         chart
             .configure_mesh()
             .x_desc("tolerance / diagonal")
-            .y_desc("Mrays/s")
-            .y_label_formatter(&|speed| format!("{speed}"))
+            .y_desc(self.quantity)
+            .y_label_formatter(&|&value| label(value))
             .x_label_formatter(&|tolerance| format!("{tolerance:e}"))
             .light_line_style(RGBColor(240, 240, 240))
             .draw()
             .map_err(failed)?;
 
-        for ((name, speed), color) in self.kernels.iter().zip(COLORS.iter().cycle()) {
-            let line = [(across.start, *speed), (across.end, *speed)];
+        for ((name, value), color) in self.levels.iter().zip(LEVELS.iter().cycle()) {
+            let line = [(across.start, *value), (across.end, *value)];
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(2)))
                 .map_err(failed)?
@@ -96,12 +93,14 @@ impl Panel {
                     PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2))
                 });
         }
-        let line = LineSeries::new(self.points.iter().copied(), BLACK.filled()).point_size(3);
-        chart
-            .draw_series(line)
-            .map_err(failed)?
-            .label(&self.rival)
-            .legend(|(x, y)| Circle::new((x + 8, y), 3, BLACK.filled()));
+        for ((name, curve), color) in self.curves.iter().zip(CURVES.iter().cycle()) {
+            let line = LineSeries::new(Self::points(curve), color.filled()).point_size(3);
+            chart
+                .draw_series(line)
+                .map_err(failed)?
+                .label(name)
+                .legend(move |(x, y)| Circle::new((x + 8, y), 3, color.filled()));
+        }
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperLeft)
@@ -112,11 +111,11 @@ impl Panel {
     }
 }
 
-/// Writes the panels, a row of them for each model.
+/// Writes the panels, row by row.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(super) fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<(), Error> {
+pub(crate) fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<(), Error> {
     let text = svg(rows)?;
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
@@ -124,11 +123,6 @@ pub(super) fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<(), Error> {
 fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0).max(1);
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows.len().max(1) as u32);
-    // One scale for all panels.
-    let speeds: Vec<f64> = rows.iter().flatten().flat_map(Panel::speeds).collect();
-    let names = rows.iter().flatten().map(|panel| panel.kernels.len() + 1).max().unwrap_or(0);
-    let speeds = with_room(decades(range(&speeds)), names);
-
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -136,12 +130,25 @@ fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
         let areas = root.split_evenly((rows.len().max(1), columns));
         for (row, areas) in rows.iter().zip(areas.chunks(columns)) {
             for (panel, area) in row.iter().zip(areas) {
-                panel.draw(area, speeds.clone())?;
+                panel.draw(area, scale(rows, panel.quantity))?;
             }
         }
         root.present().map_err(failed)?;
     }
     Ok(text)
+}
+
+/// The scale of all panels of one quantity.
+fn scale(rows: &[Vec<Panel>], quantity: &str) -> Range<f64> {
+    let alike = || rows.iter().flatten().filter(|panel| panel.quantity == quantity);
+    let values: Vec<f64> = alike().flat_map(Panel::values).collect();
+    let names = alike().map(Panel::names).max().unwrap_or(0);
+    with_room(decades(range(&values)), names)
+}
+
+/// A number beside an axis: powers of ten where it would be long.
+fn label(value: f64) -> String {
+    if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Plotters' errors are of as many types as it has backends.
@@ -167,7 +174,7 @@ fn decades(range: Range<f64>) -> Range<f64> {
     10_f64.powf(low)..10_f64.powf(high.max(low + 1.0))
 }
 
-/// A range of speeds with room above it for a legend of so many lines.
+/// A range with room above it for a legend of so many lines.
 fn with_room(range: Range<f64>, lines: usize) -> Range<f64> {
     // A line takes about 1/15 of the panel's height, the legend's margins as much.
     let share = (lines as f64 + 1.0) / 15.0;
@@ -182,9 +189,9 @@ mod tests {
     fn panel(points: &[(f64, f64)]) -> Panel {
         Panel {
             title: "a <model>".into(),
-            kernels: vec![("nurbray scalar".into(), 0.5), ("nurbray wide".into(), 50.0)],
-            rival: "embree".into(),
-            points: points.to_vec(),
+            quantity: "Mrays/s",
+            levels: vec![("nurbray scalar".into(), 0.5), ("nurbray wide".into(), 50.0)],
+            curves: vec![("embree".into(), points.to_vec())],
         }
     }
 
@@ -200,6 +207,23 @@ mod tests {
             assert!(text.contains(label), "{label}");
         }
         assert!(!text.contains("NaN") && !text.contains("inf"));
+    }
+
+    #[test]
+    fn panels_of_one_quantity_share_a_scale_and_others_have_their_own() {
+        let speeds = panel(&[(1e-3, 7.0)]);
+        let errors = Panel {
+            quantity: "degrees",
+            levels: vec![],
+            curves: vec![("mean".into(), vec![(1e-3, 0.2), (1e-5, 0.0)])],
+            ..speeds.clone()
+        };
+        let rows = [vec![speeds.clone(), errors], vec![panel(&[(1e-3, 700.0)]), speeds]];
+        assert_eq!(scale(&rows, "Mrays/s").start, 0.1);
+        assert!(scale(&rows, "Mrays/s").end > 1000.0);
+        // One line in the legend; what is 0 is not on a logarithmic scale.
+        assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(15.0 / 13.0)).abs() < 1e-9);
+        assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
     }
 
     #[test]
