@@ -8,6 +8,7 @@
 //! | model, geomdl JSON: [`geomdl`] says what of it | [`read_geomdl`] | |
 //! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
 //! | picture with its data, OpenEXR | | [`write_exr`] |
+//! | scene for POV-Ray | | [`povray_scene`] |
 //! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
 //!
 //! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
@@ -35,6 +36,7 @@ mod message;
 mod npy;
 mod npy_header;
 mod png;
+mod povray;
 pub mod scene_toml;
 mod source;
 
@@ -51,4 +53,5 @@ pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use png::{PngWarning, write_png, write_png_bytes};
+pub use povray::{PovrayGap, PovrayScene, PovraySkip, povray_scene};
 pub use scene_toml::read_scene;
