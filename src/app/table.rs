@@ -68,6 +68,9 @@ pub(crate) fn count(number: u64, noun: &str) -> String {
 
 /// `0.0123`, `1.23`, `12.3`, `123`.
 pub(crate) fn three_digits(number: f64) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
     let decimals = 2 - number.abs().log10().floor().clamp(-3.0, 2.0) as i32;
     format!("{number:.*}", decimals as usize)
 }
@@ -127,7 +130,7 @@ mod tests {
             (9.876, "9.88"),
             (12.34, "12.3"),
             (1234.5, "1234"),
-            (0.0, "0.00000"),
+            (0.0, "0"),
         ];
         for (number, text) in cases {
             assert_eq!(three_digits(number), text);

@@ -4,7 +4,7 @@ use std::process::Stdio;
 
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
-const SUBCOMMANDS: [&str; 5] = ["render", "cast", "bench", "audit", "info"];
+const SUBCOMMANDS: [&str; 6] = ["render", "cast", "bench", "audit", "compare", "info"];
 
 #[test]
 fn help_is_an_answer_and_lists_what_works() {

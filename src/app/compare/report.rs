@@ -5,6 +5,7 @@ use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
 use super::embree::{Findings, LEGEND, PICTURE, PLOT, normal_file, position_file};
 use super::errors::Errors;
+use super::table::{Table, fraction};
 
 /// What stands behind the tables.
 const NOTES: &str = "\
@@ -81,79 +82,60 @@ impl Report<'_> {
         both.map(|((rival, result), findings)| (rival, result, findings))
     }
 
-    fn heading(&self, corner: &str) -> String {
-        let tolerances: String = self.levels().map(|l| format!(" {:e} |", l.0.tolerance)).collect();
-        let line = "--:|".repeat(self.rivals.len() + 1);
-        format!("| {corner} | nurbray |{tolerances}\n|---|{line}\n")
-    }
-
-    fn row(&self, name: &str, ours: &str, theirs: impl Fn(Level<'_>) -> String) -> String {
-        let cells: String = self.levels().map(|level| format!(" {} |", theirs(level))).collect();
-        format!("| {name} | {ours} |{cells}\n")
+    fn table(&self) -> Table {
+        let tolerances: Vec<f64> = self.rivals.iter().map(|rival| rival.tolerance).collect();
+        Table::new(&tolerances)
     }
 
     fn costs(&self) -> String {
-        let Self { model, measured, .. } = self;
+        let Self { model, measured, rivals, .. } = self;
+        let results = &measured.rivals;
         let ours = measured.fastest();
         let rate = ours.map_or(f64::NAN, |ours| ours.speed.mrays_per_s);
         let total = ours.map_or(f64::NAN, |ours| measured.our_total(model, ours));
-        let mut rows = self.heading("");
-        rows += &self.row("triangles", "none", |(rival, ..)| rival.triangles.to_string());
-        rows +=
-            &self.row("build", &time(model.build_seconds), |(rival, ..)| time(rival.build_seconds));
-        rows += &self.row("memory", &short_bytes(model.world.bvh.bytes()), |(rival, ..)| {
-            short_bytes(rival.bytes)
+        let mut table = self.table();
+        table.row("triangles", "none", |k| rivals[k].triangles.to_string());
+        table.row("build", &time(model.build_seconds), |k| time(rivals[k].build_seconds));
+        table
+            .row("memory", &short_bytes(model.world.bvh.bytes()), |k| short_bytes(rivals[k].bytes));
+        table.row("million rays a second", &three_digits(rate), |k| {
+            three_digits(results[k].speed.mrays_per_s)
         });
-        rows += &self.row("million rays a second", &three_digits(rate), |(_, result, _)| {
-            three_digits(result.speed.mrays_per_s)
+        table.row("from the file to the last ray", &time(total), |k| {
+            time(measured.rival_total(model, &rivals[k], &results[k]))
         });
-        rows += &self.row("from the file to the last ray", &time(total), |(rival, result, _)| {
-            time(measured.rival_total(model, rival, result))
-        });
-        rows
+        table.text()
     }
 
     fn errors(&self) -> String {
-        let residual = self.residual;
-        let mut rows = self.heading("");
-        let seen = self.measured.fastest().map_or(0, |ours| ours.hits);
-        let none = "0";
-        rows +=
-            &self.row("rays that hit", &seen.to_string(), |(_, result, _)| result.hits.to_string());
-        rows += &self.row("… and see the same place", "", |(.., found)| found.same.to_string());
-        let ours = [fraction(residual.map(|r| r.mean)), fraction(residual.map(|r| r.most))];
-        rows += &self.row("position error along the ray, mean", &ours[0], |(.., found)| {
-            fraction(found.along.map(|errors| errors.mean))
+        let Self { residual, findings, .. } = self;
+        let hits = self.measured.fastest().map_or(0, |ours| ours.hits);
+        let (mean, most) = (|errors: Errors| errors.mean, |errors: Errors| errors.most);
+        let ours = [fraction(residual.map(mean)), fraction(residual.map(most))];
+        let mut table = self.table();
+        table.row("rays that hit", &hits.to_string(), |k| self.measured.rivals[k].hits.to_string());
+        table.row("… and see the same place", "", |k| findings[k].same.to_string());
+        table.row("position error along the ray, mean", &ours[0], |k| {
+            fraction(findings[k].along.map(mean))
         });
-        rows += &self.row("… 99.9th percentile", &ours[1], |(.., found)| {
-            fraction(found.along.map(|errors| errors.most))
+        table.row("… 99.9th percentile", &ours[1], |k| fraction(findings[k].along.map(most)));
+        table.row("position off the surface, mean", &ours[0], |k| {
+            fraction(findings[k].across.map(mean))
         });
-        rows += &self.row("position off the surface, mean", &ours[0], |(.., found)| {
-            fraction(found.across.map(|errors| errors.mean))
+        table.row("… 99.9th percentile", &ours[1], |k| fraction(findings[k].across.map(most)));
+        table.row("normal error, interpolated, mean", "", |k| angle(findings[k].normal.map(mean)));
+        table.row("… 99.9th percentile", "", |k| angle(findings[k].normal.map(most)));
+        table
+            .row("normal error of the triangles, mean", "", |k| angle(findings[k].facet.map(mean)));
+        table.row("… 99.9th percentile", "", |k| angle(findings[k].facet.map(most)));
+        table.row("silhouette pixels that differ", "0", |k| {
+            (findings[k].lost[0] + findings[k].invented[0]).to_string()
         });
-        rows += &self.row("… 99.9th percentile", &ours[1], |(.., found)| {
-            fraction(found.across.map(|errors| errors.most))
-        });
-        rows += &self.row("normal error, interpolated, mean", "", |(.., found)| {
-            angle(found.normal.map(|errors| errors.mean))
-        });
-        rows += &self.row("… 99.9th percentile", "", |(.., found)| {
-            angle(found.normal.map(|errors| errors.most))
-        });
-        rows += &self.row("normal error of the triangles, mean", "", |(.., found)| {
-            angle(found.facet.map(|errors| errors.mean))
-        });
-        rows += &self.row("… 99.9th percentile", "", |(.., found)| {
-            angle(found.facet.map(|errors| errors.most))
-        });
-        rows += &self.row("silhouette pixels that differ", none, |(.., found)| {
-            (found.lost[0] + found.invented[0]).to_string()
-        });
-        rows += &self.row("rays lost", none, |(.., found)| lost(found.lost));
-        rows += &self.row("rays invented", none, |(.., found)| lost(found.invented));
-        rows += &self
-            .row("answers said to be doubtful", &self.doubtful.to_string(), |_| "never".into());
-        rows
+        table.row("rays lost", "0", |k| lost(findings[k].lost));
+        table.row("rays invented", "0", |k| lost(findings[k].invented));
+        let doubtful = self.doubtful.to_string();
+        table.row("answers said to be doubtful", &doubtful, |_| "never".into());
+        table.text()
     }
 
     fn pictures(&self) -> String {
@@ -213,10 +195,6 @@ impl Report<'_> {
     }
 }
 
-fn fraction(number: Option<f64>) -> String {
-    number.map_or_else(|| "-".into(), |number| format!("{number:.1e}"))
-}
-
 fn angle(degrees: Option<f64>) -> String {
     degrees.map_or_else(|| "-".into(), |degrees| format!("{}°", two_digits(degrees)))
 }
@@ -241,7 +219,6 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(fraction(Some(1.234e-7)), "1.2e-7");
         assert_eq!([None, Some(0.001234), Some(12.34)].map(angle), ["-", "0.0012°", "12°"]);
         assert_eq!([lost([3, 0]), lost([3, 2])], ["3", "5 (2 through gaps)"]);
     }

@@ -41,6 +41,26 @@ pub(crate) struct Model {
 }
 
 impl Model {
+    /// The model with some of its surfaces only; prepares them again.
+    ///
+    /// # Errors
+    /// When they cannot be prepared.
+    pub(crate) fn keeping(mut self, kept: &[usize], budget: Duration) -> Result<Self, Failure> {
+        let keep = |index: usize| kept.contains(&index);
+        let mut index = 0..;
+        self.world.surfaces.retain(|_| index.next().is_some_and(keep));
+        let mut index = 0..;
+        self.surfaces.retain(|_| index.next().is_some_and(keep));
+        let reading = (self.file_seconds - self.build_seconds).max(0.0);
+        let (bvh, seconds) = repeat(budget, || {
+            SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).or_bad_input()
+        })?;
+        self.world.bvh = bvh;
+        self.build_seconds = seconds;
+        self.file_seconds = reading + seconds;
+        Ok(self)
+    }
+
     /// Reads an input and prepares it, again and again for about as long as the budget says.
     ///
     /// # Errors
