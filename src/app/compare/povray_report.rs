@@ -87,9 +87,9 @@ impl Report<'_> {
         table.row("from start to end", &time(total), |k| time(renderings[k].total_seconds));
         table.row("pixels that hit", &hits.to_string(), |k| findings[k].hits.to_string());
         let brightness = |k: usize| findings[k].brightness;
-        table.row("error of brightness, mean", "", |k| fraction(brightness(k).map(|e| e.mean)));
-        table.row("… 99.9th percentile", "", |k| fraction(brightness(k).map(|e| e.most)));
-        table.row("… largest", "", |k| fraction(brightness(k).map(|e| e.largest)));
+        table.row("error of brightness, mean", "–", |k| fraction(brightness(k).map(|e| e.mean)));
+        table.row("… 99.9th percentile", "–", |k| fraction(brightness(k).map(|e| e.most)));
+        table.row("… largest", "–", |k| fraction(brightness(k).map(|e| e.largest)));
         table.row("pixels lost", "0", |k| findings[k].lost.to_string());
         table.row("pixels invented", "0", |k| findings[k].invented.to_string());
         table.text()

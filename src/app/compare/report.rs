@@ -30,6 +30,9 @@ const NOTES: &str = "\
   gap** between triangles, or met one that juts out there.
 ";
 
+/// The cell of what is not measured of us.
+const NONE: &str = "–";
+
 /// Everything a report tells.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Report<'a> {
@@ -114,7 +117,7 @@ impl Report<'_> {
         let ours = [fraction(residual.map(mean)), fraction(residual.map(most))];
         let mut table = self.table();
         table.row("rays that hit", &hits.to_string(), |k| self.measured.rivals[k].hits.to_string());
-        table.row("… and see the same place", "", |k| findings[k].same.to_string());
+        table.row("… and see the same place", NONE, |k| findings[k].same.to_string());
         table.row("position error along the ray, mean", &ours[0], |k| {
             fraction(findings[k].along.map(mean))
         });
@@ -123,11 +126,13 @@ impl Report<'_> {
             fraction(findings[k].across.map(mean))
         });
         table.row("… 99.9th percentile", &ours[1], |k| fraction(findings[k].across.map(most)));
-        table.row("normal error, interpolated, mean", "", |k| angle(findings[k].normal.map(mean)));
-        table.row("… 99.9th percentile", "", |k| angle(findings[k].normal.map(most)));
         table
-            .row("normal error of the triangles, mean", "", |k| angle(findings[k].facet.map(mean)));
-        table.row("… 99.9th percentile", "", |k| angle(findings[k].facet.map(most)));
+            .row("normal error, interpolated, mean", NONE, |k| angle(findings[k].normal.map(mean)));
+        table.row("… 99.9th percentile", NONE, |k| angle(findings[k].normal.map(most)));
+        table.row("normal error of the triangles, mean", NONE, |k| {
+            angle(findings[k].facet.map(mean))
+        });
+        table.row("… 99.9th percentile", NONE, |k| angle(findings[k].facet.map(most)));
         table.row("silhouette pixels that differ", "0", |k| {
             (findings[k].lost[0] + findings[k].invented[0]).to_string()
         });
