@@ -10,7 +10,7 @@ use crate::random::Random;
 use crate::rays::{Class, Rays};
 
 /// How many rays of each class of each model; `NURBRAY_INDEPENDENT_RAYS` asks for more.
-const RAYS: usize = 60;
+const RAYS: usize = 40;
 
 /// The classes both libraries can be asked: not those that begin on a surface or far away,
 /// where their tolerances of 1e-7 are lengths somebody chose.
@@ -50,8 +50,8 @@ fn count() -> usize {
     asked.map_or(RAYS, |count| count.parse().expect("NURBRAY_INDEPENDENT_RAYS is a number"))
 }
 
-/// The smallest share of our hits on random and aimed rays that a library finds, too: else
-/// something is wrong with the comparison itself.
+/// Asks a library everything. `least` is the smallest share of our hits on random and aimed rays
+/// that it must find, too: else something is wrong with the comparison itself.
 fn check(library: &'static Library, least: f64) {
     let Some(program) = library.program() else { return };
     for model in all_models() {
