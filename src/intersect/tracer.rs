@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::leaf_search::{self, Findings, Meeting, Question};
 use super::wide::{PACKET, Packet, Work};
 use super::{
-    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics,
-    SurfaceBvh, crossings,
+    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
+    crossings,
 };
 use crate::math::RayFrame;
 use crate::patch::{Leaf, Passage, PatchSet};

@@ -32,6 +32,8 @@ pub(crate) struct Tally {
     pub(crate) near_misses: usize,
     /// Hits of the library that are none.
     pub(crate) false_hits: usize,
+    /// Hits of the library inside a stretch of which we report the ends.
+    pub(crate) inside: usize,
     /// Hits of the library where we say that we are in doubt.
     pub(crate) doubted: usize,
     /// Rays the library gives up on, or sees inside a surface.
@@ -50,13 +52,14 @@ impl Tally {
     pub(crate) fn print(&self, name: &str) {
         println!(
             "{name:12} rays {:4} | ours {:4}, missed by it {:3} | its {:4}: behind {:3}, near misses \
-             {:3}, false {:3}, doubted by us {:3} | given up {:3}, inside {:3} | faults {}",
+             {:3}, inside {:3}, false {:3}, doubted by us {:3} | given up {:3}, curves {:3} | faults {}",
             self.rays,
             self.ours,
             self.missed(),
             self.theirs,
             self.behind,
             self.near_misses,
+            self.inside,
             self.false_hits,
             self.doubted,
             self.failed,
@@ -100,6 +103,7 @@ pub(crate) fn compare(model: &Model, bvh: &SurfaceBvh, rays: &[Ray], report: &Re
                 Verdict::Behind => tally.behind += 1,
                 Verdict::NearMiss => tally.near_misses += 1,
                 Verdict::False => tally.false_hits += 1,
+                Verdict::Inside => tally.inside += 1,
                 Verdict::Lost(_) if doubtful => tally.doubted += 1,
                 Verdict::Lost(root) => {
                     tally.faults.push(format!("{ray:?}: we miss {hit:?}, which is {root:?}"));
@@ -134,6 +138,8 @@ enum Verdict {
     Behind,
     /// The surface passes the ray there, nearer than the library can tell.
     NearMiss,
+    /// The ray runs inside the surface there, as we say.
+    Inside,
     /// There is no root near it.
     False,
     /// There is a root near it, and we do not have it.
@@ -180,8 +186,20 @@ fn their_hit(
     };
     match ours.iter().find(|hit| same(hit)) {
         Some(hit) => Verdict::Shared(hit.t),
+        None if is_inside(ours, root.t) => Verdict::Inside,
         None => Verdict::Lost(root),
     }
+}
+
+/// Whether a place on the ray is in a stretch that runs inside a surface: between two ends that
+/// are flagged as such, or between one and the ray's origin, where the other is behind it.
+fn is_inside(ours: &[Hit], t: f64) -> bool {
+    let ends = ours.iter().filter(|hit| hit.flags.contains(HitFlags::INSIDE));
+    let (mut before, mut behind) = (0, 0);
+    for end in ends {
+        if end.t < t { before += 1 } else { behind += 1 }
+    }
+    behind > 0 && (before > 0 || behind % 2 == 1)
 }
 
 /// Whether a hit of the library stands for one of ours.
