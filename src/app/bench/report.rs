@@ -98,7 +98,11 @@ impl Report<'_> {
         if !self.rivals.is_empty() {
             text.push('\n');
             text.push_str(&table(&self.comparison(), &[0, 1]));
-            text.push_str(&self.totals());
+            let totals = self.totals();
+            if !totals.is_empty() {
+                text.push('\n');
+                text.push_str(&table(&totals, &[0]));
+            }
         }
         text
     }
@@ -183,25 +187,32 @@ impl Report<'_> {
         rows
     }
 
-    /// From the file to the picture.
-    fn totals(&self) -> String {
+    /// From the file to the last primary ray, step by step: everyone has the same file to read.
+    fn totals(&self) -> Vec<Vec<String>> {
         let primary = self.measurements.iter().find(|measured| measured.set == RaySet::Primary);
         let Some((measured, ours)) =
             primary.and_then(|measured| Some((measured, measured.fastest()?)))
         else {
-            return String::new();
+            return Vec::new();
         };
-        let mut text = format!(
-            "\nFrom the file to the last primary ray: {} ({})",
-            time(measured.our_total(self.model, ours)),
-            ours.kernel
-        );
+        let (model, count) = (self.model, measured.count);
+        let reading = (model.file_seconds - model.build_seconds).max(0.0);
+        let total = measured.our_total(model, ours);
+        let row = |name: String, build: f64, all: f64| {
+            vec![name, time(reading), time(build), time(all - reading - build), time(all)]
+        };
+        let rays = format!("{count} primary rays");
+        let heading = ["from the file", "read", "build", &rays, "in all", "nurbray / rival"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        rows.push(row(format!("nurbray {}", ours.kernel), model.build_seconds, total));
         for (rival, result) in self.rivals.iter().zip(&measured.rivals) {
-            let total = time(measured.rival_total(self.model, rival, result));
-            text.push_str(&format!(", {total} at {:e}", rival.tolerance));
+            let theirs = measured.rival_total(model, rival, result);
+            let name = format!("{} at {:e}", self.rival, rival.tolerance);
+            let mut cells = row(name, rival.build_seconds, theirs);
+            cells.push(three_digits(total / theirs));
+            rows.push(cells);
         }
-        text.push('\n');
-        text
+        rows
     }
 }
 
