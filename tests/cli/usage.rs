@@ -76,6 +76,8 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
         "cast INPUT --rays rays.npy -o hits.npy",
         "bench INPUT",
         "audit INPUT",
+        "compare INPUT --against embree -o report",
+        "compare INPUT --against povray -o report",
         "info INPUT",
     ];
     for line in lines {

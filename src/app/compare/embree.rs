@@ -13,7 +13,7 @@ use super::super::args::CompareArguments;
 use super::super::failure::{Failure, OrFail};
 use super::super::progress::Progress;
 use super::super::race::{Entry, Measurement, Model, RaySet, Rays, Rival, tiled_pixels};
-use super::super::{chart, console, threads};
+use super::super::{chart, console, input, threads};
 use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
@@ -55,39 +55,35 @@ struct Pictures {
     normal: Vec<Color>,
 }
 
+/// Both sides, prepared and timed.
+struct Race {
+    model: Model,
+    size: [u32; 2],
+    rays: Rays,
+    rivals: Vec<Rival>,
+    /// What the rivals were made of.
+    meshes: Vec<Vec<GridMesh>>,
+    measured: Measurement,
+}
+
 /// Runs the comparison and writes the report.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
     let folder = Folder::new(&arguments.output, &files(&tolerances), &[&arguments.input])?;
+    input::read(&arguments.input)?; // what is wrong with it is told first
     let embree = Embree::load_with_threads(arguments.threads).or_failed()?;
-    let pool = threads::pool(Some(arguments.threads))?;
-    let budget = Duration::from_secs_f64(arguments.seconds);
-    let model = pool.install(|| Model::load(&arguments.input, budget))?;
-    let size = super::size(arguments, &model.world)?;
-
     let progress = Progress::new("comparing", tolerances.len() as u64 + 2);
-    let rays = Rays::new(RaySet::Primary, &model, size);
-    let mut rivals = Vec::new();
-    let mut meshes = Vec::new();
-    for &tolerance in &tolerances {
-        let (rival, mesh) =
-            pool.install(|| Rival::build(&embree, &model.surfaces, tolerance, budget))?;
-        rivals.push(rival);
-        meshes.push(mesh);
-    }
-    progress.set(1, 0);
-    let kernels = [Kernel::default()];
-    let measured =
-        pool.install(|| Measurement::new(&model, &kernels, &rivals, &rays, arguments.seconds));
-    progress.set(2, 0);
+    let race = threads::pool(Some(arguments.threads))?
+        .install(|| Race::run(arguments, &embree, &progress))?;
 
-    // The pictures do not depend on the number of threads: all may work.
+    // Answers do not depend on the number of threads: all may work.
+    let Race { model, size, rays, .. } = &race;
     let (ours, doubtful) = sight::exact(&model.world.bvh, &rays.queries);
-    let scene = Compared { model: &model, rays: &rays, size, ours: &ours };
+    let compared = Compared { model, rays, size: *size, ours: &ours };
     let mut findings = Vec::new();
     let mut pictures = Vec::new();
-    for (done, (rival, meshes)) in (3..).zip(rivals.iter().zip(&meshes)) {
-        let (found, drawn) = scene.look(rival, meshes);
+    for (done, (rival, meshes)) in (3..).zip(race.rivals.iter().zip(&race.meshes)) {
+        let (found, drawn) = compared.look(rival, meshes);
         findings.push(found);
         pictures.push(drawn);
         progress.set(done, 0);
@@ -95,29 +91,60 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     progress.finish();
 
     let report = Report {
-        model: &model,
-        size,
+        model,
+        size: *size,
         threads: arguments.threads,
         rival: &format!("Embree {}", embree.version().map(|number| number.to_string()).join(".")),
-        measured: &measured,
-        rivals: &rivals,
+        measured: &race.measured,
+        rivals: &race.rivals,
         findings: &findings,
         residual: Errors::of(ours.iter().flatten().map(|sight| sight.residual / model.diagonal)),
         doubtful,
     };
-    folder.make()?;
-    for (&tolerance, pictures) in tolerances.iter().zip(&pictures) {
-        let write = |file: String, pixels| heat::write(&folder.at(&file), size, pixels).or_failed();
-        write(position_file(tolerance), &pictures.position)?;
-        write(normal_file(tolerance), &pictures.normal)?;
+    write(&folder, &report, &pictures)?;
+    console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+impl Race {
+    /// Prepares both sides and lets them race, on the threads of the pool this runs in.
+    fn run(
+        arguments: &CompareArguments,
+        embree: &Embree,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let budget = Duration::from_secs_f64(arguments.seconds);
+        let model = Model::load(&arguments.input, budget)?;
+        let size = super::size(arguments, &model.world)?;
+        let rays = Rays::new(RaySet::Primary, &model, size);
+        let mut rivals = Vec::new();
+        let mut meshes = Vec::new();
+        for tolerance in arguments.tolerances() {
+            let (rival, mesh) = Rival::build(embree, &model.surfaces, tolerance, budget)?;
+            rivals.push(rival);
+            meshes.push(mesh);
+        }
+        progress.set(1, 0);
+        let kernels = [Kernel::default()];
+        let measured = Measurement::new(&model, &kernels, &rivals, &rays, arguments.seconds);
+        progress.set(2, 0);
+        Ok(Self { model, size, rays, rivals, meshes, measured })
     }
-    write_picture(&folder.at(PICTURE), &model.world, size)?;
+}
+
+/// Writes everything; the report last, so that a report has its pictures.
+fn write(folder: &Folder, report: &Report<'_>, pictures: &[Pictures]) -> Result<(), Failure> {
+    folder.make()?;
+    for (rival, pictures) in report.rivals.iter().zip(pictures) {
+        let write =
+            |file: String, pixels| heat::write(&folder.at(&file), report.size, pixels).or_failed();
+        write(position_file(rival.tolerance), &pictures.position)?;
+        write(normal_file(rival.tolerance), &pictures.normal)?;
+    }
+    write_picture(&folder.at(PICTURE), &report.model.world, report.size)?;
     let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
     folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &words))?;
     chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
-    // Last, so that a report has its pictures.
-    folder.write(REPORT, &report.text())?;
-    console::print(&format!("{}\n", folder.at(REPORT).display()))
+    folder.write(REPORT, &report.text())
 }
 
 /// The files of a report.

@@ -57,56 +57,46 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let model = pool.install(|| Model::load(&arguments.input, budget))?;
     let size = super::size(arguments, &model.world)?;
 
-    let scenes = tolerances.iter().map(|&tolerance| {
-        povray_scene(&scene, &model.world, size.into(), tolerance * model.diagonal)
-    });
-    let scenes: Vec<PovrayScene> = scenes.collect();
-    for (scene, &tolerance) in scenes.iter().zip(&tolerances) {
-        check(scene, tolerance, &model.name)?;
+    let mut scenes = Vec::new();
+    for &tolerance in &tolerances {
+        let flatness = tolerance * model.diagonal;
+        let written = povray_scene(&scene, &model.world, size.into(), flatness);
+        check(&written, tolerance, &model.name)?;
+        scenes.push(written);
     }
-    let (skipped, written) = match scenes.first() {
-        Some(scene) => (scene.skipped.as_slice(), scene.written.as_slice()),
-        None => (&[][..], &[][..]),
-    };
     folder.make()?;
     for (scene, &tolerance) in scenes.iter().zip(&tolerances) {
         folder.write(&scene_file(tolerance), &scene.text)?;
     }
+
+    // The same surfaces are left out at each tolerance.
+    let (skipped, written) =
+        scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     skipped.iter().for_each(|skip| console::warning(&skip.to_string()));
     let place = arguments.output.display();
     let povray = Povray::find()
         .map_err(|reason| Failure::work(format!("{reason}; its scenes are in {place}")))?;
-
     let model = match skipped {
         [] => model,
         _ => pool.install(|| model.keeping(written, budget))?,
     };
-    let progress = Progress::new("comparing", tolerances.len() as u64 + 1);
+
     let rays = Rays::new(RaySet::Primary, &model, size);
     let kernels = [Kernel::default()];
     let measured =
         pool.install(|| Measurement::new(&model, &kernels, &[], &rays, arguments.seconds));
     let ours = cosines(&model, &rays, size);
+    let progress = Progress::new("rendering", tolerances.len() as u64);
     let mut renderings = Vec::new();
-    let mut findings = Vec::new();
-    let mut pictures = Vec::new();
     for (done, scene) in (1..).zip(&scenes) {
+        renderings.push(povray.render(&scene.text, size, arguments.threads).or_failed()?);
         progress.set(done, 0);
-        let rendering = povray.render(&scene.text, size, arguments.threads).or_failed()?;
-        let (found, picture) = look(&ours, &rendering);
-        renderings.push(rendering);
-        findings.push(found);
-        pictures.push(picture);
     }
     progress.finish();
 
-    let grey: Vec<Color> = ours.iter().map(|&cosine| shade(cosine)).collect();
-    heat::write(&folder.at(PICTURE), size, &grey).or_failed()?;
-    for (picture, &tolerance) in pictures.iter().zip(&tolerances) {
-        heat::write(&folder.at(&difference_file(tolerance)), size, picture).or_failed()?;
-    }
-    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
-    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &words))?;
+    let looks = renderings.iter().map(|rendering| look(&ours, rendering));
+    let (findings, pictures): (Vec<_>, Vec<_>) = looks.unzip();
+    write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
     let report = Report {
         model: &model,
         size,
@@ -120,6 +110,22 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     };
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+/// Our picture, and where POV-Ray's differ from it.
+fn write_pictures(
+    folder: &Folder,
+    size: [u32; 2],
+    ours: &[Option<f64>],
+    (tolerances, pictures): (&[f64], &[Vec<Color>]),
+) -> Result<(), Failure> {
+    let grey: Vec<Color> = ours.iter().map(|&cosine| shade(cosine)).collect();
+    heat::write(&folder.at(PICTURE), size, &grey).or_failed()?;
+    for (picture, &tolerance) in pictures.iter().zip(tolerances) {
+        heat::write(&folder.at(&difference_file(tolerance)), size, picture).or_failed()?;
+    }
+    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
+    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &words))
 }
 
 fn files(tolerances: &[f64]) -> Vec<String> {
