@@ -7,7 +7,7 @@ use crate::judge::{Judge, Measure};
 use crate::model::Model;
 use crate::program::{Report, TheirHit};
 use crate::rays::Site;
-use crate::root::{Nearest, nearest};
+use crate::root::{self, Nearest, nearest};
 
 /// How far from a root, in sizes of the model, a library's hit may be to stand for it: SISL
 /// and OpenCASCADE stop at 1e-7 of a size, and at grazing rays at the root of that.
@@ -168,11 +168,11 @@ fn their_hit(
     if root.t * length <= slack(&measure) {
         return Verdict::Behind;
     }
-    if !stayed || root.distance > THEIR_RESOLUTION * size {
-        return Verdict::False;
-    }
-    if root.distance > promised {
-        return Verdict::NearMiss;
+    if !stayed || root.distance > promised {
+        // Of what slipped away, the place reported says how near the surface passes.
+        let there = if stayed { root } else { root::at(surface, ray, hit.uv) };
+        let near = there.distance <= THEIR_RESOLUTION * size;
+        return if near { Verdict::NearMiss } else { Verdict::False };
     }
 
     let same = |ours: &Hit| {

@@ -39,7 +39,8 @@ pub(crate) fn nearest(surface: &NurbsSurface, ray: &Ray, start: DVec2) -> Neares
     best
 }
 
-fn at(surface: &NurbsSurface, ray: &Ray, uv: DVec2) -> Nearest {
+/// How far a place of a surface is from a ray.
+pub(crate) fn at(surface: &NurbsSurface, ray: &Ray, uv: DVec2) -> Nearest {
     let along = ray.direction().normalize();
     let offset = surface.point_at(uv.x, uv.y) - ray.origin();
     let length = offset.dot(along);

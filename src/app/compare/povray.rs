@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use nurbray::intersect::Kernel;
 use nurbray::io::{PovrayGap, PovrayScene, povray_scene};
+use nurbray::scene::Scene;
 
 use super::super::args::CompareArguments;
 use super::super::failure::{Failure, OrFail};
@@ -57,19 +58,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let model = pool.install(|| Model::load(&arguments.input, budget))?;
     let size = super::size(arguments, &model.world)?;
 
-    let mut scenes = Vec::new();
-    for &tolerance in &tolerances {
-        let flatness = tolerance * model.diagonal;
-        let written = povray_scene(&scene, &model.world, size.into(), flatness);
-        check(&written, tolerance, &model.name)?;
-        scenes.push(written);
-    }
+    let scenes = scenes(&scene, &model, size, &tolerances)?;
     folder.make()?;
     for (scene, &tolerance) in scenes.iter().zip(&tolerances) {
         folder.write(&scene_file(tolerance), &scene.text)?;
     }
 
-    // The same surfaces are left out at each tolerance.
     let (skipped, written) =
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     skipped.iter().for_each(|skip| console::warning(&skip.to_string()));
@@ -110,6 +104,23 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     };
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+/// The scene for each tolerance; each leaves out the same surfaces.
+fn scenes(
+    scene: &Scene,
+    model: &Model,
+    size: [u32; 2],
+    tolerances: &[f64],
+) -> Result<Vec<PovrayScene>, Failure> {
+    let mut scenes = Vec::new();
+    for &tolerance in tolerances {
+        let flatness = tolerance * model.diagonal;
+        let written = povray_scene(scene, &model.world, size.into(), flatness);
+        check(&written, tolerance, &model.name)?;
+        scenes.push(written);
+    }
+    Ok(scenes)
 }
 
 /// Our picture, and where POV-Ray's differ from it.
