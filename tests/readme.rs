@@ -146,6 +146,23 @@ fn every_subcommand_is_in_the_table() {
     }
 }
 
+/// The cells of a table's rows but for the first, row by row.
+fn cells(text: &str) -> Vec<&str> {
+    let rows = text.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" | "));
+    rows.map(|(_, cells)| cells).collect()
+}
+
+#[test]
+fn the_report_it_shows_is_the_one_that_is_there() {
+    let report = fs::read_to_string(root().join("renders/teapot-embree/report.md")).unwrap();
+    let section = README.split("## Why not tessellate?").nth(1).unwrap();
+    let shown = cells(section.split("\n## ").next().unwrap());
+    assert!(shown.len() >= 6, "only {shown:?}");
+    for row in shown {
+        assert!(cells(&report).contains(&row), "{row} is not in the report");
+    }
+}
+
 #[test]
 fn every_file_it_points_to_exists() {
     let targets = README.split("](").skip(1).map(|text| text.split(')').next().unwrap());
