@@ -9,8 +9,13 @@ use nurbray::io::write_atomically;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-/// The size of a panel in pixels.
-const PANEL: (u32, u32) = (400, 300);
+/// The width of a panel, its height without a legend, and that of a legend's lines, in pixels.
+const WIDTH: u32 = 400;
+const HEIGHT: u32 = 268;
+const LINE: u32 = 16;
+/// What title and axis take of the height, and a legend's margins.
+const AROUND: u32 = 80;
+const MARGINS: u32 = 24;
 
 /// Colours of flat lines, one after the other: those of Okabe and Ito (2008), which people
 /// with any colour vision can tell apart.
@@ -122,7 +127,9 @@ pub(crate) fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<(), Error> {
 
 fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0).max(1);
-    let size = (PANEL.0 * columns as u32, PANEL.1 * rows.len().max(1) as u32);
+    let names = rows.iter().flatten().map(Panel::names).max().unwrap_or(0);
+    let height = HEIGHT + LINE * names as u32;
+    let size = (WIDTH * columns as u32, height * rows.len().max(1) as u32);
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -143,7 +150,10 @@ fn scale(rows: &[Vec<Panel>], quantity: &str) -> Range<f64> {
     let alike = || rows.iter().flatten().filter(|panel| panel.quantity == quantity);
     let values: Vec<f64> = alike().flat_map(Panel::values).collect();
     let names = alike().map(Panel::names).max().unwrap_or(0);
-    with_room(decades(range(&values)), names)
+    let most = rows.iter().flatten().map(Panel::names).max().unwrap_or(0);
+    let room = LINE * names as u32 + MARGINS;
+    let height = HEIGHT + LINE * most as u32 - AROUND;
+    with_room(decades(range(&values)), f64::from(room) / f64::from(height))
 }
 
 /// A number beside an axis: powers of ten where it would be long.
@@ -174,10 +184,8 @@ fn decades(range: Range<f64>) -> Range<f64> {
     10_f64.powf(low)..10_f64.powf(high.max(low + 1.0))
 }
 
-/// A range with room above it for a legend of so many lines.
-fn with_room(range: Range<f64>, lines: usize) -> Range<f64> {
-    // In pixels: of a line, of the legend's margins, of the panel without title and axis.
-    let share = (16.0 * lines as f64 + 24.0) / 220.0;
+/// A range with room above it: this share of the whole, for a legend.
+fn with_room(range: Range<f64>, share: f64) -> Range<f64> {
     let taller = 1.0 / (1.0 - share.min(0.5));
     range.start..range.start * (range.end / range.start).powf(taller)
 }
@@ -221,8 +229,9 @@ mod tests {
         let rows = [vec![speeds.clone(), errors], vec![panel(&[(1e-3, 700.0)]), speeds]];
         assert_eq!(scale(&rows, "Mrays/s").start, 0.1);
         assert!(scale(&rows, "Mrays/s").end > 1000.0);
-        // One line in the legend, 40 of 220 pixels; what is 0 is not on a logarithmic scale.
-        assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(220.0 / 180.0)).abs() < 1e-9);
+        // One line in the legend, 40 of 188 + 3 × 16 pixels; what is 0 is not on a logarithmic
+        // scale.
+        assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(236.0 / 196.0)).abs() < 1e-9);
         assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
     }
 
@@ -231,7 +240,7 @@ mod tests {
         assert_eq!(decades(0.3..70.0), 0.1..100.0);
         assert_eq!(decades(10.0..10.0), 10.0..100.0);
         assert_eq!(widened(range(&[1e-3])), 5e-4..2e-3);
-        assert!((with_room(1.0..100.0, 4).end.log10() - 2.0 / 0.6).abs() < 1e-9);
+        assert!((with_room(1.0..100.0, 0.4).end.log10() - 2.0 / 0.6).abs() < 1e-9);
         assert!(svg(&[]).is_ok());
     }
 }

@@ -33,7 +33,9 @@ pub(super) const NORMAL: Scale = Scale { quantity: "normal error, degrees", low:
 /// What the triangles of one tolerance got wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
-    /// Pixels where both see the same place.
+    /// Rays that hit triangles.
+    pub(super) hits: usize,
+    /// Rays with which both see the same place.
     pub(super) same: usize,
     /// Distances along the ray, as fractions of the diagonal.
     pub(super) along: Option<Errors>,
@@ -203,6 +205,7 @@ impl Compared<'_> {
         for (((query, ours), hit), [x, y]) in both.zip(tiled_pixels(self.size)) {
             let theirs = hit.map(|hit| sight::on_mesh(&hit, &query.ray, meshes));
             let verdict = judge.judge(&query.ray, ours.as_ref(), theirs.as_ref());
+            findings.hits += usize::from(theirs.is_some());
             findings.count(verdict);
             let mut colors = match verdict {
                 Verdict::Lost(_) => [heat::LOST; 2],

@@ -116,7 +116,7 @@ impl Report<'_> {
         let (mean, most) = (|errors: Errors| errors.mean, |errors: Errors| errors.most);
         let ours = [fraction(residual.map(mean)), fraction(residual.map(most))];
         let mut table = self.table();
-        table.row("rays that hit", &hits.to_string(), |k| self.measured.rivals[k].hits.to_string());
+        table.row("rays that hit", &hits.to_string(), |k| findings[k].hits.to_string());
         table.row("… and see the same place", NONE, |k| findings[k].same.to_string());
         table.row("position error along the ray, mean", &ours[0], |k| {
             fraction(findings[k].along.map(mean))

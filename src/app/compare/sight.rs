@@ -75,10 +75,11 @@ impl Sight {
 
 /// The angle between two unit normals in degrees, whichever sides they point to.
 ///
-/// From the chord between them: the arc cosine has no digits left for small angles.
+/// From the chord between them, at most √2: the arc cosine has no digits left for small angles.
+/// NaN where one is.
 pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
     let chord = (a - b).length().min((a + b).length());
-    2.0 * (0.5 * chord).min(1.0).asin().to_degrees()
+    2.0 * (0.5 * chord).asin().to_degrees()
 }
 
 #[cfg(test)]
