@@ -1,6 +1,7 @@
 //! What the user may type.
 
 mod bench;
+mod compare;
 mod count;
 mod values;
 
@@ -15,6 +16,7 @@ use nurbray::render::AovSet;
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
+pub(crate) use compare::{Against, CompareArguments};
 use count::count;
 pub(crate) use values::{Crop, SampleRange, Size};
 
@@ -52,6 +54,8 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Check the fast path against the exact solver on random and nasty rays
     Audit(AuditArguments),
+    /// Trace the camera's rays another way, too, and report how the pictures differ
+    Compare(CompareArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
     Info(InfoArguments),
 }

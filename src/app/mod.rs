@@ -8,12 +8,15 @@ mod audit;
 mod bench;
 mod border;
 mod cast;
+mod chart;
+mod compare;
 mod console;
 mod failure;
 mod info;
 mod input;
 mod output;
 mod progress;
+mod race;
 mod random;
 mod render;
 mod table;
@@ -50,6 +53,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Failure> {
         Command::Cast(arguments) => cast::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Info(arguments) => info::run(arguments),
     }
 }

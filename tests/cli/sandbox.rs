@@ -91,6 +91,13 @@ impl Run {
         assert_eq!((self.code, self.stdout.as_str()), (code, ""));
     }
 
+    /// As [`Run::failed`], after one warning.
+    #[track_caller]
+    pub(crate) fn failed_with_warning(self, code: i32, warning: &str, error: &str) {
+        assert_eq!(self.stderr, format!("warning: {warning}\nerror: {error}\n"));
+        assert_eq!((self.code, self.stdout.as_str()), (code, ""));
+    }
+
     /// As [`Run::failed`], where the parser adds usage behind the first line.
     #[track_caller]
     pub(crate) fn misused(self, first_line: &str) {

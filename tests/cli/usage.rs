@@ -4,7 +4,7 @@ use std::process::Stdio;
 
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
-const SUBCOMMANDS: [&str; 5] = ["render", "cast", "bench", "audit", "info"];
+const SUBCOMMANDS: [&str; 6] = ["render", "cast", "bench", "audit", "compare", "info"];
 
 #[test]
 fn help_is_an_answer_and_lists_what_works() {
@@ -96,6 +96,8 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
         "cast INPUT --rays rays.npy -o hits.npy",
         "bench INPUT",
         "audit INPUT",
+        "compare INPUT --against embree -o report",
+        "compare INPUT --against povray -o report",
         "info INPUT",
     ];
     for line in lines {

@@ -97,6 +97,34 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a tolerance: from 1 on it would allow any triangle in the box.
+pub(super) fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
+        _ => Err("a fraction between 0 and 1 is needed, such as 1e-3".into()),
+    }
+}
+
+/// Parses a time: a day is too long for anyone to wait for.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    const DAY: f64 = 86_400.0;
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= DAY => Ok(seconds),
+        _ => Err("a number of seconds is needed, such as 0.5".into()),
+    }
+}
+
+/// The items in order, each once.
+pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for &item in list {
+        if !once.contains(&item) {
+            once.push(item);
+        }
+    }
+    once
+}
+
 /// Exactly `N` values between commas.
 fn list<T, const N: usize>(text: &str, value: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
     let values: Vec<T> = text.split(',').map(|part| value(part.trim())).collect::<Option<_>>()?;
@@ -158,5 +186,22 @@ mod tests {
         }
         assert_eq!(finite("-1.5"), Ok(-1.5));
         assert!(finite("inf").is_err() && finite("nan").is_err());
+    }
+
+    #[test]
+    fn tolerances_and_times() {
+        assert_eq!(tolerance("1e-3"), Ok(1e-3));
+        for wrong in ["", "0", "1", "-1e-3", "nan", "fine"] {
+            assert!(tolerance(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(seconds("0.5"), Ok(0.5));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_named_twice_is_measured_once() {
+        assert_eq!(once_each(&[2, 1, 2]), [2, 1]);
     }
 }
