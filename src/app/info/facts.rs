@@ -50,7 +50,8 @@ impl Facts {
         for piece in patches.pieces() {
             let surface = &mut surfaces[piece.surface as usize];
             surface.pieces += 1;
-            surface.bytes += size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
+            surface.bytes +=
+                size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
         }
         for leaf in patches.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
