@@ -25,6 +25,9 @@ const LEVELS: [RGBColor; 4] =
 /// Shades of curves: the first is black.
 const CURVES: [RGBColor; 3] = [BLACK, RGBColor(140, 140, 140), RGBColor(190, 190, 190)];
 
+/// About the most numbers beside an axis: a panel has room for twice as many lines of text.
+const LABELS: usize = 6;
+
 /// How far the axis of tolerances reaches beyond the first and the last: room for points.
 const MARGIN: f64 = 2.0;
 
@@ -82,6 +85,7 @@ impl Panel {
             .configure_mesh()
             .x_desc("tolerance / diagonal")
             .y_desc(self.quantity)
+            .y_labels(LABELS)
             .y_label_formatter(&|&value| label(value))
             .x_label_formatter(&|tolerance| format!("{tolerance:e}"))
             .light_line_style(RGBColor(240, 240, 240))
@@ -233,6 +237,16 @@ mod tests {
         // scale.
         assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(236.0 / 196.0)).abs() < 1e-9);
         assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
+    }
+
+    #[test]
+    fn numbers_beside_an_axis_are_few() {
+        // One decade: 20, 30, … 90 would fit the axis, and not beside it.
+        let levels = vec![("nurbray".into(), 15.0)];
+        let decade = Panel { levels, ..panel(&[(1e-3, 60.0), (1e-5, 18.0)]) };
+        let text = svg(&[vec![decade]]).unwrap();
+        assert!(text.contains("\n10\n") && text.contains("\n100\n"), "{text}");
+        assert!(!text.contains("\n90\n"));
     }
 
     #[test]
