@@ -163,7 +163,7 @@ fn wrong_use_is_explained() {
     run("-o out").misused("the following required arguments were not provided:");
     run("--against povray").misused("the following required arguments were not provided:");
     run("--against mesh -o out").misused("invalid value 'mesh' for '--against <RIVAL>'");
-    run("--against povray -o ball.toml").failed(2, "ball.toml is a file, not a folder");
+    run("--against povray -o ball.toml").failed(2, "\"ball.toml\" is a file, not a folder");
     run("--against povray -o no/out")
         .failed(2, "cannot write \"no/out\": there is no folder \"no\"");
     run("--against povray -o out --size 9000x1")
@@ -203,7 +203,7 @@ fn scenes_are_written_without_povray_and_what_is_left_out_is_named() {
         1,
         left_out,
         "cannot run ./no/povray (No such file or directory (os error 2)); install it (apt install \
-         povray), or say where it is: POVRAY=/path/to/povray; its scenes are in out",
+         povray), or say where it is: POVRAY=/path/to/povray; its scenes are in \"out\"",
     );
     assert_eq!(files(&sandbox.path("out")), ["scene-1e-3.pov", "scene-1e-5.pov"]);
     let scene = String::from_utf8(sandbox.bytes("out/scene-1e-3.pov")).unwrap();
@@ -222,7 +222,7 @@ fn what_is_not_povray_is_not_taken_for_it() {
     let mut command =
         sandbox.command(&format!("compare ball.toml --against povray {QUICK} -o out"));
     let run = Run::from_output(command.env("POVRAY", "true").output().unwrap());
-    run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in out");
+    run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in \"out\"");
 }
 
 /// Every shape POV-Ray has as a primitive, one beside the other, moved and stretched.

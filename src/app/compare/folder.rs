@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use nurbray::io::{check_writable, write_atomically};
+use nurbray::io::{Quoted, check_writable, write_atomically};
 
 use super::super::failure::{Failure, OrFail};
 use super::super::output;
@@ -28,7 +28,7 @@ impl Folder {
             let files: Vec<&Path> = files.iter().map(AsRef::as_ref).collect();
             output::check(&files, inputs)?;
         } else if path.exists() {
-            return Err(Failure::input(format!("{} is a file, not a folder", path.display())));
+            return Err(Failure::input(format!("{} is a file, not a folder", Quoted(path))));
         } else {
             check_writable(path).or_bad_input()?;
         }
@@ -43,7 +43,7 @@ impl Folder {
         if self.path.is_dir() {
             return Ok(());
         }
-        let context = || format!("cannot make the folder {}", self.path.display());
+        let context = || format!("cannot make the folder {}", Quoted(&self.path));
         fs::create_dir(&self.path).with_context(context).or_failed()
     }
 
@@ -83,7 +83,7 @@ mod tests {
         };
         let input = path.join("a.md");
         assert!(message(&path, &[&input]).ends_with("it is an input of this run"));
-        assert!(message(&input, &[]).ends_with("a.md is a file, not a folder"));
+        assert!(message(&input, &[]).ends_with("a.md\" is a file, not a folder"));
         assert!(message(&home.path().join("no/report"), &[]).contains("there is no folder"));
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
-use nurbray::io::{PovrayGap, PovrayScene, povray_scene};
+use nurbray::io::{PovrayGap, PovrayScene, Quoted, povray_scene};
 use nurbray::scene::Scene;
 
 use super::super::args::CompareArguments;
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let (skipped, written) =
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     skipped.iter().for_each(|skip| console::warning(&skip.to_string()));
-    let place = arguments.output.display();
+    let place = Quoted(&arguments.output);
     let povray = Povray::find()
         .map_err(|reason| Failure::work(format!("{reason}; its scenes are in {place}")))?;
     let model = match skipped {
