@@ -187,3 +187,68 @@ fn fit_bend(fit: &[[f32; 16]; 3]) -> f64 {
     }
     bound
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::record::SearchRecord;
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::hierarchy::Hierarchy;
+    use crate::patch::{Jet, PatchSet};
+
+    /// The approximation and its first derivatives, relative to the leaf's middle.
+    fn approximation(record: &SearchRecord, x: f64, y: f64) -> Jet {
+        let mut jet = Jet { point: DVec3::ZERO, ds: DVec3::ZERO, dt: DVec3::ZERO };
+        for k in 0..16 {
+            let at = |axis: usize| f64::from(record.fit[axis][k]);
+            let (c, i, j) = (DVec3::new(at(0), at(1), at(2)), k as i32 / 4, k as i32 % 4);
+            jet.point += c * x.powi(i) * y.powi(j);
+            jet.ds += c * f64::from(i) * x.powi((i - 1).max(0)) * y.powi(j);
+            jet.dt += c * f64::from(j) * x.powi(i) * y.powi((j - 1).max(0));
+        }
+        jet
+    }
+
+    #[test]
+    fn bounds_hold_on_the_widened_leaves() {
+        for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
+            let (set, boxes) = PatchSet::new(&[surface]).unwrap();
+            let records = SearchRecord::all(&set, &Hierarchy::new(&set, &boxes));
+            for (leaf, record) in set.leaves().iter().zip(&records).step_by(7) {
+                let patch = &set.pieces()[leaf.piece as usize].patch;
+                let half = leaf.rect.map(|[from, to]| 0.5 * (to - from));
+                let middle = leaf.rect.map(|[from, to]| 0.5 * (from + to));
+                let true_jet = |x: f64, y: f64| {
+                    let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
+                    let jet = patch.jet(st);
+                    let point = jet.point - record.middle;
+                    Jet { point, ds: jet.ds * half[0], dt: jet.dt * half[1] }
+                };
+                let bound = |value: f32| f64::from(value) + 1e-15;
+                for (x, y) in [(0.0, 0.0), (-1.2, 1.2), (1.1, 0.3), (0.4, -0.9)] {
+                    let (s, q) = (true_jet(x, y), approximation(record, x, y));
+                    assert!(s.point.distance(q.point) <= bound(record.fit_error));
+                    assert!(s.ds.distance(q.ds) <= bound(record.slope_error));
+                    assert!(s.dt.distance(q.dt) <= bound(record.slope_error));
+                    for step in [1.0, 0.1, 0.01] {
+                        let (dx, dy) = (-step * x.signum(), 0.5 * step * y.signum());
+                        let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
+                        assert!(left.length() <= bound(record.bend) * step * step);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_are_of_the_size_of_what_they_bound() {
+        // A leaf of the sphere differs from a bicubic by some 1e-6 of the radius.
+        let (set, boxes) = PatchSet::new(&[shapes::sphere(1.0).unwrap()]).unwrap();
+        let records = SearchRecord::all(&set, &Hierarchy::new(&set, &boxes));
+        let mut errors: Vec<f32> = records.iter().map(|record| record.fit_error).collect();
+        errors.sort_by(f32::total_cmp);
+        assert!((1e-8..1e-5).contains(&errors[errors.len() / 2]), "{errors:?}");
+    }
+}

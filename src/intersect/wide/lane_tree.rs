@@ -229,3 +229,48 @@ fn half_area(node: &Node) -> f32 {
     let size = node.max - node.min;
     size.x * size.y + size.y * size.z + size.z * size.x
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::patch::PatchSet;
+
+    /// The leaves below a child, which lie in the box given.
+    fn leaves(tree: &LaneTree, code: ChildCode, found: &mut Vec<u32>) {
+        match code.child() {
+            Child::Node(index) => {
+                let node = &tree.nodes[index as usize];
+                for k in (0..LANES).filter(|&k| node.planes[0][k] <= node.planes[1][k]) {
+                    leaves(tree, node.child[k], found);
+                }
+            }
+            Child::Block(index) => {
+                let block = &tree.blocks[index as usize];
+                let filled = (0..LANES).filter(|&k| block.filled >> k & 1 == 1);
+                found.extend(filled.map(|k| block.leaf[k]));
+            }
+        }
+    }
+
+    #[test]
+    fn every_leaf_has_one_place() {
+        // One leaf, a block of them, several; and many surfaces in one place.
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let one = vec![plane.clone()];
+        let crowd = vec![plane; 300];
+        let many = vec![shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.5).unwrap()];
+        for surfaces in [one, crowd, many] {
+            let (set, boxes) = PatchSet::new(&surfaces).unwrap();
+            let hierarchy = Hierarchy::new(&set, &boxes);
+            let records = SearchRecord::all(&set, &hierarchy);
+            let tree = LaneTree::new(&hierarchy, &records);
+            let mut found = Vec::new();
+            leaves(&tree, tree.root.unwrap(), &mut found);
+            found.sort_unstable();
+            assert!(found.iter().copied().eq(0..set.leaves().len() as u32));
+            let fill = found.len() as f64 / tree.blocks.len() as f64;
+            assert!(found.len() < 100 || fill > 6.0, "{fill} leaves a block");
+        }
+    }
+}
