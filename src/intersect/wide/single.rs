@@ -247,11 +247,14 @@ fn search_leaf<S: Simd>(
     let distances = Distances::new(simd, record, ray);
     if certified {
         let near = distances.newton(simd, start);
-        match finish(simd, record, &piece.patch, ray, (near, WIDENED, error)) {
-            Outcome::Missed => return,
-            Outcome::Hit(found) => return keep(SingleHit { leaf: index, ..found }, ray, work),
-            Outcome::Undecided => return work.rest.push(index),
-            Outcome::NotFound => {}
+        // A start outside leads to a root outside, as a rule: the proof knows sooner.
+        if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
+            match finish(simd, record, &piece.patch, ray, (near, WIDENED, error)) {
+                Outcome::Missed => return,
+                Outcome::Hit(found) => return keep(SingleHit { leaf: index, ..found }, ray, work),
+                Outcome::Undecided => return work.rest.push(index),
+                Outcome::NotFound => {}
+            }
         }
     }
     // Too flat an angle, or the one root is outside: the ray's own proof.
