@@ -54,4 +54,26 @@ pub enum CurveError {
         /// Where the domain ends.
         end: f64,
     },
+    /// Two points that must differ coincide.
+    #[error("points {first} and {second} coincide: neighbours must differ")]
+    Coincide {
+        /// Which point, counted from 0.
+        first: usize,
+        /// Which other one.
+        second: usize,
+    },
+    /// A radius is not a usable length.
+    #[error("radius {radius}: it must be positive and finite")]
+    Radius {
+        /// The radius.
+        radius: f64,
+    },
+    /// An arc of a circle turns by nothing, or by more than the circle has.
+    #[error("an arc from {from}° by {degrees}°: it must turn by -360° to 360°, and not by 0°")]
+    Arc {
+        /// Where it begins.
+        from: f64,
+        /// How far it turns.
+        degrees: f64,
+    },
 }

@@ -2,7 +2,7 @@
 //!
 //! A surface is made from two knot vectors and a net of control points, checked once; all
 //! that is made from it (refined, split, elevated, turned, moved) is valid again. What is
-//! already known by name is in [`shapes`].
+//! already known by name is in [`shapes`], what is made from curves in [`construct`].
 //!
 //! ```
 //! use glam::DVec3;
@@ -25,7 +25,9 @@
 mod arrange;
 mod basis;
 mod bezier;
+pub mod construct;
 mod curve;
+mod curve_arrange;
 mod curve_error;
 mod derivatives;
 mod elevate;

@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::place::with_place;
 use super::{CameraError, ImportNote, Place, SettingsError, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
+use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::intersect::BuildError;
 
@@ -52,6 +53,14 @@ pub enum SceneFault {
         surface: String,
         /// What is wrong with it.
         error: SurfaceError,
+    },
+    /// A surface that cannot be made from curves.
+    #[error("surface \"{surface}\": {error}")]
+    Construction {
+        /// The surface's name.
+        surface: String,
+        /// Which curve or number is at fault.
+        error: ConstructError,
     },
     /// A shape that cannot be made.
     #[error("surface \"{surface}\": {error}")]

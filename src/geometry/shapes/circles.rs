@@ -9,7 +9,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use glam::DVec3;
 
 use super::quadrics::unit_knots;
-use crate::geometry::{KnotVector, NurbsCurve};
+use crate::geometry::construct::arc::UnitArc;
+use crate::geometry::{CurveError, KnotVector, NurbsCurve};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +79,26 @@ pub fn circle_cubic() -> NurbsCurve {
     ];
     let values = vec![0.0, 0.0, 0.0, 0.0, half, half, half, 1.0, 1.0, 1.0, 1.0];
     plane_curve(KnotVector::derived(3, values), &points)
+}
+
+/// The arc of the circle of this radius around the origin, from an angle by a turn (both in
+/// degrees, counterclockwise from the x axis), of degree 2 on `[0, 1]`: one piece for each
+/// quarter turn or less, of equal angles.
+///
+/// # Errors
+/// When the radius is not positive and finite, or the turn is zero or more than 360°.
+pub fn circle_arc(radius: f64, from: f64, degrees: f64) -> Result<NurbsCurve, CurveError> {
+    let usable = radius > 0.0 && radius.is_finite(); // false for NaN
+    if !usable {
+        return Err(CurveError::Radius { radius });
+    }
+    let usable = from.is_finite() && degrees != 0.0 && degrees.abs() <= 360.0;
+    if !usable {
+        return Err(CurveError::Arc { from, degrees });
+    }
+    let arc = UnitArc::new(from, degrees);
+    let scaled = arc.points.iter().map(|&(x, y, w)| (radius * x, radius * y, w));
+    Ok(plane_curve(arc.knots, &scaled.collect::<Vec<_>>()))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::constructions::{ConstructionKeys, ExtrusionKeys, RevolutionKeys, RuledKeys};
 use super::values::{Axis, Color, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -187,6 +188,9 @@ pub(super) enum ShapeKeys {
     #[serde(rename = "lecture_patch_3")]
     LecturePatch3,
     DeckPatch,
+    Revolution(Box<RevolutionKeys>),
+    Extrusion(Box<ExtrusionKeys>),
+    Ruled(Box<RuledKeys>),
     Nurbs(Box<NurbsKeys>),
     File(Spanned<String>),
 }
@@ -216,12 +220,17 @@ pub(super) struct NurbsKeys {
 pub(super) enum ShapeSource {
     Named(NamedShape),
     Nurbs(Box<NurbsKeys>),
+    Built(ConstructionKeys),
     File(Spanned<String>),
 }
 
 impl ShapeKeys {
     pub(super) fn source(self) -> ShapeSource {
+        use ConstructionKeys as Built;
         ShapeSource::Named(match self {
+            Self::Revolution(keys) => return ShapeSource::Built(Built::Revolution(keys)),
+            Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(keys)),
+            Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(keys)),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere { radius } => NamedShape::Sphere { radius: radius.0 },

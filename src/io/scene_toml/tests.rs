@@ -35,8 +35,9 @@ fn with_sphere(lines: &str) -> String {
 fn documented() -> Vec<String> {
     let mut blocks = Vec::new();
     let mut block: Option<String> = None;
-    for line in include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!")) {
-        let line = line.trim_start_matches("//!").strip_prefix(' ').unwrap_or("");
+    let module = include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!"));
+    let module = module.map(|l| l.trim_start_matches("//!").strip_prefix(' ').unwrap_or(""));
+    for line in module.chain(include_str!("from_curves.md").lines()) {
         match (&mut block, line) {
             (None, "```toml") => block = Some(String::new()),
             (Some(_), "```") => blocks.extend(block.take()),
@@ -50,7 +51,7 @@ fn documented() -> Vec<String> {
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 4);
+    assert_eq!(blocks.len(), 5);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _| {
@@ -64,6 +65,37 @@ fn what_the_documentation_shows_can_be_read() {
         assert_eq!(world.surfaces.len(), text.matches("[[object]]").count());
         assert_eq!(asked.into_inner().len(), text.matches("file =").count());
     }
+}
+
+#[test]
+fn what_cannot_be_made_from_curves_is_told() {
+    let shape = |text: &str| error(&format!("[[object]]\nname = 'cup'\n[object.shape.{text}"));
+    assert_eq!(
+        shape("revolution]\nprofile = {}"),
+        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, circle, arc"
+    );
+    assert_eq!(
+        shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),
+        "s.toml:4:11: surface \"cup\": profile: points 0 and 1 coincide: neighbours must differ"
+    );
+    assert_eq!(
+        shape("revolution]\nprofile = { polyline = [[1, 0], [2, 0]] }\ndegrees = 400"),
+        "s.toml:3:1: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
+    );
+    assert_eq!(
+        shape(
+            "extrusion]\nprofile = { nurbs = { degree = 2, points = [[1, 0], [2, 0]] } }\nby = [0, 0, 1]"
+        ),
+        "s.toml:4:45: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
+    );
+    assert_eq!(
+        shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
+        "s.toml:4:8: surface \"cup\": from: radius -1: it must be positive and finite"
+    );
+    assert_eq!(
+        shape("ruled]\nfrom = { circle = { radius = 1 } }\nto = { polyline = [[1]] }"),
+        "s.toml:5:20: found a list of 1 numbers, needed [x, y, z], or [x, y]"
+    );
 }
 
 #[test]

@@ -1,0 +1,57 @@
+//! Why a surface cannot be made from curves.
+
+use glam::DVec3;
+use thiserror::Error;
+
+use crate::geometry::{CurveError, SurfaceError};
+
+/// Why a surface cannot be made from curves: which element is at fault, what was found,
+/// what is needed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConstructError {
+    /// One of the curves is at fault.
+    #[error("{which}: {error}")]
+    Curve {
+        /// Which curve, as `profile` or `section 2`.
+        which: String,
+        /// What is wrong with it.
+        error: CurveError,
+    },
+    /// The net that results is no surface.
+    #[error("the surface made: {0}")]
+    Surface(#[from] SurfaceError),
+    /// A direction has no length, or is not finite.
+    #[error("{what} ({}, {}, {}): it must be finite and not zero", .vector.x, .vector.y, .vector.z)]
+    Direction {
+        /// What it is the direction of.
+        what: &'static str,
+        /// The vector.
+        vector: DVec3,
+    },
+    /// A point is not finite.
+    #[error("{what} ({}, {}, {}): it must be finite", .point.x, .point.y, .point.z)]
+    Point {
+        /// Which point.
+        what: &'static str,
+        /// Its coordinates.
+        point: DVec3,
+    },
+    /// An angle of revolution is zero, or more than a full turn.
+    #[error("angle {degrees}°: it must be from -360° to 360°, and not 0°")]
+    Angle {
+        /// The angle.
+        degrees: f64,
+    },
+    /// A profile has no distance from the axis it is turned about.
+    #[error("the profile lies on the axis: turned about it, it remains a line")]
+    OnAxis,
+}
+
+impl ConstructError {
+    /// Blames a curve.
+    pub(crate) fn of(which: impl Into<String>) -> impl FnOnce(CurveError) -> Self {
+        let which = which.into();
+        move |error| Self::Curve { which, error }
+    }
+}

@@ -1,0 +1,58 @@
+//! Surfaces made from curves in a scene file, as `from_curves.md` shows them.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::curves::CurveKeys;
+use super::values::{Axis, Number, Vector};
+use super::{LoadError, Reader};
+use crate::scene::Construction;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RevolutionKeys {
+    profile: Spanned<CurveKeys>,
+    axis: Option<Axis>,
+    through: Option<Vector>,
+    degrees: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExtrusionKeys {
+    profile: Spanned<CurveKeys>,
+    by: Vector,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RuledKeys {
+    from: Spanned<CurveKeys>,
+    to: Spanned<CurveKeys>,
+}
+
+/// The keys of every construction.
+pub(super) enum ConstructionKeys {
+    Revolution(Box<RevolutionKeys>),
+    Extrusion(Box<ExtrusionKeys>),
+    Ruled(Box<RuledKeys>),
+}
+
+impl Reader<'_, '_> {
+    pub(super) fn construction(&self, keys: ConstructionKeys) -> Result<Construction, LoadError> {
+        Ok(match keys {
+            ConstructionKeys::Revolution(keys) => Construction::Revolution {
+                profile: self.curve(keys.profile)?,
+                through: keys.through.map(|point| point.0).unwrap_or_default(),
+                axis: keys.axis.map_or(glam::DVec3::Z, |axis| axis.0),
+                degrees: keys.degrees.map_or(360.0, |angle| angle.0),
+            },
+            ConstructionKeys::Extrusion(keys) => {
+                Construction::Extrusion { profile: self.curve(keys.profile)?, by: keys.by.0 }
+            }
+            ConstructionKeys::Ruled(keys) => {
+                Construction::Ruled { from: self.curve(keys.from)?, to: self.curve(keys.to)? }
+            }
+        })
+    }
+}

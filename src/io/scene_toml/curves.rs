@@ -1,0 +1,89 @@
+//! Curves in a scene file, as `from_curves.md` shows them.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::keys::TransformKeys;
+use super::values::{KnotList, Number, Point};
+use super::{LoadError, Reader};
+use crate::scene::{CurveKind, CurveSpec, Knots, Written};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurveKeys {
+    nurbs: Option<NurbsCurveKeys>,
+    polyline: Option<Vec<Point>>,
+    bezier: Option<Vec<Point>>,
+    circle: Option<CircleKeys>,
+    arc: Option<ArcKeys>,
+    #[serde(default)]
+    transform: Vec<Spanned<TransformKeys>>,
+    #[serde(default)]
+    reverse: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NurbsCurveKeys {
+    degree: u32,
+    knots: Option<Spanned<KnotList>>,
+    points: Spanned<Vec<Point>>,
+    weights: Option<Vec<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CircleKeys {
+    radius: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArcKeys {
+    radius: Number,
+    from: Option<Number>,
+    degrees: Number,
+}
+
+/// What a curve can be, for messages.
+const KINDS: &str = "nurbs, polyline, bezier, circle, arc";
+
+impl Reader<'_, '_> {
+    pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
+        let place = self.source.place(keys.span().start);
+        let keys = keys.into_inner();
+        let points = |points: Vec<Point>| points.into_iter().map(|point| point.0).collect();
+        let arc =
+            |radius: Number, from: f64, degrees| CurveKind::Arc { radius: radius.0, from, degrees };
+        let kinds = [
+            keys.nurbs.map(|keys| self.nurbs_curve(keys)),
+            keys.polyline.map(|list| CurveKind::Polyline(points(list))),
+            keys.bezier.map(|list| CurveKind::Bezier(points(list))),
+            keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
+            keys.arc
+                .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),
+        ];
+        let mut given = kinds.into_iter().flatten();
+        let (Some(kind), None) = (given.next(), given.next()) else {
+            let message = format!("curve: needed is one, and only one, of {KINDS}");
+            return Err(LoadError::malformed(place, message));
+        };
+        let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
+        Ok(CurveSpec { place, kind, transform, reverse: keys.reverse })
+    }
+
+    fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {
+        let knots = match keys.knots {
+            Some(knots) => {
+                let span = knots.span();
+                self.source.written(knots.into_inner().0, span)
+            }
+            None => {
+                Written::new(Knots::ClampedUniform, self.source.place(keys.points.span().start))
+            }
+        };
+        let points = keys.points.into_inner().into_iter().map(|point| point.0).collect();
+        let weights = keys.weights.map(|list| list.into_iter().map(|w| w.0).collect());
+        CurveKind::Nurbs { degree: keys.degree as usize, knots, points, weights }
+    }
+}
