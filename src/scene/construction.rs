@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::curve::CurveFault;
 use super::{CurveSpec, Place, SceneError, SceneFault};
 use crate::geometry::NurbsSurface;
-use crate::geometry::construct::{self, Axis, ConstructError};
+use crate::geometry::construct::{self, Axis, Borders, ConstructError};
 
 /// Surfaces made from curves; [`construct`] says how each is made and runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub enum Construction {
         /// The other.
         to: CurveSpec,
     },
+    /// A Coons patch between four borders: those of constant u, then of constant v.
+    Coons(Box<[CurveSpec; 4]>),
 }
 
 /// A surface made, and how far it is from what was asked for.
@@ -70,6 +72,7 @@ impl Construction {
             Self::Revolution { .. } => "revolution",
             Self::Extrusion { .. } => "extrusion",
             Self::Ruled { .. } => "ruled",
+            Self::Coons(_) => "coons",
         }
     }
 
@@ -82,6 +85,7 @@ impl Construction {
         match self {
             Self::Revolution { profile, .. } | Self::Extrusion { profile, .. } => vec![profile],
             Self::Ruled { from, to } => vec![from, to],
+            Self::Coons(borders) => borders.iter().collect(),
         }
     }
 
@@ -100,6 +104,16 @@ impl Construction {
             Self::Ruled { from, to } => {
                 let (from, to) = (shop.curve("from", from)?, shop.curve("to", to)?);
                 shop.checked(construct::ruled(&from, &to))?
+            }
+            Self::Coons(borders) => {
+                let [u0, u1, v0, v1] = &**borders;
+                let borders = Borders {
+                    u0: shop.curve("border u0", u0)?,
+                    u1: shop.curve("border u1", u1)?,
+                    v0: shop.curve("border v0", v0)?,
+                    v1: shop.curve("border v1", v1)?,
+                };
+                shop.checked(construct::coons(&borders))?
             }
         };
         Ok(vec![surface.into()])

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
+use super::Corner;
 use crate::geometry::{CurveError, SurfaceError};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
@@ -46,6 +47,21 @@ pub enum ConstructError {
     /// A profile has no distance from the axis it is turned about.
     #[error("the profile lies on the axis: turned about it, it remains a line")]
     OnAxis,
+    /// Two borders of a Coons patch do not meet.
+    #[error(
+        "{corner}: they end at ({}, {}, {}) and ({}, {}, {}), {distance} apart; they must meet",
+        .u.x, .u.y, .u.z, .v.x, .v.y, .v.z
+    )]
+    Corner {
+        /// Where they should.
+        corner: Corner,
+        /// Where the border of constant u ends.
+        u: DVec3,
+        /// Where the border of constant v ends.
+        v: DVec3,
+        /// The distance between the two.
+        distance: f64,
+    },
 }
 
 impl ConstructError {

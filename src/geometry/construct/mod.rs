@@ -1,4 +1,4 @@
-//! Surfaces made from curves: revolution, extrusion, ruled surfaces.
+//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches.
 //!
 //! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
 //! the control points of the very surface.
@@ -19,10 +19,12 @@
 
 pub(crate) mod arc;
 mod compatible;
+mod coons;
 mod error;
 mod revolve;
 mod ruled;
 
+pub use coons::{Borders, Corner, coons};
 pub use error::ConstructError;
 pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};

@@ -31,11 +31,21 @@ pub(super) struct RuledKeys {
     to: Spanned<CurveKeys>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CoonsKeys {
+    u0: Spanned<CurveKeys>,
+    u1: Spanned<CurveKeys>,
+    v0: Spanned<CurveKeys>,
+    v1: Spanned<CurveKeys>,
+}
+
 /// The keys of every construction.
 pub(super) enum ConstructionKeys {
     Revolution(Box<RevolutionKeys>),
     Extrusion(Box<ExtrusionKeys>),
     Ruled(Box<RuledKeys>),
+    Coons(Box<CoonsKeys>),
 }
 
 impl Reader<'_, '_> {
@@ -53,6 +63,12 @@ impl Reader<'_, '_> {
             ConstructionKeys::Ruled(keys) => {
                 Construction::Ruled { from: self.curve(keys.from)?, to: self.curve(keys.to)? }
             }
+            ConstructionKeys::Coons(keys) => Construction::Coons(Box::new([
+                self.curve(keys.u0)?,
+                self.curve(keys.u1)?,
+                self.curve(keys.v0)?,
+                self.curve(keys.v1)?,
+            ])),
         })
     }
 }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::constructions::{ConstructionKeys, ExtrusionKeys, RevolutionKeys, RuledKeys};
+use super::constructions::{ConstructionKeys, CoonsKeys, ExtrusionKeys, RevolutionKeys, RuledKeys};
 use super::values::{Axis, Color, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -191,6 +191,7 @@ pub(super) enum ShapeKeys {
     Revolution(Box<RevolutionKeys>),
     Extrusion(Box<ExtrusionKeys>),
     Ruled(Box<RuledKeys>),
+    Coons(Box<CoonsKeys>),
     Nurbs(Box<NurbsKeys>),
     File(Spanned<String>),
 }
@@ -231,6 +232,7 @@ impl ShapeKeys {
             Self::Revolution(keys) => return ShapeSource::Built(Built::Revolution(keys)),
             Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(keys)),
             Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(keys)),
+            Self::Coons(keys) => return ShapeSource::Built(Built::Coons(keys)),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere { radius } => NamedShape::Sphere { radius: radius.0 },

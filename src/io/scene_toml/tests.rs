@@ -63,7 +63,7 @@ fn what_the_documentation_shows_can_be_read() {
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
         let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert_eq!(world.surfaces.len(), text.matches("[[object]]").count());
-        assert_eq!(asked.into_inner().len(), text.matches("file =").count());
+        assert_eq!(asked.into_inner().len(), text.matches("{ file =").count());
     }
 }
 
@@ -80,7 +80,7 @@ fn what_cannot_be_made_from_curves_is_told() {
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [2, 0]] }\ndegrees = 400"),
-        "s.toml:3:1: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
+        "s.toml:3:9: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
     );
     assert_eq!(
         shape(
