@@ -38,6 +38,13 @@ pub enum Construction {
     },
     /// A Coons patch between four borders: those of constant u, then of constant v.
     Coons(Box<[CurveSpec; 4]>),
+    /// A surface through section curves.
+    Loft {
+        /// The sections in turn.
+        sections: Vec<CurveSpec>,
+        /// The degree across; as high as the sections allow up to 3 if not given.
+        degree: Option<usize>,
+    },
 }
 
 /// A surface made, and how far it is from what was asked for.
@@ -73,6 +80,7 @@ impl Construction {
             Self::Extrusion { .. } => "extrusion",
             Self::Ruled { .. } => "ruled",
             Self::Coons(_) => "coons",
+            Self::Loft { .. } => "loft",
         }
     }
 
@@ -86,6 +94,7 @@ impl Construction {
             Self::Revolution { profile, .. } | Self::Extrusion { profile, .. } => vec![profile],
             Self::Ruled { from, to } => vec![from, to],
             Self::Coons(borders) => borders.iter().collect(),
+            Self::Loft { sections, .. } => sections.iter().collect(),
         }
     }
 
@@ -114,6 +123,14 @@ impl Construction {
                     v1: shop.curve("border v1", v1)?,
                 };
                 shop.checked(construct::coons(&borders))?
+            }
+            Self::Loft { sections, degree } => {
+                let made = sections.iter().enumerate();
+                let made =
+                    made.map(|(index, curve)| shop.curve(&format!("section {index}"), curve));
+                let made = made.collect::<Result<Vec<_>, _>>()?;
+                let highest = made.len().saturating_sub(1).clamp(1, construct::LOFT_DEGREE);
+                shop.checked(construct::loft(&made, degree.unwrap_or(highest)))?.surface
             }
         };
         Ok(vec![surface.into()])

@@ -39,6 +39,13 @@ pub enum CurveKind {
     Polyline(Vec<DVec3>),
     /// One Bézier curve by its control points.
     Bezier(Vec<DVec3>),
+    /// A spline through points in turn.
+    Through {
+        /// The points.
+        points: Vec<DVec3>,
+        /// The degree.
+        degree: usize,
+    },
     /// An arc of a circle around the origin in the plane `z = 0`.
     Arc {
         /// Its radius.
@@ -63,7 +70,8 @@ impl CurveSpec {
         match &self.kind {
             CurveKind::Nurbs { points, .. }
             | CurveKind::Polyline(points)
-            | CurveKind::Bezier(points) => points.len(),
+            | CurveKind::Bezier(points)
+            | CurveKind::Through { points, .. } => points.len(),
             CurveKind::Arc { .. } => 0,
         }
     }
@@ -79,6 +87,7 @@ impl CurveSpec {
             }
             CurveKind::Polyline(points) => NurbsCurve::polyline(points),
             CurveKind::Bezier(points) => NurbsCurve::bezier(points),
+            CurveKind::Through { points, degree } => NurbsCurve::through(points, *degree),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
         }
         .map_err(blame)?;

@@ -47,6 +47,24 @@ pub enum ConstructError {
     /// A profile has no distance from the axis it is turned about.
     #[error("the profile lies on the axis: turned about it, it remains a line")]
     OnAxis,
+    /// Too few sections for the degree across them.
+    #[error("{found} sections: degree {degree} across needs at least {needed}")]
+    Sections {
+        /// How many there are.
+        found: usize,
+        /// The degree across.
+        degree: usize,
+        /// How many it needs.
+        needed: usize,
+    },
+    /// Two sections in a row are the same.
+    #[error("sections {first} and {second} coincide: neighbours must differ")]
+    SameSections {
+        /// Which section, counted from 0.
+        first: usize,
+        /// The next one.
+        second: usize,
+    },
     /// Two borders of a Coons patch do not meet.
     #[error(
         "{corner}: they end at ({}, {}, {}) and ({}, {}, {}), {distance} apart; they must meet",

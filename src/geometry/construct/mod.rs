@@ -1,4 +1,4 @@
-//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches.
+//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches, lofts.
 //!
 //! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
 //! the control points of the very surface.
@@ -21,11 +21,14 @@ pub(crate) mod arc;
 mod compatible;
 mod coons;
 mod error;
+mod interpolate;
+mod loft;
 mod revolve;
 mod ruled;
 
 pub use coons::{Borders, Corner, coons};
 pub use error::ConstructError;
+pub use loft::{LOFT_DEGREE, Loft, loft};
 pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};

@@ -40,12 +40,20 @@ pub(super) struct CoonsKeys {
     v1: Spanned<CurveKeys>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoftKeys {
+    sections: Vec<Spanned<CurveKeys>>,
+    degree: Option<u32>,
+}
+
 /// The keys of every construction.
 pub(super) enum ConstructionKeys {
     Revolution(Box<RevolutionKeys>),
     Extrusion(Box<ExtrusionKeys>),
     Ruled(Box<RuledKeys>),
     Coons(Box<CoonsKeys>),
+    Loft(Box<LoftKeys>),
 }
 
 impl Reader<'_, '_> {
@@ -69,6 +77,13 @@ impl Reader<'_, '_> {
                 self.curve(keys.v0)?,
                 self.curve(keys.v1)?,
             ])),
+            ConstructionKeys::Loft(keys) => {
+                let sections = keys.sections.into_iter().map(|curve| self.curve(curve));
+                Construction::Loft {
+                    sections: sections.collect::<Result<_, _>>()?,
+                    degree: keys.degree.map(|degree| degree as usize),
+                }
+            }
         })
     }
 }

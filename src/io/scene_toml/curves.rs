@@ -14,6 +14,7 @@ pub(super) struct CurveKeys {
     nurbs: Option<NurbsCurveKeys>,
     polyline: Option<Vec<Point>>,
     bezier: Option<Vec<Point>>,
+    through: Option<ThroughKeys>,
     circle: Option<CircleKeys>,
     arc: Option<ArcKeys>,
     #[serde(default)]
@@ -33,6 +34,16 @@ struct NurbsCurveKeys {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct ThroughKeys {
+    degree: Option<u32>,
+    points: Vec<Point>,
+}
+
+/// The degree of a spline through points, if none is given.
+const CUBIC: u32 = 3;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CircleKeys {
     radius: Number,
 }
@@ -46,7 +57,7 @@ struct ArcKeys {
 }
 
 /// What a curve can be, for messages.
-const KINDS: &str = "nurbs, polyline, bezier, circle, arc";
+const KINDS: &str = "nurbs, polyline, bezier, through, circle, arc";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -59,6 +70,10 @@ impl Reader<'_, '_> {
             keys.nurbs.map(|keys| self.nurbs_curve(keys)),
             keys.polyline.map(|list| CurveKind::Polyline(points(list))),
             keys.bezier.map(|list| CurveKind::Bezier(points(list))),
+            keys.through.map(|keys| CurveKind::Through {
+                points: points(keys.points),
+                degree: keys.degree.unwrap_or(CUBIC) as usize,
+            }),
             keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
             keys.arc
                 .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),

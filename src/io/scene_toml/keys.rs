@@ -3,7 +3,9 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::constructions::{ConstructionKeys, CoonsKeys, ExtrusionKeys, RevolutionKeys, RuledKeys};
+use super::constructions::{
+    ConstructionKeys, CoonsKeys, ExtrusionKeys, LoftKeys, RevolutionKeys, RuledKeys,
+};
 use super::values::{Axis, Color, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -192,6 +194,7 @@ pub(super) enum ShapeKeys {
     Extrusion(Box<ExtrusionKeys>),
     Ruled(Box<RuledKeys>),
     Coons(Box<CoonsKeys>),
+    Loft(Box<LoftKeys>),
     Nurbs(Box<NurbsKeys>),
     File(Spanned<String>),
 }
@@ -233,6 +236,7 @@ impl ShapeKeys {
             Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(keys)),
             Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(keys)),
             Self::Coons(keys) => return ShapeSource::Built(Built::Coons(keys)),
+            Self::Loft(keys) => return ShapeSource::Built(Built::Loft(keys)),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere { radius } => NamedShape::Sphere { radius: radius.0 },

@@ -72,7 +72,8 @@ fn what_cannot_be_made_from_curves_is_told() {
     let shape = |text: &str| error(&format!("[[object]]\nname = 'cup'\n[object.shape.{text}"));
     assert_eq!(
         shape("revolution]\nprofile = {}"),
-        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, circle, arc"
+        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, \
+         through, circle, arc"
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),
@@ -86,7 +87,7 @@ fn what_cannot_be_made_from_curves_is_told() {
         shape(
             "extrusion]\nprofile = { nurbs = { degree = 2, points = [[1, 0], [2, 0]] } }\nby = [0, 0, 1]"
         ),
-        "s.toml:4:45: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
+        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
     );
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
