@@ -66,6 +66,12 @@ impl NurbsCurve {
         [self.point_at(start), self.point_at(end)]
     }
 
+    /// Whether all control points coincide, to within a few roundings of their coordinates.
+    pub fn is_point(&self) -> bool {
+        let close = 16.0 * f64::EPSILON * self.magnitude();
+        (1..self.control().len()).all(|index| self.point(index).distance(self.point(0)) <= close)
+    }
+
     /// The largest coordinate magnitude of the control points: what rounding is measured by.
     pub(crate) fn magnitude(&self) -> f64 {
         let largest = |point: &DVec4| (point.xyz() / point.w).abs().max_element();

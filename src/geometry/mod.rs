@@ -32,6 +32,7 @@ mod curve_error;
 mod derivatives;
 mod elevate;
 mod evaluate;
+mod iso;
 mod knot_error;
 mod knots;
 mod line;

@@ -94,6 +94,22 @@ pub enum SceneFault {
         /// The name and the nearest known one.
         error: UnknownName,
     },
+    /// A net or curves of an object nobody described.
+    #[error("object \"{object}\": {error}")]
+    Draws {
+        /// The object that is drawn.
+        object: String,
+        /// The name and the nearest known one.
+        error: UnknownName,
+    },
+    /// A net of a net.
+    #[error("object \"{object}\": \"{of}\" is itself drawn from another object: name that one")]
+    DrawsDrawn {
+        /// The object that is drawn.
+        object: String,
+        /// The one it names.
+        of: String,
+    },
     /// Two things of one name.
     #[error("the {what} name \"{name}\" is taken{}", elsewhere(.first))]
     Duplicate {

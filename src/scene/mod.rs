@@ -19,6 +19,7 @@ mod placing;
 mod settings;
 mod shape;
 mod transform;
+mod workshop;
 mod world;
 
 pub use camera::{Camera, CameraError, Projection, View};

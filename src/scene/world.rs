@@ -2,11 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::DAffine3;
-
-use super::construction::Made;
 use super::framing::{BoundingSphere, default_lights};
-use super::placing::place_part;
+use super::placing::{Placer, affine};
+use super::workshop::Made;
 use super::{
     Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Texture,
     UnknownName, Written,
@@ -120,6 +118,7 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
     // Names that are given are kept; others move out of their way.
     let mut taken: HashSet<String> = given.map(|name| name.value.clone()).collect();
     let mut palette = Palette::new(scene)?;
+    let placer = Placer { scene };
     let mut instances = Vec::new();
     for object in &scene.objects {
         let name = match &object.name {
@@ -130,7 +129,7 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
         let world_from_object = affine(&name, object)?;
         let mut parts = Vec::new();
         for part in &object.parts {
-            for made in place_part(&name, part, &world_from_object)? {
+            for made in placer.place(&name, part, &world_from_object)? {
                 parts.push((joined(&part.name, &made.name), made));
             }
         }
@@ -202,17 +201,6 @@ impl Palette {
         self.by_name.insert(DEFAULT_MATERIAL.to_owned(), index);
         Ok(index)
     }
-}
-
-/// All steps of an object's transform, the first one first.
-fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
-    object.transform.iter().try_fold(DAffine3::IDENTITY, |before, step| {
-        let step_affine = step.value.affine().map_err(|error| {
-            let fault = SceneFault::Transform { object: name.to_owned(), error };
-            SceneError::new(step.place.clone(), fault)
-        })?;
-        Ok(step_affine * before)
-    })
 }
 
 #[cfg(test)]

@@ -65,6 +65,103 @@ pub enum ConstructError {
         /// The next one.
         second: usize,
     },
+    /// A path has no direction at a parameter.
+    #[error("the path stands still at t = {t}: it has no direction there")]
+    StandsStill {
+        /// The parameter.
+        t: f64,
+    },
+    /// A path is not connected.
+    #[error("the path has a gap at t = {t}, {gap} wide: it must be connected")]
+    Gap {
+        /// The parameter.
+        t: f64,
+        /// How wide it is.
+        gap: f64,
+    },
+    /// A path turns all at once.
+    #[error("the path has a kink of {degrees}° at t = {t}: it must be smooth; split it there")]
+    Kink {
+        /// The parameter.
+        t: f64,
+        /// By how much it turns.
+        degrees: f64,
+    },
+    /// A sweep would run backwards where its path bends.
+    #[error(
+        "the sweep folds at t = {t} of the path: the path bends with radius {radius} there, \
+         and the profile reaches {reach} towards the centre"
+    )]
+    Fold {
+        /// The path's parameter.
+        t: f64,
+        /// The path's radius of curvature.
+        radius: f64,
+        /// How far the profile reaches towards its centre.
+        reach: f64,
+    },
+    /// An upward direction is the path's own.
+    #[error(
+        "up ({}, {}, {}) runs along the path, whose direction there is ({}, {}, {}): \
+         choose another one",
+        .up.x, .up.y, .up.z, .tangent.x, .tangent.y, .tangent.z
+    )]
+    Up {
+        /// The upward direction.
+        up: DVec3,
+        /// The path's direction.
+        tangent: DVec3,
+    },
+    /// A scale is negative or not finite.
+    #[error("scale {index} is {factor}: it must be finite, and not negative")]
+    Scale {
+        /// Which of the scales, counted from 0.
+        index: usize,
+        /// Its value.
+        factor: f64,
+    },
+    /// There is no scale, or all are zero.
+    #[error("the scale is 0 all along the path: one at least must be positive")]
+    NoScale,
+    /// A radius is not a usable length.
+    #[error("{what} radius {radius}: it must be positive and finite")]
+    Radius {
+        /// Which one.
+        what: &'static str,
+        /// The radius.
+        radius: f64,
+    },
+    /// A width is not a usable length.
+    #[error("width {width}: it must be positive and finite")]
+    Width {
+        /// The width.
+        width: f64,
+    },
+    /// A twist is not finite.
+    #[error("twist {degrees}°: it must be finite")]
+    Twist {
+        /// The twist.
+        degrees: f64,
+    },
+    /// A tolerance is not a usable length.
+    #[error("tolerance {tolerance}: it must be positive and finite")]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A tolerance is finer than rounding, or than a sensible number of pieces.
+    #[error(
+        "the tolerance {tolerance} cannot be held: at t = {t} of the path, {deviation} is \
+         left after as many halvings as there may be"
+    )]
+    NotHeld {
+        /// The tolerance.
+        tolerance: f64,
+        /// What is left.
+        deviation: f64,
+        /// Where.
+        t: f64,
+    },
     /// Two borders of a Coons patch do not meet.
     #[error(
         "{corner}: they end at ({}, {}, {}) and ({}, {}, {}), {distance} apart; they must meet",

@@ -1,4 +1,5 @@
-//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches, lofts.
+//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches, lofts,
+//! sweeps; and curves and control nets made visible as tubes and ribbons.
 //!
 //! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
 //! the control points of the very surface.
@@ -21,14 +22,25 @@ pub(crate) mod arc;
 mod compatible;
 mod coons;
 mod error;
+mod frames;
 mod interpolate;
 mod loft;
+mod moving;
+mod net;
+mod path;
 mod revolve;
 mod ruled;
+mod sweep;
+#[cfg(test)]
+mod sweep_tests;
+mod tube;
 
 pub use coons::{Borders, Corner, coons};
 pub use error::ConstructError;
 pub use loft::{LOFT_DEGREE, Loft, loft};
+pub use net::{NetStyle, control_net, control_polygon};
 pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};
+pub use sweep::{Sweep, SweepOptions, sweep};
+pub use tube::{Caps, Piece, RibbonStyle, TubeStyle, ribbon, tube};

@@ -4,7 +4,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::constructions::{
-    ConstructionKeys, CoonsKeys, ExtrusionKeys, LoftKeys, RevolutionKeys, RuledKeys,
+    ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
+    RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
 };
 use super::values::{Axis, Color, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
@@ -195,6 +196,12 @@ pub(super) enum ShapeKeys {
     Ruled(Box<RuledKeys>),
     Coons(Box<CoonsKeys>),
     Loft(Box<LoftKeys>),
+    Sweep(Box<SweepKeys>),
+    Tube(Box<TubeKeys>),
+    Ribbon(Box<RibbonKeys>),
+    Polygon(Box<PolygonKeys>),
+    Net(Box<NetKeys>),
+    IsoCurves(Box<IsoCurvesKeys>),
     Nurbs(Box<NurbsKeys>),
     File(Spanned<String>),
 }
@@ -237,6 +244,12 @@ impl ShapeKeys {
             Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(keys)),
             Self::Coons(keys) => return ShapeSource::Built(Built::Coons(keys)),
             Self::Loft(keys) => return ShapeSource::Built(Built::Loft(keys)),
+            Self::Sweep(keys) => return ShapeSource::Built(Built::Sweep(keys)),
+            Self::Tube(keys) => return ShapeSource::Built(Built::Tube(keys)),
+            Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(keys)),
+            Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(keys)),
+            Self::Net(keys) => return ShapeSource::Built(Built::Net(keys)),
+            Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(keys)),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere { radius } => NamedShape::Sphere { radius: radius.0 },

@@ -51,7 +51,7 @@ fn documented() -> Vec<String> {
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 5);
+    assert_eq!(blocks.len(), 6);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _| {
@@ -62,7 +62,7 @@ fn what_the_documentation_shows_can_be_read() {
         });
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
         let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        assert_eq!(world.surfaces.len(), text.matches("[[object]]").count());
+        assert!(world.surfaces.len() >= text.matches("[[object]]").count());
         assert_eq!(asked.into_inner().len(), text.matches("{ file =").count());
     }
 }
@@ -96,6 +96,31 @@ fn what_cannot_be_made_from_curves_is_told() {
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = 1 } }\nto = { polyline = [[1]] }"),
         "s.toml:5:20: found a list of 1 numbers, needed [x, y, z], or [x, y]"
+    );
+}
+
+#[test]
+fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
+    let ball = "[[object]]\nname = 'ball'\nshape = { octant = {} }\n\
+        transform = [{ translate = [0, 0, 5] }]\n";
+    let net = "[[object]]\nname = 'net'\nshape.net = { of = 'ball', radius = 0.01 }\n";
+    let world = World::new(&scene(&format!("{net}{ball}"))).unwrap();
+    let names: Vec<_> = world.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+    // 3 × 3 points, of which three are the pole; 12 lines, of which two have no length.
+    assert_eq!(names.len(), 1 + 7 + 10, "{names:?}");
+    assert_eq!((names[17], names[1]), ("ball", "net/line 2"));
+    let pole = world.surfaces.iter().find(|surface| surface.name == "net/point 3").unwrap();
+    let middle = 0.5 * (pole.surface.point_at(0.0, 0.0) + pole.surface.point_at(0.0, 1.0));
+    assert!(middle.distance(DVec3::new(0.0, 0.0, 6.0)) < 1e-14, "moved with the ball: {middle}");
+    assert_eq!(
+        error(&format!("{ball}{}", net.replace("'ball'", "'bell'"))),
+        "s.toml:7:20: object \"net\": unknown object \"bell\"; did you mean \"ball\"?"
+    );
+    let lines =
+        "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'net', u = [0.5], radius = 0.1 }";
+    assert_eq!(
+        error(&format!("{ball}{net}{lines}")),
+        "s.toml:10:27: object \"l\": \"net\" is itself drawn from another object: name that one"
     );
 }
 
