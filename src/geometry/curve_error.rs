@@ -76,4 +76,76 @@ pub enum CurveError {
         /// How far it turns.
         degrees: f64,
     },
+    /// A weight of a basis function is negative or not finite.
+    #[error("the weight of control point {index} is {weight}: it must be finite, and not negative")]
+    BasisWeight {
+        /// Which control point, counted from 0.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Basis functions whose weights are all zero somewhere.
+    #[error("the weights of all control points that matter at t = {t} are 0: one must be positive")]
+    NoWeight {
+        /// The parameter.
+        t: f64,
+    },
+    /// Too few points for what is to be made of them.
+    #[error("{found} points: at least {needed} are needed")]
+    TooFewPoints {
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// The number of derivatives does not match the points.
+    #[error("{derivatives} derivatives for {points} points: each needs one")]
+    DerivativeCount {
+        /// The number of derivatives given.
+        derivatives: usize,
+        /// The number of points.
+        points: usize,
+    },
+    /// A control point is repeated more often than is of use, or not there at all.
+    #[error("an end point {times} times: from 1 to {most} times are possible")]
+    Repeated {
+        /// How often it was to be there.
+        times: usize,
+        /// How often it may be.
+        most: usize,
+    },
+    /// A curve is not a single cubic polynomial.
+    #[error(
+        "needed is one cubic, polynomial piece; this has degree {degree} and {pieces} pieces{}",
+        if *.rational { ", and weights" } else { "" }
+    )]
+    NotOneCubic {
+        /// Its degree.
+        degree: usize,
+        /// The number of its pieces.
+        pieces: usize,
+        /// Whether its weights differ.
+        rational: bool,
+    },
+    /// A control point of a quarter circle lies outside the first quadrant.
+    #[error(
+        "control point {index} is ({}, {}): both coordinates must be positive for a quarter circle",
+        .point.x, .point.y
+    )]
+    OffQuadrant {
+        /// Which control point, counted from 0.
+        index: usize,
+        /// Its coordinates.
+        point: DVec3,
+    },
+    /// Weights or constants do not make a circle.
+    #[error("{what} is {found}: a circle needs {needed}")]
+    NotRound {
+        /// What is wrong.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The value it must have.
+        needed: f64,
+    },
 }

@@ -26,6 +26,8 @@ mod arrange;
 mod basis;
 mod bezier;
 pub mod construct;
+mod corner_cutting;
+mod curvature;
 mod curve;
 mod curve_arrange;
 mod curve_error;
@@ -36,20 +38,27 @@ mod iso;
 mod knot_error;
 mod knots;
 mod line;
+mod matrix_form;
+mod rational_basis;
 mod refine;
 pub mod shapes;
 mod surface;
 mod surface_error;
+mod uniform;
 
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
+pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
 pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
+pub use matrix_form::{MatrixForm, matrix_patch};
+pub use rational_basis::RationalBasis;
 pub use surface::NurbsSurface;
 pub use surface_error::{Direction, SurfaceError};
+pub use uniform::{MAX_REPEATED, with_repeated_ends};
 
 #[cfg(test)]
 mod refine_tests;

@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3};
 use super::net::knot_vector;
 use super::{Knots, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::circle_arc;
-use crate::geometry::{CurveError, NurbsCurve};
+use crate::geometry::{CurveError, NurbsCurve, with_repeated_ends};
 
 /// A curve as written, not yet checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +46,29 @@ pub enum CurveKind {
         /// The degree.
         degree: usize,
     },
+    /// A uniform B-spline.
+    BSpline {
+        /// The control points.
+        points: Vec<DVec3>,
+        /// The degree.
+        degree: usize,
+        /// How it begins and ends.
+        ends: BSplineEnds,
+    },
+    /// A Catmull–Rom spline: through points, from the second to the last but one.
+    CatmullRom {
+        /// The points.
+        points: Vec<DVec3>,
+        /// Whether it runs through all of them and closes.
+        closed: bool,
+    },
+    /// A Hermite spline.
+    Hermite {
+        /// The points.
+        points: Vec<DVec3>,
+        /// The derivatives there.
+        derivatives: Vec<DVec3>,
+    },
     /// An arc of a circle around the origin in the plane `z = 0`.
     Arc {
         /// Its radius.
@@ -55,6 +78,15 @@ pub enum CurveKind {
         /// How far it turns, in degrees, counterclockwise.
         degrees: f64,
     },
+}
+
+/// How a uniform B-spline begins and ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BSplineEnds {
+    /// Open, the first and the last control point there so many times.
+    Repeated([usize; 2]),
+    /// It closes.
+    Closed,
 }
 
 /// Why a curve as written is none.
@@ -71,7 +103,10 @@ impl CurveSpec {
             CurveKind::Nurbs { points, .. }
             | CurveKind::Polyline(points)
             | CurveKind::Bezier(points)
-            | CurveKind::Through { points, .. } => points.len(),
+            | CurveKind::Through { points, .. }
+            | CurveKind::BSpline { points, .. }
+            | CurveKind::CatmullRom { points, .. }
+            | CurveKind::Hermite { points, .. } => points.len(),
             CurveKind::Arc { .. } => 0,
         }
     }
@@ -88,6 +123,18 @@ impl CurveSpec {
             CurveKind::Polyline(points) => NurbsCurve::polyline(points),
             CurveKind::Bezier(points) => NurbsCurve::bezier(points),
             CurveKind::Through { points, degree } => NurbsCurve::through(points, *degree),
+            CurveKind::BSpline { points, degree, ends: BSplineEnds::Repeated(times) } => {
+                with_repeated_ends(points, *times)
+                    .and_then(|points| NurbsCurve::uniform_bspline(*degree, &points))
+            }
+            CurveKind::BSpline { points, degree, ends: BSplineEnds::Closed } => {
+                NurbsCurve::closed_bspline(*degree, points)
+            }
+            CurveKind::CatmullRom { points, closed: false } => NurbsCurve::catmull_rom(points),
+            CurveKind::CatmullRom { points, closed: true } => {
+                NurbsCurve::closed_catmull_rom(points)
+            }
+            CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
         }
         .map_err(blame)?;

@@ -24,7 +24,7 @@ mod world;
 
 pub use camera::{Camera, CameraError, Projection, View};
 pub use construction::Construction;
-pub use curve::{CurveKind, CurveSpec};
+pub use curve::{BSplineEnds, CurveKind, CurveSpec};
 pub use document::{CameraSpec, ImportNote, Lens, Object, Part, Scene, Shape};
 pub use error::{SceneError, SceneFault};
 pub use light::{Light, Rgb};

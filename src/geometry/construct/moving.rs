@@ -91,6 +91,8 @@ impl MovingFrames {
         let path = piece.curve.derivatives(t);
         let (r, s, along) = (frame.normal, frame.side(), frame.tangent);
         let turning = (path.second - path.second.dot(along) * along) / path.first.length();
+        // Where the path stands still, at an end: whatever is used is measured afterwards.
+        let turning = if turning.is_finite() { turning } else { DVec3::ZERO };
         let (r1, s1) = (-r.dot(turning) * along, -s.dot(turning) * along);
 
         let length = self.domain.1 - self.domain.0;
@@ -109,7 +111,8 @@ impl MovingFrames {
     }
 
     /// Refuses a sweep whose profile reaches beyond the centre of curvature: there it would
-    /// run backwards.
+    /// run backwards. Ends of pieces, where a path may stand still, are looked at a little
+    /// inside.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
         let (start, end) = profile.domain();
         let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
@@ -117,7 +120,8 @@ impl MovingFrames {
         for piece in &self.pieces {
             let (start, end) = piece.curve.domain();
             for k in 0..=FOLD_SAMPLES {
-                let t = start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
+                let share = (k as f64 / FOLD_SAMPLES as f64).clamp(INSIDE, 1.0 - INSIDE);
+                let t = start + (end - start) * share;
                 let (carrier, _) = self.at(piece, t)?;
                 let path = piece.curve.derivatives(t);
                 let speed = path.first.length();
@@ -136,6 +140,10 @@ impl MovingFrames {
         Ok(())
     }
 }
+
+/// How far inside a piece, as a share of it, curvature is measured at its ends: where the
+/// path stands still at an end, the noise of derivatives is there a thousandth of them.
+const INSIDE: f64 = 1.0 / 1024.0;
 
 /// The most cubic pieces along a path. Each halving divides the error by sixteen: eight of
 /// them, for sixteen pieces of a path, bring it from the size of things down to rounding.

@@ -14,12 +14,30 @@ pub(crate) const SAME_DIRECTION: f64 = 1e-9;
 /// roundings of each.
 pub(crate) const SAME_PLACE: f64 = 16.0 * f64::EPSILON;
 
-/// The direction of a curve at `t`.
+/// The direction of a clamped curve at `t`. Where it stands still at an end, as where control
+/// points are repeated, that is the limit from inside: towards the nearest control point
+/// that differs.
 ///
 /// # Errors
-/// When it stands still there.
+/// When it stands still within its domain, or all along.
 pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructError> {
-    unit(curve.derivatives(t).first).ok_or(ConstructError::StandsStill { t })
+    let (start, end) = curve.domain();
+    let at = curve.derivatives(t);
+    let count = curve.control().len();
+    let towards = |from: usize, mut others: &mut dyn Iterator<Item = usize>| {
+        let near = SAME_PLACE * curve.magnitude();
+        let away = |index: usize| curve.point(index) - curve.point(from);
+        let differs = |vector: &DVec3| vector.length() > near;
+        (&mut others).map(away).find(differs).and_then(unit)
+    };
+    let found = if t <= start {
+        towards(0, &mut (1..count))
+    } else if t >= end {
+        towards(count - 1, &mut (0..count - 1).rev()).map(|back| -back)
+    } else {
+        unit(at.first)
+    };
+    found.ok_or(ConstructError::StandsStill { t })
 }
 
 /// The angle between two unit vectors in radians, right for small ones too.

@@ -102,6 +102,22 @@ fn what_is_not_rational_stays_within_its_tolerance() {
 }
 
 #[test]
+fn a_path_may_begin_and_end_at_rest() {
+    // Threefold ends: a uniform spline comes to its end points with no speed.
+    let points = [[2.0, 1.0], [5.0, 2.0], [6.0, 5.0], [8.0, 6.0], [5.0, 9.0]];
+    let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
+    let path = crate::geometry::with_repeated_ends(&points, [3, 3]).unwrap();
+    let path = NurbsCurve::uniform_bspline(3, &path).unwrap();
+    let made = sweep(&circle(0.1), &path, &SweepOptions::default()).unwrap();
+    let off = |(u, v): (f64, f64)| {
+        let t = path.domain().0 + v * (path.domain().1 - path.domain().0);
+        (at(&made, (u, v)).distance(path.point_at(t)) - 0.1).abs()
+    };
+    let worst = grid().map(off).fold(0.0, f64::max);
+    assert!(worst <= made.deviation && made.deviation < 2e-5, "{worst:e}, {:e}", made.deviation);
+}
+
+#[test]
 fn twist_and_scale_do_what_they_say_along_a_line() {
     // A point of the profile becomes a helix on a cone.
     let profile = NurbsCurve::polyline(&[DVec3::X, DVec3::X * 2.0]).unwrap();
@@ -163,11 +179,16 @@ fn what_cannot_be_swept() {
     assert!(folded.ends_with("there, and the profile reaches 3 towards the centre"), "{folded}");
     let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 0.0, 2.0)]).unwrap();
     assert!(message(&circle(4.0), &parabola, &plain).starts_with("the sweep folds at t = 0"));
-    let cusp = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::ONE]).unwrap();
+    // Four equal control points in a row: the path stands still for a span.
+    let still = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X, DVec3::X, DVec3::X, DVec3::ONE];
+    let still = NurbsCurve::uniform_bspline(3, &still).unwrap();
     assert_eq!(
-        message(&circle(0.1), &cusp, &plain),
-        "the path stands still at t = 0: it has no direction there"
+        message(&circle(0.1), &still, &plain),
+        "the path stands still at t = 5: it has no direction there"
     );
+    // A beginning of unlimited curvature.
+    let hook = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::ONE]).unwrap();
+    assert!(message(&circle(0.1), &hook, &plain).starts_with("the sweep folds at t = 0.0009"));
     let scaled = |scale: &[f64]| SweepOptions { scale: scale.to_vec(), ..plain.clone() };
     assert_eq!(
         message(&circle(0.1), &parabola, &scaled(&[1.0, -1.0])),

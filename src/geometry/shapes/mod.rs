@@ -8,8 +8,8 @@ mod quadrics;
 mod revolved;
 
 pub use circles::{
-    QuadraticArc, QuarticArc, circle_arc, circle_cubic, half_circle_cubic,
-    quarter_circle_quadratic, quarter_circle_quartic,
+    QuadraticArc, QuarticArc, QuarticConstants, circle_arc, circle_cubic, half_circle_cubic,
+    quarter_circle_quadratic, quarter_circle_quartic, quarter_circle_weighted,
 };
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
 pub(crate) use quadrics::unit_knots;

@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::keys::TransformKeys;
 use super::values::{KnotList, Number, Point};
 use super::{LoadError, Reader};
-use crate::scene::{CurveKind, CurveSpec, Knots, Written};
+use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Written};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -15,6 +15,9 @@ pub(super) struct CurveKeys {
     polyline: Option<Vec<Point>>,
     bezier: Option<Vec<Point>>,
     through: Option<ThroughKeys>,
+    bspline: Option<BSplineKeys>,
+    catmull_rom: Option<CatmullRomKeys>,
+    hermite: Option<HermiteKeys>,
     circle: Option<CircleKeys>,
     arc: Option<ArcKeys>,
     #[serde(default)]
@@ -39,7 +42,32 @@ struct ThroughKeys {
     points: Vec<Point>,
 }
 
-/// The degree of a spline through points, if none is given.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BSplineKeys {
+    degree: Option<u32>,
+    points: Vec<Point>,
+    ends: Option<Spanned<[u32; 2]>>,
+    #[serde(default)]
+    closed: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CatmullRomKeys {
+    points: Vec<Point>,
+    #[serde(default)]
+    closed: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HermiteKeys {
+    points: Vec<Point>,
+    derivatives: Vec<Point>,
+}
+
+/// The degree of a spline, if none is given.
 const CUBIC: u32 = 3;
 
 #[derive(Deserialize)]
@@ -57,7 +85,7 @@ struct ArcKeys {
 }
 
 /// What a curve can be, for messages.
-const KINDS: &str = "nurbs, polyline, bezier, through, circle, arc";
+const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -74,6 +102,15 @@ impl Reader<'_, '_> {
                 points: points(keys.points),
                 degree: keys.degree.unwrap_or(CUBIC) as usize,
             }),
+            keys.bspline.map(|keys| self.bspline(keys)).transpose()?,
+            keys.catmull_rom.map(|keys| CurveKind::CatmullRom {
+                points: points(keys.points),
+                closed: keys.closed,
+            }),
+            keys.hermite.map(|keys| CurveKind::Hermite {
+                points: points(keys.points),
+                derivatives: points(keys.derivatives),
+            }),
             keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
             keys.arc
                 .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),
@@ -85,6 +122,23 @@ impl Reader<'_, '_> {
         };
         let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
         Ok(CurveSpec { place, kind, transform, reverse: keys.reverse })
+    }
+
+    fn bspline(&self, keys: BSplineKeys) -> Result<CurveKind, LoadError> {
+        let ends = match (keys.closed, keys.ends) {
+            (true, Some(ends)) => {
+                let place = self.source.place(ends.span().start);
+                let message = "bspline: a closed one has no ends to repeat";
+                return Err(LoadError::malformed(place, message));
+            }
+            (true, None) => BSplineEnds::Closed,
+            (false, ends) => {
+                let times = ends.map_or([1, 1], Spanned::into_inner);
+                BSplineEnds::Repeated(times.map(|times| times as usize))
+            }
+        };
+        let points = keys.points.into_iter().map(|point| point.0).collect();
+        Ok(CurveKind::BSpline { points, degree: keys.degree.unwrap_or(CUBIC) as usize, ends })
     }
 
     fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {

@@ -72,8 +72,8 @@ fn what_cannot_be_made_from_curves_is_told() {
     let shape = |text: &str| error(&format!("[[object]]\nname = 'cup'\n[object.shape.{text}"));
     assert_eq!(
         shape("revolution]\nprofile = {}"),
-        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, \
-         through, circle, arc"
+        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, through, \
+         bspline, catmull_rom, hermite, circle, arc"
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),
