@@ -59,7 +59,7 @@ impl MatrixForm {
     }
 
     /// What gives the segment with these Bézier points.
-    fn from_bezier(self, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
+    fn given_by_bezier(self, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
         match self {
             Self::Bezier => [a, b, c, d],
             Self::BSpline => {
@@ -94,12 +94,12 @@ impl MatrixForm {
                 rational: segment.is_rational(),
             });
         }
-        Ok(self.from_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
+        Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
     }
 
     /// What gives in another form the segment that `geometry` gives in this one.
     pub fn converted(self, geometry: [DVec3; 4], to: Self) -> [DVec3; 4] {
-        to.from_bezier(self.to_bezier(geometry))
+        to.given_by_bezier(self.to_bezier(geometry))
     }
 
     /// The chain of segments of each four points in a row, a unit of the parameter each. For

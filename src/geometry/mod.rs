@@ -44,6 +44,8 @@ mod refine;
 pub mod shapes;
 mod surface;
 mod surface_error;
+mod triangle;
+mod triangle_error;
 mod uniform;
 
 pub use basis::{BasisDerivatives, BasisValues};
@@ -58,6 +60,8 @@ pub use matrix_form::{MatrixForm, matrix_patch};
 pub use rational_basis::RationalBasis;
 pub use surface::NurbsSurface;
 pub use surface_error::{Direction, SurfaceError};
+pub use triangle::{TrianglePatch, TriangleQuarter, TriangleSide};
+pub use triangle_error::TriangleError;
 pub use uniform::{MAX_REPEATED, with_repeated_ends};
 
 #[cfg(test)]
@@ -71,3 +75,5 @@ mod knots_tests;
 mod normal_tests;
 #[cfg(test)]
 mod surface_tests;
+#[cfg(test)]
+mod triangle_tests;
