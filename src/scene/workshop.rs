@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::curve::CurveFault;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{self, Axis, Borders, ConstructError, Piece, Sweep, TubeStyle};
-use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
+use crate::geometry::{NurbsCurve, NurbsSurface};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,7 +141,7 @@ fn iso_curves(
 ) -> Result<Vec<Piece>, ConstructError> {
     let at_u = u.iter().map(|&u| surface.curve_at_u(u));
     let at_v = v.iter().map(|&v| surface.curve_at_v(v));
-    let curves = at_u.chain(at_v).collect::<Result<Vec<_>, SurfaceError>>()?;
+    let curves = at_u.chain(at_v).collect::<Result<Vec<_>, _>>().map_err(ConstructError::Iso)?;
     let mut pieces = Vec::new();
     for curve in curves.iter().filter(|curve| !curve.is_point()) {
         pieces.extend(construct::tube(curve, style)?);

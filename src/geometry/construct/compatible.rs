@@ -34,47 +34,55 @@ pub(crate) fn compatible(
         prepared.push(prepare(curve).map_err(|e| ConstructError::of(which(index))(e))?);
     }
 
-    let common = common_knots(&prepared, SAME_KNOT * (domain.1 - domain.0));
-    let with_all = |curve: &NurbsCurve| {
-        let snapped = snapped(curve.knots(), &common)?;
-        let lacking = lacking(&common, &snapped);
-        let control = refine(&snapped, curve.control(), &lacking);
-        let values = merged(snapped.values(), &lacking);
-        Ok::<_, CurveError>(NurbsCurve::assembled(KnotVector::derived(degree, values), control))
+    // Knots that are the same get the same value, then every curve gets every knot.
+    let places = distinct_knots(&prepared, SAME_KNOT * (domain.1 - domain.0));
+    for (index, curve) in prepared.iter_mut().enumerate() {
+        let knots = snapped(curve.knots(), &places).map_err(CurveError::from);
+        let knots = knots.map_err(ConstructError::of(which(index)))?;
+        *curve = NurbsCurve::assembled(knots, curve.control().to_vec());
+    }
+    let highest = |&knot: &f64| {
+        let times = prepared.iter().map(|curve| curve.knots().multiplicity(knot));
+        (knot, times.fold(0, usize::max))
     };
-    let all = prepared.iter().enumerate();
-    all.map(|(index, curve)| with_all(curve).map_err(ConstructError::of(which(index)))).collect()
+    let common: Vec<(f64, usize)> = places.iter().map(highest).collect();
+    let with_all = |curve: &NurbsCurve| {
+        let lacking = lacking(&common, curve.knots());
+        let control = refine(curve.knots(), curve.control(), &lacking);
+        let values = merged(curve.knots().values(), &lacking);
+        NurbsCurve::assembled(KnotVector::derived(degree, values), control)
+    };
+    Ok(prepared.iter().map(with_all).collect())
 }
 
-/// The inner knots of all curves with the highest multiplicity of each, those that are the
-/// same within `tolerance` as one.
-fn common_knots(curves: &[NurbsCurve], tolerance: f64) -> Vec<(f64, usize)> {
+/// The values of the inner knots of all curves, in order, those that are the same within
+/// `tolerance` as one: the first of them.
+fn distinct_knots(curves: &[NurbsCurve], tolerance: f64) -> Vec<f64> {
     let inner = |curve: &NurbsCurve| {
         let (values, p) = (curve.knots().values(), curve.knots().degree());
-        let runs = values[p + 1..values.len() - p - 1].chunk_by(|a, b| a == b);
-        runs.map(|run| (run[0], run.len())).collect::<Vec<_>>()
+        values[p + 1..values.len() - p - 1].to_vec()
     };
-    let mut all: Vec<(f64, usize)> = curves.iter().flat_map(inner).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut common: Vec<(f64, usize)> = Vec::new();
-    for (knot, times) in all {
-        match common.last_mut() {
-            Some(last) if knot - last.0 <= tolerance => last.1 = last.1.max(times),
-            _ => common.push((knot, times)),
+    let mut all: Vec<f64> = curves.iter().flat_map(inner).collect();
+    all.sort_by(f64::total_cmp);
+    let mut distinct: Vec<f64> = Vec::new();
+    for knot in all {
+        let new = distinct.last().is_none_or(|last| knot - last > tolerance);
+        if new {
+            distinct.push(knot);
         }
     }
-    common
+    distinct
 }
 
-/// The knots with each inner one moved to the nearest common one.
-fn snapped(knots: &KnotVector, common: &[(f64, usize)]) -> Result<KnotVector, KnotError> {
+/// The knots with each inner one moved to the place it belongs to.
+fn snapped(knots: &KnotVector, places: &[f64]) -> Result<KnotVector, KnotError> {
     let (p, n) = (knots.degree(), knots.point_count());
     let mut values = knots.values().to_vec();
     for value in &mut values[p + 1..n] {
-        // The common knot at or below it: clusters are named by their first knot.
-        let index = common.partition_point(|(knot, _)| knot <= value);
-        if let Some((knot, _)) = index.checked_sub(1).and_then(|index| common.get(index)) {
-            *value = *knot;
+        // Places are named by their first knot: the last one at or below.
+        let above = places.partition_point(|place| place <= value);
+        if let Some(place) = above.checked_sub(1).and_then(|index| places.get(index)) {
+            *value = *place;
         }
     }
     KnotVector::new(p, values)
@@ -122,6 +130,24 @@ mod tests {
         }
         // A third of the way twice, from a knot of its own and from one moved: one knot.
         assert_eq!(same[0].knots().spans().count(), 4);
+    }
+
+    #[test]
+    fn knots_that_are_hardly_apart_become_one_of_higher_multiplicity() {
+        let half = 0.5 + f64::EPSILON;
+        let curves = [
+            curve(3, &[(0.0, 4), (0.5, 1), (half, 1), (1.0, 4)], 1.0),
+            curve(3, &[(0.0, 4), (0.25, 1), (1.0, 4)], 2.0),
+        ];
+        let same = compatible(&curves, &|_| String::new()).unwrap();
+        assert_eq!(same[0].knots(), same[1].knots());
+        assert_eq!(same[1].knots().multiplicity(0.5), 2);
+        for k in 0..=40 {
+            let t = f64::from(k) / 40.0;
+            for (new, old) in same.iter().zip(&curves) {
+                assert!(new.point_at(t).distance(old.point_at(t)) < 1e-14, "{t}");
+            }
+        }
     }
 
     #[test]

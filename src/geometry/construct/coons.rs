@@ -6,6 +6,7 @@ use glam::{DVec4, Vec4Swizzles};
 
 use super::ConstructError;
 use super::compatible::compatible;
+use super::error::net_size;
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
@@ -77,7 +78,7 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     [d1[0], d1[last_j]] = corners[1];
 
     let (shares_u, shares_v) = (greville(&knots_u), greville(&knots_v));
-    let mut net = Vec::with_capacity(c0.len() * d0.len());
+    let mut net = Vec::with_capacity(net_size(c0.len(), d0.len())?);
     for (i, &mu) in shares_u.iter().enumerate() {
         for (j, &nu) in shares_v.iter().enumerate() {
             net.push(match (i, j) {

@@ -22,6 +22,19 @@ pub enum ConstructError {
     /// The net that results is no surface.
     #[error("the surface made: {0}")]
     Surface(#[from] SurfaceError),
+    /// A line of constant parameter is none of the surface's.
+    #[error("{0}")]
+    Iso(SurfaceError),
+    /// The surface would have more control points than are sensible; nothing was allocated.
+    #[error("{nu} × {nv} control points: at most {limit} in all are supported")]
+    TooLarge {
+        /// Control points along u.
+        nu: usize,
+        /// Control points along v.
+        nv: usize,
+        /// How many there may be in all.
+        limit: usize,
+    },
     /// A direction has no length, or is not finite.
     #[error("{what} ({}, {}, {}): it must be finite and not zero", .vector.x, .vector.y, .vector.z)]
     Direction {
@@ -185,4 +198,19 @@ impl ConstructError {
         let which = which.into();
         move |error| Self::Curve { which, error }
     }
+}
+
+/// The most control points of one surface made: 2²⁴, half a gigabyte. Curves of thousands of
+/// points multiply.
+const MAX_NET: usize = 1 << 24;
+
+/// The number of control points of a net, if it is sensible.
+pub(crate) fn net_size(nu: usize, nv: usize) -> Result<usize, ConstructError> {
+    check_net(nu, nv, MAX_NET)
+}
+
+/// The product of two counts, if it is no more than a limit.
+pub(crate) fn check_net(nu: usize, nv: usize, limit: usize) -> Result<usize, ConstructError> {
+    let size = nu.checked_mul(nv).filter(|&points| points <= limit);
+    size.ok_or(ConstructError::TooLarge { nu, nv, limit })
 }

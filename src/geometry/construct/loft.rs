@@ -4,6 +4,7 @@ use glam::{DVec4, Vec4Swizzles};
 
 use super::ConstructError;
 use super::compatible::compatible;
+use super::error::net_size;
 use super::interpolate::Interpolation;
 use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
 
@@ -43,7 +44,7 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
     let equations = Interpolation::new(degree, &parameters).map_err(across)?;
 
     let knots_u = sections[0].knots().clone();
-    let mut net = Vec::with_capacity(knots_u.point_count() * sections.len());
+    let mut net = Vec::with_capacity(net_size(knots_u.point_count(), sections.len())?);
     for i in 0..knots_u.point_count() {
         let through: Vec<DVec4> = lines.iter().map(|line| line[i]).collect();
         net.extend(equations.control(&through));

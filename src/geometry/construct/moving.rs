@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::ConstructError;
+use super::error::net_size;
 use super::frames::{Frame, PieceFrames};
 use super::path::{SAME_DIRECTION, angle, is_closed, pieces};
 use super::sweep::{FOLD_SAMPLES, Sweep, SweepOptions};
@@ -145,7 +146,7 @@ impl MovingFrames {
 /// path stands still at an end, the noise of derivatives is there a thousandth of them.
 const INSIDE: f64 = 1.0 / 1024.0;
 
-/// The most cubic pieces along a path. Each halving divides the error by sixteen: eight of
+/// The most cubic pieces along a path, beside those it has. Each halving divides the error by sixteen: eight of
 /// them, for sixteen pieces of a path, bring it from the size of things down to rounding.
 const MAX_PIECES: usize = 4096;
 
@@ -176,7 +177,9 @@ pub(crate) fn approximate(
                 continue;
             }
             let middle = 0.5 * (a + b);
-            let exhausted = breaks.len() + waiting.len() > MAX_PIECES || middle <= a || middle >= b;
+            let exhausted = breaks.len() + waiting.len() > MAX_PIECES + frames.pieces.len()
+                || middle <= a
+                || middle >= b;
             if exhausted {
                 return Err(ConstructError::NotHeld { tolerance, deviation: off, t: a });
             }
@@ -193,7 +196,7 @@ pub(crate) fn approximate(
     knots.push((breaks[breaks.len() - 1], 4));
     let knots = KnotVector::with_multiplicities(3, &knots)
         .map_err(|error| ConstructError::Curve { which: "path".to_owned(), error: error.into() })?;
-    let mut net = Vec::with_capacity(points.len() * columns.len());
+    let mut net = Vec::with_capacity(net_size(points.len(), columns.len())?);
     for (i, &point) in points.iter().enumerate() {
         let weight = profile.weight(i);
         net.extend(columns.iter().map(|column| (weight * column.carried(point)).extend(weight)));

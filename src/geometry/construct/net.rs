@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::ConstructError;
+use super::error::check_net;
 use super::tube::{Caps, Piece, TubeStyle, ball, tube};
 use crate::geometry::{NurbsCurve, NurbsSurface};
 
@@ -25,6 +26,7 @@ pub struct NetStyle {
 /// When a radius is not a positive length.
 pub fn control_net(surface: &NurbsSurface, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
     let (nu, nv) = surface.size();
+    check_net(nu, nv, MAX_DRAWN)?;
     let mut drawing = Drawing::new(surface.control(), *style);
     for i in 0..nu {
         for j in 0..nv {
@@ -48,6 +50,7 @@ pub fn control_net(surface: &NurbsSurface, style: &NetStyle) -> Result<Vec<Piece
 pub fn control_polygon(curve: &NurbsCurve, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
     let mut drawing = Drawing::new(curve.control(), *style);
     let count = curve.control().len();
+    check_net(count, 1, MAX_DRAWN)?;
     for i in 0..count {
         drawing.point(curve.point(i))?;
         if i + 1 < count {
@@ -56,6 +59,10 @@ pub fn control_polygon(curve: &NurbsCurve, style: &NetStyle) -> Result<Vec<Piece
     }
     Ok(drawing.pieces)
 }
+
+/// The most control points of a net that is drawn: each becomes a ball of 45 control points
+/// and two lines of 18, hundreds of leaves in all; more of them than this cannot be told apart.
+const MAX_DRAWN: usize = 1 << 16;
 
 /// A point on a grid so fine that only points that are the same but for rounding share a place.
 type Place = [i64; 3];
@@ -108,7 +115,7 @@ impl Drawing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::shapes;
+    use crate::geometry::{KnotVector, shapes};
 
     fn counts(pieces: &[Piece]) -> [usize; 2] {
         ["line", "point"].map(|what| pieces.iter().filter(|p| p.what == what).count())
@@ -137,6 +144,13 @@ mod tests {
             control_net(&plane, &NetStyle { radius, joints }).unwrap_err().to_string()
         };
         assert_eq!(message(-1.0, 1.0), "tube: radius -1: it must be positive and finite");
+        let knots = KnotVector::uniform(1, 300).unwrap();
+        let points = (0..90_000).map(|k| DVec3::new(f64::from(k % 300), f64::from(k / 300), 0.0));
+        let large = NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap();
+        assert_eq!(
+            control_net(&large, &NetStyle { radius: 0.1, joints: 0.2 }).unwrap_err().to_string(),
+            "300 × 300 control points: at most 65536 in all are supported"
+        );
         assert_eq!(message(1.0, 0.0), "joint radius 0: it must be positive and finite");
     }
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::ConstructError;
 use super::compatible::compatible;
+use super::error::net_size;
 use super::frames::Frame;
 use super::moving::{MovingFrames, approximate};
 use super::path::{OnCircle, is_straight, kinks};
@@ -155,7 +156,7 @@ fn along_a_line(
             (both[0].clone(), factors.collect())
         }
     };
-    let mut net = Vec::with_capacity(profile.control().len() * factors.len());
+    let mut net = Vec::with_capacity(net_size(profile.control().len(), factors.len())?);
     for i in 0..profile.control().len() {
         let p = profile.point(i);
         let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
@@ -189,6 +190,7 @@ fn along_a_circle(
             return Err(ConstructError::Fold { t: path.domain().0, radius: circle.radius, reach });
         }
     }
+    net_size(profile.control().len(), circle.points.len())?;
     let axis = circle.across.cross(circle.ahead);
     let points: Vec<Turned> = (0..profile.control().len())
         .map(|i| {
