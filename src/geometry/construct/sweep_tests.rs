@@ -101,6 +101,27 @@ fn what_is_not_rational_stays_within_its_tolerance() {
     assert!(deviations.windows(2).all(|pair| pair[0] <= pair[1]), "{deviations:?}");
 }
 
+/// The default tolerance and everything that is compared on the way follow the size, and
+/// survive a place a thousand sizes away.
+#[test]
+fn sizes_and_places_do_not_matter() {
+    for (size, away) in [(1e-8, 0.0), (1.0, 0.0), (1e8, 0.0), (1.0, 1e3)] {
+        let place = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(size),
+            DQuat::IDENTITY,
+            DVec3::new(away, -away, away) * size,
+        );
+        let path = helix().transformed(&place).unwrap();
+        let made = sweep(&circle(0.1 * size), &path, &SweepOptions::default()).unwrap();
+        let relative = made.deviation / size;
+        assert!(relative > 1e-8 && relative < 1e-5, "size {size}: {relative:e}");
+        for (u, v) in grid() {
+            let off = at(&made, (u, v)).distance(path.point_at(v * path.domain().1)) / size - 0.1;
+            assert!(off.abs() < 1.1 * relative + 1e-12, "size {size}, ({u}, {v}): {off:e}");
+        }
+    }
+}
+
 #[test]
 fn a_path_may_begin_and_end_at_rest() {
     // Threefold ends: a uniform spline comes to its end points with no speed.
