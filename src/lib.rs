@@ -64,7 +64,7 @@
 //!
 //! // The same sphere as a scene, read as from a file; camera and lights are chosen for it.
 //! let text = "[[object]]\nshape = { sphere = { radius = 1 } }";
-//! let scene = nurbray::io::read_scene(text, "ball.toml", &mut |_, _| unreachable!())?;
+//! let scene = nurbray::io::read_scene(text, "ball.toml", &mut |_, _, _| unreachable!())?;
 //! let world = nurbray::scene::World::new(&scene)?;
 //!
 //! // And its picture: 16 × 12 pixels, four samples each.

@@ -9,7 +9,7 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::{Ray, rounding};
 
 /// Reproducible numbers in `[0, 1)` (xorshift64*, Vigna 2016).
@@ -118,6 +118,47 @@ fn trace(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) -> Vec<Answer> {
     answers
 }
 
+fn one_by_one(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) -> Vec<Answer> {
+    let mut tracer = bvh.tracer_with(kernel);
+    queries.iter().map(|query| tracer.first_hit(query)).collect()
+}
+
+fn occlusions(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) -> Vec<Occlusion> {
+    let mut tracer = bvh.tracer_with(kernel);
+    queries.iter().map(|query| tracer.occluded(query)).collect()
+}
+
+/// Rays that leave the hits of others: in any direction, and at small angles to the surface.
+fn leaving(answers: &[Answer], radius: f64, random: &mut Random) -> Vec<Query> {
+    let hits = answers.iter().filter_map(|answer| answer.hit);
+    let regular = hits.filter(|hit| hit.normal.is_finite());
+    regular
+        .enumerate()
+        .map(|(k, hit)| {
+            let any = random.direction();
+            let direction = match k % 3 {
+                0 => any,
+                _ => {
+                    let along = (any - any.dot(hit.normal) * hit.normal).normalize();
+                    let angle = 10f64.powf(-3.0 * random.next());
+                    along + if k % 3 == 1 { angle } else { -angle } * hit.normal
+                }
+            };
+            let end = if k % 2 == 0 { f64::INFINITY } else { radius * random.next() };
+            Query::leaving(Ray::with_range(hit.point, direction, 0.0, end).unwrap(), &hit)
+        })
+        .collect()
+}
+
+/// Everything a hit says, as bits.
+fn bits(answer: &Answer) -> (Option<([u64; 5], u32, u8)>, bool) {
+    let hit = answer.hit.map(|hit| {
+        let values = [hit.t, hit.uv.x, hit.uv.y, hit.normal.x, hit.point.y];
+        (values.map(f64::to_bits), hit.surface, hit.flags.bits())
+    });
+    (hit, answer.doubtful)
+}
+
 fn compare(name: &str, kernel: Kernel, scale: f64, query: &Query, wide: &Answer, scalar: &Answer) {
     let ray = &query.ray;
     let context = || format!("{name}, {kernel}: {ray:?}\n{wide:?}\n{scalar:?}");
@@ -150,8 +191,11 @@ fn compare(name: &str, kernel: Kernel, scale: f64, query: &Query, wide: &Answer,
     }
 }
 
-#[test]
-fn packets_answer_as_the_scalar_kernel() {
+/// What is done with a model, rays at it, and rays that leave it.
+type Check = fn(&str, f64, &SurfaceBvh, &[Query], &[Query]);
+
+/// All models, at several sizes and places.
+fn everywhere(check: Check) {
     for (scale, shift) in
         [(1.0, DVec3::ZERO), (1e-8, DVec3::ZERO), (1.0, DVec3::new(1e6, 2e6, -1e6))]
     {
@@ -165,16 +209,96 @@ fn packets_answer_as_the_scalar_kernel() {
             let mut random = Random(0x9E37_79B9_7F4A_7C15);
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
             let queries = rays(&surfaces, center, radius, &mut random);
-            let scalar = trace(&bvh, Kernel::Scalar, &queries);
-            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-                let wide = trace(&bvh, kernel, &queries);
-                assert_eq!(wide.len(), queries.len());
+            let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+            check(&name, scale, &bvh, &queries, &leaving(&hits, radius, &mut random));
+        }
+    }
+}
+
+fn wide_kernels() -> impl Iterator<Item = Kernel> {
+    let kernels = Kernel::ALL.iter().copied();
+    kernels.filter(|&kernel| kernel.is_available() && kernel != Kernel::Scalar)
+}
+
+/// Compares all answers, and how many are doubtful.
+fn compare_all(
+    (name, kernel, scale): (&str, Kernel, f64),
+    queries: &[Query],
+    wide: &[Answer],
+    scalar: &[Answer],
+) {
+    assert_eq!(wide.len(), queries.len());
+    for ((query, a), b) in queries.iter().zip(wide).zip(scalar) {
+        compare(name, kernel, scale, query, a, b);
+    }
+    let doubts = |answers: &[Answer]| answers.iter().filter(|a| a.doubtful).count();
+    let (a, b) = (doubts(wide), doubts(scalar));
+    assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");
+}
+
+#[test]
+fn packets_answer_as_the_scalar_kernel() {
+    everywhere(|name, scale, bvh, queries, _| {
+        let scalar = trace(bvh, Kernel::Scalar, queries);
+        for kernel in wide_kernels() {
+            let wide = trace(bvh, kernel, queries);
+            compare_all((name, kernel, scale), queries, &wide, &scalar);
+        }
+    });
+}
+
+#[test]
+fn single_rays_are_answered_as_by_the_scalar_kernel() {
+    everywhere(|name, scale, bvh, queries, leaving| {
+        for queries in [queries, leaving] {
+            let scalar = one_by_one(bvh, Kernel::Scalar, queries);
+            for kernel in wide_kernels() {
+                let wide = one_by_one(bvh, kernel, queries);
+                compare_all((name, kernel, scale), queries, &wide, &scalar);
+            }
+        }
+    });
+}
+
+#[test]
+fn occlusion_is_that_of_the_scalar_kernel() {
+    everywhere(|name, _, bvh, queries, leaving| {
+        for queries in [queries, leaving] {
+            let scalar = occlusions(bvh, Kernel::Scalar, queries);
+            for kernel in wide_kernels() {
+                let wide = occlusions(bvh, kernel, queries);
                 for ((query, a), b) in queries.iter().zip(&wide).zip(&scalar) {
-                    compare(&name, kernel, scale, query, a, b);
+                    let same = a.doubtful || b.doubtful || a.occluded == b.occluded;
+                    assert!(same, "{name}, {kernel}: {query:?}\n{a:?}\n{b:?}");
                 }
-                let doubts = |answers: &[Answer]| answers.iter().filter(|a| a.doubtful).count();
+                let doubts = |o: &[Occlusion]| o.iter().filter(|o| o.doubtful).count();
                 let (a, b) = (doubts(&wide), doubts(&scalar));
                 assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");
+            }
+        }
+    });
+}
+
+#[test]
+fn single_rays_are_answered_alike_alone_and_in_batches() {
+    for (name, surfaces) in models() {
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let (low, high) = bvh.bounds().unwrap();
+        let mut random = Random(11);
+        let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
+        let mut queries = rays(&surfaces, center, radius, &mut random);
+        let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+        queries.extend(leaving(&hits, radius, &mut random));
+        for kernel in wide_kernels() {
+            let (alone, any) =
+                (one_by_one(&bvh, kernel, &queries), occlusions(&bvh, kernel, &queries));
+            let (mut answers, mut together) = (Vec::new(), Vec::new());
+            let mut tracer = bvh.tracer_with(kernel);
+            tracer.first_hits(&queries, Coherence::Incoherent, &mut answers);
+            tracer.occlusions(&queries, Coherence::Incoherent, &mut together);
+            assert_eq!(any, together, "{name}, {kernel}");
+            for (k, (a, b)) in alone.iter().zip(&answers).enumerate() {
+                assert_eq!(bits(a), bits(b), "{name}, {kernel}: ray {k}");
             }
         }
     }
@@ -199,13 +323,6 @@ fn an_answer_does_not_depend_on_the_company() {
                 let mixed: Vec<Query> = company.iter().map(|&k| queries[k]).collect();
                 let answers = trace(&bvh, kernel, &mixed);
                 for (&k, answer) in company.iter().zip(&answers) {
-                    let bits = |answer: &Answer| {
-                        let hit = answer.hit.map(|hit| {
-                            let values = [hit.t, hit.uv.x, hit.uv.y, hit.normal.x, hit.point.y];
-                            (values.map(f64::to_bits), hit.surface, hit.flags.bits())
-                        });
-                        (hit, answer.doubtful)
-                    };
                     assert_eq!(bits(answer), bits(&together[k]), "{name}, {kernel}: ray {k}");
                 }
             }

@@ -8,7 +8,7 @@ use nurbray_fuzz::look_at;
 
 fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    match read_geomdl(text, "fuzz.json") {
+    match read_geomdl(text, "fuzz.json", "fuzz") {
         Ok(model) => {
             // Every surface takes a byte or more of the text.
             assert!(model.parts.len() <= data.len());

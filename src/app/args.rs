@@ -1,8 +1,11 @@
 //! What the user may type.
 
 mod bench;
+mod compare;
+mod count;
 mod values;
 
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -13,6 +16,8 @@ use nurbray::render::AovSet;
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
+pub(crate) use compare::{Against, CompareArguments};
+use count::count;
 pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
@@ -49,18 +54,15 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Check the fast path against the exact solver on random and nasty rays
     Audit(AuditArguments),
+    /// Trace the camera's rays another way, too, and report how the pictures differ
+    Compare(CompareArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
     Info(InfoArguments),
 }
 
 /// `nurbray render`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Samples depend on --seed, the pixel, the sample's number and the dimension only: crops and \
-sample ranges are the same pixels as the whole picture, on any number of threads.
-
-Example:
-  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64")]
+#[command(after_help = super::render::HELP)]
 pub(crate) struct RenderArguments {
     /// Scene (.toml) or bare model (.json)
     pub(crate) input: PathBuf,
@@ -70,19 +72,19 @@ pub(crate) struct RenderArguments {
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Width and height in pixels, such as 1024x768 [default: the scene's]
+    /// Width and height in pixels, such as 1024x768 [default: the scene's, else 800x600]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) size: Option<Size>,
 
-    /// Samples a pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Samples a pixel [default: the scene's, else 16]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=u32::MAX.into()))]
     pub(crate) spp: Option<u32>,
 
-    /// Take only samples A to B-1 of each pixel, to split work between runs
+    /// Take only samples A to B-1 of each pixel, to split work between runs [default: 0..spp]
     #[arg(long, value_name = "A..B", value_parser = values::samples)]
     pub(crate) samples: Option<SampleRange>,
 
-    /// What a pixel shows [default: the scene's]
+    /// What a pixel shows [default: the scene's, else direct]
     #[arg(long, value_name = "NAME", value_parser = integrators())]
     pub(crate) integrator: Option<IntegratorKind>,
 
@@ -96,27 +98,28 @@ pub(crate) struct RenderArguments {
     pub(crate) crop: Option<Crop>,
 
     /// Put the camera here; without --look-at it looks at the model's centre
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) look_from: Option<DVec3>,
 
     /// Point the camera here
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) look_at: Option<DVec3>,
 
     /// Which way is up in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]
     pub(crate) up: Option<DVec3>,
 
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEG", value_parser = values::field_of_view, allow_hyphen_values = true)]
+    /// Vertical field of view in degrees [default: the scene's, else 30]
+    #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     pub(crate) fov: Option<f64>,
 
-    /// Brightness of the .png in stops: +1 doubles the light [default: the scene's]
-    #[arg(long, value_name = "EV", value_parser = values::finite, allow_hyphen_values = true)]
+    /// Brightness of the .png in stops: +1 doubles the light [default: the scene's, else 0]
+    #[arg(long, value_name = "EV", value_parser = values::finite)]
     pub(crate) exposure: Option<f64>,
 
-    /// Which samples to take: pictures of different seeds have independent noise
-    #[arg(long, value_name = "N")]
+    /// Which samples to take: pictures of different seeds have independent noise [default: the
+    /// scene's, else 0]
+    #[arg(long, value_name = "N", value_parser = count::<u64>(0..=u64::MAX))]
     pub(crate) seed: Option<u64>,
 
     /// How to use the processor.
@@ -132,7 +135,7 @@ pub(crate) struct RenderArguments {
 #[derive(Debug, Args)]
 pub(crate) struct WorkArguments {
     /// Number of threads [default: one for each processor]; it changes no result
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    #[arg(long, value_name = "N", value_parser = count::<u16>(1..=MAX_THREADS as u64))]
     pub(crate) threads: Option<u16>,
 
     /// How to use each thread.
@@ -146,6 +149,37 @@ pub(crate) struct KernelArguments {
     /// Which code searches for hits
     #[arg(long, value_name = "NAME", default_value_t, value_parser = kernels())]
     pub(crate) kernel: Kernel,
+}
+
+impl Arguments {
+    /// Parses the words of a command line, the program's own name first.
+    ///
+    /// No option is a number. What looks like a negative one is the value of the option
+    /// before it, and told so, lest it be taken for an option itself.
+    pub(crate) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let mut joined: Vec<OsString> = Vec::new();
+        for word in words {
+            match joined.last_mut() {
+                Some(option) if is_negative(&word) && takes_next_word(option) => {
+                    option.push("=");
+                    option.push(word);
+                }
+                _ => joined.push(word),
+            }
+        }
+        Self::try_parse_from(joined)
+    }
+}
+
+/// Whether a word begins as a negative number does.
+fn is_negative(word: &OsStr) -> bool {
+    matches!(word.as_encoded_bytes(), [b'-', b'0'..=b'9' | b'.', ..])
+}
+
+/// Whether a word is a long option without a value of its own.
+fn takes_next_word(word: &OsStr) -> bool {
+    let bytes = word.as_encoded_bytes();
+    bytes.len() > 2 && bytes.starts_with(b"--") && !bytes.contains(&b'=')
 }
 
 fn kernels() -> impl TypedValueParser<Value = Kernel> {
@@ -186,7 +220,7 @@ pub(crate) struct CastArguments {
     #[arg(long, value_name = "RAYS.npy")]
     pub(crate) rays: PathBuf,
 
-    /// Hits to write, a NumPy file
+    /// Hits to write, a NumPy file (.npy)
     #[arg(short, long, value_name = "HITS.npy")]
     pub(crate) output: PathBuf,
 
@@ -216,11 +250,11 @@ pub(crate) struct AuditArguments {
 
     /// How many rays, of all classes together
     #[arg(long, value_name = "N", default_value_t = 100_000,
-        value_parser = clap::value_parser!(u64).range(1..=super::audit::MAX_RAYS))]
+        value_parser = count::<u64>(1..=super::audit::MAX_RAYS))]
     pub(crate) rays: u64,
 
     /// Which rays: the same seed makes the same rays, on any number of threads
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = count::<u64>(0..=u64::MAX))]
     pub(crate) seed: u64,
 
     /// Which code to check.
@@ -231,7 +265,7 @@ pub(crate) struct AuditArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Write the rays at fault here, a NumPy file of shape (n, 8) that `nurbray cast` reads
+    /// Write the rays at fault here, a NumPy file (.npy) of shape (n, 8) that `nurbray cast` reads
     #[arg(long, value_name = "RAYS.npy")]
     pub(crate) offenders: Option<PathBuf>,
 }
@@ -262,12 +296,24 @@ mod tests {
     #[test]
     fn negative_coordinates_are_values_and_not_options() {
         let line = "nurbray render a.toml -o a.exr --look-from -1,-2.5,3e0 --exposure -1";
-        let Command::Render(render) = Arguments::try_parse_from(line.split(' ')).unwrap().command
-        else {
+        let parse = |line: &str| Arguments::parse_words(line.split(' ').map(OsString::from));
+        let Command::Render(render) = parse(line).unwrap().command else {
             panic!("render was asked for");
         };
         assert_eq!(render.look_from, Some(DVec3::new(-1.0, -2.5, 3.0)));
         assert_eq!(render.exposure, Some(-1.0));
+
+        // Where no value may be negative, its own parser says so.
+        for option in ["--size -10x20", "--spp -1", "--seed -1", "--threads -2", "--crop -1,0,2,2"]
+        {
+            let message = parse(&format!("nurbray render a.toml -o a.exr {option}")).unwrap_err();
+            let value = option.split(' ').nth(1).unwrap();
+            let expected = format!("error: invalid value '{value}' for '--");
+            assert!(message.to_string().starts_with(&expected), "{message}");
+        }
+        // An option is not the value of the one before it.
+        let message = parse("nurbray render a.toml -o a.exr --size --spp 3").unwrap_err();
+        assert!(message.to_string().contains("a value is required for '--size"), "{message}");
     }
 
     #[test]

@@ -56,8 +56,9 @@ Columns, for each class:
   doubtful     rays whose answer the fast path flags; they are not judged
   undecided    rays for which the exact solver could not decide everything; its certain hits
                still count
-  error        |S(u, v) - (o + t d)| / M over all hits: 50 %, 99 %, the largest
-               (JSON: error_50, error_99, error_max; null without hits)
+  error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 %, 99 %, the largest
+               (JSON: error_50, error_99, error_max; null without such hits)
+  if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
 Certain is a hit of the exact solver without doubt, unless it lies within the bound of an end of
 the ray's range, or the ray passes a border on its outside by more than a quarter of the bound;
 and the point a ray was aimed at, if |N.d| >= 0.01 or the point lies on a border.
@@ -68,9 +69,16 @@ The bound of t, in units of length, is the sum of both hits' b over |N.d|, at mo
 4 sqrt(b R) with R the radius of the model; hits between which the ray stays within b of the
 surface are one.
 
+Doubt is summed up by groups: random (the classes random and aimed, as pictures have them), nasty
+(the others), and apart: tangents, origins, and rays of other classes that are exactly tangent
+somewhere, as far as f64 can tell, or run inside a surface. Whether a ray that runs in a tangent
+plane meets the surface, or one that starts on it meets it at its start, is beyond any rounded
+arithmetic, and to say so is the right answer. (A ray that says which root it leaves, as secondary
+rays do, is no such ray: class leaving.)
+
 The exit code is 1 if there is a miss, a wrong root or a false hit.
 With --json one object: input, rays, seed, kernel, threads, seconds, classes (a list; each has
-class and the columns), total (the columns).
+class, group and the columns), groups (a list: group, rays, doubtful), total (the columns).
 RAYS.npy has a row (origin, direction, t_min, t_max) for each ray at fault, in order of the
 classes; rays of the class leaving start on the hit they leave.
 
@@ -80,10 +88,12 @@ Example:
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let outputs: Vec<&Path> = arguments.offenders.iter().map(AsRef::as_ref).collect();
+    outputs.iter().try_for_each(|output| output::check_npy(output))?;
     output::check(&outputs, &[&arguments.input])?;
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(None)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
     let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
 
     let kernel = arguments.kernel.kernel;
@@ -105,7 +115,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
 
     let threads = pool.current_num_threads();
     if arguments.json {
-        let (classes, total) = report.json();
+        let [classes, groups, total] = report.json();
         console::print_json(&json!({
             "input": arguments.input.display().to_string(),
             "rays": arguments.rays,
@@ -114,6 +124,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
             "threads": threads,
             "seconds": seconds,
             "classes": classes,
+            "groups": groups,
             "total": total,
         }))?;
     } else {

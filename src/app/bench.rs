@@ -1,15 +1,7 @@
 //! `nurbray bench`: how fast rays are traced, by us and by a rival.
 
-mod clock;
-mod measure;
-mod model;
-mod ours;
-mod outcome;
-mod plot;
-mod ray_set;
-mod rays;
+mod panel;
 mod report;
-mod rival;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -18,16 +10,12 @@ use std::time::Duration;
 use nurbray::io::Embree;
 
 use super::args::BenchArguments;
+use super::chart::{self, Panel};
 use super::failure::{Failure, OrFail};
 use super::progress::Progress;
+use super::race::{Measurement, Model, Rays, Rival};
 use super::{console, output, threads};
-use measure::Measurement;
-use model::Model;
-use plot::Panel;
-pub(crate) use ray_set::RaySet;
-use rays::Rays;
 use report::Report;
-use rival::Rival;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
@@ -105,7 +93,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
         }
     }
     if let Some(path) = &arguments.plot {
-        plot::write(path, &panels).or_failed()?;
+        chart::write(path, &panels).or_failed()?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -128,7 +116,7 @@ impl Bout<'_> {
         let mut rivals = Vec::new();
         if let Some(embree) = self.embree {
             for tolerance in arguments.tolerances() {
-                rivals.push(Rival::build(embree, &model.surfaces, tolerance, budget)?);
+                rivals.push(Rival::build(embree, &model.surfaces, tolerance, budget)?.0);
             }
         }
 
@@ -136,7 +124,7 @@ impl Bout<'_> {
         let progress = Progress::new("measuring", sets.len() as u64);
         let mut measurements = Vec::new();
         for (done, &set) in sets.iter().enumerate() {
-            let rays = Rays::new(set, &model, arguments.size);
+            let rays = Rays::new(set, &model, [arguments.size; 2]);
             if rays.len() == 0 {
                 console::warning(&format!("{}: there are no {set} rays", model.name));
                 continue;
@@ -160,7 +148,7 @@ impl Bout<'_> {
         } else {
             report.text()
         };
-        let panel = |measured| Panel::new(&model.name, self.threads, (&rival, measured));
+        let panel = |measured| panel::speed(&model.name, self.threads, (&rival, measured));
         Ok((text, measurements.iter().map(panel).collect()))
     }
 

@@ -19,11 +19,13 @@ use trace::{Traced, Tracing};
 
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
+    output::check_npy(&arguments.output)?;
     output::check(&[&arguments.output], &[&arguments.input, &arguments.rays])?;
     let rays = read_rays(&arguments.rays).or_bad_input()?;
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(arguments.work.threads)?;
     let (world, build) = pool.install(|| input::prepare(&scene))?;
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
 
     let tracing = Tracing {
         bvh: &world.bvh,
@@ -57,7 +59,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
         let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
         console::print(&format!(
             "{} rays, {} hits, {} doubtful; {seconds:.3} s on {threads} {} ({rate:.3} Mrays/s, \
-             kernel {}); {}\n",
+             kernel {}); wrote {}\n",
             rays.len(),
             counts.hits,
             counts.doubtful,

@@ -1,6 +1,7 @@
 //! `nurbray info`: what a scene or model holds, how its borders fit, what is not shown.
 
 mod border_curve;
+mod extent;
 mod facts;
 mod gaps;
 mod text;
@@ -23,6 +24,9 @@ quarter of the points of one lie within 1e-3 of the model's size (and 1/20 of th
 length) of the other. They meet if none of these points is farther off than rounding,
 4 (p + q + 4) 2^-53 M for each surface; else the largest distance is listed as a gap, through
 which rays may pass. Gaps narrower than the samples are long may be missed.
+
+Bounds: the boxes the surfaces themselves just fit in, not their control points or leaves, to
+1e-12 of their size (1e-9 where a surface touches its box along a curve askew to u and v).
 
 With --json one object:
   input, build_seconds

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-//STUB
 use nurbray::io::load_input;
 use nurbray::scene::{Scene, World};
 
+use super::console;
 use super::failure::{Failure, OrFail};
 
 /// Reads a scene or a bare model.
@@ -15,6 +15,17 @@ use super::failure::{Failure, OrFail};
 /// When the file is missing, damaged or wrong: bad input.
 pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     load_input(path).or_bad_input()
+}
+
+/// Says of a scene whose surfaces are about to be traced how much of its files is not shown.
+pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
+    if let [first, others @ ..] = scene.notes.as_slice() {
+        let more = match others.len() {
+            0 => String::new(),
+            number => format!(", and {number} more (nurbray info {} lists all)", path.display()),
+        };
+        console::warning(&format!("not imported: {first}{more}"));
+    }
 }
 
 /// Makes a scene ready to trace and says how long that took.

@@ -8,12 +8,15 @@ mod audit;
 mod bench;
 mod border;
 mod cast;
+mod chart;
+mod compare;
 mod console;
 mod failure;
 mod info;
 mod input;
 mod output;
 mod progress;
+mod race;
 mod random;
 mod render;
 mod table;
@@ -21,14 +24,12 @@ mod threads;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use args::{Arguments, Command};
 use failure::Failure;
 
 /// Runs the command line this process was started with.
 pub(crate) fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match Arguments::parse_words(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(message) => {
             // Help and version are answers (stdout, 0); anything else is wrong use (stderr, 2).
@@ -52,6 +53,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Failure> {
         Command::Cast(arguments) => cast::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Info(arguments) => info::run(arguments),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nurbray::io::check_writable;
+use nurbray::io::{Quoted, check_writable};
 
 use super::failure::{Failure, OrFail};
 
@@ -15,15 +15,43 @@ pub(crate) fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<(), Failure> 
         if inputs.iter().any(|input| is_same_file(input, output)) {
             return Err(Failure::input(format!(
                 "{} would be overwritten: it is an input of this run",
-                output.display()
+                Quoted(output)
             )));
         }
         if outputs[..index].iter().any(|other| is_same_place(other, output)) {
-            return Err(Failure::input(format!("{} is given twice as output", output.display())));
+            return Err(Failure::input(format!("{} is given twice as output", Quoted(output))));
         }
         check_writable(output).or_bad_input()?;
     }
     Ok(())
+}
+
+/// Which of these extensions an output has, in upper or lower case: it says how to write it.
+///
+/// # Errors
+/// When it has none of them: wrong use.
+pub(crate) fn format(path: &Path, known: &[&'static str]) -> Result<&'static str, Failure> {
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let format = known.iter().find(|known| extension.as_deref() == Some(known.as_ref()));
+    format.copied().ok_or_else(|| {
+        let found = match &extension {
+            Some(extension) => format!("cannot write .{} files", extension.display()),
+            None => "no extension says how to write it".into(),
+        };
+        let known: Vec<_> = known.iter().map(|extension| format!(".{extension}")).collect();
+        let be = if known.len() == 1 { "is" } else { "are" };
+        Failure::input(format!("{}: {found}; known {be} {}", path.display(), known.join(" and ")))
+    })
+}
+
+/// Refuses to write NumPy's format into a file whose name promises another. Devices and pipes
+/// take it under any name.
+///
+/// # Errors
+/// When the extension is not `.npy`: wrong use.
+pub(crate) fn check_npy(path: &Path) -> Result<(), Failure> {
+    let is_stream = path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir());
+    if is_stream { Ok(()) } else { format(path, &["npy"]).map(drop) }
 }
 
 /// Whether two paths lead to one regular file. Devices such as /dev/stdin and /dev/null are
@@ -50,6 +78,28 @@ fn is_same_place(a: &Path, b: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn extensions_say_how() {
+        let message = |path: &str, known: &[&'static str]| {
+            format(Path::new(path), known).unwrap_err().reason().to_string()
+        };
+        assert_eq!(format(Path::new("b/c.PNG"), &["exr", "png"]).unwrap(), "png");
+        assert_eq!(
+            message("a.jpg", &["exr", "png"]),
+            "a.jpg: cannot write .jpg files; known are .exr and .png"
+        );
+        assert_eq!(
+            message("a", &["exr", "png"]),
+            "a: no extension says how to write it; known are .exr and .png"
+        );
+        assert_eq!(message("h.csv", &["npy"]), "h.csv: cannot write .csv files; known is .npy");
+        assert!(check_npy(Path::new("h.npy")).is_ok() && check_npy(Path::new("h.NPY")).is_ok());
+        assert!(check_npy(Path::new("h.csv")).is_err() && check_npy(Path::new("h")).is_err());
+        assert!(check_npy(Path::new("h.npy.gz")).is_err());
+        #[cfg(unix)]
+        assert!(check_npy(Path::new("/dev/null")).is_ok());
+    }
 
     #[test]
     fn an_output_is_neither_an_input_nor_given_twice() {

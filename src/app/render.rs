@@ -7,9 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
 
-use nurbray::io::{ExrNotes, ExrPrecision, write_exr, write_png};
+use nurbray::io::{ExrNotes, ExrPrecision, Quoted, write_exr, write_png};
 use nurbray::render::{AovSet, Film, PixelRect, RenderSettings, render};
-use nurbray::scene::{CameraSpec, Lens, Place, RenderDefaults, World};
+use nurbray::scene::{CameraSpec, Lens, RenderDefaults, Scene, World, Written};
 
 use super::args::RenderArguments;
 use super::failure::{Failure, OrFail};
@@ -17,6 +17,24 @@ use super::progress::{Progress, duration};
 use super::table::count;
 use super::{console, input, output, threads};
 use picture::{Format, Picture};
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+A bare model is framed and lit by default: the camera stands in front, to the right and above, a
+key, a fill and a little ambient light go with it. Give --look-from, --fov and the like to move it.
+
+With --crop, an EXR keeps the whole picture as its display window and holds the crop's pixels as
+its data window; a PNG holds the crop's pixels only.
+
+Samples depend on --seed, the pixel, the sample's number and the dimension only: crops and sample
+ranges are the same pixels as the whole picture, on any number of threads. An EXR holds means over
+its own samples; its header says how many (nurbray:spp) and which (nurbray:samples, as A..B). To
+join the EXRs of several ranges of one picture, weight R, G, B, A and Albedo with nurbray:spp and
+divide by the sum; the other channels describe the first sample that hits, so take each pixel's
+from the lowest range with a finite Z there. (The library's Film::merge does so without rounding.)
+
+Example:
+  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64";
 
 /// Progress is counted in thousandths, for the number of tiles is known to the renderer only;
 /// no bar is wider.
@@ -31,11 +49,13 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let mut scene = input::read(&arguments.input)?;
     let settings = settings(arguments, &scene.settings, &pictures)?;
     override_camera(arguments, &mut scene.camera)?;
-    warn_of_lost_aovs(arguments, &pictures);
+    warn_of_what_is_lost(arguments, &pictures);
 
     let pool = threads::pool(arguments.work.threads)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
     drop(pool); // rendering has threads of its own
+    input::warn_of_what_is_not_shown(&arguments.input, &scene);
+    warn_of_bright_materials(&scene);
 
     let start = Instant::now();
     let progress = match arguments.quiet {
@@ -51,7 +71,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         write(picture, &film, &world, (arguments, took))?;
     }
     if !arguments.quiet {
-        console::say(&summary(&film, took));
+        console::say(&format!("{}; wrote {}", summary(&film, took), listed(&paths)));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -84,11 +104,10 @@ fn settings(
         settings.crop = Some(rect);
     }
     // An EXR holds everything unless told otherwise; a PNG can hold none of it.
-    let exr = pictures.iter().any(|picture| picture.format == Format::Exr);
     settings.aovs = match arguments.aov {
         Some(aovs) => aovs,
-        None if exr => AovSet::all(),
-        None => AovSet::NONE,
+        None if picture::all(pictures, Format::Png) => AovSet::NONE,
+        None => AovSet::all(),
     };
     settings.integrator = arguments.integrator.unwrap_or(settings.integrator);
     settings.seed = arguments.seed.unwrap_or(settings.seed);
@@ -98,41 +117,71 @@ fn settings(
     Ok(settings)
 }
 
-/// Moves the camera as the command line says.
+/// Moves the camera as the command line says. What it says has no place in the scene, and
+/// errors will name none.
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
-    let RenderArguments { look_from, look_at, up, fov, .. } = arguments;
-    let (look_from, look_at, up, fov) = (*look_from, *look_at, *up, *fov);
-    if look_from.is_none() && look_at.is_none() && up.is_none() && fov.is_none() {
-        return Ok(());
-    }
-    camera.place = Place::default(); // what is wrong now is not the scene's fault
-    if look_from.is_some() {
-        camera.look_from = look_from;
+    if let Some(look_from) = arguments.look_from {
+        camera.look_from = Some(look_from.into());
         camera.look_at = None; // the centre, unless --look-at says otherwise
     }
-    camera.look_at = look_at.or(camera.look_at);
-    camera.up = up.or(camera.up);
-    match (&mut camera.lens, fov) {
+    if let Some(look_at) = arguments.look_at {
+        camera.look_at = Some(look_at.into());
+    }
+    if let Some(up) = arguments.up {
+        camera.up = Some(up.into());
+    }
+    match (&mut camera.lens, arguments.fov) {
         (_, None) => Ok(()),
-        (Lens::Perspective { fov }, given) => {
-            *fov = given;
+        (Lens::Perspective { fov }, Some(given)) => {
+            *fov = Some(given.into());
             Ok(())
         }
         (Lens::Orthographic { .. }, Some(_)) => Err(Failure::input(format!(
             "--fov: the camera of {} is orthographic and has no field of view",
-            arguments.input.display()
+            Quoted(&arguments.input)
         ))),
     }
 }
 
-/// AOVs that were asked for and end up nowhere.
-fn warn_of_lost_aovs(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
-    let Some(aovs) = arguments.aov.filter(|aovs| !aovs.is_empty()) else { return };
-    if pictures.iter().all(|picture| picture.format == Format::Png) {
-        let png = pictures.first().map_or_else(String::new, |p| p.path.display().to_string());
+/// What was asked for and ends up nowhere.
+fn warn_of_what_is_lost(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
+    let Some(first) = pictures.first().map(|picture| picture.path.display()) else { return };
+    if let Some(aovs) = arguments.aov.filter(|aovs| !aovs.is_empty())
+        && picture::all(pictures, Format::Png)
+    {
         console::warning(&format!(
-            "{png}: a PNG holds colour only, {aovs} will be in no file; -o with an .exr holds them"
+            "{first}: a PNG holds colour only, {aovs} will be in no file; -o with an .exr holds \
+             them"
         ));
+    }
+    if arguments.exposure.is_some() && picture::all(pictures, Format::Exr) {
+        console::warning(&format!(
+            "{first}: an EXR holds light as it is, --exposure is for a .png and changes nothing"
+        ));
+    }
+}
+
+/// Materials that send back more light than falls on them: likely meant to be 0 to 1.
+fn warn_of_bright_materials(scene: &Scene) {
+    for Written { value: material, place } in &scene.materials {
+        let largest = material.largest_albedo();
+        if largest > 1.0 {
+            let place = if place.label().is_some() { format!("{place}: ") } else { String::new() };
+            console::warning(&format!(
+                "{place}material \"{}\" sends back {largest} times the light that falls on it; \
+                 colours of things are from 0 to 1",
+                material.name
+            ));
+        }
+    }
+}
+
+/// `a.exr, b.exr and c.png`.
+fn listed(paths: &[&Path]) -> String {
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    match names.as_slice() {
+        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        names => names.concat(),
     }
 }
 

@@ -66,6 +66,25 @@ pub(crate) fn count(number: u64, noun: &str) -> String {
     format!("{number} {noun}{plural}")
 }
 
+/// `0.0123`, `1.23`, `12.3`, `123`.
+pub(crate) fn three_digits(number: f64) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
+    let decimals = 2 - number.abs().log10().floor().clamp(-3.0, 2.0) as i32;
+    format!("{number:.*}", decimals as usize)
+}
+
+/// `12.3 µs`, `1.23 ms`, `12.3 s`.
+pub(crate) fn time(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        ..1e-3 => (1e6 * seconds, "µs"),
+        ..1.0 => (1e3 * seconds, "ms"),
+        _ => (seconds, "s"),
+    };
+    format!("{} {unit}", three_digits(number))
+}
+
 fn trimmed(decimal: &str) -> &str {
     if decimal.contains('.') {
         decimal.trim_end_matches('0').trim_end_matches('.')
@@ -101,6 +120,22 @@ mod tests {
         assert_eq!(short_bytes(12_340_000), "12.3 MB");
         assert_eq!(count(1, "ray"), "1 ray");
         assert_eq!(count(0, "ray"), "0 rays");
+    }
+
+    #[test]
+    fn three_digits_are_enough() {
+        let cases = [
+            (0.001234, "0.00123"),
+            (0.5, "0.500"),
+            (9.876, "9.88"),
+            (12.34, "12.3"),
+            (1234.5, "1234"),
+            (0.0, "0"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(three_digits(number), text);
+        }
+        assert_eq!([2e-5, 0.0123, 2.0].map(time), ["20.0 µs", "12.3 ms", "2.00 s"]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::KnotError;
+use crate::math::{Shown, ShownVector};
 
 /// Why numbers cannot be a curve, or an operation not be done on one.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -29,7 +30,7 @@ pub enum CurveError {
         points: usize,
     },
     /// A control point, or its product with its weight, is NaN or infinite.
-    #[error("control point {index} is ({}, {}, {}): it must be finite", .point.x, .point.y, .point.z)]
+    #[error("control point {index} is {}: it must be finite", ShownVector(*.point))]
     Point {
         /// Which control point, counted from 0.
         index: usize,
@@ -37,7 +38,7 @@ pub enum CurveError {
         point: DVec3,
     },
     /// A weight is not a positive, finite number.
-    #[error("the weight of control point {index} is {weight}: it must be positive and finite")]
+    #[error("the weight of control point {index} is {}: it must be positive and finite", Shown(*weight))]
     Weight {
         /// Which control point, counted from 0.
         index: usize,
@@ -45,7 +46,7 @@ pub enum CurveError {
         weight: f64,
     },
     /// A parameter does not lie where the operation needs it.
-    #[error("the parameter {t} does not lie inside the domain from {start} to {end}")]
+    #[error("the parameter {} does not lie inside the domain from {} to {}", Shown(*t), Shown(*start), Shown(*end))]
     Parameter {
         /// The parameter.
         t: f64,

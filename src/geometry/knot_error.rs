@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::knots::{MAX_DEGREE, MAX_POINTS};
+use crate::math::Shown;
 
 /// Why numbers cannot be the knots of a spline: what was found and what is needed.
 ///
@@ -49,7 +50,7 @@ pub enum KnotError {
         degree: usize,
     },
     /// A knot is NaN or infinite.
-    #[error("knot {index} is {knot}: knots must be finite numbers")]
+    #[error("knot {index} is {}: knots must be finite numbers", Shown(*knot))]
     NotFinite {
         /// Which knot, counted from 0.
         index: usize,
@@ -57,7 +58,7 @@ pub enum KnotError {
         knot: f64,
     },
     /// A knot is smaller than the one before it.
-    #[error("knot {index} is {knot} after {before}: knots must not decrease")]
+    #[error("knot {index} is {} after {}: knots must not decrease", Shown(*knot), Shown(*before))]
     Order {
         /// Which knot, counted from 0.
         index: usize,
@@ -67,7 +68,7 @@ pub enum KnotError {
         knot: f64,
     },
     /// A knot is repeated so often that a control point would have no influence at all.
-    #[error("knot {knot} is repeated {times} times: degree {degree} allows up to {}", degree + 1)]
+    #[error("knot {} is repeated {times} times: degree {degree} allows up to {}", Shown(*knot), degree + 1)]
     Multiplicity {
         /// The repeated value.
         knot: f64,
@@ -77,15 +78,16 @@ pub enum KnotError {
         degree: usize,
     },
     /// A knot is listed with multiplicity 0.
-    #[error("knot {knot} is listed with multiplicity 0: leave it out or give at least 1")]
+    #[error("knot {} is listed with multiplicity 0: leave it out or give at least 1", Shown(*knot))]
     NoMultiplicity {
         /// The value.
         knot: f64,
     },
     /// The domain has no length.
     #[error(
-        "the domain [{start}, {end}] is empty: knots {degree} and {last} (counted from 0) \
-         must differ"
+        "the domain [{}, {}] is empty: knots {degree} and {last} (counted from 0) must differ",
+        Shown(*start),
+        Shown(*end)
     )]
     EmptyDomain {
         /// The knot at index `degree`.
@@ -98,7 +100,7 @@ pub enum KnotError {
         last: usize,
     },
     /// The knots lie so far apart that their differences overflow.
-    #[error("the knots run from {first} to {last}: their difference is not a finite number")]
+    #[error("the knots run from {} to {}: their difference is not a finite number", Shown(*first), Shown(*last))]
     TooWide {
         /// The first knot.
         first: f64,

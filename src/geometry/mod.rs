@@ -58,7 +58,7 @@ pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
 pub use matrix_form::{MatrixForm, matrix_patch};
 pub use rational_basis::RationalBasis;
-pub use surface::NurbsSurface;
+pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};
 pub use surface_error::{Direction, SurfaceError};
 pub use triangle::{TrianglePatch, TriangleQuarter, TriangleSide};
 pub use triangle_error::TriangleError;

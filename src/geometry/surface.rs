@@ -11,14 +11,25 @@ use super::{Direction, KnotVector, SurfaceError};
 ///
 /// # Invariants, checked once on construction and relied on everywhere else
 /// - the net has `nu × nv` points, the numbers the knot vectors ask for;
-/// - all coordinates are finite, all weights positive, finite and not subnormal;
-/// - the control points are not all the same (within rounding).
+/// - no coordinate is larger than [`MAX_MAGNITUDE`], and weights are from [`MIN_MAGNITUDE`]
+///   to [`MAX_MAGNITUDE`];
+/// - the control points are not all the same (within rounding), and span at least
+///   [`MIN_MAGNITUDE`] along an axis;
+/// - the domains of u and v are from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`] long.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsSurface {
     knots: [KnotVector; 2],
     control: Vec<DVec4>,
     rational: bool,
 }
+
+/// The largest coordinate and the largest weight of a surface. Bounds on normals and
+/// curvatures are products of up to four lengths, and must not overflow (at 1.8e308).
+pub const MAX_MAGNITUDE: f64 = 1e70;
+
+/// The smallest size and the smallest weight of a surface. The same products must not vanish
+/// (at 2e-308).
+pub const MIN_MAGNITUDE: f64 = 1e-70;
 
 /// Control points closer together than this, relative to their largest coordinate, cannot
 /// be told from one point whose coordinates were multiplied and divided by a weight.
@@ -38,7 +49,7 @@ impl NurbsSurface {
     ) -> Result<Self, SurfaceError> {
         check_count(&knots_u, &knots_v, points.len())?;
         let nv = knots_v.point_count();
-        if let Some(k) = points.iter().position(|point| !point.is_finite()) {
+        if let Some(k) = points.iter().position(|point| !usable_point(*point)) {
             return Err(SurfaceError::Point { i: k / nv, j: k % nv, point: points[k] });
         }
         let weights = weights.unwrap_or_else(|| vec![1.0; points.len()]);
@@ -61,20 +72,26 @@ impl NurbsSurface {
         control: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
         check_count(&knots_u, &knots_v, control.len())?;
+        check_domain(Direction::U, &knots_u)?;
+        check_domain(Direction::V, &knots_v)?;
         let nv = knots_v.point_count();
         for (k, point) in control.iter().enumerate() {
             let (i, j, weight) = (k / nv, k % nv, point.w);
-            let usable = weight.is_normal() && weight > 0.0;
-            if !usable {
+            if !Self::usable_weight(weight) {
                 return Err(SurfaceError::Weight { i, j, weight });
             }
-            if !point.is_finite() || !(point.xyz() / weight).is_finite() {
+            if !usable_point(point.xyz() / weight) {
                 return Err(SurfaceError::Point { i, j, point: point.xyz() / weight });
             }
         }
         let surface = Self::assembled([knots_u, knots_v], control);
-        surface.check_extent()?;
-        Ok(surface)
+        let size = surface.check_extent()?;
+        if size < MIN_MAGNITUDE { Err(SurfaceError::TooSmall { size }) } else { Ok(surface) }
+    }
+
+    /// Whether a number can be the weight of a control point.
+    pub fn usable_weight(weight: f64) -> bool {
+        (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight) // false for NaN
     }
 
     /// A surface from parts that an operation on a valid one has left valid.
@@ -84,8 +101,8 @@ impl NurbsSurface {
         Self { knots, control, rational }
     }
 
-    /// Refuses a surface whose control points all coincide.
-    pub(super) fn check_extent(&self) -> Result<(), SurfaceError> {
+    /// Refuses a surface whose control points all coincide; else says how far they span.
+    pub(super) fn check_extent(&self) -> Result<f64, SurfaceError> {
         let euclidean = |point: &DVec4| point.xyz() / point.w;
         let first = euclidean(&self.control[0]);
         let (mut low, mut high) = (first, first);
@@ -94,8 +111,9 @@ impl NurbsSurface {
             high = high.max(point);
         }
         let magnitude = low.abs().max(high.abs()).max_element();
-        let extended = (high - low).max_element() > SAME_POINT * magnitude;
-        if extended { Ok(()) } else { Err(SurfaceError::NoExtent { point: first }) }
+        let size = (high - low).max_element();
+        let extended = size > SAME_POINT * magnitude;
+        if extended { Ok(size) } else { Err(SurfaceError::NoExtent { point: first }) }
     }
 
     /// The knots in u.
@@ -150,6 +168,20 @@ impl NurbsSurface {
     pub fn domain(&self) -> [(f64, f64); 2] {
         [self.knots[0].domain(), self.knots[1].domain()]
     }
+}
+
+/// Derivatives are sizes over lengths of domains, and their squares must be finite.
+fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
+    let (start, end) = knots.domain();
+    if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&(end - start)) {
+        return Ok(());
+    }
+    Err(SurfaceError::Domain { direction, start, end })
+}
+
+/// Whether a point can be a control point.
+fn usable_point(point: DVec3) -> bool {
+    point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all() // false for NaN
 }
 
 /// Multiplies with care: counts come from files.

@@ -6,6 +6,8 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::KnotError;
+use super::surface::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+use crate::math::{Shown, ShownVector};
 
 /// One of the two parameters of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,8 +59,11 @@ pub enum SurfaceError {
         /// The number of control points.
         points: usize,
     },
-    /// A control point is NaN or infinite.
-    #[error("control point ({i}, {j}) is ({}, {}, {}): it must be finite", .point.x, .point.y, .point.z)]
+    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`].
+    #[error(
+        "control point ({i}, {j}) is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
+        ShownVector(*.point)
+    )]
     Point {
         /// Its index along u.
         i: usize,
@@ -67,8 +72,12 @@ pub enum SurfaceError {
         /// Its coordinates; where weights were given, possibly multiplied by its weight.
         point: DVec3,
     },
-    /// A weight is not a positive, finite number.
-    #[error("the weight of control point ({i}, {j}) is {weight}: it must be positive and finite")]
+    /// A weight is not a number from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`].
+    #[error(
+        "the weight of control point ({i}, {j}) is {}: \
+         it must be positive and finite (from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e})",
+        Shown(*weight)
+    )]
     Weight {
         /// The control point's index along u.
         i: usize,
@@ -78,14 +87,39 @@ pub enum SurfaceError {
         weight: f64,
     },
     /// All control points coincide.
-    #[error("all control points are ({}, {}, {}): the surface has no extent", .point.x, .point.y, .point.z)]
+    #[error("all control points are {}: the surface has no extent", ShownVector(*.point))]
     NoExtent {
         /// Where they are.
         point: DVec3,
     },
+    /// The control points span less than [`MIN_MAGNITUDE`].
+    #[error("the control points span {}: at least {MIN_MAGNITUDE:e} is needed", Shown(*size))]
+    TooSmall {
+        /// How far they span along the longest axis.
+        size: f64,
+    },
+    /// The domain of a parameter is shorter than [`MIN_MAGNITUDE`] or longer than
+    /// [`MAX_MAGNITUDE`].
+    #[error(
+        "direction {direction}: the domain runs from {} to {}: \
+         lengths from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e} are supported",
+        Shown(*start),
+        Shown(*end)
+    )]
+    Domain {
+        /// Which direction.
+        direction: Direction,
+        /// Where the domain begins.
+        start: f64,
+        /// Where the domain ends.
+        end: f64,
+    },
     /// A parameter does not lie where the operation needs it.
     #[error(
-        "direction {direction}: the parameter {t} does not lie inside the domain from {start} to {end}"
+        "direction {direction}: the parameter {} does not lie inside the domain from {} to {}",
+        Shown(*t),
+        Shown(*start),
+        Shown(*end)
     )]
     Parameter {
         /// Which direction.
@@ -98,7 +132,7 @@ pub enum SurfaceError {
         end: f64,
     },
     /// A transform that is not finite, or flattens space.
-    #[error("the transform is not invertible: its determinant is {determinant}")]
+    #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.
         determinant: f64,

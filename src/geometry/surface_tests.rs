@@ -22,13 +22,14 @@ fn errors_name_the_control_point() {
         message(net(3, 4), Some(vec![1.0; 11])),
         "11 weights for 12 control points: each needs one, or none has any"
     );
-    for (weight, shown) in [(0.0, "0"), (-2.0, "-2"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
+    for (weight, shown) in [(0.0, "0"), (-2.0, "-2"), (f64::NAN, "NaN"), (1e200, "1e200")] {
         let mut weights = vec![1.0; 12];
         weights[6] = weight;
         assert_eq!(
             message(net(3, 4), Some(weights)),
             format!(
-                "the weight of control point (1, 2) is {shown}: it must be positive and finite"
+                "the weight of control point (1, 2) is {shown}: \
+                 it must be positive and finite (from 1e-70 to 1e70)"
             )
         );
     }
@@ -36,20 +37,38 @@ fn errors_name_the_control_point() {
     points[11].y = f64::NEG_INFINITY;
     assert_eq!(
         message(points, Some(vec![2.0; 12])),
-        "control point (2, 3) is (2, -inf, 0): it must be finite"
+        "control point (2, 3) is (2, -inf, 0): coordinates must be finite (up to 1e70)"
     );
     assert_eq!(
         message(vec![DVec3::ONE; 12], Some((1..=12).map(f64::from).collect())),
         "all control points are (1, 1, 1): the surface has no extent"
     );
     let mut points = net(3, 4);
-    points[5].x = 1e300;
-    let mut weights = vec![1.0; 12];
-    weights[5] = 1e300;
+    points[5].x = 1e308;
     assert_eq!(
-        message(points, Some(weights)),
-        "control point (1, 1) is (inf, 1, 0): it must be finite"
+        message(points, None),
+        "control point (1, 1) is (1e308, 1, 0): coordinates must be finite (up to 1e70)"
     );
+    assert_eq!(
+        message(net(3, 4).iter().map(|p| p / 1e80).collect(), None),
+        "the control points span 3e-80: at least 1e-70 is needed"
+    );
+}
+
+#[test]
+fn domains_have_lengths_that_derivatives_can_be_divided_by() {
+    for (length, usable) in [(1e-71, false), (1e-70, true), (1e70, true), (1e71, false)] {
+        let long = KnotVector::new(1, vec![0.0, 0.0, length, length]).unwrap();
+        let surface = NurbsSurface::new(long, knots(1, 2), net(2, 2), None);
+        assert_eq!(surface.is_ok(), usable, "{length}");
+        if length > 1e70 {
+            assert_eq!(
+                surface.unwrap_err().to_string(),
+                "direction u: the domain runs from 0 to 1e71: lengths from 1e-70 to 1e70 are \
+                 supported"
+            );
+        }
+    }
 }
 
 #[test]
@@ -74,7 +93,7 @@ fn operations_refuse_what_they_cannot_do() {
     let flat = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0)));
     assert_eq!(
         plane.transformed(&flat).unwrap_err().to_string(),
-        "the transform is not invertible: its determinant is 0"
+        "the transform's determinant is 0: it must be neither 0 nor infinite"
     );
     let nowhere = DAffine3::from_translation(DVec3::new(f64::NAN, 0.0, 0.0));
     assert!(matches!(plane.transformed(&nowhere), Err(SurfaceError::Transform { .. })));

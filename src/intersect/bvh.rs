@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::hierarchy::Hierarchy;
-use super::wide::WideTree;
+use super::wide::{LaneTree, WideTree};
 use super::{Kernel, Tracer};
 use crate::geometry::NurbsSurface;
 use crate::patch::{PatchSet, PatchSetError};
@@ -29,6 +29,7 @@ pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     pub(super) hierarchy: Hierarchy,
     pub(super) wide: WideTree,
+    pub(super) lanes: LaneTree,
 }
 
 impl SurfaceBvh {
@@ -40,7 +41,8 @@ impl SurfaceBvh {
         let (set, boxes) = PatchSet::new(surfaces)?;
         let hierarchy = Hierarchy::new(&set, &boxes);
         let wide = WideTree::new(&set, &hierarchy);
-        Ok(Self { set, hierarchy, wide })
+        let lanes = LaneTree::new(&hierarchy, wide.records());
+        Ok(Self { set, hierarchy, wide, lanes })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -77,7 +79,7 @@ impl SurfaceBvh {
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        self.set.bytes() + self.hierarchy.bytes() + self.wide.bytes()
+        self.set.bytes() + self.hierarchy.bytes() + self.wide.bytes() + self.lanes.bytes()
     }
 
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.

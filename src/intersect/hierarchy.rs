@@ -53,10 +53,8 @@ impl Hierarchy {
         let mut hierarchy = Self { nodes: Vec::new(), order: Vec::new(), center, scale };
 
         // Leaves with equal boxes become one primitive.
-        let mut boxes: Vec<(Box32, u32)> = (0u32..)
-            .zip(leaves)
-            .map(|(k, &leaf)| (hierarchy.scaled(leaf), k))
-            .collect();
+        let mut boxes: Vec<(Box32, u32)> =
+            (0u32..).zip(leaves).map(|(k, &leaf)| (hierarchy.scaled(leaf), k)).collect();
         boxes.sort_by(|(a, j), (b, k)| a.total_cmp(b).then(j.cmp(k)));
         let mut primitives: Vec<(Box32, std::ops::Range<u32>)> = Vec::new();
         for (at, (boundary, leaf)) in (0u32..).zip(boxes) {

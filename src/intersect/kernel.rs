@@ -12,11 +12,11 @@ use fearless_simd::Level;
 pub enum Kernel {
     /// The readable specification: one ray at a time in f64.
     Scalar,
-    /// Packets of rays on instructions that every processor of its kind has.
+    /// Many rays or many boxes at a time on instructions that every processor of its kind has.
     Portable,
-    /// Packets of rays on AVX2.
+    /// The same on AVX2.
     Avx2,
-    /// Packets of rays on AVX-512.
+    /// The same on AVX-512.
     Avx512,
 }
 

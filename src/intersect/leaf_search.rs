@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
 use super::newton::{Grounds, Newton, newton, project};
-use super::{HitFlags, Root, Statistics};
+use super::{HitFlags, Occlusion, Root, Statistics};
 use crate::math::RayFrame;
 use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
 
@@ -65,6 +65,15 @@ impl Findings {
     pub(super) fn clear(&mut self) {
         self.meetings.clear();
         self.doubt = f64::INFINITY;
+    }
+
+    /// What was found as the answer of an any-hit search.
+    pub(super) fn occlusion(&mut self) -> Occlusion {
+        let certain = self.meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
+        let occluded = !self.meetings.is_empty();
+        let doubtful = !certain && (occluded || self.doubt < f64::INFINITY);
+        self.statistics.doubtful += u64::from(doubtful);
+        Occlusion { occluded, doubtful }
     }
 
     fn doubt_at(&mut self, t: f64) {

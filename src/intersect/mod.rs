@@ -15,10 +15,11 @@
 //! 4. Where rounding has the last word, as in tangency to within the last bits, the answer
 //!    says so: [`Answer::doubtful`].
 //!
-//! A [`Kernel`] is a way to do the second step. The scalar one is the readable
-//! specification; the others take coherent batches ([`Coherence`]) in packets, search sixteen
-//! rays at a time in f32, and finish each hit in f64 on the true surface. What a ray is
-//! answered does not depend on its neighbours, and what is not certified goes the scalar way.
+//! A [`Kernel`] is a way to do the first two steps. The scalar one is the readable
+//! specification; the others take coherent batches ([`Coherence`]) in packets and search sixteen
+//! rays at a time in f32, or test one ray against sixteen boxes at a time, and finish each hit in
+//! f64 on the true surface. What a ray is answered does not depend on its neighbours, and what is
+//! not proved goes the scalar way.
 //!
 //! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
 //! program's `audit` holds the fast way against it.
@@ -63,6 +64,7 @@ mod kernel;
 mod leaf_search;
 mod newton;
 mod packets;
+mod singles;
 mod statistics;
 mod tracer;
 mod wide;

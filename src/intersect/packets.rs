@@ -1,12 +1,12 @@
 //! First hits of coherent rays: packets, and the scalar search for what they leave.
 
-use fearless_simd::{Level, dispatch};
 use super::leaf_search::{self, Meeting, Question};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, trace};
 use super::{Answer, HitFlags, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
+use fearless_simd::{Level, dispatch};
 
 impl Tracer<'_> {
     /// First hits by packets of up to [`PACKET`] rays, appended to `answers`.

@@ -1,12 +1,13 @@
 //! Questions to surfaces: first hit, any hit, all hits.
 
+use fearless_simd::Level;
 use glam::DVec3;
 
 use super::leaf_search::{self, Findings, Meeting, Question};
-use super::wide::{PACKET, Packet, Work};
+use super::wide::{PACKET, Packet, SingleWork, Work};
 use super::{
-    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics,
-    SurfaceBvh, crossings,
+    Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
+    crossings,
 };
 use crate::math::RayFrame;
 use crate::patch::{Leaf, Passage, PatchSet};
@@ -18,9 +19,12 @@ use crate::patch::{Leaf, Passage, PatchSet};
 pub struct Tracer<'a> {
     pub(super) bvh: &'a SurfaceBvh,
     kernel: Kernel,
+    /// The kernel's instructions: finding them out takes longer than some rays.
+    level: Option<Level>,
     pub(super) findings: Findings,
     stack: Vec<(f64, u32)>,
     pub(super) packets: Box<PacketScratch>,
+    pub(super) single: SingleWork,
 }
 
 /// Scratch memory for packets.
@@ -53,9 +57,11 @@ impl<'a> Tracer<'a> {
         Self {
             bvh,
             kernel,
+            level: kernel.level(),
             findings: Findings::default(),
             stack: Vec::new(),
             packets: Box::default(),
+            single: SingleWork::default(),
         }
     }
 
@@ -67,7 +73,10 @@ impl<'a> Tracer<'a> {
     /// The first hit of a ray: the one with the smallest `t` in its range; of hits with the
     /// same `t` the one on the surface, then the piece, that was given first.
     pub fn first_hit(&mut self, query: &Query) -> Answer {
-        self.first(query, leaf_search::search)
+        match self.level {
+            Some(level) => self.single_first(level, query),
+            None => self.first(query, leaf_search::search),
+        }
     }
 
     /// The first hit found by the exact solver alone: slow, and independent of the kernel.
@@ -77,18 +86,16 @@ impl<'a> Tracer<'a> {
 
     /// Whether anything lies on a ray within its range.
     pub fn occluded(&mut self, query: &Query) -> Occlusion {
+        if let Some(level) = self.level {
+            return self.single_any(level, query);
+        }
         let frame = RayFrame::new(&query.ray);
         self.collect(query, &frame, leaf_search::search, |meetings| {
             // One certain hit is enough; a doubtful one keeps the search going.
             let certain = meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
             if certain { f64::NEG_INFINITY } else { f64::INFINITY }
         });
-        let meetings = &self.findings.meetings;
-        let certain = meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
-        let occluded = !meetings.is_empty();
-        let doubtful = !certain && (occluded || self.findings.doubt < f64::INFINITY);
-        self.findings.statistics.doubtful += u64::from(doubtful);
-        Occlusion { occluded, doubtful }
+        self.findings.occlusion()
     }
 
     /// All hits of a ray, appended to `hits` by increasing `t`; returns whether the answer
@@ -120,18 +127,22 @@ impl<'a> Tracer<'a> {
         answers: &mut Vec<Answer>,
     ) {
         answers.clear();
-        match self.kernel.level() {
+        match self.level {
             Some(level) if coherence == Coherence::Coherent => {
                 self.first_hits_in_packets(level, shots, answers);
             }
-            _ => answers.extend(shots.iter().map(|shot| self.first_hit(&shot.query()))),
+            Some(level) => self.single_firsts(level, shots, answers),
+            None => answers.extend(shots.iter().map(|shot| self.first_hit(&shot.query()))),
         }
     }
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     pub fn occlusions(&mut self, queries: &[Query], _: Coherence, answers: &mut Vec<Occlusion>) {
         answers.clear();
-        answers.extend(queries.iter().map(|query| self.occluded(query)));
+        match self.level {
+            Some(level) => self.single_anys(level, queries, answers),
+            None => answers.extend(queries.iter().map(|query| self.occluded(query))),
+        }
     }
 
     /// What the work cost so far.

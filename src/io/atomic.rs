@@ -8,18 +8,20 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
+use super::Quoted;
+
 /// Why a file cannot be written. Whatever was there before is as it was.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
     /// The path does not end in a file's name.
-    #[error("cannot write \"{}\": it does not name a file", .0.display())]
+    #[error("cannot write {}: it does not name a file", Quoted(.0))]
     NoName(PathBuf),
     /// There is a folder of that name.
-    #[error("cannot write {}: it is a folder", .0.display())]
+    #[error("cannot write {}: it is a folder", Quoted(.0))]
     Folder(PathBuf),
     /// The folder to write into does not exist.
-    #[error("cannot write {}: there is no folder {}", .path.display(), .folder.display())]
+    #[error("cannot write {}: there is no folder {}", Quoted(path), Quoted(folder))]
     NoFolder {
         /// The file to be written.
         path: PathBuf,
@@ -27,7 +29,7 @@ pub enum WriteError {
         folder: PathBuf,
     },
     /// The system refuses, or the contents cannot be encoded.
-    #[error("cannot write {}: {reason}", .path.display())]
+    #[error("cannot write {}: {reason}", Quoted(path))]
     Io {
         /// The file to be written.
         path: PathBuf,
@@ -62,7 +64,8 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 ///
 /// The bytes go to a temporary file in the same folder, which takes the file's place when
 /// all are safely there; when anything fails it is removed and an older file stays as it
-/// was. A new file has the permissions the system gives to new files, a replaced one keeps
+/// was. (A run that is killed in this very moment leaves the temporary file behind, named
+/// `.nurbray-….tmp`.) A new file has the permissions the system gives to new files, a replaced one keeps
 /// its own; links are followed.
 ///
 /// # Errors
@@ -93,7 +96,7 @@ fn target(path: &Path) -> Result<Target, WriteError> {
             // A file nobody may write to is not to be replaced either.
             OpenOptions::new().write(true).open(path).map_err(failed)?;
         }
-        None if path.file_name().is_none() => return Err(WriteError::NoName(path.to_owned())),
+        None if !names_file(path) => return Err(WriteError::NoName(path.to_owned())),
         None => {}
     }
 
@@ -110,17 +113,19 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     Ok(Target::File { path: file, folder, old })
 }
 
+/// Whether a path ends in a file's name: not in `..`, nor in a slash, as a folder's may.
+fn names_file(path: &Path) -> bool {
+    let ends_open = path.to_string_lossy().ends_with(std::path::is_separator);
+    path.file_name().is_some() && !ends_open
+}
+
 /// An empty file that disappears unless it is kept, with the permissions of a new file.
+///
+/// It is opened here, for `tempfile` would add its name, which means nothing to anyone, to
+/// what the system says.
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".nurbray-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What `File::create` asks for; the system takes the user's mask off.
-        builder.permissions(Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder).map_err(without_path)
+    let open = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
+    tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(folder, open)
 }
 
 /// Writes a temporary file and puts it in the file's place.
@@ -164,11 +169,6 @@ fn fill(
     buffer.flush()
 }
 
-/// The system's reason without the temporary file's name, which means nothing to anyone.
-fn without_path(error: io::Error) -> io::Error {
-    error.raw_os_error().map_or(error, io::Error::from_raw_os_error)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,7 +207,7 @@ mod tests {
             file.write_all(b"half of the n")?;
             Err(io::Error::other("the disk is on fire"))
         });
-        let message = format!("cannot write {}: the disk is on fire", path.display());
+        let message = format!("cannot write {}: the disk is on fire", Quoted(&path));
         assert_eq!(error.unwrap_err().to_string(), message);
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["a.txt"]);
@@ -227,12 +227,14 @@ mod tests {
         let error = check_writable(&missing).unwrap_err().to_string();
         let parent = folder.path().join("no/such");
         let expected =
-            format!("cannot write {}: there is no folder {}", missing.display(), parent.display());
+            format!("cannot write {}: there is no folder {}", Quoted(&missing), Quoted(&parent));
         assert_eq!(error, expected);
         let error = put(folder.path(), "").unwrap_err().to_string();
-        assert_eq!(error, format!("cannot write {}: it is a folder", folder.path().display()));
+        assert_eq!(error, format!("cannot write {}: it is a folder", Quoted(folder.path())));
         let error = check_writable(Path::new("")).unwrap_err().to_string();
         assert_eq!(error, "cannot write \"\": it does not name a file");
+        let error = check_writable(Path::new("new.exr/")).unwrap_err().to_string();
+        assert_eq!(error, "cannot write \"new.exr/\": it does not name a file");
         let file = folder.path().join("file");
         put(&file, "x").unwrap();
         assert!(matches!(check_writable(&file.join("below")), Err(WriteError::Io { .. })));
@@ -251,6 +253,15 @@ mod tests {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         put(&path, "y").unwrap();
         assert_eq!(mode(&path), 0o640);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_temporary_file_is_not_mentioned() {
+        // Nobody, not even root, makes files in the kernel's tables.
+        let error = check_writable(Path::new("/proc/a.exr")).unwrap_err().to_string();
+        assert!(error.starts_with("cannot write \"/proc/a.exr\": "), "{error}");
+        assert!(error.ends_with(')') && !error.contains("nurbray"), "{error}");
     }
 
     #[cfg(unix)]
@@ -272,6 +283,6 @@ mod tests {
         put(Path::new("/dev/null"), "gone").unwrap();
         assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
         let error = put(Path::new("/dev/full"), "too much").unwrap_err().to_string();
-        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+        assert!(error.starts_with("cannot write \"/dev/full\": No space left"), "{error}");
     }
 }

@@ -367,7 +367,7 @@ mod tests {
         let error = write_exr(path, &film(None), ExrPrecision::Float, &notes(&camera, ""));
         assert_eq!(
             error.unwrap_err().to_string(),
-            "cannot write /nowhere/at/all.exr: there is no folder /nowhere/at"
+            "cannot write \"/nowhere/at/all.exr\": there is no folder \"/nowhere/at\""
         );
     }
 

@@ -48,10 +48,11 @@ use serde_json::value::RawValue;
 
 use self::points::Points;
 use super::LoadError;
+use super::keyed::Keyed;
 use super::message::explain;
 use super::source::Source;
-use crate::geometry::SurfaceError;
-use crate::scene::{ImportNote, Knots, Net, Part, Place, SceneError, SceneFault, Shape, Written};
+use crate::geometry::NurbsSurface;
+use crate::scene::{ImportNote, Knots, Net, Part, Place, Shape, Written};
 
 /// The surfaces of a model file, and what else it holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,15 +63,17 @@ pub struct Model {
     pub notes: Vec<ImportNote>,
 }
 
-/// Reads a geomdl JSON model; errors and notes call the file `label`.
+/// Reads a geomdl JSON model. Errors and notes call the file `label`, and its surfaces
+/// `called`, the name of their object, with their own name behind it, as a world does.
 ///
 /// Whether the numbers are surfaces is found out by [`World::new`](crate::scene::World::new).
 ///
 /// # Errors
 /// When the text is no JSON, or has not the layout above.
-pub fn read_geomdl(text: &str, label: &str) -> Result<Model, LoadError> {
+pub fn read_geomdl(text: &str, label: &str, called: &str) -> Result<Model, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader { source: Source::new(text, label), model: Model::default() };
+    let source = Source::new(text, label);
+    let mut reader = Reader { source, called, model: Model::default() };
     reader.document()?;
     Ok(reader.model)
 }
@@ -138,6 +141,7 @@ struct ControlPoints<'a> {
 
 struct Reader<'a> {
     source: Source<'a>,
+    called: &'a str,
     model: Model,
 }
 
@@ -157,7 +161,10 @@ impl Entry<'_> {
 impl<'a> Reader<'a> {
     fn document(&mut self) -> Result<(), LoadError> {
         let text = self.source.text();
-        let document: Document<'a> = self.parse(text)?;
+        if text.trim().is_empty() {
+            return Err(LoadError::malformed(self.source.file().clone(), "the file is empty"));
+        }
+        let Keyed(document): Keyed<Document<'a>> = self.parse(text)?;
         if let Some(order) = &document.order
             && !order.starts_with("v fastest")
         {
@@ -166,7 +173,7 @@ impl<'a> Reader<'a> {
         }
         let mut lists = Vec::new();
         if let Some(shape) = document.shape {
-            let keys: ShapeKeys<'a> = self.parse(shape.get())?;
+            let Keyed(keys): Keyed<ShapeKeys<'a>> = self.parse(shape.get())?;
             let data = keys.data.ok_or_else(|| {
                 LoadError::malformed(self.place(shape), "shape: missing key \"data\"")
             })?;
@@ -201,12 +208,17 @@ impl<'a> Reader<'a> {
     }
 
     fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
-        let item: Item<'a> = self.parse(raw)?;
+        let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
+        // A name stays on its line, whatever a program has put into it.
+        let name = name.map(|name| name.replace(char::is_control, "\u{fffd}"));
         let name = name.filter(|name| !name.is_empty());
         let part_name = name.or_else(|| index.map(|index| index.to_string())).unwrap_or_default();
-        let label = if part_name.is_empty() { "0".to_owned() } else { part_name.clone() };
+        let label = match part_name.as_str() {
+            "" => self.called.to_owned(),
+            part => format!("{}/{part}", self.called),
+        };
         let entry = Entry { item, place, label };
 
         if let Some((what, why)) = no_surface(&entry.item) {
@@ -241,7 +253,7 @@ impl<'a> Reader<'a> {
         let control: Written<&RawValue> =
             self.needed(entry, "control_points", item.control_points)?;
         let (points, weights) = if control.value.get().starts_with('{') {
-            let keys: ControlPoints<'a> = self.parse(control.value.get())?;
+            let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.value.get())?;
             (keys.points, keys.weights.or(item.weights))
         } else {
             (Some(control.value), item.weights)
@@ -266,27 +278,22 @@ impl<'a> Reader<'a> {
             }
         }
         let points = Written::new(points.value.points, points.place);
-        let weights = weights.map(|raw| self.weights(entry, raw, size[1])).transpose()?;
+        let weights = weights.map(|raw| self.weights(raw)).transpose()?;
         Ok(Some(Net { degree, knots, size, points, weights }))
     }
 
-    /// The weights; one that cannot be is named here, where its own place is still known.
-    fn weights(
-        &self,
-        entry: &Entry<'a>,
-        raw: &'a RawValue,
-        size_v: usize,
-    ) -> Result<Written<Vec<f64>>, LoadError> {
+    /// The weights, at the place of the first one that cannot be, if there is one.
+    fn weights(&self, raw: &'a RawValue) -> Result<Written<Vec<f64>>, LoadError> {
         let weights: Vec<f64> = self.parse(raw.get())?;
-        let Some(k) = weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) else {
-            return Ok(Written::new(weights, self.place(raw)));
+        let unusable = weights.iter().position(|weight| !NurbsSurface::usable_weight(*weight));
+        let place = match unusable {
+            None => self.place(raw),
+            Some(index) => {
+                let each: Vec<&RawValue> = self.parse(raw.get())?;
+                self.place(each.get(index).copied().unwrap_or(raw))
+            }
         };
-        let each: Vec<&RawValue> = self.parse(raw.get())?;
-        let place = each.get(k).map_or_else(|| self.place(raw), |raw| self.place(raw));
-        let (i, j) = (k / size_v.max(1), k % size_v.max(1));
-        let error = SurfaceError::Weight { i, j, weight: weights[k] };
-        let fault = SceneFault::Surface { surface: entry.label.clone(), error };
-        Err(SceneError::new(place, fault).into())
+        Ok(Written::new(weights, place))
     }
 
     /// Notes what the file says of a surface that is not done.
@@ -330,7 +337,9 @@ impl<'a> Reader<'a> {
     /// Reads a part of the text; errors name their place in the whole.
     fn parse<T: Deserialize<'a>>(&self, part: &'a str) -> Result<T, LoadError> {
         serde_json::from_str(part).map_err(|error| {
-            let offset = self.source.offset_of(part) + offset_of(&error, part);
+            // What is no list or object is to blame as a whole, from its beginning on.
+            let inside = if part.starts_with(['[', '{']) { offset_of(&error, part) } else { 0 };
+            let offset = self.source.offset_of(part) + inside;
             let text = self.source.text();
             // The complaint is about the byte there or, within a number, the one before.
             let around = [1, 0].map(|back| text.get(offset.saturating_sub(back)..).unwrap_or(""));
@@ -384,10 +393,13 @@ fn message(error: &serde_json::Error, around: [&str; 2]) -> String {
             return format!("{word} is not a number JSON knows: numbers must be finite");
         }
     }
-    if said == "number out of range" {
-        return "the number is too large: numbers must be finite".to_owned();
+    match said {
+        "expected value" | "expected ident" => "this is no JSON".to_owned(),
+        "key must be a string" => "a key must be in double quotes".to_owned(),
+        "trailing characters" => "the model ends before this".to_owned(),
+        "number out of range" => "the number is too large: numbers must be finite".to_owned(),
+        _ => explain(said, "").replace("a table", "an object"),
     }
-    explain(said, "").replace("a table", "an object")
 }
 
 #[cfg(test)]

@@ -43,13 +43,13 @@ pub fn load_input(path: &Path) -> Result<Scene, LoadError> {
             let text = read_text(path, &nowhere)?;
             let mut models = HashMap::new();
             let folder = path.parent().unwrap_or(Path::new(""));
-            read_scene(&text, &label, &mut |file, place| {
+            read_scene(&text, &label, &mut |file, called, place| {
                 let path = folder.join(file);
-                cached_model(&mut models, path, place)
+                cached_model(&mut models, path, (called, place))
             })
         }
         FileType::Model => {
-            let model = read_geomdl(&read_text(path, &nowhere)?, &label)?;
+            let model = read_geomdl(&read_text(path, &nowhere)?, &label, &stem(path))?;
             Ok(scene_of(model, path))
         }
     }
@@ -72,7 +72,7 @@ pub(super) fn stem(path: &Path) -> String {
 fn cached_model(
     models: &mut HashMap<PathBuf, Model>,
     path: PathBuf,
-    place: &Place,
+    (called, place): (&str, &Place),
 ) -> Result<Model, LoadError> {
     if let Some(model) = models.get(&path) {
         return Ok(Model { parts: model.parts.clone(), notes: Vec::new() });
@@ -81,7 +81,8 @@ fn cached_model(
         let what = "a scene cannot be the shape of an object";
         return Err(LoadError::new(place.clone(), LoadFault::UnknownType { path, what }));
     }
-    let model = read_geomdl(&read_text(&path, place)?, &path.display().to_string())?;
+    let label = path.display().to_string();
+    let model = read_geomdl(&read_text(&path, place)?, &label, called)?;
     models.insert(path, model.clone());
     Ok(model)
 }

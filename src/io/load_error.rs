@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::quoted::{Quoted, WhyUnread};
 use crate::scene::{Place, SceneError};
 
 /// Why an input cannot be read: one message with the file, the line and the column.
@@ -103,33 +104,29 @@ impl fmt::Display for LoadFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read { path, nearest, error } => {
-                write!(f, "cannot read \"{}\": ", path.display())?;
-                match error.kind() {
-                    std::io::ErrorKind::NotFound => write!(f, "there is no such file")?,
-                    _ => write!(f, "{error}")?,
-                }
+                write!(f, "cannot read {}: {}", Quoted(path), WhyUnread(error))?;
                 match nearest {
-                    Some(nearest) => write!(f, "; did you mean \"{}\"?", nearest.display()),
+                    Some(nearest) => write!(f, "; did you mean {}?", Quoted(nearest)),
                     None => Ok(()),
                 }
             }
             Self::NotAFile { path } => {
-                write!(f, "cannot read \"{}\": it is not a file", path.display())
+                write!(f, "cannot read {}: it is not a file", Quoted(path))
             }
             Self::TooLarge { path, bytes, limit } => {
-                let path = path.display();
-                write!(f, "cannot read \"{path}\": {bytes} bytes are more than the {limit} allowed")
+                let path = Quoted(path);
+                write!(f, "cannot read {path}: {bytes} bytes are more than the {limit} allowed")
             }
             Self::NotText { path, valid } => {
-                let path = path.display();
-                write!(f, "cannot read \"{path}\": it is not UTF-8 text from byte {valid} on")
+                let path = Quoted(path);
+                write!(f, "cannot read {path}: it is not UTF-8 text from byte {valid} on")
             }
             Self::UnknownType { path, what } => {
-                let path = path.display();
                 write!(
                     f,
-                    "cannot read \"{path}\": {what}; what can be read are scenes (.toml) and \
-                     geomdl JSON models (.json)"
+                    "cannot read {}: {what}; what can be read are scenes (.toml) and geomdl JSON \
+                     models (.json)",
+                    Quoted(path)
                 )
             }
             Self::Malformed(message) => f.write_str(message),

@@ -69,7 +69,7 @@ fn damaged_text_is_refused_not_feared() {
     for seed in 0..1500 {
         let mut dice = Dice(seed);
         let scene = mangled(SCENE, &mut dice);
-        match read_scene(&scene, "s", &mut |_, _| Ok(Model::default())) {
+        match read_scene(&scene, "s", &mut |_, _, _| Ok(Model::default())) {
             Ok(scene) => _ = World::new(&scene),
             Err(error) => {
                 let message = error.to_string();
@@ -78,7 +78,7 @@ fn damaged_text_is_refused_not_feared() {
             }
         }
         let model = mangled(MODEL, &mut dice);
-        match read_geomdl(&model, "m") {
+        match read_geomdl(&model, "m", "m") {
             Ok(model) => {
                 let object = Object { parts: model.parts, ..Object::default() };
                 _ = World::new(&Scene { objects: vec![object], ..Scene::default() });

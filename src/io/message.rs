@@ -6,6 +6,25 @@ use crate::scene::UnknownName;
 const KINDS: [(&str, &str); 3] =
     [("sphere", "shape"), ("directional", "light"), ("translate", "transform")];
 
+/// Keys that are looked for in the wrong table: the key, one that the table does have, and
+/// what to write.
+const ELSEWHERE: [(&str, &str, &str); 14] = [
+    ("fov", "perspective", "perspective = { fov = … }"),
+    ("height", "orthographic", "orthographic = { height = … }"),
+    ("from", "look_from", "look_from = [x, y, z]"),
+    ("at", "look_from", "look_at = [x, y, z]"),
+    ("position", "look_from", "look_from = [x, y, z]"),
+    ("width", "spp", "size = [width, height]"),
+    ("height", "spp", "size = [width, height]"),
+    ("samples", "spp", "spp = …"),
+    ("color", "shape", "material = \"name\", and a [[material]] of that name"),
+    ("file", "shape", "shape = { file = \"…\" }"),
+    ("nurbs", "shape", "[object.shape.nurbs]"),
+    ("translate", "shape", "transform = [{ translate = [x, y, z] }]"),
+    ("rotate", "shape", "transform = [{ rotate = { axis = \"z\", degrees = … } }]"),
+    ("scale", "shape", "transform = [{ scale = … }]"),
+];
+
 /// Types of Rust that parsers mention, and what they are called outside.
 const TYPES: [(&str, &str); 8] = [
     ("f64", "a number"),
@@ -27,29 +46,17 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     if let Some(rest) = message.strip_prefix("unknown variant ") {
         return unknown("name", rest);
     }
-    if let Some((keys, known)) = message
-        .strip_prefix("unexpected keys in table: ")
-        .and_then(|rest| rest.split_once(", available keys: "))
-    {
-        let key = keys.split(", ").next().unwrap_or(keys);
-        let known: Vec<&str> = known.split(", ").collect();
-        return UnknownName::new("key", key, &known).to_string();
-    }
     if let Some(key) = message.strip_prefix("missing field ") {
         return format!("missing key {}", key.replace('`', "\""));
     }
-    if message.starts_with("invalid type: unit variant") {
-        let name = written.trim_matches(['"', '\'']);
-        return format!("\"{name}\" needs its own keys: write {{ {name} = {{ … }} }}");
+    if let Some(key) = message.strip_prefix("duplicate field ") {
+        return format!("key {} is given twice", key.replace('`', "\""));
     }
-    if message.starts_with("wanted exactly 1 element") {
-        return "needed is one kind, as in { sphere = { radius = 1 } }".to_owned();
+    if message == "duplicate key" {
+        return format!("key \"{}\" is given twice", written.trim());
     }
-    if message.starts_with("expected empty table") {
-        return "it has no keys of its own".to_owned();
-    }
-    if message == "invalid type: map, expected a sequence" && written.starts_with('[') {
-        return format!("there can be several of these: write [{}]", written.trim());
+    if let Some(said) = one_or_several(message, written.trim()) {
+        return said;
     }
     for start in ["invalid type: ", "invalid value: ", "invalid length "] {
         if let Some((found, needed)) =
@@ -62,18 +69,47 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     message.replace('`', "\"")
 }
 
+/// A table of a list where a single one is meant, or the other way round.
+fn one_or_several(message: &str, written: &str) -> Option<String> {
+    let header = |open: &str, close: &str| {
+        let name = written.strip_prefix(open)?.strip_suffix(close)?;
+        let is_name = |c: char| c.is_ascii_alphabetic() || c == '_' || c == '.';
+        name.chars().all(is_name).then_some(name)
+    };
+    if message == "invalid type: map, expected a sequence" {
+        return Some(match header("[", "]") {
+            Some(name) => format!("there can be several of these: write [[{name}]]"),
+            None => "found a table, needed a list: write [{ … }]".to_owned(),
+        });
+    }
+    if message.starts_with("invalid type: sequence, expected a table")
+        && let Some(name) = header("[[", "]]")
+    {
+        return Some(format!("there is only one of these: write [{name}]"));
+    }
+    None
+}
+
 /// `shpere`, expected one of `sphere`, `torus`.
 fn unknown(what: &'static str, rest: &str) -> String {
     let mut quoted = rest.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
     let known: Vec<&str> = quoted.collect();
+    let meant = |(key, sibling, _): &&(&str, &str, &str)| *key == name && known.contains(sibling);
+    if let Some((_, _, write)) = ELSEWHERE.iter().find(meant) {
+        return format!("unknown key \"{name}\"; write {write}");
+    }
+    if name.contains('.') && known.contains(&"file") {
+        return format!("unknown shape \"{name}\"; write {{ file = \"{name}\" }}");
+    }
     let kind = KINDS.iter().find(|(member, _)| what == "name" && known.contains(member));
     UnknownName::new(kind.map_or(what, |(_, kind)| kind), name, &known).to_string()
 }
 
 /// A parser's name of a type in plain words.
 fn plain(name: &str) -> String {
-    let quoted = name.replace('`', "");
+    // Integers beyond 64 bits are read as longer ones.
+    let quoted = name.replace('`', "").replace(" as i128", "").replace(" as u128", "");
     for (theirs, ours) in TYPES {
         let whole = quoted == theirs || (theirs == "struct" && quoted.starts_with("struct "));
         if whole {
@@ -98,10 +134,6 @@ mod tests {
             "unknown key \"radios\"; did you mean \"radius\"?"
         );
         assert_eq!(
-            explain("unexpected keys in table: radios, b, available keys: major, radius", ""),
-            "unknown key \"radios\"; did you mean \"radius\"?"
-        );
-        assert_eq!(
             explain("unknown field `b`, expected one of `camera`, `light`", "b"),
             "unknown key \"b\"; known: camera, light"
         );
@@ -112,6 +144,18 @@ mod tests {
         assert_eq!(
             explain("unknown variant `shpere`, expected one of `sphere`, `torus`", "shpere"),
             "unknown shape \"shpere\"; did you mean \"sphere\"?"
+        );
+    }
+
+    #[test]
+    fn keys_of_other_tables_are_sent_there() {
+        assert_eq!(
+            explain("unknown field `fov`, expected one of `look_from`, `perspective`", "fov"),
+            "unknown key \"fov\"; write perspective = { fov = … }"
+        );
+        assert_eq!(
+            explain("unknown field `fov`, expected one of `size`, `spp`", "fov"),
+            "unknown key \"fov\"; known: size, spp"
         );
     }
 
@@ -130,8 +174,16 @@ mod tests {
             "there can be several of these: write [[light]]"
         );
         assert_eq!(
-            explain("invalid type: unit variant, expected struct variant", "\"sphere\""),
-            "\"sphere\" needs its own keys: write { sphere = { … } }"
+            explain("invalid type: map, expected a sequence", "{ scale = 2 }"),
+            "found a table, needed a list: write [{ … }]"
+        );
+        assert_eq!(
+            explain("invalid type: sequence, expected a table", "[[camera]]"),
+            "there is only one of these: write [camera]"
+        );
+        assert_eq!(
+            explain("invalid type: sequence, expected a table", "[[1, 2]]"),
+            "found a list, needed a table"
         );
         assert_eq!(explain("missing field `shape`", ""), "missing key \"shape\"");
     }

@@ -8,7 +8,8 @@
 //! | model, geomdl JSON: [`geomdl`] says what of it | [`read_geomdl`] | |
 //! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
 //! | picture with its data, OpenEXR | | [`write_exr`] |
-//! | picture for a screen, PNG | | [`write_png`] |
+//! | scene for POV-Ray | | [`povray_scene`] |
+//! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
 //!
 //! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
 //! points of degree 3 need 11`. Files are written under another name and moved into place
@@ -25,6 +26,7 @@ mod embree_error;
 mod embree_rays;
 mod exr;
 pub mod geomdl;
+mod keyed;
 mod load;
 mod load_error;
 #[cfg(test)]
@@ -35,6 +37,8 @@ mod message;
 mod npy;
 mod npy_header;
 mod png;
+mod povray;
+mod quoted;
 pub mod scene_toml;
 mod source;
 
@@ -50,5 +54,7 @@ pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
-pub use png::{PngWarning, write_png};
+pub use png::{PngWarning, write_png, write_png_bytes};
+pub use povray::{PovrayGap, PovrayScene, PovraySkip, povray_scene};
+pub use quoted::Quoted;
 pub use scene_toml::read_scene;

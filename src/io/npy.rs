@@ -9,6 +9,7 @@ use npyz::{NpyFile, NpyHeader, Order, WriterBuilder};
 use thiserror::Error;
 
 use super::npy_header::read_header;
+use super::quoted::{Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
 use crate::math::{Ray, RayError};
 
@@ -41,12 +42,11 @@ impl Table {
 #[non_exhaustive]
 pub enum NpyError {
     /// The system refuses.
-    #[error("cannot read {}: {reason}", .path.display())]
+    #[error("cannot read {}: {}", Quoted(path), WhyUnread(reason))]
     Io {
         /// The file.
         path: PathBuf,
         /// What the system says.
-        #[source]
         reason: io::Error,
     },
     /// The file does not begin as a NumPy file does.
@@ -335,6 +335,20 @@ mod tests {
             message(&with("<i8", "(2, 6)")),
             "rays.npy: found numbers of type '<i8', needed float64 or float32 (array.astype('f8'))"
         );
+        for unknown in ["|O", "=f8", "f8", "<M8[ns]"] {
+            assert_eq!(
+                message(&with(unknown, "(2, 6)")),
+                format!(
+                    "rays.npy: found numbers of type '{unknown}', needed float64 or float32 \
+                     (array.astype('f8'))"
+                )
+            );
+        }
+        for garbage in ["garbage", "", "{'descr'", "{'shape': (2, 6)}"] {
+            let message = message(&file(garbage, &data));
+            assert!(message.starts_with("rays.npy: not a NumPy .npy file: "), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+        }
         assert_eq!(
             message(&with("<f8", "(12,)")),
             "rays.npy: found an array of shape (12,), needed (n, 6) or (n, 8)"
@@ -352,7 +366,7 @@ mod tests {
             "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY"
         );
         let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();
-        assert!(error.starts_with("cannot read /no/such.npy: "), "{error}");
+        assert_eq!(error, "cannot read \"/no/such.npy\": there is no such file");
         assert!(matches!(read_table(Path::new("/"), &[6]), Err(NpyError::Io { .. })));
     }
 

@@ -48,9 +48,30 @@ pub(super) fn read_header(
     stream.read_exact(&mut bytes[start..]).map_err(short)?;
 
     check_text(&bytes[start..], path)?;
-    let header =
-        NpyHeader::from_reader(bytes.as_slice()).map_err(|error| wrong(&error.to_string()))?;
-    Ok((header, bytes.len()))
+    match NpyHeader::from_reader(bytes.as_slice()) {
+        Ok(header) => Ok((header, bytes.len())),
+        Err(error) => {
+            let said = error.to_string();
+            let unknown = said.contains("type string").then(|| kind(&bytes[start..])).flatten();
+            Err(match unknown {
+                Some(found) => NpyError::Kind { path: path.to_owned(), found },
+                // Parsers of Python explain themselves on several lines.
+                None if said.contains('\n') => wrong("its header is no dictionary of Python"),
+                None => wrong(&said),
+            })
+        }
+    }
+}
+
+/// What a header gives as the type of its numbers, in NumPy's notation.
+fn kind(header: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(header);
+    let (_, value) = text.split_once("descr")?;
+    let (_, value) = value.split_once(':')?;
+    let value = value.trim_start();
+    let quote = value.chars().next().filter(|c| "'\"".contains(*c))?;
+    let (kind, _) = value[1..].split_once(quote)?;
+    Some(format!("'{}'", kind.escape_default()))
 }
 
 /// Refuses headers that would nest or multiply without bounds.

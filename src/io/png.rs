@@ -39,18 +39,38 @@ pub fn write_png(
     film: &Film,
     exposure: f64,
 ) -> Result<Option<PngWarning>, WriteError> {
-    let bytes = screen_bytes(film, exposure);
-    let (width, height) = (film.window().width(), film.window().height());
+    let size = (film.window().width(), film.window().height());
+    write_png_bytes(path, size, &screen_bytes(film, exposure))?;
+    let left_out = film.settings().aovs;
+    Ok((!left_out.is_empty()).then_some(PngWarning { left_out }))
+}
+
+/// Writes a picture of `(width, height)` pixels, given as red, green and blue bytes row by
+/// row from the top, as a PNG. The same pixels give the same bytes.
+///
+/// # Errors
+/// When there are not three bytes a pixel, or the file cannot be written; an older one then
+/// stays as it was.
+pub fn write_png_bytes(
+    path: &Path,
+    (width, height): (u32, u32),
+    bytes: &[u8],
+) -> Result<(), WriteError> {
+    let needed = u64::from(width) * u64::from(height) * 3;
     write_atomically(path, |file| {
+        if bytes.len() as u64 != needed {
+            return Err(io::Error::other(format!(
+                "{} bytes, but {width}x{height} pixels need {needed}",
+                bytes.len()
+            )));
+        }
         PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
-            .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
+            .write_image(bytes, width, height, ExtendedColorType::Rgb8)
             .map_err(|error| match error {
                 ImageError::IoError(error) => error,
                 other => io::Error::other(other),
             })
-    })?;
-    let left_out = film.settings().aovs;
-    Ok((!left_out.is_empty()).then_some(PngWarning { left_out }))
+    })
 }
 
 /// Red, green and blue of each pixel as sRGB bytes.
@@ -128,5 +148,20 @@ mod tests {
         let film = Film::new(&settings).unwrap();
         assert_eq!(write_png(&folder.path().join("a.png"), &film, 0.0).unwrap(), None);
         assert!(write_png(folder.path(), &film, 0.0).is_err());
+    }
+
+    #[test]
+    fn bytes_are_written_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_png_bytes(&path, (2, 1), &[1, 2, 3, 250, 0, 7]).unwrap();
+        let picture = image::open(&path).unwrap().into_rgb8();
+        assert_eq!(
+            (picture.dimensions(), picture.as_raw().as_slice()),
+            ((2, 1), &[1, 2, 3, 250, 0, 7][..])
+        );
+        let error = write_png_bytes(&path, (2, 2), &[0; 6]).unwrap_err().to_string();
+        assert!(error.ends_with("6 bytes, but 2x2 pixels need 12"), "{error}");
+        assert_eq!(image::open(&path).unwrap().width(), 2);
     }
 }

@@ -61,7 +61,8 @@
 //!
 //! # Shapes
 //!
-//! By name, in their own coordinates; all measures may be left out:
+//! By name, in their own coordinates. All measures may be left out, and with them the table:
+//! `shape = "sphere"`.
 //!
 //! ```toml
 //! [[object]]
@@ -118,6 +119,7 @@
 mod constructions;
 mod curves;
 mod keys;
+mod kinds;
 mod values;
 
 use std::path::Path;
@@ -129,19 +131,23 @@ use self::keys::{
     CameraKeys, Grid, LightKeys, MaterialKeys, NurbsKeys, ObjectKeys, RenderKeys, SceneKeys,
     ShapeKeys, ShapeSource, TransformKeys,
 };
+use self::kinds::OneOf;
+use self::values::{Number, Vector};
 use super::LoadError;
 use super::geomdl::Model;
+use super::keyed::Keyed;
 use super::load::stem;
 use super::message::explain;
 use super::source::Source;
-use crate::geometry::SurfaceError;
+use crate::geometry::NurbsSurface;
 use crate::scene::{
     CameraSpec, ImportNote, Knots, Lens, Light, Material, Net, Object, Part, Place, RenderDefaults,
     Scene, SceneError, SceneFault, Shape, Texture, Transform, UnknownName, Written,
 };
 
-/// How a scene gets at the model files it mentions: the file as written, and where.
-pub type ReadModel<'a> = dyn FnMut(&Path, &Place) -> Result<Model, LoadError> + 'a;
+/// How a scene gets at the model files it mentions: the file as written, what the object it
+/// is for is called, and where it was written.
+pub type ReadModel<'a> = dyn FnMut(&Path, &str, &Place) -> Result<Model, LoadError> + 'a;
 
 /// Reads a scene; errors call its file `label`, and model files come from `read_model`.
 /// (To read both from disk, use [`load_input`](super::load_input).)
@@ -153,8 +159,9 @@ pub fn read_scene(
     label: &str,
     read_model: &mut ReadModel<'_>,
 ) -> Result<Scene, LoadError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(text, label);
-    let keys: SceneKeys = toml::from_str(text).map_err(|error| {
+    let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         let message = explain(error.message(), source.slice(span.clone()));
         LoadError::malformed(source.place(span.start), message)
@@ -194,9 +201,11 @@ impl Reader<'_, '_> {
         })
     }
 
-    fn camera(&self, keys: Spanned<CameraKeys>) -> Result<CameraSpec, LoadError> {
+    fn camera(&self, keys: Spanned<Keyed<CameraKeys>>) -> Result<CameraSpec, LoadError> {
         let place = self.source.place(keys.span().start);
-        let keys = keys.into_inner();
+        let Keyed(keys) = keys.into_inner();
+        let number = |number: Spanned<Number>| self.written(number, |number| number.0);
+        let vector = |vector: Spanned<Vector>| self.written(vector, |vector| vector.0);
         let lens = match (keys.perspective, keys.orthographic) {
             (Some(_), Some(other)) => {
                 let place = self.source.place(other.span().start);
@@ -204,25 +213,31 @@ impl Reader<'_, '_> {
                 return Err(LoadError::malformed(place, message));
             }
             (None, Some(keys)) => {
-                Lens::Orthographic { height: keys.into_inner().height.map(|height| height.0) }
+                let Keyed(keys) = keys.into_inner();
+                Lens::Orthographic { height: keys.height.map(number) }
             }
-            (Some(keys), None) => Lens::Perspective { fov: keys.fov.map(|fov| fov.0) },
+            (Some(Keyed(keys)), None) => Lens::Perspective { fov: keys.fov.map(number) },
             (None, None) => Lens::default(),
         };
         Ok(CameraSpec {
             place,
-            look_from: keys.look_from.map(|v| v.0),
-            look_at: keys.look_at.map(|v| v.0),
-            up: keys.up.map(|v| v.0),
+            look_from: keys.look_from.map(vector),
+            look_at: keys.look_at.map(vector),
+            up: keys.up.map(vector),
             lens,
         })
     }
 
-    fn settings(&self, keys: RenderKeys) -> Result<RenderDefaults, LoadError> {
+    /// What a value means, with its place.
+    fn written<V, T>(&self, value: Spanned<V>, meant: impl FnOnce(V) -> T) -> Written<T> {
+        let place = self.source.place(value.span().start);
+        Written::new(meant(value.into_inner()), place)
+    }
+
+    fn settings(&self, Keyed(keys): Keyed<RenderKeys>) -> Result<RenderDefaults, LoadError> {
         let mut settings = RenderDefaults::default();
         if let Some(size) = keys.size {
-            let [width, height] = *size.get_ref();
-            settings.size = (width, height);
+            settings.size = size.get_ref().0.into();
             self.check(&settings, size.span().start)?;
         }
         if let Some(spp) = keys.spp {
@@ -241,42 +256,59 @@ impl Reader<'_, '_> {
 
     fn check(&self, settings: &RenderDefaults, offset: usize) -> Result<(), LoadError> {
         settings.check().map_err(|error| {
-            SceneError::new(self.source.place(offset), SceneFault::Settings(error)).into()
+            SceneError::new(self.source.place(offset), SceneFault::Picture(error)).into()
         })
     }
 
-    fn light(&self, keys: Spanned<LightKeys>) -> Result<Light, LoadError> {
-        let offset = keys.span().start;
-        match keys.into_inner() {
-            LightKeys::Point { position, intensity } => {
-                Ok(Light::Point { position: position.0, intensity: intensity.0 })
+    fn light(&self, OneOf(keys): OneOf<LightKeys>) -> Result<Light, LoadError> {
+        match keys {
+            LightKeys::Point(Keyed(keys)) => {
+                Ok(Light::Point { position: keys.position.0, intensity: keys.intensity.0 })
             }
-            LightKeys::Ambient { radiance } => Ok(Light::Ambient { radiance: radiance.0 }),
-            LightKeys::Directional { from, irradiance } => Light::directional(from.0, irradiance.0)
-                .ok_or_else(|| {
+            LightKeys::Ambient(Keyed(keys)) => Ok(Light::Ambient { radiance: keys.radiance.0 }),
+            LightKeys::Directional(Keyed(keys)) => {
+                let offset = keys.from.span().start;
+                Light::directional(keys.from.into_inner().0, keys.irradiance.0).ok_or_else(|| {
                     let message = "directional: from (0, 0, 0) is no direction";
                     LoadError::malformed(self.source.place(offset), message)
-                }),
+                })
+            }
         }
     }
 
-    fn material(&self, keys: Spanned<MaterialKeys>) -> Result<Written<Material>, LoadError> {
-        let keys = keys.into_inner();
-        let place = self.source.place(keys.name.span().start);
-        let name = keys.name.into_inner();
+    /// A name, which must be one.
+    fn name(&self, name: Spanned<String>) -> Result<Written<String>, LoadError> {
+        let name = self.written(name, |name| name);
+        if name.value.is_empty() {
+            return Err(LoadError::malformed(name.place, "a name needs a letter at least"));
+        }
+        if name.value.contains(char::is_control) {
+            let message = "a name is a single line, without control characters";
+            return Err(LoadError::malformed(name.place, message));
+        }
+        Ok(name)
+    }
+
+    fn material(&self, Keyed(keys): Keyed<MaterialKeys>) -> Result<Written<Material>, LoadError> {
+        let Written { value: name, place } = self.name(keys.name)?;
         let mut textures = Vec::new();
         if let Some(color) = keys.color {
             textures.push((color.span().start, Texture::Constant(color.into_inner().0)));
         }
         if let Some(checker) = keys.checker {
             let offset = checker.span().start;
-            let checker = checker.into_inner();
-            let colors = checker.colors.map(|color| color.0);
-            textures.push((offset, Texture::Checker { count: checker.count.0, colors }));
+            let Keyed(checker) = checker.into_inner();
+            let colors = checker.colors.0.map(|color| color.0);
+            let count = checker.count.get_ref().0;
+            if count.contains(&0) {
+                let place = self.source.place(checker.count.span().start);
+                return Err(LoadError::malformed(place, "found 0, needed counts from 1 on"));
+            }
+            textures.push((offset, Texture::Checker { count, colors }));
         }
         if let Some(lines) = keys.lines {
             let offset = lines.span().start;
-            let lines = lines.into_inner();
+            let Keyed(lines) = lines.into_inner();
             let width = lines.width.get_ref().0;
             if !(0.0..=1.0).contains(&width) {
                 let place = self.source.place(lines.width.span().start);
@@ -284,7 +316,7 @@ impl Reader<'_, '_> {
                 return Err(LoadError::malformed(place, message));
             }
             let (line, base) = (lines.color.0, lines.base.0);
-            let count = lines.count.0;
+            let count = lines.count.into_inner().0;
             textures.push((offset, Texture::IsoLines { count, width, line, base }));
         }
         match textures.as_slice() {
@@ -302,49 +334,49 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn object(&mut self, keys: Spanned<ObjectKeys>) -> Result<Object, LoadError> {
-        let keys = keys.into_inner();
-        let written = |text: Spanned<String>| {
-            let offset = text.span().start;
-            Written::new(text.into_inner(), self.source.place(offset))
-        };
-        let name = keys.name.map(written);
-        let material = keys.material.map(written);
+    fn object(&mut self, Keyed(keys): Keyed<ObjectKeys>) -> Result<Object, LoadError> {
+        let name = keys.name.map(|name| self.name(name)).transpose()?;
+        let material = keys.material.map(|material| self.written(material, |name| name));
         let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
         let place = self.source.place(keys.shape.span().start);
-        let called = name.as_ref().map_or("nurbs", |name| name.value.as_str());
-        let (default_name, parts) = self.shape(called, place, keys.shape.into_inner())?;
+        let called = name.as_ref().map(|name| name.value.as_str());
+        let OneOf(shape) = keys.shape.into_inner();
+        let (default_name, parts) = self.shape(called, place, shape)?;
         let reverse = keys.reverse;
         Ok(Object { name, default_name, parts, transform, material, reverse })
     }
 
-    fn transform(&self, step: Spanned<TransformKeys>) -> Written<Transform> {
-        let place = self.source.place(step.span().start);
-        let step = match step.into_inner() {
-            TransformKeys::Translate(by) => Transform::Translate(by.0),
-            TransformKeys::Rotate { axis, degrees } => {
-                Transform::Rotate { axis: axis.0, degrees: degrees.0 }
+    fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {
+        match step {
+            TransformKeys::Translate(by) => self.written(by, |by| Transform::Translate(by.0)),
+            TransformKeys::Rotate(Keyed(keys)) => {
+                let degrees = keys.degrees.0;
+                self.written(keys.axis, |axis| Transform::Rotate { axis: axis.0, degrees })
             }
-            TransformKeys::Scale(by) => Transform::Scale(by.0),
+            TransformKeys::Scale(by) => self.written(by, |by| Transform::Scale(by.0)),
             TransformKeys::Matrix(rows) => {
-                Transform::Matrix(rows.map(|row| row.map(|number| number.0)))
+                self.written(rows, |rows| Transform::Matrix(rows.0.map(|row| row.0.map(|x| x.0))))
             }
-        };
-        Written::new(step, place)
+        }
     }
 
     /// The surfaces of a shape, and what the object is called if it has no name.
     fn shape(
         &mut self,
-        called: &str,
+        called: Option<&str>,
         place: Place,
         shape: ShapeKeys,
     ) -> Result<(String, Vec<Part>), LoadError> {
         let only = |shape| vec![Part { name: String::new(), place, shape }];
         match shape.source() {
-            ShapeSource::Named(named) => Ok((named.name().to_owned(), only(Shape::Named(named)))),
+            ShapeSource::Named(named, measures) => {
+                let place = |(name, offset)| Written::new(name, self.source.place(offset));
+                let measures = measures.into_iter().map(place).collect();
+                Ok((named.name().to_owned(), only(Shape::Named(named, measures))))
+            }
             ShapeSource::Nurbs(keys) => {
-                let net = self.net(called, *keys)?;
+                let Keyed(keys) = *keys;
+                let net = self.net(called.unwrap_or("nurbs"), keys)?;
                 Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
             }
             ShapeSource::Built(keys) => {
@@ -355,9 +387,10 @@ impl Reader<'_, '_> {
             ShapeSource::File(file) => {
                 let place = self.source.place(file.span().start);
                 let path = Path::new(file.get_ref());
-                let model = (self.read_model)(path, &place)?;
+                let stem = stem(path);
+                let model = (self.read_model)(path, called.unwrap_or(&stem), &place)?;
                 self.notes.extend(model.notes);
-                Ok((stem(path), model.parts))
+                Ok((stem, model.parts))
             }
         }
     }
@@ -365,10 +398,7 @@ impl Reader<'_, '_> {
     fn net(&self, called: &str, keys: NurbsKeys) -> Result<Net, LoadError> {
         let offset = keys.points.span().start;
         let knots = [keys.knots_u, keys.knots_v].map(|knots| match knots {
-            Some(knots) => {
-                let span = knots.span();
-                self.source.written(knots.into_inner().0, span)
-            }
+            Some(knots) => self.written(knots, |knots| knots.0),
             // Nothing is written: errors point at the net they were made for.
             None => Written::new(Knots::ClampedUniform, self.source.place(offset)),
         });
@@ -376,7 +406,7 @@ impl Reader<'_, '_> {
         let points = flat(keys.points.get_ref()).map(|point| point.0).collect();
         let points = Written::new(points, self.source.place(offset));
         let weights =
-            keys.weights.map(|weights| self.weights(called, &weights, size)).transpose()?;
+            keys.weights.map(|weights| self.weights(called, weights, size)).transpose()?;
         let degree = keys.degree.0.map(|degree| degree as usize);
         Ok(Net { degree, knots, size, points, weights })
     }
@@ -397,15 +427,16 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The weights; one that cannot be is named here, where its own place is still known.
+    /// The weights, at the place of the first one that cannot be, if there is one.
     fn weights(
         &self,
         called: &str,
-        weights: &Spanned<Grid<Spanned<f64>>>,
+        weights: Spanned<Grid<Spanned<f64>>>,
         size: [usize; 2],
     ) -> Result<Written<Vec<f64>>, LoadError> {
         let place = self.source.place(weights.span().start);
-        let found = self.size(called, "weights", weights.get_ref())?;
+        let weights = weights.into_inner();
+        let found = self.size(called, "weights", &weights)?;
         if found != size {
             let message = format!(
                 "surface \"{called}\": {} × {} weights for {} × {} points",
@@ -413,18 +444,9 @@ impl Reader<'_, '_> {
             );
             return Err(LoadError::malformed(place, message));
         }
-        for (i, row) in weights.get_ref().iter().enumerate() {
-            for (j, weight) in row.get_ref().iter().enumerate() {
-                let (offset, weight) = (weight.span().start, *weight.get_ref());
-                let usable = weight > 0.0 && weight.is_finite();
-                if !usable {
-                    let error = SurfaceError::Weight { i, j, weight };
-                    let fault = SceneFault::Surface { surface: called.to_owned(), error };
-                    return Err(SceneError::new(self.source.place(offset), fault).into());
-                }
-            }
-        }
-        Ok(Written::new(flat(weights.get_ref()).map(|w| *w.get_ref()).collect(), place))
+        let unusable = flat(&weights).find(|w| !NurbsSurface::usable_weight(*w.get_ref()));
+        let place = unusable.map_or(place, |weight| self.source.place(weight.span().start));
+        Ok(Written::new(flat(&weights).map(|weight| *weight.get_ref()).collect(), place))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scene::{Place, Written};
+use crate::scene::Place;
 
 /// The text of a file, ready to say where in it something is.
 ///
@@ -64,11 +64,6 @@ impl<'a> Source<'a> {
     /// What is written in a range; empty where there is no such range.
     pub(super) fn slice(&self, range: Range<usize>) -> &'a str {
         self.text.get(range).unwrap_or("")
-    }
-
-    /// A value with the place of a range's beginning.
-    pub(super) fn written<T>(&self, value: T, range: Range<usize>) -> Written<T> {
-        Written::new(value, self.place(range.start))
     }
 
     /// The offset of a part of this text within it.

@@ -11,8 +11,10 @@ mod interval;
 mod ray;
 mod ray_frame;
 pub mod rounding;
+mod shown;
 
 pub use aabb::Aabb;
 pub use interval::Interval;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
+pub use shown::{Shown, ShownVector};

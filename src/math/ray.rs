@@ -3,6 +3,8 @@
 use glam::DVec3;
 use thiserror::Error;
 
+use super::{Shown, ShownVector};
+
 /// The half line `o + t d` for `t_min < t < t_max`.
 ///
 /// `t` is measured in units of `d`, whatever its length; the range is open, so the
@@ -24,16 +26,16 @@ pub struct Ray {
 #[non_exhaustive]
 pub enum RayError {
     /// The origin is not finite.
-    #[error("the origin ({}, {}, {}) is not finite", .0.x, .0.y, .0.z)]
+    #[error("the origin {} is not finite", ShownVector(*.0))]
     Origin(DVec3),
     /// The direction is not finite.
-    #[error("the direction ({}, {}, {}) is not finite", .0.x, .0.y, .0.z)]
+    #[error("the direction {} is not finite", ShownVector(*.0))]
     Direction(DVec3),
     /// The direction has no length.
     #[error("the direction is zero: a ray needs a direction of any other length")]
     NoDirection,
     /// The range of `t` is empty or not a number.
-    #[error("t_min {t_min} and t_max {t_max}: a ray needs t_min < t_max")]
+    #[error("t_min {} and t_max {}: a ray needs t_min < t_max", Shown(*t_min), Shown(*t_max))]
     Range {
         /// The lower end as given.
         t_min: f64,

@@ -185,9 +185,7 @@ impl Part {
         bernstein::restrict_net(&mut widened, degree, ranges[0], ranges[1]);
         let net = Net { degree, control: &widened, noise };
         let certificate = Certificate::new(&net, collapsed)
-            .unwrap_or_else(|| {
-                Certificate::none(chords[0].cross(chords[1]).normalize_or_zero())
-            });
+            .unwrap_or_else(|| Certificate::none(chords[0].cross(chords[1]).normalize_or_zero()));
         (Leaf { piece: index, rect: self.rect, oriented, certificate, collapsed }, bounds)
     }
 

@@ -324,7 +324,8 @@ impl Tangents {
         }
         let e1 = (b.normal - a.normal * b.other).magnitude();
         let e2 = (a.other * b.normal - a.normal).magnitude();
-        let turning = [a0.cross(normal) * e1, b0.cross(normal) * e2].map(|v| v * MARGIN / (area * m));
+        let turning =
+            [a0.cross(normal) * e1, b0.cross(normal) * e2].map(|v| v * MARGIN / (area * m));
         // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
         let (length_a, length_b) = (a0.length(), b0.length());
         let bend = [

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use thiserror::Error;
+
 use crate::scene::UnknownName;
 
 /// A kind of data about what a pixel shows ("arbitrary output variable").
@@ -181,22 +183,43 @@ impl fmt::Display for AovSet {
     }
 }
 
+/// Why words are no set of AOVs.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum AovListError {
+    /// There is no AOV of that name.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// There is no name where one should be.
+    #[error("a name is missing: Z, P, N, uv, Albedo, id with commas between them, all, or none")]
+    NoName,
+    /// `all` or `none` in a list.
+    #[error("\"{0}\" says all there is to say: it cannot be in a list")]
+    NotAlone(&'static str),
+}
+
 /// Names with commas between them, in any case (`z,N,Albedo`), or `all`, or `none`.
 impl FromStr for AovSet {
-    type Err = UnknownName;
+    type Err = AovListError;
 
-    fn from_str(list: &str) -> Result<Self, UnknownName> {
-        match list.trim() {
-            "all" => return Ok(Self::all()),
-            "none" | "" => return Ok(Self::NONE),
-            _ => {}
+    fn from_str(list: &str) -> Result<Self, AovListError> {
+        const SETS: [&str; 2] = ["all", "none"];
+        let set = |name: &str| SETS.into_iter().find(|set| set.eq_ignore_ascii_case(name.trim()));
+        match set(list) {
+            Some("all") => return Ok(Self::all()),
+            Some(_) => return Ok(Self::NONE),
+            None => {}
         }
-        let mut known: Vec<_> = Aov::ALL.iter().map(|aov| aov.name()).collect();
-        known.push("all");
+        let known: Vec<_> = Aov::ALL.iter().map(|aov| aov.name()).chain(SETS).collect();
         let find = |name: &str| {
             let name = name.trim();
             let aov = Aov::ALL.iter().find(|aov| aov.name().eq_ignore_ascii_case(name));
-            aov.copied().ok_or_else(|| UnknownName::new("AOV", name, &known))
+            match (aov, set(name)) {
+                (Some(aov), _) => Ok(*aov),
+                (None, Some(set)) => Err(AovListError::NotAlone(set)),
+                (None, None) if name.is_empty() => Err(AovListError::NoName),
+                (None, None) => Err(UnknownName::new("AOV", name, &known).into()),
+            }
         };
         list.split(',').map(find).collect()
     }
@@ -220,7 +243,13 @@ mod tests {
     fn unknown_names_get_the_nearest() {
         let message = |list: &str| list.parse::<AovSet>().unwrap_err().to_string();
         assert_eq!(message("Z,albeda"), "unknown AOV \"albeda\"; did you mean \"Albedo\"?");
-        assert_eq!(message("Z,,N"), "unknown AOV \"\"; known: Z, P, N, uv, Albedo, id, all");
+        assert_eq!(message("Q"), "unknown AOV \"Q\"; known: Z, P, N, uv, Albedo, id, all, none");
+        let missing =
+            "a name is missing: Z, P, N, uv, Albedo, id with commas between them, all, or none";
+        for list in ["", " ", "Z,,N", "Z,"] {
+            assert_eq!(message(list), missing, "{list}");
+        }
+        assert_eq!(message("Z,All"), "\"all\" says all there is to say: it cannot be in a list");
     }
 
     #[test]

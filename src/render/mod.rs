@@ -32,12 +32,12 @@ mod settings;
 mod sums;
 mod tile;
 
-pub use aov::{Aov, AovSet, Channel};
+pub use aov::{Aov, AovListError, AovSet, Channel};
 pub use driver::{Progress, RenderError, render};
 pub use film::{Counters, Film, FilmError, MergeError};
 pub use rect::{PixelRect, RectError};
 pub use sampler::{Dimensions, Sampler};
-pub use settings::{MAX_PIXELS, MAX_SIDE, MAX_THREADS, RenderSettings, SettingsError};
+pub use settings::{MAX_PIXELS, MAX_THREADS, RenderSettings, SettingsError};
 
 #[cfg(test)]
 mod driver_tests;

@@ -6,11 +6,7 @@ use thiserror::Error;
 
 use super::{AovSet, PixelRect};
 use crate::intersect::Kernel;
-use crate::scene::{IntegratorKind, RenderDefaults};
-
-/// The longest side of a picture. Beyond it, image programs begin to fail, and a mistyped
-/// size is likelier than a wish.
-pub const MAX_SIDE: u32 = 1 << 16;
+use crate::scene::{IntegratorKind, PictureError, RenderDefaults};
 
 /// The most pixels rendered at once: at about 100 bytes each with all data, 27 GB. A
 /// larger picture can be rendered in crops.
@@ -51,26 +47,13 @@ pub struct RenderSettings {
     pub kernel: Kernel,
 }
 
-/// Why there can be no such picture.
+/// Why a picture cannot be rendered so.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// A side of the picture is 0.
-    #[error("size {width}x{height}: a picture needs at least one pixel each way")]
-    NoPixels {
-        /// The width as given.
-        width: u32,
-        /// The height as given.
-        height: u32,
-    },
-    /// A side of the picture is too long.
-    #[error("size {width}x{height}: a side of a picture has at most {MAX_SIDE} pixels")]
-    TooLong {
-        /// The width as given.
-        width: u32,
-        /// The height as given.
-        height: u32,
-    },
+    /// There can be no such picture, however it is rendered.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// There are too many pixels for one film.
     #[error(
         "{pixels} pixels at once: at most {MAX_PIXELS} can be; a larger picture can be rendered in crops"
@@ -131,8 +114,8 @@ impl RenderSettings {
     /// Whether there can be such a picture. Nothing is allocated; rendering checks it first.
     ///
     /// # Errors
-    /// When a size, a range or a number is empty or too large, or the crop reaches beyond
-    /// the picture.
+    /// When the size, the range of samples or the number of threads is empty or too large,
+    /// or the crop reaches beyond the picture.
     pub fn check(&self) -> Result<(), SettingsError> {
         self.window()?;
         let Range { start, end } = self.samples;
@@ -151,11 +134,9 @@ impl RenderSettings {
     /// When the size is empty or too large, or the crop reaches beyond it.
     pub fn window(&self) -> Result<PixelRect, SettingsError> {
         let (width, height) = self.size;
-        if width > MAX_SIDE || height > MAX_SIDE {
-            return Err(SettingsError::TooLong { width, height });
-        }
+        RenderDefaults::check_size(self.size)?;
         let picture = PixelRect::new([0, 0], [width, height])
-            .map_err(|_| SettingsError::NoPixels { width, height })?;
+            .map_err(|_| PictureError::NoPixels { width, height })?;
         let window = self.crop.unwrap_or(picture);
         if picture.intersection(&window) != Some(window) {
             return Err(SettingsError::CropOutside { crop: window, width, height });

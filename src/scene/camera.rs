@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
-use crate::math::Ray;
+use crate::math::{Ray, Shown, ShownVector};
 
 /// A camera's place and the way it is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct View {
 pub enum Projection {
     /// All rays leave one point.
     Perspective {
-        /// The angle from the bottom of the picture to its top, in degrees, in (0, 180).
+        /// The angle from the bottom of the picture to its top, in degrees, in [10⁻⁶, 180).
         fov: f64,
     },
     /// All rays run side by side.
@@ -29,6 +29,17 @@ pub enum Projection {
         /// The length from the bottom of the picture to its top, in scene units.
         height: f64,
     },
+}
+
+/// The largest coordinate of a camera: its square is finite, and the largest surface is a
+/// speck from there.
+const MAX_COORDINATE: f64 = 1e100;
+
+impl Projection {
+    /// The smallest field of view in degrees, that of a coin a thousand kilometres away. A
+    /// camera that shows all of a model so stands 10⁸ sizes off, and rounding is 10⁻⁸ of a
+    /// size there.
+    pub const MIN_FOV: f64 = 1e-6;
 }
 
 /// Which side of the picture the field of view is measured along.
@@ -44,25 +55,32 @@ enum Span {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// A coordinate is not finite, or so large that differences overflow.
-    #[error("{name} ({}, {}, {}) is not usable: coordinates must be finite", .value.x, .value.y, .value.z)]
-    NotFinite {
+    /// A coordinate is NaN, infinite, or larger than 10¹⁰⁰.
+    #[error(
+        "{name} {}: coordinates must be finite, at most {MAX_COORDINATE:e}",
+        ShownVector(*.value)
+    )]
+    Coordinate {
         /// Which vector.
         name: &'static str,
         /// Its value.
         value: DVec3,
     },
     /// The view has no direction.
-    #[error("look_from and look_at are the same point ({}, {}, {})", .0.x, .0.y, .0.z)]
+    #[error("look_from and look_at are the same point {}", ShownVector(*.0))]
     NoDirection(DVec3),
     /// Up is zero or along the view.
-    #[error("up ({}, {}, {}) must not be zero or run along the view", .0.x, .0.y, .0.z)]
+    #[error("up {} must not be zero or run along the view", ShownVector(*.0))]
     NoUp(DVec3),
-    /// The angle cannot be seen by a flat picture.
-    #[error("fov is {0}: needed is an angle between 0 and 180 degrees")]
+    /// The angle cannot be seen by a flat picture, or hardly be told from 0.
+    #[error(
+        "fov is {}: needed is an angle from {:e} degrees up to, not including, 180",
+        Shown(*.0),
+        Projection::MIN_FOV
+    )]
     Fov(f64),
     /// The picture has no height.
-    #[error("height is {0}: needed is a positive length")]
+    #[error("height is {}: needed is a positive length, at most {MAX_COORDINATE:e}", Shown(*.0))]
     Height(f64),
 }
 
@@ -90,7 +108,8 @@ impl Camera {
     ///
     /// # Errors
     /// When the view has no direction, `up` runs along it, the field of view is not in
-    /// (0, 180) degrees, the height is not positive, or a number is not finite.
+    /// [10⁻⁶, 180) degrees, the height is not positive, or a number is not finite or beyond
+    /// 10¹⁰⁰.
     pub fn new(view: View, projection: Projection) -> Result<Self, CameraError> {
         Self::spanning(view, projection, Span::Height)
     }
@@ -108,23 +127,24 @@ impl Camera {
         for (name, value) in
             [("look_from", view.look_from), ("look_at", view.look_at), ("up", view.up)]
         {
-            if !value.is_finite() {
-                return Err(CameraError::NotFinite { name, value });
+            let usable = value.abs().max_element() <= MAX_COORDINATE && !value.is_nan();
+            if !usable {
+                return Err(CameraError::Coordinate { name, value });
             }
         }
         match projection {
-            Projection::Perspective { fov } if !(fov > 0.0 && fov < 180.0) => {
+            Projection::Perspective { fov } if !(Projection::MIN_FOV..180.0).contains(&fov) => {
                 return Err(CameraError::Fov(fov));
             }
-            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+            Projection::Orthographic { height } if !(height > 0.0 && height <= MAX_COORDINATE) => {
                 return Err(CameraError::Height(height));
             }
             _ => {}
         }
 
         // An orthonormal frame: right, up, forward.
-        let forward = unit(view.look_at - view.look_from)
-            .ok_or_else(|| no_direction(view.look_from, view.look_at))?;
+        let forward =
+            unit(view.look_at - view.look_from).ok_or(CameraError::NoDirection(view.look_from))?;
         let up = unit(view.up).ok_or(CameraError::NoUp(view.up))?;
         let right = forward.cross(up);
         // Both are unit vectors: a cross product within a few rounding errors of zero has
@@ -198,15 +218,6 @@ fn unit(v: DVec3) -> Option<DVec3> {
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }
 
-/// Says why `to − from` has no direction: they are equal, or too far apart to subtract.
-fn no_direction(from: DVec3, to: DVec3) -> CameraError {
-    if from == to {
-        CameraError::NoDirection(from)
-    } else {
-        CameraError::NotFinite { name: "look_at − look_from", value: to - from }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,7 +261,7 @@ mod tests {
 
     #[test]
     fn works_at_every_magnitude() {
-        for size in [1e-8, 1.0, 1e8, 1e200] {
+        for size in [1e-8, 1.0, 1e8, 1e99] {
             let view = View { look_from: VIEW.look_from * size, up: VIEW.up / size, ..VIEW };
             let camera = Camera::new(view, Projection::Perspective { fov: 40.0 }).unwrap();
             assert_eq!(camera.ray(DVec2::splat(0.5), 1.0).direction(), DVec3::Y, "size {size}");
@@ -284,18 +295,18 @@ mod tests {
         );
         assert_eq!(
             message(View { look_from: DVec3::new(0.0, f64::NAN, 0.0), ..VIEW }, perspective),
-            "look_from (0, NaN, 0) is not usable: coordinates must be finite"
+            "look_from (0, NaN, 0): coordinates must be finite, at most 1e100"
         );
         for fov in [0.0, 180.0, -1.0, f64::NAN] {
             assert!(Camera::new(VIEW, Projection::Perspective { fov }).is_err(), "{fov}");
         }
         assert_eq!(
             message(VIEW, Projection::Perspective { fov: 180.0 }),
-            "fov is 180: needed is an angle between 0 and 180 degrees"
+            "fov is 180: needed is an angle from 1e-6 degrees up to, not including, 180"
         );
         assert_eq!(
             message(VIEW, Projection::Orthographic { height: 0.0 }),
-            "height is 0: needed is a positive length"
+            "height is 0: needed is a positive length, at most 1e100"
         );
     }
 }

@@ -66,7 +66,7 @@ impl Shape {
     fn point_count(&self) -> usize {
         match self {
             Self::Net(net) => net.points.value.len(),
-            Self::Named(_) => 0,
+            Self::Named(..) => 0,
             Self::Built(construction) => construction.point_count(),
         }
     }
@@ -88,8 +88,10 @@ pub struct Part {
 pub enum Shape {
     /// A control net of its own; objects made from one file share it.
     Net(Arc<Net>),
-    /// One the program knows by name.
-    Named(NamedShape),
+    /// One the program knows by name, and where each of its measures was written, as far as
+    /// they were; the measures have the names a [`ShapeError`](crate::geometry::shapes::ShapeError)
+    /// gives them.
+    Named(NamedShape, Vec<Written<&'static str>>),
     /// One made from curves.
     Built(Arc<Construction>),
 }
@@ -100,27 +102,27 @@ pub struct CameraSpec {
     /// Where it was written.
     pub place: Place,
     /// Where the eye is; else in front, to the right and above, far enough to see all.
-    pub look_from: Option<DVec3>,
+    pub look_from: Option<Written<DVec3>>,
     /// The middle of the picture; else the middle of the scene.
-    pub look_at: Option<DVec3>,
+    pub look_at: Option<Written<DVec3>>,
     /// What points up; else z, or y where the view runs along z.
-    pub up: Option<DVec3>,
+    pub up: Option<Written<DVec3>>,
     /// How it sees.
     pub lens: Lens,
 }
 
 /// How a camera sees, as far as the author says.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Lens {
     /// Perspective, with the vertical field of view in degrees.
     Perspective {
         /// The angle; [`Lens::DEFAULT_FOV`] if not given.
-        fov: Option<f64>,
+        fov: Option<Written<f64>>,
     },
     /// Parallel rays, with the height of the picture in scene units.
     Orthographic {
         /// The height; as much as is needed to see all if not given.
-        height: Option<f64>,
+        height: Option<Written<f64>>,
     },
 }
 

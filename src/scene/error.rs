@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::with_place;
-use super::{CameraError, ImportNote, Place, SettingsError, TransformError, UnknownName};
+use super::{CameraError, ImportNote, PictureError, Place, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
@@ -78,7 +78,7 @@ pub enum SceneFault {
         /// What is wrong with it.
         error: TransformError,
     },
-    /// A surface that its transform moves out of the range of numbers.
+    /// A surface that its transform moves or scales out of the range of numbers.
     #[error("surface \"{surface}\", placed by its transform: {error}")]
     Placed {
         /// The surface's name.
@@ -128,7 +128,10 @@ pub enum SceneFault {
         /// How many there may be.
         limit: usize,
     },
-    /// There is nothing to see.
+    /// There is no object.
+    #[error("there is nothing to show: write an [[object]], with a shape such as \"sphere\"")]
+    NoObjects,
+    /// There is nothing to see in any object.
     #[error("there is no surface to show{}", not_imported(.notes))]
     Empty {
         /// What the file holds instead.
@@ -136,7 +139,7 @@ pub enum SceneFault {
     },
     /// The picture cannot be made.
     #[error("{0}")]
-    Settings(SettingsError),
+    Picture(PictureError),
     /// The camera cannot be.
     #[error("camera: {0}")]
     Camera(CameraError),
@@ -148,7 +151,7 @@ pub enum SceneFault {
 /// A comma before `direction u: …`, a colon before the rest.
 fn separator(error: &SurfaceError) -> &'static str {
     match error {
-        SurfaceError::Knots { .. } => ", ",
+        SurfaceError::Knots { .. } | SurfaceError::Domain { .. } => ", ",
         _ => ": ",
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Camera, CameraError, CameraSpec, Lens, Light, Projection, View};
+use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
 use crate::geometry::{KnotVector, NurbsSurface};
 
 /// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
@@ -67,22 +67,37 @@ fn parameters(knots: &KnotVector, across: usize) -> Vec<f64> {
 }
 
 impl CameraSpec {
+    /// Where the part of the camera was written that an error complains of.
+    pub(super) fn blame(&self, error: &CameraError) -> &Place {
+        let (from, at) = (place(&self.look_from), place(&self.look_at));
+        let part = match (error, &self.lens) {
+            (CameraError::Coordinate { name: "look_from", .. }, _) => from,
+            (CameraError::Coordinate { name: "look_at", .. }, _) => at,
+            (CameraError::Coordinate { .. } | CameraError::NoUp(_), _) => place(&self.up),
+            (CameraError::NoDirection(_), _) => at.or(from),
+            (CameraError::Fov(_), Lens::Perspective { fov }) => place(fov),
+            (CameraError::Height(_), Lens::Orthographic { height }) => place(height),
+            (CameraError::Fov(_) | CameraError::Height(_), _) => None,
+        };
+        part.unwrap_or(&self.place)
+    }
+
     /// The camera as written, with what was left open chosen to show the sphere.
     pub(super) fn camera(&self, sphere: BoundingSphere) -> Result<Camera, CameraError> {
         let radius = MARGIN * sphere.radius;
-        let projection = match self.lens {
+        let projection = match &self.lens {
             Lens::Perspective { fov } => {
-                Projection::Perspective { fov: fov.unwrap_or(Lens::DEFAULT_FOV) }
+                Projection::Perspective { fov: value(fov).unwrap_or(Lens::DEFAULT_FOV) }
             }
             Lens::Orthographic { height } => {
-                Projection::Orthographic { height: height.unwrap_or(2.0 * radius) }
+                Projection::Orthographic { height: value(height).unwrap_or(2.0 * radius) }
             }
         };
-        let look_at = self.look_at.unwrap_or(sphere.center);
+        let look_at = value(&self.look_at).unwrap_or(sphere.center);
 
         // An eye that nobody placed goes where the sphere, wherever its centre lies
         // off the middle of the picture, just fits.
-        let look_from = self.look_from.unwrap_or_else(|| {
+        let look_from = value(&self.look_from).unwrap_or_else(|| {
             let reach = radius + MARGIN * look_at.distance(sphere.center);
             let distance = match projection {
                 Projection::Perspective { fov } => reach / (0.5 * fov.to_radians()).sin(),
@@ -90,12 +105,12 @@ impl CameraSpec {
             };
             look_at + distance * VIEW_FROM.normalize()
         });
-        let make = match self.look_from {
+        let make = match &self.look_from {
             None => Camera::fitting,
             Some(_) => Camera::new,
         };
         let view = |up| View { look_from, look_at, up };
-        match self.up {
+        match value(&self.up) {
             Some(up) => make(view(up), projection),
             None => match make(view(DVec3::Z), projection) {
                 Err(CameraError::NoUp(_)) => make(view(DVec3::Y), projection), // from above
@@ -103,6 +118,14 @@ impl CameraSpec {
             },
         }
     }
+}
+
+fn place<T>(written: &Option<Written<T>>) -> Option<&Place> {
+    written.as_ref().map(|written| &written.place)
+}
+
+fn value<T: Copy>(written: &Option<Written<T>>) -> Option<T> {
+    written.as_ref().map(|written| written.value)
 }
 
 /// The lights of a scene that has none: as in a photographer's studio, a key light over the

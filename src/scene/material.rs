@@ -42,6 +42,16 @@ pub enum Texture {
 }
 
 impl Material {
+    /// The largest share of light it sends back anywhere, in any of the three channels.
+    pub fn largest_albedo(&self) -> f64 {
+        let colors = match self.texture {
+            Texture::Constant(color) => [color, color],
+            Texture::Checker { colors, .. } => colors,
+            Texture::IsoLines { line, base, .. } => [line, base],
+        };
+        colors.into_iter().flatten().fold(0.0, f64::max)
+    }
+
     /// The share of light sent back at (u, v) of a surface with this domain, linear Rec. 709.
     ///
     /// Parameters off the domain take the colour of its nearest border; NaN that of its start.
@@ -111,6 +121,15 @@ mod tests {
         for u in [-0.5, 0.1001, 2.5] {
             assert_eq!(at(lines, u, 0.0), B, "u = {u}: no line across v");
         }
+    }
+
+    #[test]
+    fn the_largest_albedo_is_found_in_every_texture() {
+        let largest = |texture| Material { name: "m".into(), texture }.largest_albedo();
+        assert_eq!(largest(Texture::Constant([0.1, 0.7, 0.3])), 0.7);
+        assert_eq!(largest(Texture::Checker { count: [1, 1], colors: [A, [0.0, 0.0, 2.0]] }), 2.0);
+        let lines = Texture::IsoLines { count: [1, 1], width: 0.1, line: [0.2; 3], base: [0.1; 3] };
+        assert_eq!(largest(lines), 0.2);
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub use material::{Material, Texture};
 pub use names::{UnknownName, nearest};
 pub use net::{Knots, Net};
 pub use place::{Place, Written};
-pub use settings::{IntegratorKind, RenderDefaults, SettingsError};
+pub use settings::{IntegratorKind, PictureError, RenderDefaults};
 pub use shape::NamedShape;
 pub use transform::{Transform, TransformError};
 pub use world::{Instance, World};

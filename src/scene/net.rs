@@ -56,6 +56,7 @@ impl Net {
         NurbsSurface::new(knots_u, knots_v, self.points.value.clone(), weights).map_err(|error| {
             let blame = match error {
                 SurfaceError::Weight { .. } | SurfaceError::WeightCount { .. } => Blame::Weights,
+                SurfaceError::Domain { direction, .. } => Blame::Knots(direction),
                 _ => Blame::Points,
             };
             NetFault { error, blame }

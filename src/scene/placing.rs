@@ -5,6 +5,7 @@ use glam::DAffine3;
 use super::workshop::{Made, Workshop};
 use super::{Object, Part, Scene, SceneError, SceneFault, Shape, UnknownName, Written};
 use crate::geometry::NurbsSurface;
+use crate::geometry::shapes::ShapeError;
 
 /// All steps of an object's transform, the first one first.
 pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
@@ -28,7 +29,7 @@ impl Placer<'_> {
         &self,
         name: &str,
         part: &Part,
-        world_from_object: &DAffine3,
+        (object, world_from_object): (&Object, &DAffine3),
     ) -> Result<Vec<Made>, SceneError> {
         let mut made = self.make(name, part)?;
         if *world_from_object == DAffine3::IDENTITY {
@@ -36,8 +37,9 @@ impl Placer<'_> {
         }
         for one in &mut made {
             one.surface = one.surface.transformed(world_from_object).map_err(|error| {
+                let place = object.transform.first().map_or(&part.place, |step| &step.place);
                 let fault = SceneFault::Placed { surface: name.to_owned(), error };
-                SceneError::new(part.place.clone(), fault)
+                SceneError::new(place.clone(), fault)
             })?;
             one.deviation *= stretch(world_from_object);
         }
@@ -51,9 +53,14 @@ impl Placer<'_> {
                 let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
                 SceneError::new(place, fault)
             })?,
-            Shape::Named(shape) => shape.surface().map_err(|error| {
-                let fault = SceneFault::Shape { surface: name.to_owned(), error };
-                SceneError::new(part.place.clone(), fault)
+            Shape::Named(shape, measures) => shape.surface().map_err(|error| {
+                let named = match &error {
+                    ShapeError::Length { measure, .. } => measure,
+                    ShapeError::Torus { .. } => "minor radius",
+                };
+                let place = measures.iter().find(|measure| measure.value == named);
+                let place = place.map_or(&part.place, |measure| &measure.place).clone();
+                SceneError::new(place, SceneFault::Shape { surface: name.to_owned(), error })
             })?,
             Shape::Built(construction) => {
                 let surfaces_of = |of: &Written<String>| self.surfaces_of(name, of);
@@ -91,7 +98,7 @@ impl Placer<'_> {
         let world_from_object = affine(&of.value, object)?;
         let mut surfaces = Vec::new();
         for part in &object.parts {
-            let made = self.place(&of.value, part, &world_from_object)?;
+            let made = self.place(&of.value, part, (object, &world_from_object))?;
             surfaces.extend(made.into_iter().map(|made| made.surface));
         }
         if object.reverse {

@@ -76,46 +76,61 @@ pub struct RenderDefaults {
     pub exposure: f64,
 }
 
-/// Why a picture cannot be made.
+/// Why there can be no such picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
-pub enum SettingsError {
-    /// It has no pixels, or absurdly many.
-    #[error(
-        "a picture of {width} × {height} pixels: needed are 1 to {} each way, at most {} in all",
-        RenderDefaults::MAX_SIDE,
-        RenderDefaults::MAX_PIXELS
-    )]
-    Size {
-        /// Its width.
+pub enum PictureError {
+    /// A side of the picture is 0.
+    #[error("size {width}x{height}: a picture needs at least one pixel each way")]
+    NoPixels {
+        /// The width as given.
         width: u32,
-        /// Its height.
+        /// The height as given.
+        height: u32,
+    },
+    /// A side of the picture is too long.
+    #[error(
+        "size {width}x{height}: a side of a picture has at most {} pixels",
+        RenderDefaults::MAX_SIDE
+    )]
+    TooLong {
+        /// The width as given.
+        width: u32,
+        /// The height as given.
         height: u32,
     },
     /// No samples are taken.
-    #[error("spp is 0: needed is at least 1 sample a pixel")]
+    #[error("spp 0: a picture needs at least one sample a pixel")]
     NoSamples,
 }
 
 impl RenderDefaults {
-    /// The most pixels in a row or a column: what viewers and PNG encoders still cope with.
+    /// The most pixels in a row or a column. Beyond it, image programs begin to fail, and a
+    /// mistyped size is likelier than a wish.
     pub const MAX_SIDE: u32 = 1 << 16;
 
-    /// The most pixels in all: 2²⁸, or 4 GiB for each four channels of the film.
-    pub const MAX_PIXELS: u64 = 1 << 28;
-
-    /// Refuses pictures that cannot be made, before memory is taken for them.
+    /// Refuses pictures that cannot be made. How much of one fits in memory is known to the
+    /// renderer, which can make it in parts.
     ///
     /// # Errors
-    /// When there are no pixels, absurdly many, or no samples.
-    pub fn check(&self) -> Result<(), SettingsError> {
-        let (width, height) = self.size;
-        let sides = 1..=Self::MAX_SIDE;
-        let pixels = u64::from(width) * u64::from(height);
-        if !sides.contains(&width) || !sides.contains(&height) || pixels > Self::MAX_PIXELS {
-            return Err(SettingsError::Size { width, height });
+    /// When a side has no pixels, or absurdly many, or there are no samples.
+    pub fn check(&self) -> Result<(), PictureError> {
+        Self::check_size(self.size)?;
+        if self.spp == 0 { Err(PictureError::NoSamples) } else { Ok(()) }
+    }
+
+    /// Refuses widths and heights that no picture has.
+    ///
+    /// # Errors
+    /// When a side has no pixels, or absurdly many.
+    pub fn check_size((width, height): (u32, u32)) -> Result<(), PictureError> {
+        if width == 0 || height == 0 {
+            return Err(PictureError::NoPixels { width, height });
         }
-        if self.spp == 0 { Err(SettingsError::NoSamples) } else { Ok(()) }
+        if width > Self::MAX_SIDE || height > Self::MAX_SIDE {
+            return Err(PictureError::TooLong { width, height });
+        }
+        Ok(())
     }
 }
 
@@ -145,17 +160,14 @@ mod tests {
     #[test]
     fn absurd_pictures_are_refused() {
         let check = |size, spp| RenderDefaults { size, spp, ..RenderDefaults::default() }.check();
-        assert_eq!(check((1, 65_536), 1), Ok(()));
+        assert_eq!(check((65_536, 65_536), 1), Ok(())); // in parts
+        let message = |size, spp| check(size, spp).unwrap_err().to_string();
+        assert_eq!(message((0, 600), 1), "size 0x600: a picture needs at least one pixel each way");
         assert_eq!(
-            check((0, 600), 1).unwrap_err().to_string(),
-            "a picture of 0 × 600 pixels: needed are 1 to 65536 each way, at most 268435456 in all"
+            message((u32::MAX, 1), 1),
+            "size 4294967295x1: a side of a picture has at most 65536 pixels"
         );
-        assert!(check((65_536, 65_536), 1).is_err());
-        assert!(check((u32::MAX, 1), 1).is_err());
-        assert_eq!(
-            check((1, 1), 0).unwrap_err().to_string(),
-            "spp is 0: needed is at least 1 sample a pixel"
-        );
+        assert_eq!(message((1, 1), 0), "spp 0: a picture needs at least one sample a pixel");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
+use crate::math::ShownVector;
 use crate::math::angle::sin_cos_degrees;
 
 /// One step in placing an object.
@@ -37,7 +38,7 @@ pub enum TransformError {
     #[error("rotate: the axis (0, 0, 0) has no direction")]
     NoAxis,
     /// The scale is zero along an axis.
-    #[error("scale ({}, {}, {}) flattens space: no factor may be 0", .0.x, .0.y, .0.z)]
+    #[error("scale {} flattens space: no factor may be 0", ShownVector(*.0))]
     NoScale(DVec3),
     /// The matrix is singular.
     #[error("the matrix flattens space: its determinant is 0 within rounding")]

@@ -63,7 +63,10 @@ impl World {
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let fails = |fault| SceneError::new(scene.place.clone(), fault);
-        scene.settings.check().map_err(|error| fails(SceneFault::Settings(error)))?;
+        scene.settings.check().map_err(|error| fails(SceneFault::Picture(error)))?;
+        if scene.objects.is_empty() {
+            return Err(fails(SceneFault::NoObjects));
+        }
         check_point_count(scene)?;
         let (surfaces, materials) = place_objects(scene)?;
 
@@ -72,7 +75,7 @@ impl World {
             return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
         };
         let camera = scene.camera.camera(sphere).map_err(|error| {
-            SceneError::new(scene.camera.place.clone(), SceneFault::Camera(error))
+            SceneError::new(scene.camera.blame(&error).clone(), SceneFault::Camera(error))
         })?;
         let lights =
             if scene.lights.is_empty() { default_lights(&camera) } else { scene.lights.clone() };
@@ -129,7 +132,7 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
         let world_from_object = affine(&name, object)?;
         let mut parts = Vec::new();
         for part in &object.parts {
-            for made in placer.place(&name, part, &world_from_object)? {
+            for made in placer.place(&name, part, (object, &world_from_object))? {
                 parts.push((joined(&part.name, &made.name), made));
             }
         }
@@ -171,7 +174,10 @@ fn free_name(name: &str, taken: &mut HashSet<String>) -> String {
 /// The materials so far, found by name.
 struct Palette {
     materials: Vec<Material>,
+    /// Those that have an author.
     by_name: HashMap<String, usize>,
+    /// That of objects that name none, once there is one.
+    default: Option<usize>,
 }
 
 impl Palette {
@@ -179,27 +185,33 @@ impl Palette {
         let names = scene.materials.iter().map(|m| (m.value.name.as_str(), &m.place));
         check_unique("material", names)?;
         let materials: Vec<_> = scene.materials.iter().map(|m| m.value.clone()).collect();
-        let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i)).collect();
-        Ok(Self { materials, by_name })
+        let by_name: HashMap<_, _> =
+            materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i)).collect();
+        let default = by_name.get(DEFAULT_MATERIAL).copied();
+        Ok(Self { materials, by_name, default })
     }
 
     /// The index of an object's material; the default one is made when first needed.
     fn index(&mut self, name: &str, object: &Object) -> Result<usize, SceneError> {
-        let wanted = object.material.as_ref().map_or(DEFAULT_MATERIAL, |material| &material.value);
-        if let Some(&index) = self.by_name.get(wanted) {
-            return Ok(index);
-        }
-        if let Some(Written { value, place }) = &object.material {
-            let known: Vec<_> = self.materials.iter().map(|m| m.name.as_str()).collect();
+        let Some(Written { value, place }) = &object.material else {
+            return Ok(self.default());
+        };
+        self.by_name.get(value).copied().ok_or_else(|| {
+            let mut known: Vec<_> = self.by_name.iter().collect();
+            known.sort_by_key(|(_, index)| **index); // as written
+            let known: Vec<_> = known.into_iter().map(|(name, _)| name.as_str()).collect();
             let error = UnknownName::new("material", value, &known);
             let fault = SceneFault::Material { object: name.to_owned(), error };
-            return Err(SceneError::new(place.clone(), fault));
-        }
-        let index = self.materials.len();
-        let texture = Texture::Constant(DEFAULT_COLOR);
-        self.materials.push(Material { name: DEFAULT_MATERIAL.to_owned(), texture });
-        self.by_name.insert(DEFAULT_MATERIAL.to_owned(), index);
-        Ok(index)
+            SceneError::new(place.clone(), fault)
+        })
+    }
+
+    fn default(&mut self) -> usize {
+        *self.default.get_or_insert_with(|| {
+            let texture = Texture::Constant(DEFAULT_COLOR);
+            self.materials.push(Material { name: DEFAULT_MATERIAL.to_owned(), texture });
+            self.materials.len() - 1
+        })
     }
 }
 
@@ -217,7 +229,7 @@ mod tests {
     };
 
     fn part(shape: NamedShape) -> Part {
-        let shape = Shape::Named(shape);
+        let shape = Shape::Named(shape, Vec::new());
         Part { name: String::new(), place: Place::file("s.toml").at_line(3, 4), shape }
     }
 
@@ -318,6 +330,15 @@ mod tests {
         assert_eq!(world.materials.len(), 2);
         assert_eq!(world.materials[world.surfaces[0].material].texture, red.texture);
 
+        // What nobody has described is not known, though others may use it.
+        let mut plain = self::scene(vec![object(SPHERE), painted.clone()]);
+        assert_eq!(
+            message(&plain),
+            "s.toml:41:7: object \"sphere 2\": unknown material \"red\"; there is none"
+        );
+        plain.objects[1].material = Some(here("default".into()));
+        assert!(message(&plain).ends_with("unknown material \"default\"; there is none"));
+
         scene.objects[1].material = Some(here("rad".into()));
         assert_eq!(
             message(&scene),
@@ -363,7 +384,7 @@ mod tests {
         assert_eq!(
             message(&net_scene(net)),
             "s.toml:41:7: surface \"lid\": the weight of control point (1, 0) is -2: \
-             it must be positive and finite"
+             it must be positive and finite (from 1e-70 to 1e70)"
         );
         let mut net = bilinear();
         net.points.value.fill(DVec3::ONE);
@@ -387,8 +408,11 @@ mod tests {
             message(&scene(vec![flat])),
             "s.toml:41:7: object \"sphere\": scale (1, 1, 0) flattens space: no factor may be 0"
         );
-        assert_eq!(message(&scene(vec![])), "s.toml: there is no surface to show");
-        let mut curves = scene(vec![]);
+        assert_eq!(
+            message(&scene(vec![])),
+            "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\""
+        );
+        let mut curves = scene(vec![Object::default()]);
         let note = |what: &str| ImportNote {
             place: Place::default(),
             what: what.into(),
@@ -431,7 +455,7 @@ mod tests {
     fn what_the_author_says_of_the_camera_is_kept() {
         let mut scene = scene(vec![object(SPHERE)]);
         let top = DVec3::new(0.0, 0.0, 9.0);
-        scene.camera = CameraSpec { look_from: Some(top), ..CameraSpec::default() };
+        scene.camera = CameraSpec { look_from: Some(top.into()), ..CameraSpec::default() };
         let world = World::new(&scene).unwrap();
         assert_eq!(world.camera.view().look_from, top);
         assert!(world.camera.view().look_at.length() < 1e-15);
@@ -440,10 +464,10 @@ mod tests {
         assert_eq!(world.camera.projection(), Projection::Perspective { fov });
 
         scene.camera.place = Place::file("s.toml").at_line(1, 1);
-        scene.camera.look_at = Some(top);
+        scene.camera.look_at = Some(here(top));
         assert_eq!(
             message(&scene),
-            "s.toml:1:1: camera: look_from and look_at are the same point (0, 0, 9)"
+            "s.toml:41:7: camera: look_from and look_at are the same point (0, 0, 9)"
         );
     }
 }

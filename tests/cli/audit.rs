@@ -8,7 +8,7 @@ fn sandbox() -> Sandbox {
 
 #[test]
 fn a_row_for_each_class_and_one_for_all() {
-    let run = sandbox().run("audit sphere.toml --rays 2000").succeeded();
+    let run = sandbox().run("audit sphere.toml --rays 2e3").succeeded();
     let rows: Vec<Vec<&str>> =
         run.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
     assert_eq!(rows[0][..6], ["class", "rays", "hits", "misses", "wrong", "false"]);
@@ -16,7 +16,8 @@ fn a_row_for_each_class_and_one_for_all() {
     assert_eq!((total[1], &total[3..6]), ("2000", &["0", "0", "0"][..]));
     let classes: Vec<&str> = rows[1..].iter().map_while(|row| row.first().copied()).collect();
     assert_eq!(classes.len(), 25, "{classes:?}"); // 24 classes and the total
-    assert!(run.stdout.contains("no unflagged miss, no wrong root, no false hit; "));
+    assert!(run.stdout.contains("\nno unflagged miss, no wrong root, no false hit\ndoubtful: "));
+    assert!(run.stdout.ends_with(" exactly tangent or starting on a surface (100.00 %)\n"));
 }
 
 #[test]
@@ -50,6 +51,7 @@ fn json_has_the_same_classes_on_any_day() {
         "error_50",
         "error_99",
         "error_max",
+        "error_doubtful",
     ];
     for row in classes.iter().chain([&a["total"]]) {
         assert!(keys.iter().all(|key| row.get(key).is_some()), "{row}");
@@ -57,6 +59,14 @@ fn json_has_the_same_classes_on_any_day() {
     let rays: u64 = classes.iter().map(|class| class["rays"].as_u64().unwrap()).sum();
     assert_eq!(Some(rays), a["total"]["rays"].as_u64());
     assert!(a["total"]["error_max"].as_f64().unwrap() < 1e-13);
+
+    // Whether a ray that starts on a surface meets it there is not to be decided.
+    let [random, nasty, apart] = [0, 1, 2].map(|k| &a["groups"][k]);
+    assert_eq!(apart["group"], "apart");
+    assert_eq!((random["group"].as_str(), random["doubtful"].as_u64()), (Some("random"), Some(0)));
+    let doubtful = |group: &serde_json::Value| group["doubtful"].as_f64().unwrap();
+    let share = |group| doubtful(group) / group["rays"].as_f64().unwrap();
+    assert!(share(apart) > 0.5 && share(nasty) < 0.1, "{apart} {nasty}");
 }
 
 #[test]
@@ -72,12 +82,13 @@ fn wrong_outputs_are_refused_first() {
     let sandbox = sandbox();
     sandbox
         .run("audit none.toml --offenders no/bad.npy")
-        .failed(2, "cannot write no/bad.npy: there is no folder no");
+        .failed(2, "cannot write \"no/bad.npy\": there is no folder \"no\"");
     sandbox
-        .run("audit sphere.toml --offenders sphere.toml")
-        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
-    sandbox
-        .run("audit sphere.toml --rays 0")
-        .misused("invalid value '0' for '--rays <N>': 0 is not in 1..=1000000000");
+        .run("audit sphere.toml --offenders bad.csv")
+        .failed(2, "bad.csv: cannot write .csv files; known is .npy");
+    sandbox.run("audit sphere.toml --rays 0").misused(
+        "invalid value '0' for '--rays <N>': a whole number from 1 to 1000000000 is needed, \
+             such as 64, 1_000 or 1e3",
+    );
     assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
 }

@@ -120,7 +120,13 @@ fn a_drawing_of_speed_over_tolerance() {
     let sandbox = sandbox();
     let line = format!("bench sphere.toml {against} --plot speed.svg --rays primary,ao {QUICK}");
     let run = sandbox.run(&line).succeeded();
-    assert!(run.stdout.contains("From the file to the last primary ray: "));
+    // The file is read once for all; what is left of each row's total is building and tracing.
+    let table = run.stdout.split("\n\n").last().unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split("  ").collect()).collect();
+    assert!(table.starts_with("from the file"), "{table}");
+    assert!(table.contains("256 primary rays") && table.contains("nurbray / rival"), "{table}");
+    assert_eq!(rows.len(), 1 + 1 + 2, "{table}");
+    assert!(rows[1][0] == "nurbray scalar" && rows[2][0].ends_with("at 1e-3"), "{table}");
     let drawing = String::from_utf8(sandbox.bytes("speed.svg")).unwrap();
     assert!(drawing.starts_with("<svg"));
     for words in ["sphere.toml, primary, 1 thread", "nurbray scalar", "embree ", "1e-5", "1e-3"] {
@@ -141,7 +147,7 @@ fn wrong_use_is_explained() {
     run("--tolerance 1e-3").misused("the following required arguments were not provided:");
     run("--plot a.svg").misused("the following required arguments were not provided:");
     run("--against embree --plot sphere.toml")
-        .failed(2, "sphere.toml would be overwritten: it is an input of this run");
+        .failed(2, "\"sphere.toml\" would be overwritten: it is an input of this run");
     sandbox.run("bench").misused("the following required arguments were not provided:");
     assert_eq!(sandbox.files(), ["sphere.toml", "square.json"]);
 }

@@ -185,7 +185,11 @@ fn files_that_hold_no_rays_are_refused() {
     let sandbox = sandbox();
     let line = "cast square.json --rays rays.npy -o hits.npy";
     let run = sandbox.run(line);
-    assert!(run.stderr.starts_with("error: cannot read rays.npy: "), "{}", run.stderr);
+    assert!(
+        run.stderr.starts_with("error: cannot read \"rays.npy\": there is no such file"),
+        "{}",
+        run.stderr
+    );
     assert_eq!((run.code, run.stderr.lines().count()), (2, 1));
 
     sandbox.write_rows("rays.npy", &[[1.0; 7]]);
@@ -212,10 +216,16 @@ fn inputs_are_not_overwritten_and_older_hits_survive_a_failure() {
     sandbox.write_rows("rays.npy", &[[0.0; 6]]);
     sandbox
         .run("cast square.json --rays rays.npy -o ./rays.npy")
-        .failed(2, "./rays.npy would be overwritten: it is an input of this run");
+        .failed(2, "\"./rays.npy\" would be overwritten: it is an input of this run");
     sandbox
         .run("cast square.json --rays rays.npy -o no/hits.npy")
-        .failed(2, "cannot write no/hits.npy: there is no folder no");
+        .failed(2, "cannot write \"no/hits.npy\": there is no folder \"no\"");
+    sandbox
+        .run("cast square.json --rays rays.npy -o hits.csv")
+        .failed(2, "hits.csv: cannot write .csv files; known is .npy");
+    sandbox
+        .run("cast square.json --rays rays.npy -o hits.npy/")
+        .failed(2, "cannot write \"hits.npy/\": it does not name a file");
     fs::write(sandbox.path("hits.npy"), "older").unwrap();
     assert_eq!(sandbox.run("cast square.json --rays rays.npy -o hits.npy").code, 2);
     assert_eq!(sandbox.bytes("hits.npy"), b"older");
@@ -226,6 +236,6 @@ fn inputs_are_not_overwritten_and_older_hits_survive_a_failure() {
 fn a_full_disk_is_a_failure_and_no_wrong_use() {
     let sandbox = sandbox();
     sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]; 10_000]);
-    let error = "cannot write /dev/full: No space left on device (os error 28)";
+    let error = "cannot write \"/dev/full\": No space left on device (os error 28)";
     sandbox.run("cast square.json --rays rays.npy -o /dev/full").failed(1, error);
 }

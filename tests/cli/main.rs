@@ -4,6 +4,7 @@
 mod audit;
 mod bench;
 mod cast;
+mod compare;
 mod info;
 mod render;
 mod sandbox;

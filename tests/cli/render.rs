@@ -2,7 +2,7 @@
 
 use exr::prelude::read_first_flat_layer_from_file;
 
-use crate::sandbox::{SPHERE, Sandbox};
+use crate::sandbox::{SPHERE, Sandbox, trimmed_square};
 
 fn sandbox() -> Sandbox {
     Sandbox::with(&[("sphere.toml", SPHERE)])
@@ -33,6 +33,7 @@ fn writes_every_picture_asked_for_and_a_summary() {
     assert_eq!(summary[..2], ["24x16", "2 spp"], "{}", run.stderr);
     assert!(summary[2].ends_with(" s") && summary[3].ends_with(" Mrays/s"), "{}", run.stderr);
     assert!(summary[4].contains("doubtful of"), "{}", run.stderr);
+    assert!(run.stderr.ends_with("; wrote a.exr and b.PNG\n"), "{}", run.stderr);
     assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
 }
 
@@ -73,6 +74,92 @@ fn a_png_that_cannot_hold_what_is_asked_for_warns() {
     assert_eq!(run.stderr, warning);
     let both = sandbox.run("render sphere.toml -o a.png -o a.exr --aov Z,N --quiet").succeeded();
     assert_eq!(both.stderr, ""); // the EXR holds them
+}
+
+#[test]
+fn what_is_not_shown_warns() {
+    let sandbox = Sandbox::with(&[("square.json", &trimmed_square())]);
+    sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]]);
+    for line in [
+        "render square.json -o a.png --size 8x8 --quiet",
+        "cast square.json --rays rays.npy -o hits.npy",
+        "audit square.json --rays 100",
+    ] {
+        assert_eq!(
+            sandbox.run(line).succeeded().stderr,
+            "warning: not imported: square.json:5:7: surface \"square\": 1 trim curve left out: \
+             trimming is not supported yet\n"
+        );
+    }
+}
+
+#[test]
+fn what_changes_nothing_or_too_much_warns() {
+    let bright = "[[material]]\nname = \"lamp\"\ncolor = [0.5, 1.5, 0]\n";
+    let sandbox = Sandbox::with(&[("lamp.toml", &format!("{SPHERE}{bright}"))]);
+    let run = sandbox.run("render lamp.toml -o a.exr --exposure 1 --quiet").succeeded();
+    assert_eq!(
+        run.stderr,
+        "warning: a.exr: an EXR holds light as it is, --exposure is for a .png and changes \
+         nothing\n\
+         warning: lamp.toml:9:8: material \"lamp\" sends back 1.5 times the light that falls on \
+         it; colours of things are from 0 to 1\n"
+    );
+    let line = "render lamp.toml -o a.exr -o a.png --exposure 1 --quiet";
+    assert_eq!(sandbox.run(line).succeeded().stderr.lines().count(), 1);
+}
+
+#[test]
+fn help_says_what_is_done_when_nothing_is_said() {
+    let help = sandbox().run("render --help").succeeded().stdout;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in [
+        "[default: the scene's, else 800x600]",
+        "[default: the scene's, else 16]",
+        "[default: the scene's, else direct]",
+        "keeps the whole picture as its display window",
+        "nurbray:samples",
+        "weight R, G, B, A and Albedo with nurbray:spp",
+    ] {
+        assert!(help.contains(words), "{words}");
+    }
+}
+
+/// What `--help` says of joining ranges is true: R, G, B, A and Albedo are means, the rest is
+/// that of the lowest range which hits.
+#[test]
+fn ranges_of_samples_are_joined_as_help_says() {
+    let sandbox = sandbox();
+    let run = |name: &str, range: &str| {
+        let line = format!("render sphere.toml -o {name} --spp 8 --samples {range}");
+        sandbox.run(&line).succeeded();
+        let image = read_first_flat_layer_from_file(sandbox.path(name)).unwrap();
+        let spp = image.layer_data.attributes.other.iter();
+        let spp = spp.filter(|(name, _)| **name == *"nurbray:spp");
+        let spp: Vec<String> = spp.map(|(_, value)| format!("{value:?}")).collect();
+        let planes = image.layer_data.channel_data.list.into_iter().map(|channel| {
+            let values = channel.sample_data.values_as_f32().collect::<Vec<_>>();
+            (channel.name.to_string(), values)
+        });
+        (planes.collect::<Vec<_>>(), spp)
+    };
+    let ((low, _), (high, spp), (whole, _)) =
+        (run("low.exr", "0..3"), run("high.exr", "3..8"), run("whole.exr", "0..8"));
+    assert!(spp.len() == 1 && spp[0].contains('5'), "{spp:?}");
+    let depth = low.iter().find(|(name, _)| name == "Z").unwrap().1.clone();
+    for (((name, low), (_, high)), (_, whole)) in low.iter().zip(&high).zip(&whole) {
+        let mean = ["R", "G", "B", "A"].contains(&name.as_str()) || name.starts_with("Albedo");
+        for (pixel, whole) in whole.iter().enumerate() {
+            let (low, high) = (low[pixel], high[pixel]);
+            if mean {
+                let joined = (3.0 * low + 5.0 * high) / 8.0;
+                assert!((joined - whole).abs() <= 1e-6 * whole.abs(), "{name} {pixel}");
+            } else {
+                let joined = if depth[pixel].is_finite() { low } else { high };
+                assert!(joined == *whole, "{name} {pixel}: {low} {high} {whole}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -140,9 +227,9 @@ fn wrong_outputs_are_refused_before_anything_is_read() {
     for (outputs, error) in [
         ("-o a.jpg", "a.jpg: cannot write .jpg files; known are .exr and .png"),
         ("-o a", "a: no extension says how to write it; known are .exr and .png"),
-        ("-o no/a.png", "cannot write no/a.png: there is no folder no"),
-        ("-o folder.png", "cannot write folder.png: it is a folder"),
-        ("-o a.png -o ./a.png", "./a.png is given twice as output"),
+        ("-o no/a.png", "cannot write \"no/a.png\": there is no folder \"no\""),
+        ("-o folder.png", "cannot write \"folder.png\": it is a folder"),
+        ("-o a.png -o ./a.png", "\"./a.png\" is given twice as output"),
     ] {
         sandbox.run(&format!("render none.toml {outputs}")).failed(2, error);
     }
@@ -156,7 +243,7 @@ fn an_input_is_not_overwritten() {
     std::os::unix::fs::symlink(sandbox.path("sphere.toml"), sandbox.path("a.png")).unwrap();
     sandbox
         .run("render sphere.toml -o a.png")
-        .failed(2, "a.png would be overwritten: it is an input of this run");
+        .failed(2, "\"a.png\" would be overwritten: it is an input of this run");
     assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
 }
 
@@ -180,7 +267,11 @@ fn wrong_settings_are_refused() {
             "--size 10",
             "invalid value '10' for '--size <WxH>': a size is WIDTHxHEIGHT in pixels, such as 1024x768",
         ),
-        ("--spp 0", "invalid value '0' for '--spp <N>': 0 is not in 1..=4294967295"),
+        (
+            "--spp 0",
+            "invalid value '0' for '--spp <N>': a whole number from 1 to 4294967295 is needed, \
+             such as 64, 1_000 or 1e3",
+        ),
         (
             "--samples 5..5",
             "invalid value '5..5' for '--samples <A..B>': there are no samples in it: A must be smaller than B",
@@ -196,8 +287,8 @@ fn wrong_settings_are_refused() {
         ),
         (
             "--fov 180",
-            "invalid value '180' for '--fov <DEG>': degrees between 0 and 180, ends not included, \
-             are needed, such as 35",
+            "invalid value '180' for '--fov <DEG>': an angle from 1e-6 degrees up to, not including, \
+             180 is needed, such as 35",
         ),
         (
             "--exposure nan",
@@ -206,6 +297,11 @@ fn wrong_settings_are_refused() {
         (
             "--aov Z,albeda",
             "invalid value 'Z,albeda' for '--aov <LIST>': unknown AOV \"albeda\"; did you mean \"Albedo\"?",
+        ),
+        (
+            "--aov Z,none",
+            "invalid value 'Z,none' for '--aov <LIST>': \"none\" says all there is to say: \
+             it cannot be in a list",
         ),
         ("--integrator nromal", "invalid value 'nromal' for '--integrator <NAME>'"),
     ] {
@@ -218,9 +314,28 @@ fn wrong_settings_are_refused() {
 fn a_field_of_view_needs_a_perspective_camera() {
     let scene = format!("[camera]\northographic = {{ height = 3 }}\n{SPHERE}");
     let sandbox = Sandbox::with(&[("flat.toml", &scene)]);
-    let error = "--fov: the camera of flat.toml is orthographic and has no field of view";
+    let error = "--fov: the camera of \"flat.toml\" is orthographic and has no field of view";
     sandbox.run("render flat.toml -o a.png --fov 30").failed(2, error);
     sandbox.run("render flat.toml -o a.png --look-from 5,5,5").succeeded();
+}
+
+#[test]
+fn a_killed_run_leaves_older_pictures_alone() {
+    let sandbox = sandbox();
+    std::fs::write(sandbox.path("a.png"), "older").unwrap();
+    std::fs::write(sandbox.path("a.exr"), "older").unwrap();
+    // Minutes of work, killed within its first second.
+    let line = "render sphere.toml -o a.png -o a.exr --size 4000x4000 --spp 1e4";
+    let mut child = sandbox.command(line).stderr(std::process::Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "still at work");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(
+        (sandbox.bytes("a.png"), sandbox.bytes("a.exr")),
+        (b"older".into(), b"older".into())
+    );
+    assert_eq!(sandbox.files(), ["a.exr", "a.png", "sphere.toml"]);
 }
 
 #[test]

@@ -31,7 +31,7 @@ shape = { plane = { width = 2, height = 2 } }
 transform = [{ translate = [2.0000001, 0, 0] }]
 ";
 
-/// A bilinear square as a bare geomdl model, with a trim curve nothing is done about.
+/// A bilinear square as a bare geomdl model.
 pub(crate) const SQUARE: &str = r#"{
   "shape": {
     "type": "surface",
@@ -39,13 +39,18 @@ pub(crate) const SQUARE: &str = r#"{
       {
         "degree_u": 1, "degree_v": 1, "size_u": 2, "size_v": 2,
         "knotvector_u": [0, 0, 1, 1], "knotvector_v": [0, 0, 1, 1],
-        "control_points": { "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0]] },
-        "trims": { "count": 1, "data": [ { "type": "spline" } ] }
+        "control_points": { "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0]] }
       }
     ]
   }
 }
 "#;
+
+/// The same with a trim curve nothing is done about.
+pub(crate) fn trimmed_square() -> String {
+    let trims = "[1, 1, 0]] },\n        \"trims\": { \"data\": [ { \"type\": \"spline\" } ] }";
+    SQUARE.replace("[1, 1, 0]] }", trims)
+}
 
 /// The folder.
 pub(crate) struct Sandbox {
@@ -83,6 +88,13 @@ impl Run {
     #[track_caller]
     pub(crate) fn failed(self, code: i32, error: &str) {
         assert_eq!(self.stderr, format!("error: {error}\n"));
+        assert_eq!((self.code, self.stdout.as_str()), (code, ""));
+    }
+
+    /// As [`Run::failed`], after one warning.
+    #[track_caller]
+    pub(crate) fn failed_with_warning(self, code: i32, warning: &str, error: &str) {
+        assert_eq!(self.stderr, format!("warning: {warning}\nerror: {error}\n"));
         assert_eq!((self.code, self.stdout.as_str()), (code, ""));
     }
 

@@ -4,7 +4,7 @@ use std::process::Stdio;
 
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
-const SUBCOMMANDS: [&str; 5] = ["render", "cast", "bench", "audit", "info"];
+const SUBCOMMANDS: [&str; 6] = ["render", "cast", "bench", "audit", "compare", "info"];
 
 #[test]
 fn help_is_an_answer_and_lists_what_works() {
@@ -46,13 +46,33 @@ fn wrong_use_is_explained_on_stderr() {
     typo.misused("unrecognized subcommand 'rendr'");
     sandbox.run("info").misused("the following required arguments were not provided:");
     sandbox.run("info a.toml --jsn").misused("unexpected argument '--jsn' found");
-    sandbox
-        .run("cast a.toml --rays r.npy -o h.npy --threads 0")
-        .misused("invalid value '0' for '--threads <N>': 0 is not in 1..=1024");
-    sandbox.run("audit a.toml --rays -5").misused("unexpected argument '-5' found");
-    sandbox
-        .run("audit a.toml --rays 1e6")
-        .misused("invalid value '1e6' for '--rays <N>': invalid digit found in string");
+    sandbox.run("cast a.toml --rays r.npy -o h.npy --threads 0").misused(
+        "invalid value '0' for '--threads <N>': a whole number from 1 to 1024 is needed, \
+             such as 64, 1_000 or 1e3",
+    );
+}
+
+/// No option is a number: what begins as a negative one is a value, and no good one.
+#[test]
+fn negative_numbers_are_values() {
+    let sandbox = Sandbox::new();
+    for (line, option) in [
+        ("audit a.toml --rays -5", "--rays <N>"),
+        ("audit a.toml --seed -1", "--seed <N>"),
+        ("bench a.toml --size -3", "--size <N>"),
+        ("render a.toml -o a.png --size -10x20", "--size <WxH>"),
+        ("render a.toml -o a.png --spp -1.5", "--spp <N>"),
+        ("cast a.toml --rays r.npy -o h.npy --threads -2", "--threads <N>"),
+    ] {
+        let run = sandbox.run(line);
+        let value = line.rsplit(' ').next().unwrap();
+        let start = format!("error: invalid value '{value}' for '{option}': ");
+        assert!(run.stderr.starts_with(&start), "{line}: {}", run.stderr);
+        assert!(!run.stderr.contains("tip:"), "{line}: {}", run.stderr);
+        assert_eq!(run.code, 2);
+    }
+    let line = "render a.toml -o a.png --size --spp 3";
+    sandbox.run(line).misused("a value is required for '--size <WxH>' but none was supplied");
 }
 
 #[test]
@@ -76,6 +96,8 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
         "cast INPUT --rays rays.npy -o hits.npy",
         "bench INPUT",
         "audit INPUT",
+        "compare INPUT --against embree -o report",
+        "compare INPUT --against povray -o report",
         "info INPUT",
     ];
     for line in lines {
@@ -94,6 +116,51 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
         }
     }
     assert_eq!(sandbox.files(), ["cut.json", "rays.npy", "typo.toml", "wrong.json"]);
+}
+
+/// One name for a surface, whichever floor finds what is wrong with it.
+#[test]
+fn a_surface_has_one_name_in_all_messages() {
+    let knots = SQUARE.replacen("[0, 0, 1, 1]", "[0, 1, 0, 1]", 1);
+    let missing = SQUARE.replace("\"size_v\": 2,", "");
+    let weights = SQUARE.replace("[1, 1, 0]] }", "[1, 1, 0]], \"weights\": [1, 1, 1, -1] }");
+    let far = SQUARE.replace("[1, 1, 0]] }", "[1, 1, -1e308]] }");
+    let pot = "[[object]]\nname = \"pot\"\nshape = { file = \"m.json\" }\n";
+    for model in [knots, missing, weights, far] {
+        let sandbox = Sandbox::with(&[("m.json", &model), ("pot.toml", pot)]);
+        for (input, name) in [("m.json", "surface \"m\""), ("pot.toml", "surface \"pot\"")] {
+            let run = sandbox.run(&format!("info {input}"));
+            assert!(run.stderr.starts_with("error: m.json:"), "{}", run.stderr);
+            assert!(run.stderr.contains(name), "{}", run.stderr);
+        }
+    }
+}
+
+/// The surface, the control point, and what would do; not the camera that cannot see it.
+#[test]
+fn magnitudes_that_are_not_supported_are_named() {
+    let far = SQUARE.replace("[1, 1, 0]", "[1, 1, -1e308]");
+    let sandbox = Sandbox::with(&[("far.json", &far)]);
+    sandbox.run("render far.json -o a.png").failed(
+        2,
+        "far.json:8:39: surface \"far\": control point (1, 1) is (1, 1, -1e308): \
+         coordinates must be finite (up to 1e70)",
+    );
+}
+
+#[test]
+fn windows_text_and_empty_files() {
+    let sandbox = Sandbox::with(&[
+        ("bom.toml", "\u{feff}[[object]]\r\nshape = \"sphere\"\r\n"),
+        ("empty.toml", ""),
+        ("empty.json", ""),
+        ("list.json", "[]"),
+    ]);
+    sandbox.run("info bom.toml").succeeded();
+    let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";
+    sandbox.run("info empty.toml").failed(2, &format!("empty.toml: {hint}"));
+    sandbox.run("info empty.json").failed(2, "empty.json: the file is empty");
+    sandbox.run("info list.json").failed(2, "list.json:1:1: found a list, needed an object");
 }
 
 /// A reader may close the pipe when it has what it wants, as `head -1` does.

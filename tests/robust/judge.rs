@@ -92,7 +92,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether a hit breaks a promise by itself.
-    fn unsound(&self, ray: &Ray, hit: &Hit) -> Option<String> {
+    pub(crate) fn unsound(&self, ray: &Ray, hit: &Hit) -> Option<String> {
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         if !in_range {
             return Some(format!("t = {} out of range", hit.t));
@@ -254,7 +254,7 @@ impl<'a> Judge<'a> {
         self.measure_at(ray, site, hit.t)
     }
 
-    fn measure_at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
+    pub(crate) fn measure_at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
         let surface = &self.model.surfaces[site.surface];
         let at = surface.derivatives(site.u, site.v);
         let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);

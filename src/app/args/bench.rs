@@ -6,7 +6,9 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nurbray::intersect::Kernel;
 
-use super::super::bench::{self, RaySet};
+use super::super::bench;
+use super::super::race::RaySet;
+use super::values::{once_each, seconds, tolerance};
 use super::{MAX_THREADS, kernels};
 
 /// The widest picture: its 64 million rays and their packets take about 20 GB.
@@ -93,57 +95,8 @@ impl BenchArguments {
     }
 }
 
-fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
-    let mut once = Vec::new();
-    for &item in list {
-        if !once.contains(&item) {
-            once.push(item);
-        }
-    }
-    once
-}
-
 fn ray_sets() -> impl TypedValueParser<Value = RaySet> {
     let names = RaySet::ALL.iter().map(|set| set.name());
     // Only names of ray sets come this far.
     PossibleValuesParser::new(names).map(|name| RaySet::named(&name).unwrap_or(RaySet::Primary))
-}
-
-/// Parses a tolerance: from 1 on it would allow any triangle in the box.
-fn tolerance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
-        _ => Err("a fraction between 0 and 1 is needed, such as 1e-3".into()),
-    }
-}
-
-/// Parses a time: a day is too long for anyone to wait for.
-fn seconds(text: &str) -> Result<f64, String> {
-    const DAY: f64 = 86_400.0;
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= DAY => Ok(seconds),
-        _ => Err("a number of seconds is needed, such as 0.5".into()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tolerances_and_times() {
-        assert_eq!(tolerance("1e-3"), Ok(1e-3));
-        for wrong in ["", "0", "1", "-1e-3", "nan", "fine"] {
-            assert!(tolerance(wrong).is_err(), "{wrong}");
-        }
-        assert_eq!(seconds("0.5"), Ok(0.5));
-        for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
-            assert!(seconds(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn what_is_named_twice_is_measured_once() {
-        assert_eq!(once_each(&[2, 1, 2]), [2, 1]);
-    }
 }

@@ -1,6 +1,9 @@
 //! Values of several numbers, and the ranges of single ones.
 
 use glam::DVec3;
+use nurbray::scene::Projection;
+
+use super::count::whole;
 
 /// Width and height of a picture in pixels, both at least 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +40,8 @@ pub(crate) struct SampleRange {
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     const NEED: &str = "a size is WIDTHxHEIGHT in pixels, such as 1024x768";
     let (width, height) = text.split_once(['x', 'X']).ok_or(NEED)?;
-    let [width, height] = [width, height].map(|side| side.parse().ok().filter(|&side| side > 0));
+    let side = |text| u32::try_from(whole(text)?).ok().filter(|&side| side > 0);
+    let [width, height] = [width, height].map(side);
     match (width, height) {
         (Some(width), Some(height)) => Ok(Size { width, height }),
         _ => Err(NEED.into()),
@@ -47,7 +51,8 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
 /// Parses `X0,Y0,X1,Y1`.
 pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     const NEED: &str = "a crop is X0,Y0,X1,Y1 in pixels from the top left, such as 0,0,512,384";
-    let [x0, y0, x1, y1] = list(text).ok_or(NEED)?;
+    let pixel = |text: &str| u32::try_from(whole(text)?).ok();
+    let [x0, y0, x1, y1] = list(text, pixel).ok_or(NEED)?;
     if x0 >= x1 || y0 >= y1 {
         return Err("there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into());
     }
@@ -58,9 +63,10 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
 pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
     const NEED: &str = "a range of samples is A..B, B not included, such as 0..16";
     let (first, end) = text.split_once("..").ok_or(NEED)?;
-    match (first.parse(), end.parse()) {
-        (Ok(first), Ok(end)) if first < end => Ok(SampleRange { first, end }),
-        (Ok(_), Ok(_)) => Err("there are no samples in it: A must be smaller than B".into()),
+    let sample = |text| u32::try_from(whole(text)?).ok();
+    match (sample(first), sample(end)) {
+        (Some(first), Some(end)) if first < end => Ok(SampleRange { first, end }),
+        (Some(_), Some(_)) => Err("there are no samples in it: A must be smaller than B".into()),
         _ => Err(NEED.into()),
     }
 }
@@ -68,15 +74,18 @@ pub(crate) fn samples(text: &str) -> Result<SampleRange, String> {
 /// Parses `X,Y,Z`.
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     const NEED: &str = "three finite numbers X,Y,Z are needed, such as 1,-2.5,4";
-    let point = DVec3::from_array(list(text).ok_or(NEED)?);
+    let point = DVec3::from_array(list(text, |x| x.parse().ok()).ok_or(NEED)?);
     if point.is_finite() { Ok(point) } else { Err(NEED.into()) }
 }
 
-/// Parses a vertical field of view: a picture needs an angle between 0 and 180 degrees.
+/// Parses a vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
-        _ => Err("degrees between 0 and 180, ends not included, are needed, such as 35".into()),
+        Ok(degrees) if (Projection::MIN_FOV..180.0).contains(&degrees) => Ok(degrees),
+        _ => Err(format!(
+            "an angle from {:e} degrees up to, not including, 180 is needed, such as 35",
+            Projection::MIN_FOV
+        )),
     }
 }
 
@@ -88,10 +97,37 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a tolerance: from 1 on it would allow any triangle in the box.
+pub(super) fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
+        _ => Err("a fraction between 0 and 1 is needed, such as 1e-3".into()),
+    }
+}
+
+/// Parses a time: a day is too long for anyone to wait for.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    const DAY: f64 = 86_400.0;
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= DAY => Ok(seconds),
+        _ => Err("a number of seconds is needed, such as 0.5".into()),
+    }
+}
+
+/// The items in order, each once.
+pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for &item in list {
+        if !once.contains(&item) {
+            once.push(item);
+        }
+    }
+    once
+}
+
 /// Exactly `N` values between commas.
-fn list<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
-    let values: Vec<T> =
-        text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+fn list<T, const N: usize>(text: &str, value: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
+    let values: Vec<T> = text.split(',').map(|part| value(part.trim())).collect::<Option<_>>()?;
     values.try_into().ok()
 }
 
@@ -102,9 +138,18 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!(size("640x480"), Ok(Size { width: 640, height: 480 }));
-        for wrong in
-            ["640", "640x", "x480", "0x480", "640x-1", "640x480x3", "1e3x2", "99999999999x1"]
-        {
+        assert_eq!(size("1e3x1_000"), Ok(Size { width: 1000, height: 1000 }));
+        for wrong in [
+            "640",
+            "640x",
+            "x480",
+            "0x480",
+            "640x-1",
+            "-640x1",
+            "640x480x3",
+            "1.5x2",
+            "99999999999x1",
+        ] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
     }
@@ -136,10 +181,27 @@ mod tests {
     #[test]
     fn angles_and_stops() {
         assert_eq!(field_of_view("35"), Ok(35.0));
-        for wrong in ["0", "180", "-5", "nan", "wide"] {
+        for wrong in ["0", "1e-9", "180", "-5", "nan", "wide"] {
             assert!(field_of_view(wrong).is_err(), "{wrong}");
         }
         assert_eq!(finite("-1.5"), Ok(-1.5));
         assert!(finite("inf").is_err() && finite("nan").is_err());
+    }
+
+    #[test]
+    fn tolerances_and_times() {
+        assert_eq!(tolerance("1e-3"), Ok(1e-3));
+        for wrong in ["", "0", "1", "-1e-3", "nan", "fine"] {
+            assert!(tolerance(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(seconds("0.5"), Ok(0.5));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_named_twice_is_measured_once() {
+        assert_eq!(once_each(&[2, 1, 2]), [2, 1]);
     }
 }

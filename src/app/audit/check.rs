@@ -5,7 +5,7 @@ use nurbray::intersect::{Coherence, Kernel, SurfaceBvh};
 use rayon::prelude::*;
 
 use super::class::{Class, shares};
-use super::judge::{Judge, Truth, is_doubtful};
+use super::judge::{Judge, Truth};
 use super::rays::RaySource;
 use super::tally::Tally;
 
@@ -82,7 +82,6 @@ fn chunk(
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
         tally.add(&shot.query.ray, judge.judge(&shot, &answer, &truth));
-        tally.doubtful += u64::from(is_doubtful(&answer));
         tally.undecided += u64::from(undecided);
     }
     tally

@@ -35,6 +35,33 @@ pub(crate) enum Class {
     Far,
 }
 
+/// What is expected of a class's answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Group {
+    /// Rays as pictures have them: hardly any may be doubtful.
+    Random,
+    /// Rays made to be difficult: few may be doubtful.
+    Nasty,
+    /// Rays whose first root no floating point arithmetic can decide: those that start on a
+    /// surface without saying so, and exactly tangent ones, which occur in all classes. Doubt
+    /// is the right answer.
+    Apart,
+}
+
+impl Group {
+    /// All of them, in the order of the report.
+    pub(crate) const ALL: [Self; 3] = [Self::Random, Self::Nasty, Self::Apart];
+
+    /// Its name in reports.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Nasty => "nasty",
+            Self::Apart => "apart",
+        }
+    }
+}
+
 /// The steepest grazing class: at 10⁻¹⁰ of a radius the two roots of a sphere lie 3e-5 radii
 /// apart and are met at |N·d| = 1.4e-5, which f64 still resolves with ten digits to spare.
 pub(crate) const GRAZING_STEPS: u8 = 10;
@@ -79,6 +106,15 @@ impl Class {
             Self::Far => "far",
         }
         .into()
+    }
+
+    /// What is expected of its answers.
+    pub(crate) fn group(self) -> Group {
+        match self {
+            Self::Random | Self::Aimed => Group::Random,
+            Self::Tangents | Self::Origins => Group::Apart,
+            _ => Group::Nasty,
+        }
     }
 
     /// Its share of the rays, in parts. What renderers do most has the largest share; of the

@@ -29,6 +29,11 @@ pub(crate) struct Finding {
     pub(crate) fault: Option<Fault>,
     /// The residual of the fast path's hit over the largest coordinate magnitude.
     pub(crate) error: Option<f64>,
+    /// Whether the fast path left anything open.
+    pub(crate) doubtful: bool,
+    /// Whether the ray touches a surface exactly, as far as floating point can tell, or runs
+    /// inside one.
+    pub(crate) tangent: bool,
 }
 
 /// What is known of the answer.
@@ -87,15 +92,17 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
+        let doubtful = is_doubtful(answer);
         let fault = match measured {
-            _ if is_doubtful(answer) => None,
+            _ if doubtful => None,
             Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
             None => {
                 let due = truth.hits.iter().any(|hit| self.is_due(ray, hit));
                 (due || self.target(shot).is_some()).then_some(Fault::Miss)
             }
         };
-        Finding { fault, error }
+        let tangent = self.tangent(ray, answer.hit.iter().chain(truth.hits));
+        Finding { fault, error, doubtful, tangent }
     }
 
     fn fault_of_hit(
@@ -173,6 +180,18 @@ impl<'a> Judge<'a> {
         near(ray.t_min()) || near(ray.t_max())
     }
 
+    /// Whether at one of these hits the ray is so flat that it leaves the surface by no more
+    /// than the bound of the residual on its way to the point where it is tangent: with the
+    /// radius of curvature `r` and `|N·d| = c` that way is `r c`, and the distance `r c² / 2`.
+    fn tangent<'h>(&self, ray: &Ray, mut hits: impl Iterator<Item = &'h Hit>) -> bool {
+        hits.any(|hit| {
+            let incidence = hit.normal.dot(ray.direction().normalize()); // NaN without a normal
+            let bound = self.measure(ray, hit).bound;
+            let flat = 0.5 * self.radius * incidence.powi(2) <= bound;
+            flat || hit.flags.contains(HitFlags::INSIDE)
+        })
+    }
+
     /// How far along the ray a root may be off, as a length.
     fn slack(&self, bound: f64, incidence: f64) -> f64 {
         (bound / incidence).min(TANGENT_FACTOR * (bound * self.radius).sqrt())
@@ -207,8 +226,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Whether the fast path left anything open.
-pub(crate) fn is_doubtful(answer: &Answer) -> bool {
+fn is_doubtful(answer: &Answer) -> bool {
     answer.doubtful || answer.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
 }
 
@@ -254,7 +272,8 @@ mod tests {
             let hit = answer.hit.unwrap();
             let moved = Answer { hit: Some(Hit { t: hit.t.next_up(), ..hit }), ..answer };
             assert_eq!(ruling(moved, hits).fault, None);
-            assert_eq!(ruling(Answer::default(), &[]), Finding { fault: None, error: None });
+            let nothing = Finding { fault: None, error: None, doubtful: false, tangent: false };
+            assert_eq!(ruling(Answer::default(), &[]), nothing);
         });
     }
 
@@ -263,7 +282,8 @@ mod tests {
         head_on(|ruling, answer, hits| {
             let lost = Answer { hit: None, ..answer };
             assert_eq!(ruling(lost, hits).fault, Some(Fault::Miss));
-            assert_eq!(ruling(Answer { doubtful: true, ..lost }, hits).fault, None);
+            let finding = ruling(Answer { doubtful: true, ..lost }, hits);
+            assert_eq!((finding.fault, finding.doubtful), (None, true));
             let mut doubted = hits.to_vec();
             doubted.iter_mut().for_each(|hit| hit.flags.insert(HitFlags::DOUBTFUL));
             assert_eq!(ruling(lost, &doubted).fault, None);
@@ -289,6 +309,24 @@ mod tests {
             assert_eq!(falsified(Hit { surface: 7, ..hit }), Some(Fault::FalseHit));
             assert_eq!(ruling(answer, &[]).fault, Some(Fault::FalseHit));
         });
+    }
+
+    #[test]
+    fn exactly_tangent_rays_are_told_from_grazing_ones() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let judge = Judge::new(&surfaces);
+        let (normal, direction) = (DVec3::new(0.6, 0.48, 0.64), DVec3::new(0.8, -0.36, -0.48));
+        let mut tracer = bvh.tracer();
+        for (depth, tangent) in [(0.1, false), (1e-10, false), (0.0, true)] {
+            let origin = (1.0 - depth) * normal - 2.0 * direction;
+            let query = Query::primary(Ray::new(origin, direction).unwrap());
+            let mut hits = Vec::new();
+            let undecided = tracer.all_hits(&query, &mut hits);
+            let (answer, shot) = (tracer.first_hit(&query), Shot { query, target: None });
+            let finding = judge.judge(&shot, &answer, &Truth { hits: &hits, undecided });
+            assert_eq!(finding.tangent, tangent, "{depth}");
+        }
     }
 
     #[test]

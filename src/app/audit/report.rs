@@ -3,13 +3,13 @@
 use serde_json::{Value, json};
 
 use super::super::table::{count, table};
-use super::class::Class;
+use super::class::{Class, Group};
 use super::tally::Tally;
 
 /// The tallies of all classes, to be shown.
 #[derive(Debug)]
 pub(crate) struct Report {
-    rows: Vec<(String, Row)>,
+    rows: Vec<(Class, Row)>,
     total: Row,
 }
 
@@ -21,9 +21,13 @@ struct Row {
     wrong_roots: u64,
     false_hits: u64,
     doubtful: u64,
+    /// Rays that are exactly tangent, and how many of them are doubtful.
+    tangent: [u64; 2],
     undecided: u64,
     /// The quantiles of the error that are reported: 50 %, 99 % and the largest.
     errors: [Option<f64>; 3],
+    /// The largest error of a doubtful answer's hit.
+    doubtful_error: Option<f64>,
 }
 
 impl Row {
@@ -35,8 +39,10 @@ impl Row {
             wrong_roots: tally.wrong_roots,
             false_hits: tally.false_hits,
             doubtful: tally.doubtful,
+            tangent: tally.tangent,
             undecided: tally.undecided,
             errors: [0.5, 0.99, 1.0].map(|share| tally.error_quantile(share)),
+            doubtful_error: tally.doubtful_error(),
         }
     }
 
@@ -53,6 +59,7 @@ impl Row {
             "error_50": error_50,
             "error_99": error_99,
             "error_max": error_max,
+            "error_doubtful": self.doubtful_error,
         })
     }
 }
@@ -66,7 +73,7 @@ impl Report {
             .map(|(class, mut tally)| {
                 let row = Row::new(&mut tally);
                 total.merge(tally);
-                (class.name(), row)
+                (class, row)
             })
             .collect();
         Self { rows, total: Row::new(&mut total) }
@@ -77,15 +84,39 @@ impl Report {
         self.total.misses + self.total.wrong_roots + self.total.false_hits
     }
 
-    /// How the answers without faults stand, in one sentence.
+    /// How the answers without faults stand, in two sentences.
     pub(crate) fn verdict(&self) -> String {
-        let Row { rays, doubtful, .. } = self.total;
-        let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
         let faults = match self.faults() {
-            0 => "no unflagged miss, no wrong root, no false hit; ",
+            0 => "no unflagged miss, no wrong root, no false hit\n",
             _ => "",
         };
-        format!("{faults}{doubtful} of {} doubtful ({share:.3} %)\n", count(rays, "ray"))
+        let groups = Group::ALL.map(|group| {
+            let (rays, doubtful) = self.doubts(group);
+            let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
+            let which = match group {
+                Group::Random => "random",
+                Group::Nasty => "nasty",
+                Group::Apart => "exactly tangent or starting on a surface",
+            };
+            format!("{doubtful} of {rays} {which} ({share:.2} %)")
+        });
+        format!("{faults}doubtful: {}\n", groups.join(", "))
+    }
+
+    /// The rays of a group, and how many of them are doubtful.
+    fn doubts(&self, group: Group) -> (u64, u64) {
+        let counts = self.rows.iter().map(|(class, row)| {
+            let ([tangent, tangent_doubtful], own) = (row.tangent, class.group() == group);
+            match class.group() {
+                Group::Apart if own => (row.rays, row.doubtful),
+                _ if own => (row.rays - tangent, row.doubtful - tangent_doubtful),
+                Group::Random | Group::Nasty if group == Group::Apart => {
+                    (tangent, tangent_doubtful)
+                }
+                _ => (0, 0),
+            }
+        });
+        counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1))
     }
 
     /// What is at fault, in one sentence; `None` if nothing is.
@@ -100,14 +131,19 @@ impl Report {
         })
     }
 
-    /// `classes`, one object each, and `total`.
-    pub(crate) fn json(&self) -> (Value, Value) {
-        let classes = self.rows.iter().map(|(name, row)| {
+    /// `classes` and `groups`, one object each, and `total`.
+    pub(crate) fn json(&self) -> [Value; 3] {
+        let classes = self.rows.iter().map(|(class, row)| {
             let mut object = row.json();
-            object["class"] = json!(name);
+            object["class"] = json!(class.name());
+            object["group"] = json!(class.group().name());
             object
         });
-        (classes.collect(), self.total.json())
+        let groups = Group::ALL.map(|group| {
+            let (rays, doubtful) = self.doubts(group);
+            json!({ "group": group.name(), "rays": rays, "doubtful": doubtful })
+        });
+        [classes.collect(), groups.into_iter().collect(), self.total.json()]
     }
 
     /// One line a class and one for all of them.
@@ -124,10 +160,11 @@ impl Report {
             "error 50%",
             "99%",
             "max",
+            "if doubtful",
         ];
         let mut lines = vec![heading.map(str::to_owned).to_vec()];
-        let total = [("total".to_owned(), self.total)];
-        lines.extend(self.rows.iter().chain(&total).map(|(name, row)| {
+        let rows = self.rows.iter().map(|(class, row)| (class.name(), row));
+        lines.extend(rows.chain([("total".to_owned(), &self.total)]).map(|(name, row)| {
             let counts = [
                 row.rays,
                 row.hits,
@@ -137,12 +174,13 @@ impl Report {
                 row.doubtful,
                 row.undecided,
             ];
-            let errors = row.errors.map(|error| match error {
+            let errors = row.errors.into_iter().chain([row.doubtful_error]);
+            let errors = errors.map(|error| match error {
                 Some(error) => format!("{error:.1e}"),
                 None => "-".into(),
             });
             let counts = counts.iter().map(u64::to_string);
-            [name.clone()].into_iter().chain(counts).chain(errors).collect()
+            [name].into_iter().chain(counts).chain(errors).collect()
         }));
         table(&lines, &[0])
     }
@@ -158,35 +196,58 @@ mod tests {
     fn report() -> Report {
         let ray = Ray::new(DVec3::ZERO, DVec3::X).unwrap();
         let mut tally = Tally::default();
-        tally.add(&ray, Finding { fault: None, error: Some(1.5e-16) });
-        tally.add(&ray, Finding { fault: Some(Fault::Miss), error: None });
-        Report::new(vec![(Class::Random, tally), (Class::Grazing(10), Tally::default())])
+        let sure = Finding { fault: None, error: Some(1.5e-16), doubtful: false, tangent: false };
+        tally.add(&ray, sure);
+        tally.add(&ray, Finding { fault: Some(Fault::Miss), error: None, ..sure });
+        let mut apart = Tally::default();
+        apart.add(&ray, Finding { error: Some(2e-9), doubtful: true, ..sure });
+        let mut tangent = Tally::default();
+        tangent.add(&ray, Finding { error: None, doubtful: true, tangent: true, ..sure });
+        let grazing = (Class::Grazing(10), tangent);
+        Report::new(vec![(Class::Random, tally), grazing, (Class::Origins, apart)])
     }
 
     #[test]
     fn the_table_has_a_line_a_class_and_a_total() {
         let table = report().table();
         let lines: Vec<&str> = table.lines().collect();
-        assert_eq!(lines.len(), 4);
+        assert_eq!(lines.len(), 5);
         let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-        let random = ["random", "2", "1", "1", "0", "0", "0", "0", "1.5e-16", "1.5e-16", "1.5e-16"];
-        assert_eq!(words(lines[1]), random);
-        assert_eq!(
-            words(lines[2]),
-            "grazing-10 0 0 0 0 0 0 0 - - -".split(' ').collect::<Vec<_>>()
-        );
-        assert!(lines[3].starts_with("total"));
+        for (line, text) in [
+            (1, "random 2 1 1 0 0 0 0 1.5e-16 1.5e-16 1.5e-16 -"),
+            (2, "grazing-10 1 0 0 0 0 1 0 - - - -"),
+            (3, "origins 1 1 0 0 0 1 0 - - - 2.0e-9"),
+            (4, "total 4 2 1 0 0 2 0 1.5e-16 1.5e-16 1.5e-16 2.0e-9"),
+        ] {
+            assert_eq!(words(lines[line]).join(" "), text);
+        }
         assert!(lines.iter().all(|line| line.len() == lines[0].len()));
     }
 
     #[test]
+    fn doubt_is_told_for_each_group() {
+        assert_eq!(
+            report().verdict(),
+            "doubtful: 0 of 2 random (0.00 %), 0 of 0 nasty (0.00 %), \
+             2 of 2 exactly tangent or starting on a surface (100.00 %)\n"
+        );
+        assert!(Report::new(Vec::new()).verdict().starts_with("no unflagged miss, "));
+    }
+
+    #[test]
     fn the_object_has_the_same_numbers() {
-        let (classes, total) = report().json();
+        let [classes, groups, total] = report().json();
+        assert_eq!(groups[2], json!({ "group": "apart", "rays": 2, "doubtful": 2 }));
+        assert_eq!(
+            (&classes[2]["group"], &classes[2]["error_max"]),
+            (&json!("apart"), &Value::Null)
+        );
+        assert_eq!(total["error_doubtful"], 2e-9);
         assert_eq!(classes[0]["class"], "random");
         assert_eq!(classes[0]["misses"], 1);
         assert_eq!(classes[0]["error_max"], 1.5e-16);
         assert_eq!(classes[1]["error_max"], Value::Null);
-        assert_eq!(total["rays"], 2);
+        assert_eq!(total["rays"], 4);
         assert_eq!(report().faults(), 1);
     }
 }

@@ -2,13 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::super::table::{count, short, short_bytes, table};
-use super::clock::Speed;
-use super::measure::{KernelResult, Measurement, RivalResult};
-use super::model::Model;
-use super::ray_set::{Question, RaySet};
-use super::rays::REACH;
-use super::rival::Rival;
+use super::super::race::{
+    KernelResult, Measurement, Model, Question, REACH, RaySet, Rival, RivalResult, Speed,
+};
+use super::super::table::{count, short, short_bytes, table, three_digits, time};
 
 /// Everything measured of one model on one number of threads.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +51,7 @@ impl Report<'_> {
             "doubtful": ours.doubtful,
             "file_seconds": self.model.file_seconds,
             "build_seconds": self.model.build_seconds,
-            "total_seconds": self.our_total(measured, ours),
+            "total_seconds": measured.our_total(self.model, ours),
             "bytes": self.model.world.bvh.bytes(),
         });
         if measured.set == RaySet::AmbientOcclusion {
@@ -83,7 +80,7 @@ impl Report<'_> {
         line["rival_build_seconds"] = json!(rival.build_seconds);
         line["rival_commit_seconds"] = json!(rival.commit_seconds);
         line["rival_plan_seconds"] = json!(rival.plan_seconds);
-        line["rival_total_seconds"] = json!(self.rival_total(measured, rival, result));
+        line["rival_total_seconds"] = json!(measured.rival_total(self.model, rival, result));
         line["rival_bytes"] = json!(rival.bytes);
         line["rival_tnear"] = json!(result.t_near);
         line["hit_disagreements"] = json!(disagreements.hit);
@@ -91,17 +88,6 @@ impl Report<'_> {
             line["t_disagreements"] = json!(disagreements.distance);
         }
         line["ratio"] = json!(ours / result.speed.mrays_per_s);
-    }
-
-    /// From the file to the last ray, in seconds.
-    fn our_total(&self, measured: &Measurement, ours: &KernelResult) -> f64 {
-        self.model.file_seconds + tracing_seconds(measured, ours.speed)
-    }
-
-    /// The same for the rival: it has the same file to read.
-    fn rival_total(&self, measured: &Measurement, rival: &Rival, result: &RivalResult) -> f64 {
-        let reading = (self.model.file_seconds - self.model.build_seconds).max(0.0);
-        reading + rival.build_seconds + tracing_seconds(measured, result.speed)
     }
 
     /// Tables for people.
@@ -112,7 +98,11 @@ impl Report<'_> {
         if !self.rivals.is_empty() {
             text.push('\n');
             text.push_str(&table(&self.comparison(), &[0, 1]));
-            text.push_str(&self.totals());
+            let totals = self.totals();
+            if !totals.is_empty() {
+                text.push('\n');
+                text.push_str(&table(&totals, &[0]));
+            }
         }
         text
     }
@@ -197,50 +187,37 @@ impl Report<'_> {
         rows
     }
 
-    /// From the file to the picture.
-    fn totals(&self) -> String {
+    /// From the file to the last primary ray, step by step: everyone has the same file to read.
+    fn totals(&self) -> Vec<Vec<String>> {
         let primary = self.measurements.iter().find(|measured| measured.set == RaySet::Primary);
         let Some((measured, ours)) =
             primary.and_then(|measured| Some((measured, measured.fastest()?)))
         else {
-            return String::new();
+            return Vec::new();
         };
-        let mut text = format!(
-            "\nFrom the file to the last primary ray: {} ({})",
-            time(self.our_total(measured, ours)),
-            ours.kernel
-        );
+        let (model, count) = (self.model, measured.count);
+        let reading = (model.file_seconds - model.build_seconds).max(0.0);
+        let total = measured.our_total(model, ours);
+        let row = |name: String, build: f64, all: f64| {
+            vec![name, time(reading), time(build), time(all - reading - build), time(all)]
+        };
+        let rays = format!("{count} primary rays");
+        let heading = ["from the file", "read", "build", &rays, "in all", "nurbray / rival"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        rows.push(row(format!("nurbray {}", ours.kernel), model.build_seconds, total));
         for (rival, result) in self.rivals.iter().zip(&measured.rivals) {
-            let total = time(self.rival_total(measured, rival, result));
-            text.push_str(&format!(", {total} at {:e}", rival.tolerance));
+            let theirs = measured.rival_total(model, rival, result);
+            let name = format!("{} at {:e}", self.rival, rival.tolerance);
+            let mut cells = row(name, rival.build_seconds, theirs);
+            cells.push(three_digits(total / theirs));
+            rows.push(cells);
         }
-        text.push('\n');
-        text
+        rows
     }
-}
-
-fn tracing_seconds(measured: &Measurement, speed: Speed) -> f64 {
-    1e-6 * measured.count as f64 / speed.mrays_per_s
 }
 
 fn rate(speed: Speed) -> String {
     format!("{} ({:.0} %)", three_digits(speed.mrays_per_s), 100.0 * speed.spread)
-}
-
-/// `0.0123`, `1.23`, `12.3`, `123`.
-fn three_digits(number: f64) -> String {
-    let decimals = 2 - number.abs().log10().floor().clamp(-3.0, 2.0) as i32;
-    format!("{number:.*}", decimals as usize)
-}
-
-/// `12.3 µs`, `1.23 ms`, `12.3 s`.
-fn time(seconds: f64) -> String {
-    let (number, unit) = match seconds {
-        ..1e-3 => (1e6 * seconds, "µs"),
-        ..1.0 => (1e3 * seconds, "ms"),
-        _ => (seconds, "s"),
-    };
-    format!("{} {unit}", three_digits(number))
 }
 
 #[cfg(test)]
@@ -248,19 +225,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn three_digits_are_enough() {
-        let cases = [
-            (0.001234, "0.00123"),
-            (0.5, "0.500"),
-            (9.876, "9.88"),
-            (12.34, "12.3"),
-            (1234.5, "1234"),
-            (0.0, "0.00000"),
-        ];
-        for (number, text) in cases {
-            assert_eq!(three_digits(number), text);
-        }
-        assert_eq!([2e-5, 0.0123, 2.0].map(time), ["20.0 µs", "12.3 ms", "2.00 s"]);
+    fn rates_have_a_spread() {
         assert_eq!(rate(Speed { mrays_per_s: 70.23, spread: 0.034 }), "70.2 (3 %)");
     }
 }

@@ -4,8 +4,10 @@ use glam::{DVec3, DVec4};
 use nurbray::math::Aabb;
 use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
+use rayon::prelude::*;
 
 use super::super::border::Border;
+use super::extent::extent;
 
 /// What is known of all surfaces.
 #[derive(Clone, Debug)]
@@ -14,7 +16,7 @@ pub(super) struct Facts {
     pub(super) surfaces: Vec<SurfaceFacts>,
     /// Memory of everything that is ready to trace, the hierarchy too.
     pub(super) bytes: usize,
-    /// Holds all surfaces.
+    /// The box all surfaces just fit in.
     pub(super) bounds: Aabb,
 }
 
@@ -33,6 +35,7 @@ pub(super) struct SurfaceFacts {
     pub(super) leaves: usize,
     /// Memory of its pieces and leaves.
     pub(super) bytes: usize,
+    /// The box it just fits in.
     pub(super) bounds: Aabb,
     /// The borders that are one point, and that point.
     pub(super) collapsed: Vec<(Border, DVec3)>,
@@ -49,17 +52,21 @@ impl Facts {
         for piece in patches.pieces() {
             let surface = &mut surfaces[piece.surface as usize];
             surface.pieces += 1;
-            surface.bytes += size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
+            surface.bytes +=
+                size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
         }
         for leaf in patches.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();
-            let piece = &patches.pieces()[leaf.piece as usize];
-            let hull = piece.patch.control().map(|c| c.truncate() / c.w);
-            surface.bounds = surface.bounds.union(Aabb::around(hull));
         }
-        Self { surfaces, bytes: world.bvh.bytes(), bounds: patches.bounds() }
+        surfaces.par_iter_mut().for_each(|surface| {
+            let pieces = &patches.pieces()[patches.pieces_of(surface.index)];
+            surface.bounds = extent(pieces.iter().map(|piece| &piece.patch));
+        });
+        let bounds = surfaces.iter().map(|surface| surface.bounds);
+        let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+        Self { surfaces, bytes: world.bvh.bytes(), bounds }
     }
 
     /// The diagonal of the bounding box.

@@ -13,10 +13,6 @@ use super::gaps::{Edge, Fit, NEAR};
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;
 
-/// Coordinates smaller than this share of a box's largest are its padding: about a hundred
-/// roundings, where six digits are shown.
-const PADDING: f64 = 1e-13;
-
 /// The whole report.
 pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) -> String {
     let mut text = format!(
@@ -144,9 +140,11 @@ fn not_imported(notes: &[ImportNote]) -> String {
     text
 }
 
-/// Boxes are padded by a few roundings; what is no more than that is shown as 0.
+/// Sides are known to this share of the size; what is smaller is shown as 0.
+const TIGHTNESS: f64 = 1e-12;
+
 fn bounds(bounds: Aabb) -> String {
-    let padding = PADDING * bounds.magnitude();
+    let padding = TIGHTNESS * bounds.magnitude();
     let shown = |corner: DVec3| {
         short_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
     };

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::failure::Failure;
+use super::super::output;
 
 /// A kind of picture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,26 +28,19 @@ pub(super) struct Picture<'a> {
 /// # Errors
 /// When an extension is missing or none of a format that is written: wrong use.
 pub(super) fn pictures(outputs: &[PathBuf]) -> Result<Vec<Picture<'_>>, Failure> {
-    let picture = |path: &'_ PathBuf| {
-        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-        let format = match extension.as_ref().and_then(|extension| extension.to_str()) {
-            Some("exr") => Some(Format::Exr),
-            Some("png") => Some(Format::Png),
-            _ => None,
+    let picture = |path| {
+        let format = match output::format(path, &["exr", "png"])? {
+            "exr" => Format::Exr,
+            _ => Format::Png,
         };
-        format.ok_or_else(|| {
-            let found = match &extension {
-                Some(extension) => format!("cannot write .{} files", extension.display()),
-                None => "no extension says how to write it".into(),
-            };
-            Failure::input(format!("{}: {found}; known are .exr and .png", path.display()))
-        })
+        Ok(Picture { path, format })
     };
-    let mut pictures = Vec::new();
-    for path in outputs {
-        pictures.push(Picture { path, format: picture(path)? });
-    }
-    Ok(pictures)
+    outputs.iter().map(PathBuf::as_path).map(picture).collect()
+}
+
+/// Whether all pictures are of one format.
+pub(super) fn all(pictures: &[Picture<'_>], format: Format) -> bool {
+    pictures.iter().all(|picture| picture.format == format)
 }
 
 #[cfg(test)]
@@ -54,17 +48,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extensions_say_how() {
+    fn every_output_has_its_format() {
         let paths = ["a.exr", "b/c.PNG"].map(PathBuf::from);
-        let formats: Vec<Format> = pictures(&paths).unwrap().iter().map(|p| p.format).collect();
-        assert_eq!(formats, [Format::Exr, Format::Png]);
-    }
-
-    #[test]
-    fn unknown_extensions_are_refused_with_the_known_ones() {
-        let message =
-            |path: &str| pictures(&[PathBuf::from(path)]).unwrap_err().reason().to_string();
-        assert_eq!(message("a.jpg"), "a.jpg: cannot write .jpg files; known are .exr and .png");
-        assert_eq!(message("a"), "a: no extension says how to write it; known are .exr and .png");
+        let found = pictures(&paths).unwrap();
+        assert_eq!([found[0].format, found[1].format], [Format::Exr, Format::Png]);
+        assert!(!all(&found, Format::Exr) && all(&found[..1], Format::Exr));
+        let paths = ["a.exr", "b.jpg"].map(PathBuf::from);
+        let message = pictures(&paths).unwrap_err().reason().to_string();
+        assert_eq!(message, "b.jpg: cannot write .jpg files; known are .exr and .png");
     }
 }

@@ -22,12 +22,18 @@ pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 
 use thiserror::Error;
 
+use super::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+use crate::math::Shown;
+
 /// Why numbers cannot be the measures of a shape.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A radius, width or height is not a usable length.
-    #[error("{measure} {value}: it must be positive and finite (from 1e-150 to 1e150)")]
+    #[error(
+        "{measure} {}: it must be positive and finite (from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e})",
+        Shown(*value)
+    )]
     Length {
         /// Which measure.
         measure: &'static str,
@@ -36,8 +42,10 @@ pub enum ShapeError {
     },
     /// The tube of a torus is as thick as its circle, or thicker.
     #[error(
-        "minor radius {minor}: it must be smaller than the major radius {major}, \
-         else the torus meets itself"
+        "minor radius {}: it must be smaller than the major radius {}, \
+         else the torus meets itself",
+        Shown(*minor),
+        Shown(*major)
     )]
     Torus {
         /// The radius of the circle in the middle of the tube.
@@ -47,9 +55,10 @@ pub enum ShapeError {
     },
 }
 
-/// Lengths outside this range would overflow or vanish when a later step squares them.
-const LENGTHS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
-
 fn check_length(measure: &'static str, value: f64) -> Result<(), ShapeError> {
-    if LENGTHS.contains(&value) { Ok(()) } else { Err(ShapeError::Length { measure, value }) }
+    if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&value) {
+        Ok(())
+    } else {
+        Err(ShapeError::Length { measure, value })
+    }
 }

@@ -3,8 +3,8 @@
 
 use glam::{DMat2, DVec2, DVec4};
 
-use crate::math::bernstein::{self, Basis};
 use crate::math::Interval;
+use crate::math::bernstein::{self, Basis};
 
 /// A closed rectangle of parameters: from and to in `s`, then in `t`.
 pub(crate) type Rect = [[f64; 2]; 2];

@@ -61,7 +61,6 @@ fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
     any.then_some(reach)
 }
 
-
 /// What became of eight rays.
 #[derive(Clone, Copy)]
 pub(super) struct Done {
@@ -182,11 +181,7 @@ pub(super) fn finish<S: Simd>(
         let (from_middle_s, from_middle_t) = (s - middle_s, t - middle_t);
         let outside = from_middle_s.abs().simd_gt(outer_s) | from_middle_t.abs().simd_gt(outer_t);
         if (outside & open).any_true() {
-            let g = [
-                f1 * n2[0] - f2 * n1[0],
-                f1 * n2[1] - f2 * n1[1],
-                f1 * n2[2] - f2 * n1[2],
-            ];
+            let g = [f1 * n2[0] - f2 * n1[0], f1 * n2[1] - f2 * n1[1], f1 * n2[2] - f2 * n1[2]];
             let certificate = &target.leaf.certificate;
             let across_a = dot_d(splat3(simd, certificate.tangents[0]), g).abs();
             let across_b = dot_d(splat3(simd, certificate.tangents[1]), g).abs();
@@ -202,8 +197,10 @@ pub(super) fn finish<S: Simd>(
                 normal.mul_add(f64x8::splat(simd, out_t), rest),
             );
             // The step leads away where it has the sign of the place's side.
-            let away_s = from_middle_s.abs().simd_gt(outer_s) & (from_middle_s * step_s).simd_lt(zero);
-            let away_t = from_middle_t.abs().simd_gt(outer_t) & (from_middle_t * step_t).simd_lt(zero);
+            let away_s =
+                from_middle_s.abs().simd_gt(outer_s) & (from_middle_s * step_s).simd_lt(zero);
+            let away_t =
+                from_middle_t.abs().simd_gt(outer_t) & (from_middle_t * step_t).simd_lt(zero);
             let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
             let clear = residual.simd_gt(error * error * f64x8::splat(simd, CLEAR * CLEAR));
             open &= !(clear & (away_s & sure_s | away_t & sure_t));
@@ -217,8 +214,8 @@ pub(super) fn finish<S: Simd>(
     }
 
     // The leaf and its slack.
-    let inside = (root_s - middle_s).abs().simd_le(outer_s)
-        & (root_t - middle_t).abs().simd_le(outer_t);
+    let inside =
+        (root_s - middle_s).abs().simd_le(outer_s) & (root_t - middle_t).abs().simd_le(outer_t);
     found &= inside;
 
     // Roots outside the piece, and those too near the ray's beginning, are judged elsewhere.

@@ -123,7 +123,8 @@ fn narrow<S: Simd>(simd: S, packet: &mut Packet, base: usize, center: DVec3) {
     for i in 0..3 {
         let narrowed = simd.narrow_f64x8(origin[0][i], origin[1][i]);
         narrowed.store_slice(&mut packet.origin_f[i][sixteen.clone()]);
-        narrow_lanes(simd, &packet.axis[i], base).store_slice(&mut packet.axis_f[i][sixteen.clone()]);
+        narrow_lanes(simd, &packet.axis[i], base)
+            .store_slice(&mut packet.axis_f[i][sixteen.clone()]);
         for k in 0..2 {
             let narrowed = narrow_lanes(simd, &packet.normals[k][i], base);
             narrowed.store_slice(&mut packet.normals_f[k][i][sixteen.clone()]);

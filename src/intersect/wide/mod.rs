@@ -8,16 +8,31 @@
 //!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
 //! other rays of the packet.
+//!
+//! A ray that comes alone goes another way (`single`): through a tree of its own, sixteen boxes
+//! at a time, down to blocks of sixteen leaves; then the lanes hold the coefficients of the one
+//! leaf that is searched. Where the certificate does not speak of the ray, and before the exact
+//! solver is called, the leaf's approximation is asked what it can prove (`single_proof`).
 
 mod finish;
+mod fit_error;
+mod lane_tree;
 mod load;
 mod packet;
 mod record;
 mod search;
+mod single;
+mod single_finish;
+mod single_proof;
+mod single_ray;
+mod single_search;
 mod traverse;
 mod tree;
 
+pub(super) use lane_tree::LaneTree;
 pub(super) use packet::{LaneHit, Packet};
+pub(super) use single::{Scene, SingleWork, trace_single};
+pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
 pub(super) use traverse::{Work, trace};
 pub(super) use tree::WideTree;
 

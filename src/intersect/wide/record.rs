@@ -3,7 +3,9 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::fit_error::FitError;
 use crate::intersect::hierarchy::Hierarchy;
+use crate::math::rounding;
 use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece};
 
 /// Oriented boxes are grown by this length in scaled coordinates: it covers the rounding
@@ -18,7 +20,7 @@ const GROWTH: f64 = 4e-6;
 /// start: how good it is decides how many steps in f64 follow, not whether they are right.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct SearchRecord {
+pub(in crate::intersect) struct SearchRecord {
     /// Box coordinate `k` of a point `P` in scaled coordinates is `row_k · P − offset_k`.
     pub(super) rows: [[f32; 4]; 3],
     /// Coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
@@ -32,6 +34,16 @@ pub(super) struct SearchRecord {
     pub(super) cosine_per_error: f32,
     /// The middle of the leaf.
     pub(super) middle: DVec3,
+    /// The leaf's rectangle: binary fractions of few digits.
+    rect: [[f32; 2]; 2],
+    /// Bounds of the approximation, rounded up: see [`FitError`].
+    pub(super) fit_error: f32,
+    pub(super) slope_error: f32,
+    pub(super) bend: f32,
+    /// The leaf's piece.
+    pub(super) piece: u32,
+    /// Whether the leaf ends in a pole.
+    has_pole: bool,
 }
 
 impl SearchRecord {
@@ -50,6 +62,8 @@ impl SearchRecord {
         let middle = piece.patch.point(place(0.0, 0.0));
         let fit = fit(|x, y| piece.patch.point(place(x, y)) - middle);
 
+        let error = FitError::new(leaf, piece, middle, &fit);
+
         let (center, rows) = leaf.oriented.rows();
         let (scene_center, scale) = hierarchy.frame();
         let rows = rows.map(|row| {
@@ -64,7 +78,67 @@ impl SearchRecord {
         let cosine_per_error = (certificate.spread / (0.5 * LEAF_SLACK)) as f32 * 1.001;
         let turning = certificate.turning.map(|turning| turning.as_vec3().to_array());
         let normal = certificate.normal.as_vec3().to_array();
-        Self { rows, fit, normal, turning, cosine_per_error, middle }
+        // Halved at most `MOST_HALVINGS` times, the ends are numbers of f32.
+        let rect = leaf.rect.map(|range| range.map(|end| end as f32));
+        let piece = leaf.piece;
+        Self {
+            rows,
+            fit,
+            normal,
+            turning,
+            cosine_per_error,
+            middle,
+            rect,
+            fit_error: rounding::f32_above(error.value),
+            slope_error: rounding::f32_above(error.slope),
+            bend: rounding::f32_above(error.bend),
+            piece,
+            has_pole: certificate.pole.is_some(),
+        }
+    }
+
+    /// The approximation's second derivatives at a place: `Q_xx`, `Q_xy`, `Q_yy`.
+    pub(super) fn second_derivatives(&self, x: f64, y: f64) -> [DVec3; 3] {
+        let (x, y) = (x as f32, y as f32);
+        let mut second = [DVec3::ZERO; 3];
+        for axis in 0..3 {
+            let c = &self.fit[axis];
+            let (mut xx, mut along_x, mut value) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+            for j in 0..4 {
+                let [c0, c1, c2, c3] = [c[j], c[4 + j], c[8 + j], c[12 + j]];
+                xx[j] = 2.0 * c2 + 6.0 * x * c3;
+                along_x[j] = c1 + x * (2.0 * c2 + 3.0 * x * c3);
+                value[j] = c0 + x * (c1 + x * (c2 + x * c3));
+            }
+            let xy = along_x[1] + y * (2.0 * along_x[2] + 3.0 * y * along_x[3]);
+            second[0][axis] = f64::from(xx[0] + y * (xx[1] + y * (xx[2] + y * xx[3])));
+            second[1][axis] = f64::from(xy);
+            second[2][axis] = f64::from(2.0 * value[2] + 6.0 * y * value[3]);
+        }
+        second
+    }
+
+    /// The lengths, about, of the half sides in `x` and `y`.
+    pub(super) fn side_lengths(&self) -> [f32; 2] {
+        [4, 1].map(|k| {
+            let [x, y, z] = [self.fit[0][k], self.fit[1][k], self.fit[2][k]];
+            (x * x + y * y + z * z).sqrt()
+        })
+    }
+
+    /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.
+    pub(in crate::intersect) fn has_pole(&self) -> bool {
+        self.has_pole
+    }
+
+    /// The leaf's piece.
+    pub(in crate::intersect) fn piece(&self) -> u32 {
+        self.piece
+    }
+
+    /// The part of the piece's unit square: from and to in `s`, then in `t`.
+    pub(super) fn rect(&self) -> [[f64; 2]; 2] {
+        self.rect.map(|range| range.map(f64::from))
     }
 }
 

@@ -147,6 +147,11 @@ impl WideTree {
         place as u32
     }
 
+    /// The leaves' search records.
+    pub(in crate::intersect) fn records(&self) -> &[SearchRecord] {
+        &self.records
+    }
+
     pub(in crate::intersect) fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.records[..])
     }

@@ -16,12 +16,12 @@ const SURFACE: &str = r#"{
 }"#;
 
 fn model(text: &str) -> Model {
-    read_geomdl(text, "m.json").unwrap()
+    read_geomdl(text, "m.json", "m").unwrap()
 }
 
 /// What the user is told, whichever floor notices.
 fn error(text: &str) -> String {
-    let model = match read_geomdl(text, "m.json") {
+    let model = match read_geomdl(text, "m.json", "m") {
         Ok(model) => model,
         Err(error) => return error.to_string(),
     };
@@ -105,18 +105,18 @@ fn what_is_left_out_is_noted() {
     assert_eq!(
         notes,
         [
-            "m.json:1:21: curve \"rim\": a curve has no surface to show",
-            "m.json:3:1: volume \"1\": volumes are not supported",
-            "m.json:4:1: free-form points \"2\": points alone are no surface",
-            "m.json:5:1: surface \"lid\": its points have 2 coordinates, surfaces in space need 3",
-            "m.json:14:1: surface \"lid\": 2 trim curves left out: trimming is not supported yet",
-            "m.json:14:1: surface \"lid\": \"reversed\" left out: (u, v) and the normal stay as \
+            "m.json:1:21: curve \"m/rim\": a curve has no surface to show",
+            "m.json:3:1: volume \"m/1\": volumes are not supported",
+            "m.json:4:1: free-form points \"m/2\": points alone are no surface",
+            "m.json:5:1: surface \"m/lid\": its points have 2 coordinates, surfaces in space need 3",
+            "m.json:14:1: surface \"m/lid\": 2 trim curves left out: trimming is not supported yet",
+            "m.json:14:1: surface \"m/lid\": \"reversed\" left out: (u, v) and the normal stay as \
              written; reverse = true in a scene turns it",
         ]
     );
     assert_eq!(
         error(&format!("{{\"shape\": {{\"data\": {curve}}}}}")),
-        "m.json: there is no surface to show (not imported: curve \"rim\": \
+        "m.json: there is no surface to show (not imported: curve \"m/rim\": \
          a curve has no surface to show)"
     );
 }
@@ -161,8 +161,8 @@ fn wrong_numbers() {
     );
     assert_eq!(
         error(&changed("1, 2, 1]", "1, -2, 1]")),
-        "m.json:8:29: surface \"lid\": the weight of control point (1, 1) is -2: \
-         it must be positive and finite"
+        "m.json:8:29: surface \"m/lid\": the weight of control point (1, 1) is -2: \
+         it must be positive and finite (from 1e-70 to 1e70)"
     );
     for (bad, word) in [("NaN", "NaN"), ("Infinity", "Infinity"), ("-Infinity", "-Infinity")] {
         let text = changed("[0, 1, 1]", &format!("[0, 1, {bad}]"));
@@ -185,19 +185,19 @@ fn wrong_layout() {
     assert_eq!(error("{\n \"shape\": {}}"), "m.json:2:11: shape: missing key \"data\"");
     assert_eq!(
         error(&changed("\"size_v\": 3,", "")),
-        "m.json:2:1: surface \"lid\": missing key \"size_v\""
+        "m.json:2:1: surface \"m/lid\": missing key \"size_v\""
     );
     assert_eq!(
         error(&changed("\"degree_u\": 1, \"degree_v\": 2,", "")),
-        "m.json:2:1: surface \"lid\": missing key \"degree_u\""
+        "m.json:2:1: surface \"m/lid\": missing key \"degree_u\""
     );
     assert_eq!(
         error(&changed("\"degree_u\": 1", "\"degree_u\": 1.5")),
-        "m.json:3:32: found floating point 1.5, needed a whole number from 0 on"
+        "m.json:3:30: found floating point 1.5, needed a whole number from 0 on"
     );
     assert_eq!(
         error(&changed("[0, 1, 1]", "[0, 1]")),
-        "m.json:7:15: surface \"lid\": point 1 has 2 coordinates, but point 0 has 3"
+        "m.json:7:15: surface \"m/lid\": point 1 has 2 coordinates, but point 0 has 3"
     );
     assert_eq!(
         error(&changed("[0, 1, 1]", "7")),
@@ -207,7 +207,22 @@ fn wrong_layout() {
         error("{\"surfaces\": [], \"order\": \"u fastest\"}"),
         "m.json: order \"u fastest\": only points written v fastest can be read"
     );
-    assert_eq!(error("{\"surfaces\": 3}"), "m.json:1:14: found integer 3, needed an object");
+    for (text, message) in [
+        ("", ": the file is empty"),
+        (" \n", ": the file is empty"),
+        ("[]", ":1:1: found a list, needed an object"),
+        ("[[1]]", ":1:1: found a list, needed an object"),
+        ("garbage", ":1:1: this is no JSON"),
+        ("null", ":1:1: found null, needed an object"),
+        ("{\"surfaces\": 3}", ":1:14: found integer 3, needed an object"),
+        ("{\"shape\": [\"x\"]}", ":1:11: found a list, needed an object"),
+        ("{\"surfaces\": [[1, 2]]}", ":1:15: found a list, needed an object"),
+        ("{\"shape\": {}, \"shape\": {}}", ":1:21: key \"shape\" is given twice"),
+        ("{'shape': {}}", ":1:2: a key must be in double quotes"),
+        ("{} {}", ":1:4: the model ends before this"),
+    ] {
+        assert_eq!(error(text), format!("m.json{message}"), "{text}");
+    }
 }
 
 #[test]

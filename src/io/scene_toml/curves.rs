@@ -4,6 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::keys::TransformKeys;
+use super::kinds::OneOf;
 use super::values::{KnotList, Number, Point};
 use super::{LoadError, Reader};
 use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Written};
@@ -21,7 +22,7 @@ pub(super) struct CurveKeys {
     circle: Option<CircleKeys>,
     arc: Option<ArcKeys>,
     #[serde(default)]
-    transform: Vec<Spanned<TransformKeys>>,
+    transform: Vec<OneOf<TransformKeys>>,
     #[serde(default)]
     reverse: bool,
 }
@@ -143,10 +144,7 @@ impl Reader<'_, '_> {
 
     fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {
         let knots = match keys.knots {
-            Some(knots) => {
-                let span = knots.span();
-                self.source.written(knots.into_inner().0, span)
-            }
+            Some(knots) => self.written(knots, |knots| knots.0),
             None => {
                 Written::new(Knots::ClampedUniform, self.source.place(keys.points.span().start))
             }

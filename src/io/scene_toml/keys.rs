@@ -3,54 +3,56 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::super::keyed::Keyed;
 use super::constructions::{
     ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
     RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
 };
-use super::values::{Axis, Color, Factors, KnotList, Number, PerDirection, Vector};
+use super::kinds::{Kinds, OneOf};
+use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneKeys {
     pub(super) background: Option<Color>,
-    pub(super) camera: Option<Spanned<CameraKeys>>,
+    pub(super) camera: Option<Spanned<Keyed<CameraKeys>>>,
     #[serde(default)]
-    pub(super) render: RenderKeys,
+    pub(super) render: Keyed<RenderKeys>,
     #[serde(default)]
-    pub(super) light: Vec<Spanned<LightKeys>>,
+    pub(super) light: Vec<OneOf<LightKeys>>,
     #[serde(default)]
-    pub(super) material: Vec<Spanned<MaterialKeys>>,
+    pub(super) material: Vec<Keyed<MaterialKeys>>,
     #[serde(default)]
-    pub(super) object: Vec<Spanned<ObjectKeys>>,
+    pub(super) object: Vec<Keyed<ObjectKeys>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraKeys {
-    pub(super) look_from: Option<Vector>,
-    pub(super) look_at: Option<Vector>,
-    pub(super) up: Option<Vector>,
-    pub(super) perspective: Option<PerspectiveKeys>,
-    pub(super) orthographic: Option<Spanned<OrthographicKeys>>,
+    pub(super) look_from: Option<Spanned<Vector>>,
+    pub(super) look_at: Option<Spanned<Vector>>,
+    pub(super) up: Option<Spanned<Vector>>,
+    pub(super) perspective: Option<Keyed<PerspectiveKeys>>,
+    pub(super) orthographic: Option<Spanned<Keyed<OrthographicKeys>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PerspectiveKeys {
-    pub(super) fov: Option<Number>,
+    pub(super) fov: Option<Spanned<Number>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct OrthographicKeys {
-    pub(super) height: Option<Number>,
+    pub(super) height: Option<Spanned<Number>>,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RenderKeys {
-    pub(super) size: Option<Spanned<[u32; 2]>>,
+    pub(super) size: Option<Spanned<Exactly<u32, 2>>>,
     pub(super) spp: Option<Spanned<u32>>,
     pub(super) integrator: Option<Spanned<String>>,
     pub(super) seed: Option<u64>,
@@ -58,11 +60,35 @@ pub(super) struct RenderKeys {
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case")]
 pub(super) enum LightKeys {
-    Directional { from: Vector, irradiance: Color },
-    Point { position: Vector, intensity: Color },
-    Ambient { radiance: Color },
+    Directional(Keyed<DirectionalKeys>),
+    Point(Keyed<PointKeys>),
+    Ambient(Keyed<AmbientKeys>),
+}
+
+impl Kinds for LightKeys {
+    const EXAMPLE: &'static str = "a light, as in { ambient = { radiance = 0.1 } }";
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DirectionalKeys {
+    pub(super) from: Spanned<Vector>,
+    pub(super) irradiance: Color,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PointKeys {
+    pub(super) position: Vector,
+    pub(super) intensity: Color,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AmbientKeys {
+    pub(super) radiance: Color,
 }
 
 #[derive(Deserialize)]
@@ -70,24 +96,24 @@ pub(super) enum LightKeys {
 pub(super) struct MaterialKeys {
     pub(super) name: Spanned<String>,
     pub(super) color: Option<Spanned<Color>>,
-    pub(super) checker: Option<Spanned<CheckerKeys>>,
-    pub(super) lines: Option<Spanned<LinesKeys>>,
+    pub(super) checker: Option<Spanned<Keyed<CheckerKeys>>>,
+    pub(super) lines: Option<Spanned<Keyed<LinesKeys>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CheckerKeys {
     #[serde(default = "eight")]
-    pub(super) count: PerDirection,
+    pub(super) count: Spanned<PerDirection>,
     #[serde(default = "light_and_dark")]
-    pub(super) colors: [Color; 2],
+    pub(super) colors: Exactly<Color, 2>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LinesKeys {
     #[serde(default = "eight")]
-    pub(super) count: PerDirection,
+    pub(super) count: Spanned<PerDirection>,
     #[serde(default = "thin")]
     pub(super) width: Spanned<Number>,
     #[serde(default = "dark")]
@@ -96,8 +122,8 @@ pub(super) struct LinesKeys {
     pub(super) base: Color,
 }
 
-fn eight() -> PerDirection {
-    PerDirection([8; 2])
+fn eight() -> Spanned<PerDirection> {
+    Spanned::new(0..0, PerDirection([8; 2]))
 }
 
 fn thin() -> Spanned<Number> {
@@ -112,106 +138,124 @@ fn dark() -> Color {
     Color([0.05; 3])
 }
 
-fn light_and_dark() -> [Color; 2] {
-    [light(), Color([0.2; 3])]
+fn light_and_dark() -> Exactly<Color, 2> {
+    Exactly([light(), Color([0.2; 3])])
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectKeys {
     pub(super) name: Option<Spanned<String>>,
-    pub(super) shape: Spanned<ShapeKeys>,
+    pub(super) shape: Spanned<OneOf<ShapeKeys>>,
     pub(super) material: Option<Spanned<String>>,
     #[serde(default)]
-    pub(super) transform: Vec<Spanned<TransformKeys>>,
+    pub(super) transform: Vec<OneOf<TransformKeys>>,
     #[serde(default)]
     pub(super) reverse: bool,
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case")]
 pub(super) enum TransformKeys {
-    Translate(Vector),
-    Rotate { axis: Axis, degrees: Number },
-    Scale(Factors),
-    Matrix([[Number; 4]; 3]),
+    Translate(Spanned<Vector>),
+    Rotate(Keyed<RotateKeys>),
+    Scale(Spanned<Factors>),
+    Matrix(Spanned<Exactly<Exactly<Number, 4>, 3>>),
+}
+
+impl Kinds for TransformKeys {
+    const EXAMPLE: &'static str = "a transform, as in { translate = [1, 0, 0] }";
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RotateKeys {
+    pub(super) axis: Spanned<Axis>,
+    pub(super) degrees: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub(super) enum ShapeKeys {
-    Sphere {
-        #[serde(default = "one")]
-        radius: Number,
-    },
-    SphereBiquadratic {
-        #[serde(default = "one")]
-        radius: Number,
-    },
-    Hemisphere {
-        #[serde(default = "one")]
-        radius: Number,
-    },
-    Octant {
-        #[serde(default = "one")]
-        radius: Number,
-    },
-    Cylinder {
-        #[serde(default = "one")]
-        radius: Number,
-        #[serde(default = "one")]
-        height: Number,
-    },
-    Cone {
-        #[serde(default = "one")]
-        radius: Number,
-        #[serde(default = "one")]
-        height: Number,
-    },
-    Torus {
-        #[serde(default = "one")]
-        major: Number,
-        #[serde(default = "third")]
-        minor: Number,
-    },
-    Disk {
-        #[serde(default = "one")]
-        radius: Number,
-    },
-    Plane {
-        #[serde(default = "one")]
-        width: Number,
-        #[serde(default = "one")]
-        height: Number,
-    },
+    Sphere(Keyed<RadiusKeys>),
+    SphereBiquadratic(Keyed<RadiusKeys>),
+    Hemisphere(Keyed<RadiusKeys>),
+    Octant(Keyed<RadiusKeys>),
+    Cylinder(Keyed<RadiusHeightKeys>),
+    Cone(Keyed<RadiusHeightKeys>),
+    Torus(Keyed<TorusKeys>),
+    Disk(Keyed<RadiusKeys>),
+    Plane(Keyed<PlaneKeys>),
     #[serde(rename = "lecture_patch_1")]
-    LecturePatch1,
+    LecturePatch1(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_2")]
-    LecturePatch2,
+    LecturePatch2(Keyed<NoKeys>),
     #[serde(rename = "lecture_patch_3")]
-    LecturePatch3,
-    DeckPatch,
-    Revolution(Box<RevolutionKeys>),
-    Extrusion(Box<ExtrusionKeys>),
-    Ruled(Box<RuledKeys>),
-    Coons(Box<CoonsKeys>),
-    Loft(Box<LoftKeys>),
-    Sweep(Box<SweepKeys>),
-    Tube(Box<TubeKeys>),
-    Ribbon(Box<RibbonKeys>),
-    Polygon(Box<PolygonKeys>),
-    Net(Box<NetKeys>),
-    IsoCurves(Box<IsoCurvesKeys>),
-    Nurbs(Box<NurbsKeys>),
+    LecturePatch3(Keyed<NoKeys>),
+    DeckPatch(Keyed<NoKeys>),
+    Revolution(Box<Keyed<RevolutionKeys>>),
+    Extrusion(Box<Keyed<ExtrusionKeys>>),
+    Ruled(Box<Keyed<RuledKeys>>),
+    Coons(Box<Keyed<CoonsKeys>>),
+    Loft(Box<Keyed<LoftKeys>>),
+    Sweep(Box<Keyed<SweepKeys>>),
+    Tube(Box<Keyed<TubeKeys>>),
+    Ribbon(Box<Keyed<RibbonKeys>>),
+    Polygon(Box<Keyed<PolygonKeys>>),
+    Net(Box<Keyed<NetKeys>>),
+    IsoCurves(Box<Keyed<IsoCurvesKeys>>),
+    Nurbs(Box<Keyed<NurbsKeys>>),
     File(Spanned<String>),
 }
 
-fn one() -> Number {
-    Number(1.0)
+impl Kinds for ShapeKeys {
+    const EXAMPLE: &'static str = "a shape, as in { sphere = { radius = 1 } }";
 }
 
-fn third() -> Number {
-    Number(1.0 / 3.0)
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NoKeys {}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RadiusKeys {
+    #[serde(default = "one")]
+    radius: Spanned<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RadiusHeightKeys {
+    #[serde(default = "one")]
+    radius: Spanned<Number>,
+    #[serde(default = "one")]
+    height: Spanned<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TorusKeys {
+    #[serde(default = "one")]
+    major: Spanned<Number>,
+    #[serde(default = "third")]
+    minor: Spanned<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlaneKeys {
+    #[serde(default = "one")]
+    width: Spanned<Number>,
+    #[serde(default = "one")]
+    height: Spanned<Number>,
+}
+
+fn one() -> Spanned<Number> {
+    Spanned::new(0..0, Number(1.0))
+}
+
+fn third() -> Spanned<Number> {
+    Spanned::new(0..0, Number(1.0 / 3.0))
 }
 
 /// A control net: a list for each u of what lies along v there.
@@ -229,48 +273,75 @@ pub(super) struct NurbsKeys {
 
 /// Where a shape's surfaces come from.
 pub(super) enum ShapeSource {
-    Named(NamedShape),
-    Nurbs(Box<NurbsKeys>),
+    Named(NamedShape, Measures),
+    Nurbs(Box<Keyed<NurbsKeys>>),
     Built(ConstructionKeys),
     File(Spanned<String>),
 }
 
+/// The measures that are written, by their names in errors, and where.
+pub(super) type Measures = Vec<(&'static str, usize)>;
+
 impl ShapeKeys {
     pub(super) fn source(self) -> ShapeSource {
         use ConstructionKeys as Built;
-        ShapeSource::Named(match self {
-            Self::Revolution(keys) => return ShapeSource::Built(Built::Revolution(keys)),
-            Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(keys)),
-            Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(keys)),
-            Self::Coons(keys) => return ShapeSource::Built(Built::Coons(keys)),
-            Self::Loft(keys) => return ShapeSource::Built(Built::Loft(keys)),
-            Self::Sweep(keys) => return ShapeSource::Built(Built::Sweep(keys)),
-            Self::Tube(keys) => return ShapeSource::Built(Built::Tube(keys)),
-            Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(keys)),
-            Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(keys)),
-            Self::Net(keys) => return ShapeSource::Built(Built::Net(keys)),
-            Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(keys)),
+        let mut measures = Measures::new();
+        let mut measure = |name, written: Spanned<Number>| {
+            if !written.span().is_empty() {
+                measures.push((name, written.span().start)); // not a default
+            }
+            written.into_inner().0
+        };
+        let shape = match self {
+            Self::Revolution(keys) => {
+                return ShapeSource::Built(Built::Revolution(Box::new(keys.0)));
+            }
+            Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(Box::new(keys.0))),
+            Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(Box::new(keys.0))),
+            Self::Coons(keys) => return ShapeSource::Built(Built::Coons(Box::new(keys.0))),
+            Self::Loft(keys) => return ShapeSource::Built(Built::Loft(Box::new(keys.0))),
+            Self::Sweep(keys) => return ShapeSource::Built(Built::Sweep(Box::new(keys.0))),
+            Self::Tube(keys) => return ShapeSource::Built(Built::Tube(Box::new(keys.0))),
+            Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(Box::new(keys.0))),
+            Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(Box::new(keys.0))),
+            Self::Net(keys) => return ShapeSource::Built(Built::Net(Box::new(keys.0))),
+            Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(Box::new(keys.0))),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
-            Self::Sphere { radius } => NamedShape::Sphere { radius: radius.0 },
-            Self::SphereBiquadratic { radius } => {
-                NamedShape::SphereBiquadratic { radius: radius.0 }
+            Self::Sphere(Keyed(keys)) => {
+                NamedShape::Sphere { radius: measure("radius", keys.radius) }
             }
-            Self::Hemisphere { radius } => NamedShape::Hemisphere { radius: radius.0 },
-            Self::Octant { radius } => NamedShape::Octant { radius: radius.0 },
-            Self::Cylinder { radius, height } => {
-                NamedShape::Cylinder { radius: radius.0, height: height.0 }
+            Self::SphereBiquadratic(Keyed(keys)) => {
+                NamedShape::SphereBiquadratic { radius: measure("radius", keys.radius) }
             }
-            Self::Cone { radius, height } => {
-                NamedShape::Cone { radius: radius.0, height: height.0 }
+            Self::Hemisphere(Keyed(keys)) => {
+                NamedShape::Hemisphere { radius: measure("radius", keys.radius) }
             }
-            Self::Torus { major, minor } => NamedShape::Torus { major: major.0, minor: minor.0 },
-            Self::Disk { radius } => NamedShape::Disk { radius: radius.0 },
-            Self::Plane { width, height } => NamedShape::Plane { width: width.0, height: height.0 },
-            Self::LecturePatch1 => NamedShape::LecturePatch1,
-            Self::LecturePatch2 => NamedShape::LecturePatch2,
-            Self::LecturePatch3 => NamedShape::LecturePatch3,
-            Self::DeckPatch => NamedShape::DeckPatch,
-        })
+            Self::Octant(Keyed(keys)) => {
+                NamedShape::Octant { radius: measure("radius", keys.radius) }
+            }
+            Self::Cylinder(Keyed(keys)) => NamedShape::Cylinder {
+                radius: measure("radius", keys.radius),
+                height: measure("height", keys.height),
+            },
+            Self::Cone(Keyed(keys)) => NamedShape::Cone {
+                radius: measure("radius", keys.radius),
+                height: measure("height", keys.height),
+            },
+            Self::Torus(Keyed(keys)) => NamedShape::Torus {
+                major: measure("major radius", keys.major),
+                minor: measure("minor radius", keys.minor),
+            },
+            Self::Disk(Keyed(keys)) => NamedShape::Disk { radius: measure("radius", keys.radius) },
+            Self::Plane(Keyed(keys)) => NamedShape::Plane {
+                width: measure("width", keys.width),
+                height: measure("height", keys.height),
+            },
+            Self::LecturePatch1(_) => NamedShape::LecturePatch1,
+            Self::LecturePatch2(_) => NamedShape::LecturePatch2,
+            Self::LecturePatch3(_) => NamedShape::LecturePatch3,
+            Self::DeckPatch(_) => NamedShape::DeckPatch,
+        };
+        ShapeSource::Named(shape, measures)
     }
 }

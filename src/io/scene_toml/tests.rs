@@ -9,7 +9,7 @@ use crate::scene::{IntegratorKind, Projection, World};
 
 /// Reads a scene that mentions no files.
 fn read(text: &str) -> Result<Scene, LoadError> {
-    read_scene(text, "s.toml", &mut |file, place| {
+    read_scene(text, "s.toml", &mut |file, _, place| {
         Err(LoadError::malformed(place.clone(), format!("no {}", file.display())))
     })
 }
@@ -54,9 +54,9 @@ fn what_the_documentation_shows_can_be_read() {
     assert_eq!(blocks.len(), 6);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
-        let scene = read_scene(&text, "doc", &mut |file, _| {
+        let scene = read_scene(&text, "doc", &mut |file, _, _| {
             asked.borrow_mut().push(file.display().to_string());
-            let shape = Shape::Named(crate::scene::NamedShape::DeckPatch);
+            let shape = Shape::Named(crate::scene::NamedShape::DeckPatch, Vec::new());
             let part = Part { name: "0".into(), place: Place::default(), shape };
             Ok(Model { parts: vec![part], notes: Vec::new() })
         });
@@ -128,8 +128,11 @@ fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
 fn the_long_example_says_what_it_means() {
     let scene = scene(&documented()[0]);
     assert_eq!(scene.background, Some([0.32, 0.38, 0.45]));
-    assert_eq!(scene.camera.look_from, Some(DVec3::new(4.0, -7.0, 3.0)));
-    assert_eq!(scene.camera.lens, Lens::Perspective { fov: Some(30.0) });
+    let place = |line, column| Place::file("s.toml").at_line(line, column);
+    let look_from = Written::new(DVec3::new(4.0, -7.0, 3.0), place(5, 13));
+    assert_eq!(scene.camera.look_from, Some(look_from));
+    let fov = Some(Written::new(30.0, place(8, 23)));
+    assert_eq!(scene.camera.lens, Lens::Perspective { fov });
     assert_eq!(scene.settings, RenderDefaults { size: (800, 600), spp: 16, ..Default::default() });
     assert_eq!(
         scene.lights[1],
@@ -155,8 +158,11 @@ fn one_line_is_a_picture() {
     let ray = world.camera.ray(DVec2::splat(0.5), 1.5);
     assert!(ray.origin().cross(ray.direction()).length() < 1e-14, "it looks at the sphere");
     assert_eq!(world.settings.integrator, IntegratorKind::Direct);
-    let scene =
-        scene("\u{feff}camera = { orthographic = {} }\nobject = [{ shape = \"deck_patch\" }]");
+    let scene = scene("object = [{ shape = 'torus' }]"); // its name says all
+    assert_eq!(World::new(&scene).unwrap().surfaces[0].name, "torus");
+    let scene = self::scene(
+        "\u{feff}camera = { orthographic = {} }\nobject = [{ shape = \"deck_patch\" }]",
+    );
     let world = World::new(&scene).unwrap();
     assert!(matches!(world.camera.projection(), Projection::Orthographic { .. }));
 }
@@ -228,7 +234,7 @@ fn wrong_values_say_what_is_needed() {
         ("[camera]\nperspective = { fov = '30' }", "4:23: found \"30\", needed a number"),
         (
             "[camera]\nperspective = { fov = 180 }",
-            "3:1: camera: fov is 180: needed is an angle between 0 and 180 degrees",
+            "4:23: camera: fov is 180: needed is an angle from 1e-6 degrees up to, not including, 180",
         ),
         (
             "[camera]\nperspective = {}\northographic = {}",
@@ -236,11 +242,11 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[camera]\nlook_from = [1, 1, 1]\nlook_at = [1, 1, 1]",
-            "3:1: camera: look_from and look_at are the same point (1, 1, 1)",
+            "5:11: camera: look_from and look_at are the same point (1, 1, 1)",
         ),
         (
             "transform = [{ scale = [1, 0, 1] }]",
-            "3:14: object \"sphere\": scale (1, 0, 1) flattens space: no factor may be 0",
+            "3:24: object \"sphere\": scale (1, 0, 1) flattens space: no factor may be 0",
         ),
         (
             "transform = [{ rotate = { axis = 'w', degrees = 9 } }]",
@@ -249,18 +255,18 @@ fn wrong_values_say_what_is_needed() {
         ("transform = [{ rotate = { axis = 'z' } }]", "3:25: missing key \"degrees\""),
         (
             "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]] }]",
-            "3:14: object \"sphere\": the matrix flattens space: its determinant is 0 within rounding",
+            "3:25: object \"sphere\": the matrix flattens space: its determinant is 0 within rounding",
         ),
         ("reverse = 1", "3:11: found integer 1, needed true or false"),
         (
             "[render]\nsize = [0, 600]",
-            "4:8: a picture of 0 × 600 pixels: needed are 1 to 65536 each way, at most 268435456 in all",
+            "4:8: size 0x600: a picture needs at least one pixel each way",
         ),
         (
             "[render]\nsize = [1e9, 600]",
             "4:9: found floating point 1000000000.0, needed a whole number from 0 to 4294967295",
         ),
-        ("[render]\nspp = 0", "4:7: spp is 0: needed is at least 1 sample a pixel"),
+        ("[render]\nspp = 0", "4:7: spp 0: a picture needs at least one sample a pixel"),
         ("[render]\nseed = -1", "4:8: found integer -1, needed a whole number from 0 on"),
         (
             "[light]\nambient = { radiance = 1 }",
@@ -276,9 +282,12 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[[light]]\ndirectional = { from = [0, 0, 0], irradiance = 1 }",
-            "3:1: directional: from (0, 0, 0) is no direction",
+            "4:24: directional: from (0, 0, 0) is no direction",
         ),
-        ("[[light]]", "3:1: needed is one kind, as in { sphere = { radius = 1 } }"),
+        (
+            "[[light]]",
+            "3:1: found an empty table, needed a light, as in { ambient = { radiance = 0.1 } }",
+        ),
         ("[[material]]\nname = 'm'", "4:8: material \"m\": needed is one of color, checker, lines"),
         (
             "[[material]]\nname = 'm'\ncolor = 1\nlines = {}",
@@ -305,19 +314,131 @@ fn wrong_values_say_what_is_needed() {
         ("transform = [{ translate = 3 }]", "3:28: found 3, needed three numbers, [x, y, z]"),
         ("[[object]]\nname = 'b'", "3:1: missing key \"shape\""),
         (
-            "[[object]]\nshape = 'sphere'",
-            "4:9: \"sphere\" needs its own keys: write { sphere = { … } }",
+            "[[object]]\nshape = 'nurbs'",
+            "4:9: \"nurbs\" alone says too little: write { nurbs = … }",
         ),
-        ("[[object]]\nshape = { deck_patch = { radius = 1 } }", "4:24: it has no keys of its own"),
+        (
+            "[[object]]\nshape = 'pot.json'",
+            "4:9: unknown shape \"pot.json\"; write { file = \"pot.json\" }",
+        ),
+        (
+            "[[object]]\nshape = { deck_patch = { radius = 1 } }",
+            "4:26: unknown key \"radius\"; there is none",
+        ),
         (
             "[[object]]\nshape = { sphere = {}, cone = {} }",
-            "4:9: needed is one kind, as in { sphere = { radius = 1 } }",
+            "4:9: found several keys, needed a shape, as in { sphere = { radius = 1 } }",
         ),
         (
             "[[object]]\nshape = { sphere = { radius = -1 } }",
-            "4:9: surface \"sphere 2\": radius -1: it must be positive and finite (from 1e-150 to 1e150)",
+            "4:31: surface \"sphere 2\": radius -1: it must be positive and finite (from 1e-70 to 1e70)",
         ),
         ("[[object]]\nshape = { file = 'x.json' }", "4:18: no x.json"),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
+
+/// A list of values in the order of a table's keys would do for the parser.
+#[test]
+fn lists_are_no_tables() {
+    for (lines, place) in [
+        ("[[object]]\nshape = { sphere = [2] }", "4:20"),
+        ("[[object]]\nshape = { sphere = [] }", "4:20"),
+        ("[[object]]\nshape = { deck_patch = [] }", "4:24"),
+        ("[[object]]\nshape = { nurbs = [[1, 1]] }", "4:19"),
+        ("transform = [{ rotate = ['z', 10] }]", "3:25"),
+        ("[[light]]\nambient = [1]", "4:11"),
+        ("[[material]]\nname = 'm'\nlines = [8]", "5:9"),
+        ("[[material]]\nname = 'm'\nchecker = [8]", "5:11"),
+        ("[camera]\nperspective = [30]", "4:15"),
+        ("[camera]\northographic = [30]", "4:16"),
+    ] {
+        let message = format!("s.toml:{place}: found a list, needed a table");
+        assert_eq!(error(&with_sphere(lines)), message, "{lines}");
+    }
+    for text in ["camera = [1]", "render = [1]", "object = [[1]]", "material = [[1]]"] {
+        assert!(error(text).ends_with(": found a list, needed a table"), "{text}: {}", error(text));
+    }
+    for table in ["camera", "render"] {
+        let message = format!("s.toml:3:1: there is only one of these: write [{table}]");
+        assert_eq!(error(&with_sphere(&format!("[[{table}]]"))), message);
+    }
+    assert_eq!(
+        error(&with_sphere("transform = { scale = 2 }")),
+        "s.toml:3:13: found a table, needed a list: write [{ … }]"
+    );
+}
+
+/// Longer lists would do for the parser, too.
+#[test]
+fn lists_have_as_many_values_as_they_need() {
+    for (lines, message) in [
+        ("[render]\nsize = [8, 6, 4]", "4:8: found a list of 3, needed a list of 2"),
+        ("[render]\nsize = [8]", "4:8: found a list of 1, needed a list of 2"),
+        ("[render]\nsize = 800", "4:8: found integer 800, needed a list of 2"),
+        (
+            "[[material]]\nname = 'm'\nchecker = { colors = [0, 1, 0.5] }",
+            "5:22: found a list of 3, needed a list of 2",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0, 7], [0, 0, 1, 0]] }]",
+            "3:40: found a list of 5, needed a list of 4",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0]] }]",
+            "3:25: found a list of 2, needed a list of 3",
+        ),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
+
+#[test]
+fn errors_point_at_the_value_not_at_its_table() {
+    for (lines, message) in [
+        (
+            "[camera]\nup = [0, 0, 0]",
+            "4:6: camera: up (0, 0, 0) must not be zero or run along the view",
+        ),
+        (
+            "[camera]\nlook_at = [0, 0, 0]\nlook_from = [0, -1e200, 0]",
+            "5:13: camera: look_from (0, -1e200, 0): coordinates must be finite, at most 1e100",
+        ),
+        (
+            "[camera]\northographic = { height = -1 }",
+            "4:27: camera: height is -1: needed is a positive length, at most 1e100",
+        ),
+        (
+            "[[object]]\nshape = { torus = { major = 1, minor = 2 } }",
+            "4:40: surface \"torus\": minor radius 2: it must be smaller than the major radius 1, \
+             else the torus meets itself",
+        ),
+        (
+            "[[object]]\nshape = { torus = { major = 0.1 } }", // the other one is a default
+            "4:9: surface \"torus\": minor radius 0.3333333333333333: it must be smaller than the \
+             major radius 0.1, else the torus meets itself",
+        ),
+        (
+            "transform = [{ rotate = { axis = [0, 0, 0], degrees = 9 } }]",
+            "3:34: object \"sphere\": rotate: the axis (0, 0, 0) has no direction",
+        ),
+        (
+            "transform = [{ scale = 1e80 }]",
+            "3:24: surface \"sphere\", placed by its transform: control point (0, 0) is \
+             (0, 0, 1e80): coordinates must be finite (up to 1e70)",
+        ),
+        ("[camera]\nfov = 30", "4:1: unknown key \"fov\"; write perspective = { fov = … }"),
+        (
+            "[[material]]\nname = 'm'\nchecker = { count = [4, 0] }",
+            "5:21: found 0, needed counts from 1 on",
+        ),
+        ("name = ''", "3:8: a name needs a letter at least"),
+        ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
+        (
+            "[render]\nseed = 99999999999999999999",
+            "4:8: found integer 99999999999999999999, needed a whole number from 0 on",
+        ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
     }
@@ -371,11 +492,19 @@ fn broken_nets() {
         ),
         (
             format!("degree = 1\n{points}weights = [[1, 1], [0, 1]]"),
-            "6:21: surface \"lid\": the weight of control point (1, 0) is 0: it must be positive and finite",
+            "6:21: surface \"lid\": the weight of control point (1, 0) is 0: it must be positive and finite (from 1e-70 to 1e70)",
         ),
         (
             format!("degree = 1\n{points}weights = [[1, 1], [1, nan]]"),
-            "6:24: surface \"lid\": the weight of control point (1, 1) is NaN: it must be positive and finite",
+            "6:24: surface \"lid\": the weight of control point (1, 1) is NaN: it must be positive and finite (from 1e-70 to 1e70)",
+        ),
+        (
+            format!("degree = 1\n{points}weights = [[1, 1], [1, 1e300]]"),
+            "6:24: surface \"lid\": the weight of control point (1, 1) is 1e300: it must be positive and finite (from 1e-70 to 1e70)",
+        ),
+        (
+            "degree = 1\npoints = [[[-1e308,0,0],[0,1,0]],[[1,0,1],[1e308,1,1]]]".to_owned(),
+            "5:10: surface \"lid\": control point (0, 0) is (-1e308, 0, 0): coordinates must be finite (up to 1e70)",
         ),
         (
             format!("degree = 1\n{points}weights = [[1, 1]]"),
@@ -389,11 +518,15 @@ fn broken_nets() {
 #[test]
 fn broken_toml() {
     for (text, message) in [
-        ("", "s.toml: there is no surface to show"),
+        (
+            "",
+            "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\"",
+        ),
+        ("\u{feff}[objec]\r\n", "s.toml:1:2: unknown key \"objec\"; did you mean \"object\"?"),
         ("a = ", "s.toml:1:5: string values must be quoted, expected literal string"),
         ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
         ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
-        ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: duplicate key"),
+        ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
         ("[[object]]\nname = 'x", "s.toml:2:10: invalid literal string, expected \"'\""),
     ] {
         assert_eq!(error(text), message, "{text}");

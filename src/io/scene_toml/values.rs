@@ -41,6 +41,37 @@ pub(super) struct PerDirection(pub(super) [u32; 2]);
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct KnotList(pub(super) Knots);
 
+/// A list of exactly `N` values. (An array of Rust is read from longer lists, too, and what is
+/// too much is dropped.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visit<T, const N: usize>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Visit<T, N> {
+            type Value = Exactly<T, N>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a list of {N}")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+                let mut read = Vec::with_capacity(N);
+                while let Some(value) = list.next_element()? {
+                    read.push(value);
+                }
+                <[T; N]>::try_from(read).map(Exactly).map_err(|read| {
+                    let found = read.len();
+                    A::Error::custom(format!("found a list of {found}, needed a list of {N}"))
+                })
+            }
+        }
+        deserializer.deserialize_any(Visit(PhantomData))
+    }
+}
+
 /// What can stand for a value: finite numbers, text, or a list of numbers.
 #[derive(Debug)]
 enum Loose {

@@ -12,10 +12,10 @@ use super::rays::{CHUNK, Rays};
 
 /// One kernel on one set of rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ours<'a> {
-    pub(super) bvh: &'a SurfaceBvh,
-    pub(super) kernel: Kernel,
-    pub(super) rays: &'a Rays,
+pub(crate) struct Ours<'a> {
+    pub(crate) bvh: &'a SurfaceBvh,
+    pub(crate) kernel: Kernel,
+    pub(crate) rays: &'a Rays,
 }
 
 /// What a thread needs: used again for every chunk, as a renderer does for every tile.
@@ -28,7 +28,7 @@ struct Desk<'a> {
 impl<'a> Ours<'a> {
     /// Traces all rays once, on the threads of the pool this runs in. The answers are made and
     /// dropped.
-    pub(super) fn pass(&self) {
+    pub(crate) fn pass(&self) {
         self.chunks().for_each_init(
             || self.desk(),
             |desk, chunk| {
@@ -39,7 +39,7 @@ impl<'a> Ours<'a> {
     }
 
     /// Traces all rays once and keeps what became of them.
-    pub(super) fn outcomes(&self) -> Vec<Outcome> {
+    pub(crate) fn outcomes(&self) -> Vec<Outcome> {
         let chunks = self.chunks().map_init(
             || self.desk(),
             |desk, chunk| {

@@ -2,37 +2,37 @@
 
 /// What became of one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outcome {
+pub(crate) struct Outcome {
     /// How far the first hit is, in scene units; any number where only the existence of a hit
     /// was asked.
-    pub(super) distance: Option<f64>,
+    pub(crate) distance: Option<f64>,
     /// The cosine between ray and normal at the hit; 1 where there is no normal.
-    pub(super) incidence: f64,
+    pub(crate) incidence: f64,
     /// Whether the competitor flags its answer.
-    pub(super) doubtful: bool,
+    pub(crate) doubtful: bool,
 }
 
 /// Where two competitors disagree, in rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Disagreements {
+pub(crate) struct Disagreements {
     /// One has a hit, the other has not.
-    pub(super) hit: usize,
+    pub(crate) hit: usize,
     /// The second's hit is farther from the tangent plane of the first's than the tolerance.
-    pub(super) distance: usize,
+    pub(crate) distance: usize,
 }
 
 /// The number of hits.
-pub(super) fn hits(outcomes: &[Outcome]) -> usize {
+pub(crate) fn hits(outcomes: &[Outcome]) -> usize {
     outcomes.iter().filter(|outcome| outcome.distance.is_some()).count()
 }
 
 /// The number of flagged answers.
-pub(super) fn doubtful(outcomes: &[Outcome]) -> usize {
+pub(crate) fn doubtful(outcomes: &[Outcome]) -> usize {
     outcomes.iter().filter(|outcome| outcome.doubtful).count()
 }
 
 /// Compares the outcomes of the same rays; `tolerance` in scene units.
-pub(super) fn compare(ours: &[Outcome], theirs: &[Outcome], tolerance: f64) -> Disagreements {
+pub(crate) fn compare(ours: &[Outcome], theirs: &[Outcome], tolerance: f64) -> Disagreements {
     let mut found = Disagreements::default();
     for (a, b) in ours.iter().zip(theirs) {
         match (a.distance, b.distance) {

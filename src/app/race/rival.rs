@@ -5,8 +5,8 @@ use std::time::Duration;
 use anyhow::Context;
 use nurbray::geometry::NurbsSurface;
 use nurbray::intersect::{Coherence, Query};
-use nurbray::io::mesh::TessellationPlan;
-use nurbray::io::{Embree, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
+use nurbray::io::mesh::{GridMesh, TessellationPlan};
+use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ use super::rays::{CHUNK, Rays};
 /// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface,
 /// and the triangles up to one tolerance above it: less would make rays at 30° to the surface
 /// meet the triangles they start from. Flatter ones still may.
-pub(super) const CLEARANCE: f64 = 2.0;
+pub(crate) const CLEARANCE: f64 = 2.0;
 
 /// How often, and for how long each time, a packet width is tried. The best one is measured
 /// properly later; of those that are nearly as good any will do.
@@ -29,36 +29,36 @@ const HEAT: Duration = Duration::from_millis(50);
 
 /// A tessellation in Embree's hierarchy.
 #[derive(Debug)]
-pub(super) struct Rival {
+pub(crate) struct Rival {
     scene: EmbreeScene,
     /// The tolerance as a fraction of the diagonal.
-    pub(super) tolerance: f64,
+    pub(crate) tolerance: f64,
     /// The tolerance in scene units.
-    pub(super) distance: f64,
+    pub(crate) distance: f64,
     /// The number of triangles.
-    pub(super) triangles: usize,
+    pub(crate) triangles: usize,
     /// Seconds to find out how finely to cut.
-    pub(super) plan_seconds: f64,
+    pub(crate) plan_seconds: f64,
     /// Seconds to make the vertices, fill the buffers and commit the scene.
-    pub(super) build_seconds: f64,
+    pub(crate) build_seconds: f64,
     /// Seconds to fill the buffers and commit the scene.
-    pub(super) commit_seconds: f64,
+    pub(crate) commit_seconds: f64,
     /// Memory of vertices, grids and hierarchy.
-    pub(super) bytes: usize,
+    pub(crate) bytes: usize,
 }
 
 impl Rival {
     /// Tessellates surfaces and builds the hierarchy, again and again for about as long as
-    /// the budget says.
+    /// the budget says. The meshes are handed over, too: no ray needs them any more.
     ///
     /// # Errors
     /// When the mesh becomes too large.
-    pub(super) fn build(
+    pub(crate) fn build(
         embree: &Embree,
         surfaces: &[NurbsSurface],
         tolerance: f64,
         budget: Duration,
-    ) -> Result<Self, Failure> {
+    ) -> Result<(Self, Vec<GridMesh>), Failure> {
         let context = || format!("tolerance {tolerance:e}");
         let (plan, plan_seconds) = repeat(budget, || {
             TessellationPlan::to_tolerance(surfaces, tolerance).with_context(context).or_failed()
@@ -69,7 +69,7 @@ impl Rival {
         let (scene, commit_seconds) = repeat(budget, || {
             embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
         })?;
-        Ok(Self {
+        let rival = Self {
             scene,
             tolerance,
             distance: tolerance * plan.diagonal(),
@@ -78,11 +78,12 @@ impl Rival {
             build_seconds: mesh_seconds + commit_seconds,
             commit_seconds,
             bytes: embree.bytes().saturating_sub(others),
-        })
+        };
+        Ok((rival, meshes))
     }
 
     /// Makes rays ready, in packets of the width that suits them best.
-    pub(super) fn enter(&self, rays: &Rays) -> Entry<'_> {
+    pub(crate) fn enter(&self, rays: &Rays) -> Entry<'_> {
         let of_width = |width| Entry::new(self, rays, width);
         let widths = match rays.set.calls() {
             Calls::OneByOne => &[PacketWidth::One][..],
@@ -101,7 +102,7 @@ impl Rival {
 
 /// The rival on one set of rays.
 #[derive(Debug)]
-pub(super) struct Entry<'a> {
+pub(crate) struct Entry<'a> {
     rival: &'a Rival,
     question: Question,
     width: PacketWidth,
@@ -109,11 +110,12 @@ pub(super) struct Entry<'a> {
     lengths: Vec<f64>,
     chunks: Vec<EmbreeRays>,
     /// Where the rays begin, in scene units.
-    pub(super) t_near: f64,
+    pub(crate) t_near: f64,
 }
 
 impl<'a> Entry<'a> {
-    fn new(rival: &'a Rival, rays: &Rays, width: PacketWidth) -> Self {
+    /// Makes rays ready, in packets of the width given.
+    pub(crate) fn new(rival: &'a Rival, rays: &Rays, width: PacketWidth) -> Self {
         let question = rays.set.question();
         let coherence = match rays.set.calls() {
             Calls::Batch(coherence) => coherence,
@@ -134,7 +136,7 @@ impl<'a> Entry<'a> {
     }
 
     /// How many rays a packet holds.
-    pub(super) fn width(&self) -> u32 {
+    pub(crate) fn width(&self) -> u32 {
         match self.width {
             PacketWidth::One => 1,
             PacketWidth::Eight => 8,
@@ -144,7 +146,7 @@ impl<'a> Entry<'a> {
 
     /// Traces all rays once, on the threads of the pool this runs in. The answers stay in
     /// the packets.
-    pub(super) fn pass(&mut self) {
+    pub(crate) fn pass(&mut self) {
         let scene = &self.rival.scene;
         match self.question {
             Question::FirstHit => {
@@ -154,8 +156,13 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// The first hits found in the last pass, ray by ray.
+    pub(crate) fn hits(&self) -> impl Iterator<Item = Option<EmbreeHit>> {
+        self.chunks.iter().flat_map(EmbreeRays::hits)
+    }
+
     /// What became of the rays in the last pass.
-    pub(super) fn outcomes(&self) -> Vec<Outcome> {
+    pub(crate) fn outcomes(&self) -> Vec<Outcome> {
         let certain = |distance| Outcome { distance, incidence: 1.0, doubtful: false };
         match self.question {
             Question::FirstHit => {

@@ -23,7 +23,7 @@ pub(crate) enum RaySet {
 
 /// What is asked of each ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Question {
+pub(crate) enum Question {
     /// The first hit.
     FirstHit,
     /// Whether there is any hit.
@@ -32,7 +32,7 @@ pub(super) enum Question {
 
 /// How rays are handed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Calls {
+pub(crate) enum Calls {
     /// Many at a time: the competitor may use packets.
     Batch(Coherence),
     /// One call a ray.
@@ -72,7 +72,7 @@ impl RaySet {
     }
 
     /// What is asked of its rays.
-    pub(super) fn question(self) -> Question {
+    pub(crate) fn question(self) -> Question {
         match self {
             Self::AmbientOcclusion | Self::Shadow => Question::AnyHit,
             _ => Question::FirstHit,
@@ -80,7 +80,7 @@ impl RaySet {
     }
 
     /// How its rays are handed over.
-    pub(super) fn calls(self) -> Calls {
+    pub(crate) fn calls(self) -> Calls {
         match self {
             Self::Primary | Self::Shadow => Calls::Batch(Coherence::Coherent),
             Self::Incoherent | Self::AmbientOcclusion => Calls::Batch(Coherence::Incoherent),

@@ -8,20 +8,20 @@ const ROUNDS: u32 = 5;
 
 /// How fast rays were traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Speed {
+pub(crate) struct Speed {
     /// Millions of rays a second: the median of the rounds.
-    pub(super) mrays_per_s: f64,
+    pub(crate) mrays_per_s: f64,
     /// The fastest round less the slowest, divided by the median.
-    pub(super) spread: f64,
+    pub(crate) spread: f64,
 }
 
 /// Something to time that traces all rays once a call.
-pub(super) type Pass<'a> = Box<dyn FnMut() + 'a>;
+pub(crate) type Pass<'a> = Box<dyn FnMut() + 'a>;
 
 /// Times passes over `rays` rays, the competitors in turn, so that all of them meet the same
 /// moods of the machine. Each round gives everyone an equal share of `seconds`, and one pass
 /// at least.
-pub(super) fn race(passes: &mut [Pass<'_>], rays: usize, seconds: f64) -> Vec<Speed> {
+pub(crate) fn race(passes: &mut [Pass<'_>], rays: usize, seconds: f64) -> Vec<Speed> {
     let turn = Duration::from_secs_f64(seconds / f64::from(ROUNDS));
     let mut rates: Vec<Vec<f64>> = vec![Vec::new(); passes.len()];
     for _ in 0..ROUNDS {
@@ -33,7 +33,7 @@ pub(super) fn race(passes: &mut [Pass<'_>], rays: usize, seconds: f64) -> Vec<Sp
 }
 
 /// Repeats a pass until its turn is over; the mean time it takes.
-pub(super) fn seconds_a_pass(pass: &mut dyn FnMut(), turn: Duration) -> f64 {
+pub(crate) fn seconds_a_pass(pass: &mut dyn FnMut(), turn: Duration) -> f64 {
     let start = Instant::now();
     let mut count = 0;
     loop {
@@ -54,7 +54,7 @@ fn speed(rates: &mut [f64]) -> Speed {
 }
 
 /// Sorts numbers; the one in the middle, or the mean of the two there. NaN of none.
-pub(super) fn median(numbers: &mut [f64]) -> f64 {
+pub(crate) fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let half = numbers.len() / 2;
     match numbers.len() {

@@ -8,18 +8,16 @@ use rayon::prelude::*;
 
 use super::super::random::Random;
 use super::model::Model;
+use super::pixels::{TILE, tiled_pixels};
 use super::ray_set::RaySet;
 
 /// Rays a thread takes at a time. Fixed, so that packets do not depend on the number of
 /// threads; a tile of 64 × 64 pixels.
-pub(super) const CHUNK: usize = TILE * TILE;
-
-/// The side of a tile in pixels: a power of 2, for the Z-order curve.
-const TILE: usize = 64;
+pub(crate) const CHUNK: usize = TILE * TILE;
 
 /// How far ambient-occlusion rays reach, as a fraction of the model's diagonal: into the next
 /// hollow, not across the model.
-pub(super) const REACH: f64 = 0.2;
+pub(crate) const REACH: f64 = 0.2;
 
 /// Which random rays: fixed, so that two runs trace the same ones.
 const SEED: u64 = 1;
@@ -30,24 +28,24 @@ const OCCLUSION: u64 = 1;
 
 /// Rays to trace, in the order everyone traces them.
 #[derive(Debug)]
-pub(super) struct Rays {
+pub(crate) struct Rays {
     /// Which set this is.
-    pub(super) set: RaySet,
+    pub(crate) set: RaySet,
     /// The rays, with the roots they leave.
-    pub(super) queries: Vec<Query>,
+    pub(crate) queries: Vec<Query>,
     /// The rays alone, which is all there is to those that ask for first hits.
-    pub(super) alone: Vec<Ray>,
+    pub(crate) alone: Vec<Ray>,
 }
 
 impl Rays {
-    /// Makes the rays of a set; `size` is the side of the picture in pixels.
+    /// Makes the rays of a set; `size` is the picture's width and height in pixels.
     ///
     /// There may be none: of a scene without a lamp, or seen past.
-    pub(super) fn new(set: RaySet, model: &Model, size: u32) -> Self {
+    pub(crate) fn new(set: RaySet, model: &Model, size: [u32; 2]) -> Self {
         let queries = match set {
             RaySet::Primary | RaySet::Single => primary(&model.world, size),
             RaySet::Incoherent | RaySet::IncoherentSingle => {
-                let count = u64::from(size) * u64::from(size);
+                let count = u64::from(size[0]) * u64::from(size[1]);
                 (0..count).into_par_iter().filter_map(|index| chord(model, index)).collect()
             }
             RaySet::AmbientOcclusion => {
@@ -68,32 +66,19 @@ impl Rays {
     }
 
     /// The number of rays.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.queries.len()
     }
 }
 
-/// The rays through the pixels' middles of a square picture.
-///
-/// Tiles of 64 × 64 pixels, row after row; within a tile along a Z-order curve, so that 16
-/// rays in a row are 4 × 4 pixels and 64 are 8 × 8: coherent packets of every width.
-fn primary(world: &World, size: u32) -> Vec<Query> {
-    let side = size as usize;
-    let tiles = side.div_ceil(TILE);
-    let pixels = (0..tiles * tiles).flat_map(|tile| {
-        let corner = [tile % tiles * TILE, tile / tiles * TILE];
-        (0..CHUNK).map(move |code| [corner[0] + even_bits(code), corner[1] + even_bits(code >> 1)])
-    });
-    let film = |[x, y]: [usize; 2]| DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / side as f64;
-    pixels
-        .filter(|pixel| pixel[0] < side && pixel[1] < side)
-        .map(|pixel| Query::primary(world.camera.ray(film(pixel), 1.0)))
-        .collect()
-}
-
-/// Bits 0, 2, 4, … of a number below [`CHUNK`], next to one another.
-fn even_bits(code: usize) -> usize {
-    (0..TILE.ilog2()).map(|bit| (code >> (2 * bit) & 1) << bit).sum()
+/// The rays through the pixels' middles, in the order of [`tiled_pixels`].
+fn primary(world: &World, size: [u32; 2]) -> Vec<Query> {
+    let [width, height] = size.map(f64::from);
+    let ray = |[x, y]: [usize; 2]| {
+        let film = DVec2::new((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
+        Query::primary(world.camera.ray(film, width / height))
+    };
+    tiled_pixels(size).map(ray).collect()
 }
 
 /// A chord of the bounding sphere: from one random point of it to another.
@@ -113,7 +98,7 @@ struct Seen {
 
 /// What the camera sees, pixel by pixel in the order of [`primary`], as exact hits. Points
 /// without a normal are left out.
-fn seen(world: &World, size: u32) -> Vec<Seen> {
+fn seen(world: &World, size: [u32; 2]) -> Vec<Seen> {
     let queries = primary(world, size);
     let chunks = queries.par_chunks(CHUNK).map(|queries| {
         let mut answers = Vec::new();
@@ -173,7 +158,7 @@ mod tests {
     #[test]
     fn every_pixel_has_one_ray_and_packets_are_squares() {
         let model = sphere();
-        let rays = Rays::new(RaySet::Primary, &model, 100);
+        let rays = Rays::new(RaySet::Primary, &model, [100, 100]);
         assert_eq!(rays.len(), 100 * 100);
         let key = |query: &Query| query.ray.direction().to_array().map(f64::to_bits);
         assert_eq!(rays.queries.iter().map(key).collect::<HashSet<_>>().len(), 100 * 100);
@@ -200,7 +185,7 @@ mod tests {
     fn chords_cross_the_sphere_about_the_model() {
         let model = sphere();
         assert!((model.radius - 2.02).abs() < 1e-3, "{}", model.radius);
-        let rays = Rays::new(RaySet::Incoherent, &model, 32);
+        let rays = Rays::new(RaySet::Incoherent, &model, [32, 32]);
         assert_eq!(rays.len(), 32 * 32);
         let mut meeting = 0;
         for Query { ray, .. } in &rays.queries {
@@ -212,14 +197,14 @@ mod tests {
         // The squared distance of such a chord from the centre is uniform: 1 - 2 % of them
         // pass within 2.00 of 2.02.
         assert!((970..=1024).contains(&meeting), "{meeting}");
-        let again = Rays::new(RaySet::Incoherent, &model, 32);
+        let again = Rays::new(RaySet::Incoherent, &model, [32, 32]);
         assert_eq!(rays.queries[5].ray, again.queries[5].ray);
     }
 
     #[test]
     fn occlusion_rays_leave_the_side_that_is_seen() {
         let model = sphere();
-        let rays = Rays::new(RaySet::AmbientOcclusion, &model, 24);
+        let rays = Rays::new(RaySet::AmbientOcclusion, &model, [24, 24]);
         assert!((200..24 * 24).contains(&rays.len()), "{}", rays.len());
         for query in &rays.queries {
             let (point, ray) = (query.ray.origin(), query.ray);
@@ -233,7 +218,7 @@ mod tests {
     #[test]
     fn shadow_rays_go_to_the_lamp_in_front() {
         let model = sphere();
-        let rays = Rays::new(RaySet::Shadow, &model, 24);
+        let rays = Rays::new(RaySet::Shadow, &model, [24, 24]);
         let first = rays.queries[0].ray.direction();
         for query in &rays.queries {
             assert_eq!(query.ray.direction(), first); // the default lamp is far away
@@ -241,6 +226,6 @@ mod tests {
         }
         let mut dark = sphere();
         dark.world.lights = vec![Light::Ambient { radiance: [1.0; 3] }];
-        assert_eq!(Rays::new(RaySet::Shadow, &dark, 24).len(), 0);
+        assert_eq!(Rays::new(RaySet::Shadow, &dark, [24, 24]).len(), 0);
     }
 }

@@ -12,42 +12,42 @@ use super::rival::Rival;
 
 /// How fast everyone traced one set of rays, and what they found.
 #[derive(Clone, Debug)]
-pub(super) struct Measurement {
-    pub(super) set: RaySet,
+pub(crate) struct Measurement {
+    pub(crate) set: RaySet,
     /// The number of rays.
-    pub(super) count: usize,
-    pub(super) kernels: Vec<KernelResult>,
+    pub(crate) count: usize,
+    pub(crate) kernels: Vec<KernelResult>,
     /// One for each tolerance.
-    pub(super) rivals: Vec<RivalResult>,
+    pub(crate) rivals: Vec<RivalResult>,
 }
 
 /// One of our kernels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct KernelResult {
-    pub(super) kernel: Kernel,
-    pub(super) speed: Speed,
-    pub(super) hits: usize,
-    pub(super) doubtful: usize,
+pub(crate) struct KernelResult {
+    pub(crate) kernel: Kernel,
+    pub(crate) speed: Speed,
+    pub(crate) hits: usize,
+    pub(crate) doubtful: usize,
 }
 
 /// The rival at one tolerance.
 #[derive(Clone, Debug)]
-pub(super) struct RivalResult {
-    pub(super) tolerance: f64,
+pub(crate) struct RivalResult {
+    pub(crate) tolerance: f64,
     /// Rays a packet.
-    pub(super) width: u32,
+    pub(crate) width: u32,
     /// Where its rays begin, in scene units.
-    pub(super) t_near: f64,
-    pub(super) speed: Speed,
-    pub(super) hits: usize,
+    pub(crate) t_near: f64,
+    pub(crate) speed: Speed,
+    pub(crate) hits: usize,
     /// With each of our kernels, in their order.
-    pub(super) disagreements: Vec<Disagreements>,
+    pub(crate) disagreements: Vec<Disagreements>,
 }
 
 impl Measurement {
     /// Traces the rays on the threads of the pool this runs in: everyone once to compare the
     /// answers and to warm up, then as long as `seconds` says for each.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Model,
         kernels: &[Kernel],
         rivals: &[Rival],
@@ -93,8 +93,23 @@ impl Measurement {
     }
 
     /// The fastest kernel; `None` if none was asked for.
-    pub(super) fn fastest(&self) -> Option<&KernelResult> {
+    pub(crate) fn fastest(&self) -> Option<&KernelResult> {
         let rate = |result: &&KernelResult| result.speed.mrays_per_s;
         self.kernels.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))
+    }
+
+    /// From the file to our last ray, in seconds.
+    pub(crate) fn our_total(&self, model: &Model, ours: &KernelResult) -> f64 {
+        model.file_seconds + self.tracing_seconds(ours.speed)
+    }
+
+    /// The same for a rival: it has the same file to read.
+    pub(crate) fn rival_total(&self, model: &Model, rival: &Rival, result: &RivalResult) -> f64 {
+        let reading = (model.file_seconds - model.build_seconds).max(0.0);
+        reading + rival.build_seconds + self.tracing_seconds(result.speed)
+    }
+
+    fn tracing_seconds(&self, speed: Speed) -> f64 {
+        1e-6 * self.count as f64 / speed.mrays_per_s
     }
 }

@@ -21,31 +21,51 @@ const MARGIN: f64 = 1.01;
 
 /// A model ready to trace.
 #[derive(Debug)]
-pub(super) struct Model {
+pub(crate) struct Model {
     /// The input as typed.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// The scene.
-    pub(super) world: World,
+    pub(crate) world: World,
     /// Its surfaces in their places: what a rival starts from.
-    pub(super) surfaces: Vec<NurbsSurface>,
+    pub(crate) surfaces: Vec<NurbsSurface>,
     /// From the file to a world ready to trace, in seconds.
-    pub(super) file_seconds: f64,
+    pub(crate) file_seconds: f64,
     /// From surfaces to what is traced, in seconds: part of `file_seconds`.
-    pub(super) build_seconds: f64,
+    pub(crate) build_seconds: f64,
     /// The middle of the bounding box.
-    pub(super) centre: DVec3,
+    pub(crate) centre: DVec3,
     /// The radius of a sphere about that middle which holds the surfaces.
-    pub(super) radius: f64,
+    pub(crate) radius: f64,
     /// The diagonal of the bounding box.
-    pub(super) diagonal: f64,
+    pub(crate) diagonal: f64,
 }
 
 impl Model {
+    /// The model with some of its surfaces only; prepares them again.
+    ///
+    /// # Errors
+    /// When they cannot be prepared.
+    pub(crate) fn keeping(mut self, kept: &[usize], budget: Duration) -> Result<Self, Failure> {
+        let keep = |index: usize| kept.contains(&index);
+        let mut index = 0..;
+        self.world.surfaces.retain(|_| index.next().is_some_and(keep));
+        let mut index = 0..;
+        self.surfaces.retain(|_| index.next().is_some_and(keep));
+        let reading = (self.file_seconds - self.build_seconds).max(0.0);
+        let (bvh, seconds) = repeat(budget, || {
+            SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).or_bad_input()
+        })?;
+        self.world.bvh = bvh;
+        self.build_seconds = seconds;
+        self.file_seconds = reading + seconds;
+        Ok(self)
+    }
+
     /// Reads an input and prepares it, again and again for about as long as the budget says.
     ///
     /// # Errors
     /// When the input is missing, damaged or wrong.
-    pub(super) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
+    pub(crate) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
         let (world, file_seconds) = repeat(budget, || Ok(input::prepare(&input::read(path)?)?.0))?;
         let surfaces: Vec<_> =
             world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
@@ -73,7 +93,7 @@ impl Model {
 ///
 /// # Errors
 /// The first error met.
-pub(super) fn repeat<T>(
+pub(crate) fn repeat<T>(
     budget: Duration,
     mut work: impl FnMut() -> Result<T, Failure>,
 ) -> Result<(T, f64), Failure> {

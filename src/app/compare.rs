@@ -1,0 +1,74 @@
+//! `nurbray compare`: the same camera another way, and what differs.
+
+mod embree;
+mod errors;
+mod folder;
+mod heat;
+mod povray;
+mod povray_report;
+mod povray_run;
+mod report;
+mod sight;
+mod table;
+mod verdict;
+
+use std::process::ExitCode;
+
+use nurbray::scene::World;
+
+use super::args::{Against, CompareArguments};
+use super::failure::Failure;
+
+/// The longest side of a picture, as in `bench`: its 64 million rays and their packets take
+/// about 20 GB.
+const MAX_SIDE: u32 = 8192;
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+One ray through the middle of each pixel, the same rays both ways, in the same run.
+
+--against embree: the surfaces are cut into triangles that stay within each tolerance (see `nurbray
+bench --help` for how), and Embree traces those. DIR gets
+  report.md               triangles, build time, memory, rays/s and total time; errors of position and
+                          normal; silhouette pixels that differ; rays lost and invented
+  plot.svg                speed, memory and errors over the tolerance
+  picture.png             what is looked at
+  position-TOLERANCE.png  where the triangles are how far off
+  normal-TOLERANCE.png    by what angle their interpolated normals are off
+  legend.svg              what the colours of these mean
+--against povray: the scene is written for POV-Ray 3.7 with a lamp at the camera, so that a pixel is
+the cosine between ray and normal; its bicubic patches are flat to within each tolerance. The program
+`povray`, or the one named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are named and
+left out on both sides. DIR gets
+  report.md                 times; errors of brightness; pixels lost and invented
+  scene-TOLERANCE.pov       what POV-Ray reads
+  picture.png               our picture with the same lamp
+  difference-TOLERANCE.png  where brightness differs how much
+  legend.svg                what the colours mean
+Everything but times, rates and memory is the same in every run.
+
+Example:
+  nurbray compare scenes/teapot.toml --against embree --tolerance 1e-3,1e-4,1e-5 -o teapot-embree";
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+    match arguments.against {
+        Against::Embree => embree::run(arguments)?,
+        Against::Povray => povray::run(arguments)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Width and height of the pictures.
+fn size(arguments: &CompareArguments, world: &World) -> Result<[u32; 2], Failure> {
+    let size = match arguments.size {
+        Some(size) => [size.width, size.height],
+        None => world.settings.size.into(),
+    };
+    match size {
+        [..=MAX_SIDE, ..=MAX_SIDE] => Ok(size),
+        [width, height] => Err(Failure::input(format!(
+            "{width} x {height} pixels: a comparison has at most {MAX_SIDE} each way"
+        ))),
+    }
+}

@@ -1,0 +1,242 @@
+//! Against Embree: the same rays on the surfaces and on triangles in their place.
+
+use std::path::Path;
+use std::time::Duration;
+
+use nurbray::intersect::Kernel;
+use nurbray::io::mesh::GridMesh;
+use nurbray::io::{Embree, PacketWidth, write_png};
+use nurbray::render::{RenderSettings, render};
+use nurbray::scene::World;
+
+use super::super::args::CompareArguments;
+use super::super::failure::{Failure, OrFail};
+use super::super::progress::Progress;
+use super::super::race::{Entry, Measurement, Model, RaySet, Rays, Rival, tiled_pixels};
+use super::super::{chart, console, input, threads};
+use super::errors::Errors;
+use super::folder::Folder;
+use super::heat::{self, Color, Scale};
+use super::report::Report;
+use super::sight::{self, Sight, degrees};
+use super::verdict::{Cause, Judge, Verdict};
+
+/// Samples a pixel of the picture that shows what is looked at: enough for smooth edges.
+const PICTURE_SAMPLES: u32 = 16;
+
+/// The colours of position errors: from what f32 can tell, to the coarsest tolerance in use.
+pub(super) const POSITION: Scale =
+    Scale { quantity: "position error / diagonal, along the ray", low: -8, high: -3 };
+/// The colours of normal errors.
+pub(super) const NORMAL: Scale = Scale { quantity: "normal error, degrees", low: -4, high: 1 };
+
+/// What the triangles of one tolerance got wrong.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Findings {
+    /// Rays that hit triangles.
+    pub(super) hits: usize,
+    /// Rays with which both see the same place.
+    pub(super) same: usize,
+    /// Distances along the ray, as fractions of the diagonal.
+    pub(super) along: Option<Errors>,
+    /// Distances from our tangent plane, as fractions of the diagonal.
+    pub(super) across: Option<Errors>,
+    /// Angles of the interpolated normals, in degrees.
+    pub(super) normal: Option<Errors>,
+    /// Angles of the triangles' own normals, in degrees.
+    pub(super) facet: Option<Errors>,
+    /// Rays lost at silhouettes and in gaps.
+    pub(super) lost: [usize; 2],
+    /// Rays invented at silhouettes and where triangles overlap.
+    pub(super) invented: [usize; 2],
+}
+
+/// The pictures of one tolerance, pixels row by row.
+struct Pictures {
+    position: Vec<Color>,
+    normal: Vec<Color>,
+}
+
+/// Both sides, prepared and timed.
+struct Race {
+    model: Model,
+    size: [u32; 2],
+    rays: Rays,
+    rivals: Vec<Rival>,
+    /// What the rivals were made of.
+    meshes: Vec<Vec<GridMesh>>,
+    measured: Measurement,
+}
+
+/// Runs the comparison and writes the report.
+pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
+    let tolerances = arguments.tolerances();
+    let folder = Folder::new(&arguments.output, &files(&tolerances), &[&arguments.input])?;
+    input::read(&arguments.input)?; // what is wrong with it is told first
+    let embree = Embree::load_with_threads(arguments.threads).or_failed()?;
+    let progress = Progress::new("comparing", tolerances.len() as u64 + 2);
+    let race = threads::pool(Some(arguments.threads))?
+        .install(|| Race::run(arguments, &embree, &progress))?;
+
+    // Answers do not depend on the number of threads: all may work.
+    let Race { model, size, rays, .. } = &race;
+    let (ours, doubtful) = sight::exact(&model.world.bvh, &rays.queries);
+    let compared = Compared { model, rays, size: *size, ours: &ours };
+    let mut findings = Vec::new();
+    let mut pictures = Vec::new();
+    for (done, (rival, meshes)) in (3..).zip(race.rivals.iter().zip(&race.meshes)) {
+        let (found, drawn) = compared.look(rival, meshes);
+        findings.push(found);
+        pictures.push(drawn);
+        progress.set(done, 0);
+    }
+    progress.finish();
+
+    let report = Report {
+        model,
+        size: *size,
+        threads: arguments.threads,
+        rival: &format!("Embree {}", embree.version().map(|number| number.to_string()).join(".")),
+        measured: &race.measured,
+        rivals: &race.rivals,
+        findings: &findings,
+        residual: Errors::of(ours.iter().flatten().map(|sight| sight.residual / model.diagonal)),
+        doubtful,
+    };
+    write(&folder, &report, &pictures)?;
+    console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+impl Race {
+    /// Prepares both sides and lets them race, on the threads of the pool this runs in.
+    fn run(
+        arguments: &CompareArguments,
+        embree: &Embree,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let budget = Duration::from_secs_f64(arguments.seconds);
+        let model = Model::load(&arguments.input, budget)?;
+        let size = super::size(arguments, &model.world)?;
+        let rays = Rays::new(RaySet::Primary, &model, size);
+        let mut rivals = Vec::new();
+        let mut meshes = Vec::new();
+        for tolerance in arguments.tolerances() {
+            let (rival, mesh) = Rival::build(embree, &model.surfaces, tolerance, budget)?;
+            rivals.push(rival);
+            meshes.push(mesh);
+        }
+        progress.set(1, 0);
+        let kernels = [Kernel::default()];
+        let measured = Measurement::new(&model, &kernels, &rivals, &rays, arguments.seconds);
+        progress.set(2, 0);
+        Ok(Self { model, size, rays, rivals, meshes, measured })
+    }
+}
+
+/// Writes everything; the report last, so that a report has its pictures.
+fn write(folder: &Folder, report: &Report<'_>, pictures: &[Pictures]) -> Result<(), Failure> {
+    folder.make()?;
+    for (rival, pictures) in report.rivals.iter().zip(pictures) {
+        let write =
+            |file: String, pixels| heat::write(&folder.at(&file), report.size, pixels).or_failed();
+        write(position_file(rival.tolerance), &pictures.position)?;
+        write(normal_file(rival.tolerance), &pictures.normal)?;
+    }
+    write_picture(&folder.at(PICTURE), &report.model.world, report.size)?;
+    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
+    folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &words))?;
+    chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
+    folder.write(REPORT, &report.text())
+}
+
+/// The files of a report.
+pub(super) const REPORT: &str = "report.md";
+pub(super) const PICTURE: &str = "picture.png";
+pub(super) const LEGEND: &str = "legend.svg";
+pub(super) const PLOT: &str = "plot.svg";
+
+pub(super) fn position_file(tolerance: f64) -> String {
+    format!("position-{tolerance:e}.png")
+}
+
+pub(super) fn normal_file(tolerance: f64) -> String {
+    format!("normal-{tolerance:e}.png")
+}
+
+fn files(tolerances: &[f64]) -> Vec<String> {
+    let fixed = [REPORT, PICTURE, LEGEND, PLOT].map(str::to_owned);
+    let of_tolerances = tolerances.iter().flat_map(|&t| [position_file(t), normal_file(t)]);
+    fixed.into_iter().chain(of_tolerances).collect()
+}
+
+/// Renders what is looked at as the scene says, with fewer samples.
+fn write_picture(path: &Path, world: &World, [width, height]: [u32; 2]) -> Result<(), Failure> {
+    let settings = RenderSettings {
+        size: (width, height),
+        samples: 0..PICTURE_SAMPLES,
+        ..RenderSettings::from(&world.settings)
+    };
+    let film = render(world, &settings, &|_| {}).or_failed()?;
+    write_png(path, &film, world.settings.exposure).map(drop).or_failed()
+}
+
+/// What both sides look at.
+#[derive(Clone, Copy)]
+struct Compared<'a> {
+    model: &'a Model,
+    rays: &'a Rays,
+    size: [u32; 2],
+    ours: &'a [Option<Sight>],
+}
+
+impl Compared<'_> {
+    /// Compares the triangles of one tolerance with the surfaces, ray by ray.
+    fn look(self, rival: &Rival, meshes: &[GridMesh]) -> (Findings, Pictures) {
+        // One width for all runs, that all may say the same.
+        let mut entry = Entry::new(rival, self.rays, PacketWidth::Sixteen);
+        entry.pass();
+        let judge = Judge { bvh: &self.model.world.bvh, tolerance: rival.distance };
+
+        let mut errors = [const { Vec::new() }; 4];
+        let mut findings = Findings::default();
+        let blank = || vec![heat::NOTHING; self.size[0] as usize * self.size[1] as usize];
+        let mut pictures = Pictures { position: blank(), normal: blank() };
+        let both = self.rays.queries.iter().zip(self.ours).zip(entry.hits());
+        for (((query, ours), hit), [x, y]) in both.zip(tiled_pixels(self.size)) {
+            let theirs = hit.map(|hit| sight::on_mesh(&hit, &query.ray, meshes));
+            let verdict = judge.judge(&query.ray, ours.as_ref(), theirs.as_ref());
+            findings.hits += usize::from(theirs.is_some());
+            findings.count(verdict);
+            let mut colors = match verdict {
+                Verdict::Lost(_) => [heat::LOST; 2],
+                Verdict::Invented(_) => [heat::INVENTED; 2],
+                Verdict::Same | Verdict::Nothing => [heat::NOTHING; 2],
+            };
+            if let (Verdict::Same, Some(ours), Some(theirs)) = (verdict, ours, theirs) {
+                let along = (ours.distance - theirs.distance).abs() / self.model.diagonal;
+                let normal = degrees(ours.normal, theirs.normal);
+                errors[0].push(along);
+                errors[1].push(along * ours.incidence(&query.ray));
+                errors[2].push(normal);
+                errors[3].push(degrees(ours.facet, theirs.facet));
+                colors = [POSITION.color(along), NORMAL.color(normal)];
+            }
+            let pixel = y * self.size[0] as usize + x;
+            [pictures.position[pixel], pictures.normal[pixel]] = colors;
+        }
+        let [along, across, normal, facet] = errors.map(Errors::of);
+        (Findings { along, across, normal, facet, ..findings }, pictures)
+    }
+}
+
+impl Findings {
+    fn count(&mut self, verdict: Verdict) {
+        let place = |cause| usize::from(cause == Cause::Gap);
+        match verdict {
+            Verdict::Nothing => {}
+            Verdict::Same => self.same += 1,
+            Verdict::Lost(cause) => self.lost[place(cause)] += 1,
+            Verdict::Invented(cause) => self.invented[place(cause)] += 1,
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The folder a report goes to.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use nurbray::io::{check_writable, write_atomically};
+
+use super::super::failure::{Failure, OrFail};
+use super::super::output;
+
+/// A folder that is there, or can be made when its files are ready.
+#[derive(Clone, Debug)]
+pub(super) struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Checks that these files can be written there, and that none of them is an input. Makes
+    /// nothing yet.
+    ///
+    /// # Errors
+    /// When they cannot: wrong use.
+    pub(super) fn new(path: &Path, files: &[String], inputs: &[&Path]) -> Result<Self, Failure> {
+        if path.is_dir() {
+            let files: Vec<_> = files.iter().map(|file| path.join(file)).collect();
+            let files: Vec<&Path> = files.iter().map(AsRef::as_ref).collect();
+            output::check(&files, inputs)?;
+        } else if path.exists() {
+            return Err(Failure::input(format!("{} is a file, not a folder", path.display())));
+        } else {
+            check_writable(path).or_bad_input()?;
+        }
+        Ok(Self { path: path.to_owned() })
+    }
+
+    /// Makes the folder, unless it is there.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub(super) fn make(&self) -> Result<(), Failure> {
+        if self.path.is_dir() {
+            return Ok(());
+        }
+        let context = || format!("cannot make the folder {}", self.path.display());
+        fs::create_dir(&self.path).with_context(context).or_failed()
+    }
+
+    /// Where a file goes.
+    pub(super) fn at(&self, file: &str) -> PathBuf {
+        self.path.join(file)
+    }
+
+    /// Writes a text whole or not at all.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub(super) fn write(&self, file: &str, text: &str) -> Result<(), Failure> {
+        write_atomically(&self.at(file), |file| file.write_all(text.as_bytes())).or_failed()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_checked_before_and_made_after_the_work() {
+        let home = tempfile::tempdir().unwrap();
+        let path = home.path().join("report");
+        let files = ["a.md".to_owned()];
+        let folder = Folder::new(&path, &files, &[]).unwrap();
+        assert!(!path.exists());
+        folder.make().unwrap();
+        folder.make().unwrap();
+        folder.write("a.md", "words").unwrap();
+        assert_eq!(fs::read_to_string(path.join("a.md")).unwrap(), "words");
+
+        // Now the file is an input, a folder in the way, or no folder at all.
+        let message = |path: &Path, inputs: &[&Path]| {
+            Folder::new(path, &files, inputs).unwrap_err().reason().to_string()
+        };
+        let input = path.join("a.md");
+        assert!(message(&path, &[&input]).ends_with("it is an input of this run"));
+        assert!(message(&input, &[]).ends_with("a.md is a file, not a folder"));
+        assert!(message(&home.path().join("no/report"), &[]).contains("there is no folder"));
+    }
+}

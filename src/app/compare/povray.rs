@@ -1,0 +1,228 @@
+//! Against POV-Ray: the same camera and lamp, in its own language.
+
+use std::time::Duration;
+
+use nurbray::intersect::Kernel;
+use nurbray::io::{PovrayGap, PovrayScene, povray_scene};
+use nurbray::scene::Scene;
+
+use super::super::args::CompareArguments;
+use super::super::failure::{Failure, OrFail};
+use super::super::progress::Progress;
+use super::super::race::{Measurement, Model, RaySet, Rays, tiled_pixels};
+use super::super::{console, input, threads};
+use super::errors::Errors;
+use super::folder::Folder;
+use super::heat::{self, Color, Scale};
+use super::povray_report::Report;
+use super::povray_run::{Povray, Rendering};
+use super::sight;
+
+/// The colours of errors of brightness: from the last of 16 bits to black against white.
+const BRIGHTNESS: Scale =
+    Scale { quantity: "error of brightness (cosine between ray and normal)", low: -5, high: 0 };
+
+/// The files of a report.
+const REPORT: &str = "report.md";
+pub(super) const PICTURE: &str = "picture.png";
+pub(super) const LEGEND: &str = "legend.svg";
+
+pub(super) fn scene_file(tolerance: f64) -> String {
+    format!("scene-{tolerance:e}.pov")
+}
+
+pub(super) fn difference_file(tolerance: f64) -> String {
+    format!("difference-{tolerance:e}.png")
+}
+
+/// What one of POV-Ray's pictures got wrong.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Findings {
+    /// Pixels that are hit.
+    pub(super) hits: usize,
+    /// Errors of brightness where both hit.
+    pub(super) brightness: Option<Errors>,
+    /// Pixels we hit and POV-Ray does not.
+    pub(super) lost: usize,
+    /// Pixels POV-Ray hits and we do not.
+    pub(super) invented: usize,
+}
+
+/// Runs the comparison and writes the report.
+pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
+    let tolerances = arguments.tolerances();
+    let folder = Folder::new(&arguments.output, &files(&tolerances), &[&arguments.input])?;
+    let scene = input::read(&arguments.input)?;
+    let pool = threads::pool(Some(arguments.threads))?;
+    let budget = Duration::from_secs_f64(arguments.seconds);
+    let model = pool.install(|| Model::load(&arguments.input, budget))?;
+    let size = super::size(arguments, &model.world)?;
+
+    let scenes = scenes(&scene, &model, size, &tolerances)?;
+    folder.make()?;
+    for (scene, &tolerance) in scenes.iter().zip(&tolerances) {
+        folder.write(&scene_file(tolerance), &scene.text)?;
+    }
+
+    let (skipped, written) =
+        scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
+    skipped.iter().for_each(|skip| console::warning(&skip.to_string()));
+    let place = arguments.output.display();
+    let povray = Povray::find()
+        .map_err(|reason| Failure::work(format!("{reason}; its scenes are in {place}")))?;
+    let model = match skipped {
+        [] => model,
+        _ => pool.install(|| model.keeping(written, budget))?,
+    };
+
+    let rays = Rays::new(RaySet::Primary, &model, size);
+    let kernels = [Kernel::default()];
+    let measured =
+        pool.install(|| Measurement::new(&model, &kernels, &[], &rays, arguments.seconds));
+    let ours = cosines(&model, &rays, size);
+    let progress = Progress::new("rendering", tolerances.len() as u64);
+    let mut renderings = Vec::new();
+    for (done, scene) in (1..).zip(&scenes) {
+        renderings.push(povray.render(&scene.text, size, arguments.threads).or_failed()?);
+        progress.set(done, 0);
+    }
+    progress.finish();
+
+    let looks = renderings.iter().map(|rendering| look(&ours, rendering));
+    let (findings, pictures): (Vec<_>, Vec<_>) = looks.unzip();
+    write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
+    let report = Report {
+        model: &model,
+        size,
+        threads: arguments.threads,
+        rival: &povray.name,
+        measured: &measured,
+        tolerances: &tolerances,
+        renderings: &renderings,
+        findings: &findings,
+        skipped,
+    };
+    folder.write(REPORT, &report.text())?;
+    console::print(&format!("{}\n", folder.at(REPORT).display()))
+}
+
+/// The scene for each tolerance; each leaves out the same surfaces.
+fn scenes(
+    scene: &Scene,
+    model: &Model,
+    size: [u32; 2],
+    tolerances: &[f64],
+) -> Result<Vec<PovrayScene>, Failure> {
+    let mut scenes = Vec::new();
+    for &tolerance in tolerances {
+        let flatness = tolerance * model.diagonal;
+        let written = povray_scene(scene, &model.world, size.into(), flatness);
+        check(&written, tolerance, &model.name)?;
+        scenes.push(written);
+    }
+    Ok(scenes)
+}
+
+/// Our picture, and where POV-Ray's differ from it.
+fn write_pictures(
+    folder: &Folder,
+    size: [u32; 2],
+    ours: &[Option<f64>],
+    (tolerances, pictures): (&[f64], &[Vec<Color>]),
+) -> Result<(), Failure> {
+    let grey: Vec<Color> = ours.iter().map(|&cosine| shade(cosine)).collect();
+    heat::write(&folder.at(PICTURE), size, &grey).or_failed()?;
+    for (picture, &tolerance) in pictures.iter().zip(tolerances) {
+        heat::write(&folder.at(&difference_file(tolerance)), size, picture).or_failed()?;
+    }
+    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
+    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &words))
+}
+
+fn files(tolerances: &[f64]) -> Vec<String> {
+    let fixed = [REPORT, PICTURE, LEGEND].map(str::to_owned);
+    let of_tolerances = tolerances.iter().flat_map(|&t| [scene_file(t), difference_file(t)]);
+    fixed.into_iter().chain(of_tolerances).collect()
+}
+
+/// Refuses scenes that hold nothing, or lack something for the tolerance alone.
+fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure> {
+    let fine = |reason: &PovrayGap| matches!(reason, PovrayGap::TooFine { .. });
+    if let Some(skip) = scene.skipped.iter().find(|skip| fine(&skip.reason)) {
+        return Err(Failure::input(format!("tolerance {tolerance:e}: {skip}")));
+    }
+    match (scene.written.as_slice(), scene.skipped.first()) {
+        ([], Some(skip)) => {
+            Err(Failure::input(format!("{name}: nothing is left to compare; {skip}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What the lamp at the camera shows: the cosine between ray and normal of each pixel, row by
+/// row; a hit without a normal is black, as it is in POV-Ray.
+fn cosines(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Option<f64>> {
+    let (sights, _) = sight::exact(&model.world.bvh, &rays.queries);
+    let mut pixels = vec![None; sights.len()];
+    for ((sight, query), [x, y]) in sights.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
+        pixels[y * size[0] as usize + x] = sight.map(|sight| match sight.normal.is_nan() {
+            true => 0.0,
+            false => sight.incidence(&query.ray),
+        });
+    }
+    pixels
+}
+
+/// Compares both pictures.
+fn look(ours: &[Option<f64>], rendering: &Rendering) -> (Findings, Vec<Color>) {
+    let mut findings = Findings::default();
+    let mut errors = Vec::new();
+    let colors = ours.iter().zip(&rendering.cosines).map(|pixel| match pixel {
+        (None, None) => heat::NOTHING,
+        (Some(_), None) => {
+            findings.lost += 1;
+            heat::LOST
+        }
+        (None, Some(_)) => {
+            findings.invented += 1;
+            heat::INVENTED
+        }
+        (Some(ours), Some(theirs)) => {
+            let error = (ours - theirs).abs();
+            errors.push(error);
+            BRIGHTNESS.color(error)
+        }
+    });
+    let colors = colors.collect();
+    findings.hits = rendering.cosines.iter().flatten().count();
+    findings.brightness = Errors::of(errors);
+    (findings, colors)
+}
+
+/// A brightness as grey on a screen (a power law near that of sRGB), nothing as the pictures
+/// of errors show it.
+fn shade(cosine: Option<f64>) -> Color {
+    cosine.map_or(heat::NOTHING, |cosine| [(255.0 * cosine.powf(1.0 / 2.2)).round() as u8; 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_counted_by_what_both_see() {
+        let ours = [None, Some(0.5), Some(1.0), None];
+        let theirs = vec![None, Some(0.25), None, Some(0.0)];
+        let rendering = Rendering {
+            cosines: theirs,
+            prepare_seconds: 0.0,
+            trace_seconds: 0.0,
+            total_seconds: 0.0,
+        };
+        let (found, colors) = look(&ours, &rendering);
+        assert_eq!((found.hits, found.lost, found.invented), (2, 1, 1));
+        assert_eq!(found.brightness.unwrap().mean, 0.25);
+        assert_eq!([colors[0], colors[2], colors[3]], [heat::NOTHING, heat::LOST, heat::INVENTED]);
+        assert_eq!([shade(Some(0.0)), shade(Some(1.0))], [[0; 3], [255; 3]]);
+    }
+}

@@ -1,0 +1,111 @@
+//! The report on a comparison with POV-Ray, as Markdown.
+
+use nurbray::io::PovraySkip;
+
+use super::super::race::{Measurement, Model};
+use super::super::table::{count, short, three_digits, time};
+use super::povray::{Findings, LEGEND, PICTURE, difference_file, scene_file};
+use super::povray_run::Rendering;
+use super::table::{Table, fraction};
+
+/// What stands behind the tables.
+const NOTES: &str = "\
+## What the words mean
+
+- **Scene**: camera and shapes are ours; light and colour are not. A lamp at the camera, without
+  shadows, makes each pixel the cosine of the angle between ray and normal. POV-Ray writes 16 bits.
+- **Tolerance**: how flat POV-Ray makes the triangles it cuts its bicubic patches into (`flatness`),
+  as a fraction of the diagonal of the model's bounding box. Spheres, cones, cylinders, disks and tori
+  are not cut.
+- **Prepare**: from the file to ready; of POV-Ray, its parse and bounding times. **Trace**: POV-Ray's
+  own figure includes light and colour.
+- **Error of brightness**: the difference of both cosines where both hit. **Lost** are pixels where
+  only nurbray sees the model, **invented** those where only POV-Ray does.
+";
+
+/// Everything a report tells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Report<'a> {
+    pub(super) model: &'a Model,
+    pub(super) size: [u32; 2],
+    pub(super) threads: u16,
+    /// The rival's name and version.
+    pub(super) rival: &'a str,
+    pub(super) measured: &'a Measurement,
+    pub(super) tolerances: &'a [f64],
+    /// One for each tolerance.
+    pub(super) renderings: &'a [Rendering],
+    /// One for each tolerance.
+    pub(super) findings: &'a [Findings],
+    pub(super) skipped: &'a [PovraySkip],
+}
+
+impl Report<'_> {
+    /// The report as Markdown.
+    pub(super) fn text(&self) -> String {
+        let [width, height] = self.size;
+        let Self { model, rival, .. } = self;
+        let kernel = self.measured.fastest().map_or("", |ours| ours.kernel.name());
+        let threads = count(self.threads.into(), "thread");
+        let (name, diagonal) = (&model.name, short(model.diagonal));
+        format!(
+            "# {name}: nurbray and POV-Ray\n\n\
+             The scene's camera, {width} x {height} pixels, one ray through the middle of each; on \
+             {threads}. nurbray (kernel {kernel}), and {rival}. Tolerances are fractions of the \
+             diagonal of the bounding box, {diagonal}.\n\n\
+             ![what is looked at]({PICTURE})\n\n{}## Times and errors\n\n{}\n## Where\n\n{}\n\
+             ![what the colours mean]({LEGEND})\n\n{NOTES}",
+            self.left_out(),
+            self.table(),
+            self.pictures()
+        )
+    }
+
+    fn left_out(&self) -> String {
+        if self.skipped.is_empty() {
+            return String::new();
+        }
+        let lines: String = self.skipped.iter().map(|skip| format!("- {skip}.\n")).collect();
+        format!("## Left out on both sides\n\n{lines}\n")
+    }
+
+    fn table(&self) -> String {
+        let Self { model, measured, renderings, findings, .. } = self;
+        let ours = measured.fastest();
+        let rate = ours.map_or(f64::NAN, |ours| ours.speed.mrays_per_s);
+        let total = ours.map_or(f64::NAN, |ours| measured.our_total(model, ours));
+        let hits = ours.map_or(0, |ours| ours.hits);
+        let trace = 1e-6 * measured.count as f64 / rate;
+        let their_rate = |r: &Rendering| match r.trace_seconds > 0.0 {
+            true => three_digits(1e-6 * measured.count as f64 / r.trace_seconds),
+            false => "-".into(),
+        };
+        let mut table = Table::new(self.tolerances);
+        table.row("prepare", &time(model.file_seconds), |k| told(renderings[k].prepare_seconds));
+        table.row("trace", &time(trace), |k| told(renderings[k].trace_seconds));
+        table.row("million rays a second", &three_digits(rate), |k| their_rate(&renderings[k]));
+        table.row("from start to end", &time(total), |k| time(renderings[k].total_seconds));
+        table.row("pixels that hit", &hits.to_string(), |k| findings[k].hits.to_string());
+        let brightness = |k: usize| findings[k].brightness;
+        table.row("error of brightness, mean", "–", |k| fraction(brightness(k).map(|e| e.mean)));
+        table.row("… 99.9th percentile", "–", |k| fraction(brightness(k).map(|e| e.most)));
+        table.row("… largest", "–", |k| fraction(brightness(k).map(|e| e.largest)));
+        table.row("pixels lost", "0", |k| findings[k].lost.to_string());
+        table.row("pixels invented", "0", |k| findings[k].invented.to_string());
+        table.text()
+    }
+
+    fn pictures(&self) -> String {
+        let mut rows = "| tolerance | difference | scene |\n|---|---|---|\n".to_owned();
+        for &tolerance in self.tolerances {
+            let (picture, scene) = (difference_file(tolerance), scene_file(tolerance));
+            rows += &format!("| {tolerance:e} | ![difference]({picture}) | [{scene}]({scene}) |\n");
+        }
+        rows
+    }
+}
+
+/// A time as POV-Ray tells it, in whole milliseconds.
+fn told(seconds: f64) -> String {
+    if seconds < 1e-3 { "under 1 ms".into() } else { time(seconds) }
+}

@@ -1,0 +1,100 @@
+//! What each pixel sees: the surface itself, or triangles in its place.
+
+use glam::DVec3;
+use nurbray::intersect::{Answer, Coherence, Query, SurfaceBvh};
+use nurbray::io::EmbreeHit;
+use nurbray::io::mesh::GridMesh;
+use nurbray::math::Ray;
+use rayon::prelude::*;
+
+/// Rays a thread takes at a time; it changes no answer.
+const CHUNK: usize = 4096;
+
+/// What one ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sight {
+    /// How far away it is, in scene units.
+    pub(super) distance: f64,
+    /// Where, on the ray.
+    pub(super) point: DVec3,
+    /// The unit normal, interpolated on a triangle; NaN where there is none.
+    pub(super) normal: DVec3,
+    /// The unit normal of the triangle hit; of a surface its normal.
+    pub(super) facet: DVec3,
+    /// How far the point of the surface with the `(u, v)` reported is from the ray; 0 of a
+    /// triangle, which has no such point.
+    pub(super) residual: f64,
+}
+
+/// What the rays meet on the surfaces, and whether an answer is doubtful.
+pub(super) fn exact(bvh: &SurfaceBvh, queries: &[Query]) -> (Vec<Option<Sight>>, usize) {
+    let chunks = queries.par_chunks(CHUNK).map(|queries| {
+        let mut answers = Vec::new();
+        bvh.tracer().first_hits(queries, Coherence::Coherent, &mut answers);
+        answers
+    });
+    let answers = chunks.collect::<Vec<_>>().concat();
+    let doubtful = answers.iter().filter(|answer| answer.doubtful).count();
+    let both = answers.iter().zip(queries);
+    (both.map(|(answer, query)| on_surface(answer, &query.ray)).collect(), doubtful)
+}
+
+/// What a ray meets on a surface.
+pub(super) fn on_surface(answer: &Answer, ray: &Ray) -> Option<Sight> {
+    let hit = answer.hit?;
+    let point = ray.at(hit.t);
+    Some(Sight {
+        distance: hit.t * ray.direction().length(),
+        point,
+        normal: hit.normal,
+        facet: hit.normal,
+        residual: point.distance(hit.point),
+    })
+}
+
+/// What a ray meets on triangles.
+pub(super) fn on_mesh(hit: &EmbreeHit, ray: &Ray, meshes: &[GridMesh]) -> Sight {
+    let t = f64::from(hit.t);
+    let vertex = meshes[hit.mesh as usize].at_grid(hit.primitive as usize, hit.place);
+    Sight {
+        distance: t * ray.direction().length(),
+        point: ray.at(t),
+        normal: vertex.normal,
+        facet: hit.geometric_normal.normalize_or(DVec3::NAN),
+        residual: 0.0,
+    }
+}
+
+impl Sight {
+    /// The sine of the angle between a ray and the surface; 1 where there is no normal.
+    pub(super) fn incidence(&self, ray: &Ray) -> f64 {
+        let sine = (self.normal.dot(ray.direction()) / ray.direction().length()).abs();
+        if sine.is_nan() { 1.0 } else { sine }
+    }
+}
+
+/// The angle between two unit normals in degrees, whichever sides they point to.
+///
+/// From the chord between them, at most √2: the arc cosine has no digits left for small angles.
+/// NaN where one is.
+pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
+    let chord = (a - b).length().min((a + b).length());
+    2.0 * (0.5 * chord).asin().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_angles_keep_their_digits() {
+        for angle in [1e-9_f64, 1e-3, 0.5, 1.5] {
+            let tilted = DVec3::new(angle.sin(), 0.0, angle.cos());
+            for side in [tilted, -tilted] {
+                let found = degrees(DVec3::Z, side);
+                assert!((found / angle.to_degrees() - 1.0).abs() < 1e-13, "{angle}: {found}");
+            }
+        }
+        assert!(degrees(DVec3::Z, DVec3::NAN).is_nan());
+    }
+}

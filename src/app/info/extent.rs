@@ -1,0 +1,240 @@
+//! The box that a surface just fits in.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::{DVec2, DVec3, DVec4};
+use nurbray::geometry::halves;
+use nurbray::math::Aabb;
+use nurbray::patch::TensorPatch;
+
+/// How near to the truth the sides of a box are, as a share of the control points' box. A
+/// part of a surface bulges from its control points by the square of its size, so that two
+/// halvings more would be needed for each further digit and a half; f64 itself has 16.
+const TIGHTNESS: f64 = 1e-12;
+
+/// Roundings of the largest coordinate below which nothing can be told: halving a net some
+/// forty times rounds as often.
+const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
+
+/// The most halvings for one side of a box, a tenth of a second's work. A surface that touches
+/// its box in points needs a hundred; one that touches it along a curve that is no parameter
+/// line needs more, the finer the more, and has reached about 1e-9 of its size then.
+const MOST_HALVINGS: usize = 100_000;
+
+/// The smallest box around these pieces of a surface, with sides parallel to the axes, to
+/// within [`TIGHTNESS`] (and the smallest there is that surely holds all, where that takes
+/// too long).
+///
+/// For each side, the parts that may reach farthest are halved until none can reach farther
+/// than a point known to be on the surface: the Euclidean control points of a part hold it
+/// in their hull, as weights are positive, and its corners lie on it.
+pub(super) fn extent<'a>(pieces: impl Iterator<Item = &'a TensorPatch> + Clone) -> Aabb {
+    let controls = pieces.clone().flat_map(TensorPatch::control).map(|c| c.truncate() / c.w);
+    let hull = Aabb::around(controls);
+    let tolerance = f64::max(TIGHTNESS * hull.size().max_element(), ROUNDINGS * hull.magnitude());
+    let side = |axis: DVec3| farthest(pieces.clone(), axis, tolerance);
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    Aabb {
+        min: DVec3::from_array(axes.map(|axis| 0.0 - side(-axis))), // no −0
+        max: DVec3::from_array(axes.map(side)),
+    }
+}
+
+/// How far the pieces reach along an axis.
+fn farthest<'a>(
+    pieces: impl Iterator<Item = &'a TensorPatch> + Clone,
+    axis: DVec3,
+    tolerance: f64,
+) -> f64 {
+    let parts = pieces.clone().map(|piece| Part::of(piece, axis));
+    let mut reached = parts.map(|part| part.reached()).fold(f64::NEG_INFINITY, f64::max);
+    let mut open: BinaryHeap<Part> = pieces
+        .map(|piece| Part::of(piece, axis))
+        .filter(|part| part.limit > reached + tolerance)
+        .collect();
+    for _ in 0..MOST_HALVINGS {
+        let Some(part) = open.pop() else { return reached };
+        if part.limit <= reached + tolerance {
+            return reached; // and so are all others
+        }
+        for half in part.halves() {
+            reached = reached.max(half.reached());
+            if half.limit > reached + tolerance {
+                open.push(half);
+            }
+        }
+    }
+    open.peek().map_or(reached, |part| part.limit.max(reached))
+}
+
+/// One coordinate of a part of a piece, as a rational function in Bernstein form.
+#[derive(Clone, Debug)]
+struct Part {
+    /// `(w x, w)`, second index fastest.
+    net: Vec<DVec2>,
+    /// Control points along the second parameter.
+    columns: usize,
+    /// The largest `x` of the control points: none on the surface is larger.
+    limit: f64,
+}
+
+impl Part {
+    fn of(piece: &TensorPatch, axis: DVec3) -> Self {
+        let along = |c: DVec4| DVec2::new(axis.dot(c.truncate()), c.w);
+        Self::new(piece.control().map(along).collect(), piece.degree()[1] + 1)
+    }
+
+    fn new(net: Vec<DVec2>, columns: usize) -> Self {
+        let limit = net.iter().map(|c| c.x / c.y).fold(f64::NEG_INFINITY, f64::max);
+        Self { net, columns, limit }
+    }
+
+    fn value(&self, row: usize, column: usize) -> f64 {
+        let c = self.net[row * self.columns + column];
+        c.x / c.y
+    }
+
+    fn rows(&self) -> usize {
+        self.net.len() / self.columns
+    }
+
+    /// The largest value at a corner, where the surface passes through its control points.
+    fn reached(&self) -> f64 {
+        let (last_row, last_column) = (self.rows() - 1, self.columns - 1);
+        let corners = [(0, 0), (0, last_column), (last_row, 0), (last_row, last_column)];
+        corners.map(|(i, j)| self.value(i, j)).into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The two halves, cut across the direction in which the values change most: along lines
+    /// of constant value nothing is gained.
+    fn halves(&self) -> [Self; 2] {
+        let (rows, columns) = (self.rows(), self.columns);
+        let pairs = |down: usize, right: usize| {
+            let places =
+                (0..rows - down).flat_map(move |i| (0..columns - right).map(move |j| (i, j)));
+            places
+                .map(|(i, j)| (self.value(i + down, j + right) - self.value(i, j)).abs())
+                .fold(0.0, f64::max)
+        };
+        if pairs(0, 1) >= pairs(1, 0) {
+            let lines = self.net.chunks_exact(columns).map(halved);
+            let (below, above): (Vec<_>, Vec<_>) = lines.unzip();
+            return [below, above].map(|lines| Self::new(lines.concat(), columns));
+        }
+        let lines = (0..columns).map(|j| {
+            let line: Vec<DVec2> = (0..rows).map(|i| self.net[i * columns + j]).collect();
+            halved(&line)
+        });
+        let (below, above): (Vec<_>, Vec<_>) = lines.unzip();
+        [below, above].map(|lines: Vec<Vec<DVec2>>| {
+            let by_rows = (0..rows).flat_map(|i| lines.iter().map(move |line| line[i]));
+            Self::new(by_rows.collect(), columns)
+        })
+    }
+}
+
+/// The control points of the two halves of a line of them.
+fn halved(line: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
+    let line: Vec<DVec4> = line.iter().map(|c| DVec4::new(c.x, 0.0, 0.0, c.y)).collect();
+    let (below, above) = halves(&line, 0.5);
+    let narrow = |line: Vec<DVec4>| line.iter().map(|c| DVec2::new(c.x, c.w)).collect();
+    (narrow(below), narrow(above))
+}
+
+/// Parts come in the order of how far they may reach.
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.limit.total_cmp(&other.limit)
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DQuat};
+    use nurbray::geometry::{NurbsSurface, shapes};
+    use nurbray::patch::PatchSet;
+
+    use super::*;
+
+    fn tight(surface: &NurbsSurface) -> Aabb {
+        let (patches, _) = PatchSet::new(std::slice::from_ref(surface)).unwrap();
+        extent(patches.pieces().iter().map(|piece| &piece.patch))
+    }
+
+    /// The box, and how far it may be off.
+    fn check(surface: &NurbsSurface, [min, max]: [DVec3; 2], within: f64) {
+        let found = tight(surface);
+        let off = (found.min - min).abs().max((found.max - max).abs()).max_element();
+        assert!(off <= within, "{found:?}, not {min} {max}: {off}");
+    }
+
+    #[test]
+    fn shapes_have_the_boxes_of_their_measures() {
+        for size in [1e-8, 1.0, 1e8] {
+            let within = 2e-12 * size;
+            let all = DVec3::splat(size);
+            check(&shapes::sphere(size).unwrap(), [-all, all], within);
+            check(&shapes::sphere_biquadratic(size).unwrap(), [-all, all], within);
+            let torus = shapes::torus(2.0 * size, 0.5 * size).unwrap();
+            let corner = size * DVec3::new(2.5, 2.5, 0.5);
+            check(&torus, [-corner, corner], 5.0 * within);
+            let plane = shapes::plane(size, 3.0 * size).unwrap();
+            let corner = size * DVec3::new(0.5, 1.5, 0.0);
+            check(&plane, [-corner, corner], 0.0);
+            let cone = shapes::cone(size, size).unwrap();
+            check(&cone, [DVec3::new(-size, -size, 0.0), all], within);
+        }
+    }
+
+    #[test]
+    fn turned_and_far_away_too() {
+        let sphere = shapes::sphere(1.0).unwrap();
+        for (angle, offset) in [(0.3, 0.0), (1.2, 1e6)] {
+            let center = DVec3::splat(offset);
+            let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), angle);
+            let moved = DAffine3::from_rotation_translation(turn, center);
+            let moved = sphere.transformed(&moved).unwrap();
+            check(&moved, [center - 1.0, center + 1.0], 4e-12 + 1e-13 * offset);
+        }
+        // Touching its box along circles: a torus on its side, and one askew, whose extent
+        // along an axis with the angle a to its own is r + R sin a.
+        let torus = shapes::torus(2.0, 0.5).unwrap();
+        let a = 0.7_f64;
+        let tilted = torus.transformed(&DAffine3::from_rotation_x(a)).unwrap();
+        let corner = DVec3::new(2.5, 2.0 * a.cos() + 0.5, 2.0 * a.sin() + 0.5);
+        check(&tilted, [-corner, corner], 1e-11);
+    }
+
+    /// A ruled sheet sheared in (u, v) touches the top of its box along a diagonal.
+    #[test]
+    fn touching_along_a_curve_askew_costs_time_but_little_accuracy() {
+        // z = 1 − (u − v)² as a biquadratic net: its polar form at (0, ½, 1)².
+        let at = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let points = at.iter().flat_map(|u| {
+            at.iter().map(move |v| {
+                let (mean_u, mean_v) = (0.5 * (u[0] + u[1]), 0.5 * (v[0] + v[1]));
+                let z = 1.0 - (u[0] * u[1] - 2.0 * mean_u * mean_v + v[0] * v[1]);
+                DVec3::new(mean_u, mean_v, z)
+            })
+        });
+        let knots = nurbray::geometry::KnotVector::clamped_uniform(2, 3).unwrap();
+        let sheet = NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap();
+        assert!((sheet.point_at(0.3, 0.7).z - (1.0 - 0.16)).abs() < 1e-15);
+        check(&sheet, [DVec3::ZERO, DVec3::ONE], 1e-9);
+    }
+}

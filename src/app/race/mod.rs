@@ -1,0 +1,21 @@
+//! A race: everyone traces the same rays in the same run, and says what they met.
+//!
+//! `bench` prints the speeds, `compare` also what a rival's tessellation gets wrong.
+
+mod clock;
+mod measure;
+mod model;
+mod ours;
+mod outcome;
+mod pixels;
+mod ray_set;
+mod rays;
+mod rival;
+
+pub(crate) use clock::Speed;
+pub(crate) use measure::{KernelResult, Measurement, RivalResult};
+pub(crate) use model::Model;
+pub(crate) use pixels::tiled_pixels;
+pub(crate) use ray_set::{Question, RaySet};
+pub(crate) use rays::{REACH, Rays};
+pub(crate) use rival::{Entry, Rival};

@@ -1,0 +1,257 @@
+//! Rays one at a time: the fast search, and the scalar one for what it leaves.
+
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
+use glam::{DVec2, DVec3};
+
+use super::hit::Root;
+use super::leaf_search::{self, Meeting, Question};
+use super::tracer::answer_of;
+use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
+use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
+use crate::math::RayFrame;
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece};
+
+impl SurfaceBvh {
+    fn scene(&self) -> Scene<'_> {
+        Scene { tree: &self.lanes, records: self.wide.records(), set: &self.set }
+    }
+}
+
+impl Tracer<'_> {
+    /// The first hit of one ray.
+    pub(super) fn single_first(&mut self, level: Level, query: &Query) -> Answer {
+        dispatch!(level, simd => first_hit(simd, self, query))
+    }
+
+    /// First hits of many rays, appended to `answers`.
+    pub(super) fn single_firsts<Q: Shot>(
+        &mut self,
+        level: Level,
+        shots: &[Q],
+        answers: &mut Vec<Answer>,
+    ) {
+        dispatch!(level, simd => first_hits(simd, self, shots, answers));
+    }
+
+    /// Whether anything lies on one ray.
+    pub(super) fn single_any(&mut self, level: Level, query: &Query) -> Occlusion {
+        dispatch!(level, simd => any_hit(simd, self, query))
+    }
+
+    /// Whether anything lies on each of many rays, appended to `answers`.
+    pub(super) fn single_anys(
+        &mut self,
+        level: Level,
+        queries: &[Query],
+        answers: &mut Vec<Occlusion>,
+    ) {
+        dispatch!(level, simd => any_hits(simd, self, queries, answers));
+    }
+
+    /// The scalar search of the leaves that the fast one could not decide, as far as `limit`
+    /// along the ray; stops at the first certain hit if any will do.
+    fn search_left(&mut self, query: &Query, frame: &RayFrame, limit: f64, wanted: Wanted) {
+        let mut limit = limit;
+        let set = &self.bvh.set;
+        let t_range = [query.ray.t_min(), query.ray.t_max()];
+        let question = Question { set, ray: frame, t_range, from: query.from.as_ref() };
+        self.findings.clear();
+        for &index in &self.single.rest {
+            let leaf = &set.leaves()[index as usize];
+            let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
+            let Some(passage) = leaf.oriented.passage(frame, slack) else { continue };
+            if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
+                continue;
+            }
+            let before = self.findings.meetings.len();
+            leaf_search::search(&question, leaf, &passage, limit + slack, &mut self.findings);
+            for meeting in &self.findings.meetings[before..] {
+                match wanted {
+                    // Up to the nearest meeting, and as far beyond as it may be off.
+                    Wanted::First => {
+                        limit = limit.min((meeting.t + meeting.t_error) / frame.t_from_z);
+                    }
+                    Wanted::Any if is_certain(meeting) => return,
+                    Wanted::Any => {}
+                }
+            }
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// The first of what the fast search has found and of what it has left.
+    fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
+        let known = self.single.hit;
+        let limit = known.map_or(frame.z_range[1], |hit| hit.z);
+        self.search_left(query, frame, limit, Wanted::First);
+        let certain = known.map(|hit| Certain::new(self.bvh, frame, &hit).meeting());
+        let meetings = certain.iter().chain(&self.findings.meetings);
+        let answer = answer_of(&self.bvh.set, frame, meetings, self.findings.doubt);
+        self.findings.statistics.doubtful += u64::from(answer.doubtful);
+        answer
+    }
+}
+
+#[simd]
+fn first_hits<S: Simd, Q: Shot>(
+    simd: S,
+    tracer: &mut Tracer<'_>,
+    shots: &[Q],
+    answers: &mut Vec<Answer>,
+) {
+    answers.reserve(shots.len());
+    for shot in shots {
+        answers.push(first_hit(simd, tracer, shot));
+    }
+}
+
+#[simd]
+fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
+    let frame = RayFrame::new(shot.ray());
+    search(simd, tracer, shot.from(), (&frame, Wanted::First));
+    if !tracer.single.rest.is_empty() {
+        return tracer.with_scalar_search(&shot.query(), &frame);
+    }
+    let hit = tracer.single.hit.as_ref().map(|hit| Certain::new(tracer.bvh, &frame, hit).hit());
+    Answer { hit, doubtful: false }
+}
+
+#[simd]
+fn any_hits<S: Simd>(
+    simd: S,
+    tracer: &mut Tracer<'_>,
+    queries: &[Query],
+    answers: &mut Vec<Occlusion>,
+) {
+    answers.reserve(queries.len());
+    for query in queries {
+        answers.push(any_hit(simd, tracer, query));
+    }
+}
+
+#[simd]
+fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusion {
+    let frame = RayFrame::new(&query.ray);
+    search(simd, tracer, query.from.as_ref(), (&frame, Wanted::Any));
+    if tracer.single.hit.is_some() {
+        return Occlusion { occluded: true, doubtful: false };
+    }
+    if tracer.single.rest.is_empty() {
+        return Occlusion::default();
+    }
+    tracer.search_left(query, &frame, frame.z_range[1], Wanted::Any);
+    tracer.findings.occlusion()
+}
+
+/// The fast search.
+#[simd]
+fn search<S: Simd>(
+    simd: S,
+    tracer: &mut Tracer<'_>,
+    from: Option<&Root>,
+    (frame, wanted): (&RayFrame, Wanted),
+) {
+    let bvh = tracer.bvh;
+    let mut ray = SingleRay::new(frame, from, wanted, &bvh.hierarchy);
+    let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
+    statistics.rays += 1;
+    trace_single(simd, &bvh.scene(), &mut ray, (work, statistics));
+}
+
+fn is_certain(meeting: &Meeting) -> bool {
+    !meeting.flags.contains(HitFlags::DOUBTFUL)
+}
+
+/// A certified hit with all that is to be said of it.
+struct Certain<'a> {
+    frame: &'a RayFrame,
+    piece: &'a Piece,
+    index: u32,
+    z: f64,
+    st: DVec2,
+    jet: Jet,
+    normal: DVec3,
+    cosine: f64,
+    error: f64,
+    flags: HitFlags,
+}
+
+impl<'a> Certain<'a> {
+    #[inline(always)]
+    fn new(bvh: &'a SurfaceBvh, frame: &'a RayFrame, hit: &SingleHit) -> Self {
+        let record = &bvh.wide.records()[hit.leaf as usize];
+        let index = record.piece();
+        let piece = &bvh.set.pieces()[index as usize];
+        let error = leaf_search::error_bound(piece, frame);
+        let jet = hit.jet(record);
+        let cross = jet.ds.cross(jet.dt);
+        // Near a pole the normal is a limit.
+        let normal = if record.has_pole() {
+            piece.normal(hit.st, &jet).unwrap_or(DVec3::NAN)
+        } else {
+            cross * (1.0 / cross.length())
+        };
+        let cosine = normal.dot(frame.axis);
+        let mut flags = HitFlags::NONE;
+        if piece.border.contains(&true)
+            && near_border(&bvh.set.leaves()[hit.leaf as usize], piece, hit)
+            && leaf_search::at_border(piece, hit.st, &jet, error)
+        {
+            flags.insert(HitFlags::BORDER);
+        }
+        if !normal.is_finite() {
+            flags.insert(HitFlags::NO_NORMAL);
+        }
+        Self { frame, piece, index, z: hit.z, st: hit.st, jet, normal, cosine, error, flags }
+    }
+
+    /// How far the place along the ray may be off.
+    fn z_error(&self) -> f64 {
+        self.error / self.cosine.abs().max(f64::EPSILON)
+    }
+
+    /// As an answer.
+    #[inline(always)]
+    fn hit(&self) -> Hit {
+        let root = Root { piece: self.index, st: self.st, error: self.z_error() };
+        Hit {
+            t: self.z * self.frame.t_from_z,
+            surface: self.piece.surface,
+            uv: self.piece.uv(self.st),
+            point: self.jet.point,
+            normal: self.normal,
+            flags: self.flags,
+            root,
+        }
+    }
+
+    /// As the scalar search would have found it.
+    fn meeting(&self) -> Meeting {
+        Meeting {
+            t: self.z * self.frame.t_from_z,
+            t_error: self.z_error() * self.frame.t_from_z,
+            surface: self.piece.surface,
+            piece: self.index,
+            st: self.st,
+            jet: self.jet,
+            normal: self.normal.is_finite().then_some(self.normal),
+            flags: self.flags.without(HitFlags::NO_NORMAL),
+            error: self.error,
+            cosine: self.cosine,
+            stretch: None,
+        }
+    }
+}
+
+/// Whether a hit may lie within rounding of a border of its surface.
+///
+/// The leaf is certified for the ray, so rounding moves a root by less than half of the
+/// leaf's slack: what is farther from the side than a few times that is not at the border.
+fn near_border(leaf: &Leaf, piece: &Piece, hit: &SingleHit) -> bool {
+    let st = hit.st;
+    let reach = leaf.rect.map(|[from, to]| 4.0 * LEAF_SLACK * (to - from));
+    let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
+    (0..4).any(|side| piece.border[side] && distance[side] <= reach[side / 2])
+}

@@ -1,0 +1,279 @@
+//! What a leaf's bicubic approximation proves of one ray.
+//!
+//! The certificate speaks of all rays that are steep enough. Of one ray more can be said, from
+//! the coefficients of its own two distances `f₁`, `f₂`: the true ones differ from them by no
+//! more than the bounds of [`FitError`](super::fit_error::FitError), and rounding by a few
+//! units of f32 of the sum of their sizes. The leaf is halved into boxes until each is proved
+//! to hold no root, or one at most.
+//!
+//! *No root*: in a box with the derivatives `a`, `b` in its middle, put `g₁ = b × f` and
+//! `g₂ = a × f`. If all Bernstein coefficients of one of them are farther from zero than errors
+//! reach, on the same side, so is it everywhere.
+//!
+//! *One root at most*: over `a × b` they become `g₁ = x + …`, `g₂ = y + …`, and there is at
+//! most one root where the row sums of `|I − g'|` stay below one (Krawczyk 1969; see the exact
+//! solver). The slopes of the true distances differ by what is known of the approximation's.
+
+use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
+use fearless_simd_macros::simd;
+
+use super::record::SearchRecord;
+use super::single_ray::SingleRay;
+use super::single_search::{Distances, transposed_rows};
+use crate::patch::LEAF_SLACK;
+
+/// Roundings of f32 in a sum of the size of a leaf.
+const ROUNDING: f32 = 2e-6;
+
+/// How far the leaf and its slack reach.
+const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
+
+/// Roots are unique in a box widened by this: so that one on its side is not lost.
+const REACH: f32 = 1.1;
+
+/// A box a root starts in is widened by less.
+const START_REACH: f32 = 1.05;
+
+/// Row sums are wanted to be this much below one, so that rounding moves a root by no more
+/// than its error times twenty and the inverse Jacobian.
+const MOST_TURNING: f32 = 0.95;
+
+/// That times twenty is half of the leaf's slack, in half sides.
+const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
+
+/// Boxes to look at before the scalar search is called: it takes as long as some thirty.
+const MOST_BOXES: usize = 24;
+
+/// Boxes with a root each: a ray that needs more is rare.
+const MOST_UNIQUE: usize = 4;
+
+/// A part of a leaf, in its box coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Part {
+    pub(super) middle: [f32; 2],
+    half: [f32; 2],
+}
+
+impl Part {
+    fn holds(&self, place: [f32; 2], reach: f32) -> bool {
+        (0..2).all(|k| (place[k] - self.middle[k]).abs() <= reach * self.half[k])
+    }
+
+    /// Where its root is the only one.
+    pub(super) fn domain(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|k| {
+            let (middle, reach) = (self.middle[k], REACH * self.half[k]);
+            [f64::from(middle - reach), f64::from(middle + reach)]
+        })
+    }
+}
+
+/// Parts that hold at most one root each.
+#[derive(Debug, Default)]
+pub(super) struct UniqueParts {
+    parts: [Part; MOST_UNIQUE],
+    count: usize,
+}
+
+impl UniqueParts {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Part> {
+        self.parts[..self.count].iter()
+    }
+}
+
+/// All roots of a leaf but the one the ray starts on, each in a part of its own; `None` where
+/// that cannot be proved. `error` is how far a point may be from the ray.
+#[simd]
+pub(super) fn isolate<S: Simd>(
+    simd: S,
+    distances: Distances<S>,
+    record: &SearchRecord,
+    ray: &SingleRay<'_>,
+    error: f64,
+) -> Option<UniqueParts> {
+    let mut unique = UniqueParts::default();
+    let start = ray.start_in(record);
+    let lengths = record.side_lengths();
+    let mut waiting = [Part::default(); MOST_BOXES];
+    waiting[0] = Part { middle: [0.0; 2], half: [LEAF; 2] };
+    let mut count = 1;
+    for _ in 0..MOST_BOXES {
+        if count == 0 {
+            return Some(unique);
+        }
+        count -= 1;
+        let part = waiting[count];
+        let local = distances.over(simd, &part);
+        if local.is_missed(simd, record.fit_error) {
+            continue;
+        }
+        let slope_error = record.slope_error * part.half[0].max(part.half[1]);
+        if local.is_unique(simd, slope_error, error as f32) {
+            if start.is_some_and(|start| part.holds(start, START_REACH)) {
+                continue;
+            }
+            if unique.count == MOST_UNIQUE {
+                return None;
+            }
+            unique.parts[unique.count] = part;
+            unique.count += 1;
+            continue;
+        }
+        if count + 2 > MOST_BOXES {
+            return None;
+        }
+        // Halved across the longer side.
+        let k = usize::from(lengths[1] * part.half[1] > lengths[0] * part.half[0]);
+        for side in [-0.5, 0.5] {
+            let mut half = part;
+            half.half[k] *= 0.5;
+            half.middle[k] += side * part.half[k];
+            waiting[count] = half;
+            count += 1;
+        }
+    }
+    (count == 0).then_some(unique)
+}
+
+/// The distances over a part, in coordinates from −1 to 1: coefficients of `xⁱ yʲ`, `j` by
+/// vector, `i` by lane, first those of `f₁`, then those of `f₂`.
+#[derive(Clone, Copy)]
+struct Local<S: Simd> {
+    columns: [f32x8<S>; 4],
+    /// The sum of all sizes.
+    size: f32,
+    /// The derivatives in the middle.
+    along_x: [f32; 2],
+    along_y: [f32; 2],
+}
+
+impl<S: Simd> Distances<S> {
+    #[simd]
+    fn over(self, simd: S, part: &Part) -> Local<S> {
+        let rows = moved(simd, self.rows, (part.middle[0], part.half[0]));
+        let columns = moved(simd, transposed_rows(rows), (part.middle[1], part.half[1]));
+        let sizes = columns[0].abs() + columns[1].abs() + (columns[2].abs() + columns[3].abs());
+        let [low, high] = halves(sizes);
+        Local {
+            columns,
+            size: low + high,
+            along_x: [columns[0][1], columns[0][5]],
+            along_y: [columns[1][0], columns[1][4]],
+        }
+    }
+}
+
+impl<S: Simd> Local<S> {
+    /// Whether there is no root in the part.
+    #[simd]
+    fn is_missed(self, simd: S, fit_error: f32) -> bool {
+        let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
+        let columns = self.combined(simd, [b2, a2], [b1, a1]);
+        let rows = transposed_rows(bernstein(simd, columns));
+        let [c0, c1, c2, c3] = bernstein(simd, rows);
+        let least = c0.min(c1).min(c2.min(c3));
+        let most = c0.max(c1).max(c2.max(c3));
+        let error = fit_error + ROUNDING * self.size;
+        let off = [error * (b1.abs() + b2.abs()), error * (a1.abs() + a2.abs())];
+        let mut missed = false;
+        for k in 0..2 {
+            let (mut low, mut high) = (least[4 * k], most[4 * k]);
+            for lane in 4 * k + 1..4 * k + 4 {
+                low = low.min(least[lane]);
+                high = high.max(most[lane]);
+            }
+            missed |= low > off[k] || high < -off[k];
+        }
+        missed
+    }
+
+    /// Whether there is at most one root in the widened part.
+    #[simd]
+    fn is_unique(self, simd: S, slope_error: f32, error: f32) -> bool {
+        let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
+        let inverse = 1.0 / (a1 * b2 - a2 * b1);
+        let [a1, a2, b1, b2] = [a1 * inverse, a2 * inverse, b1 * inverse, b2 * inverse];
+        let columns = self.combined(simd, [b2, -a2], [b1, -a1]);
+        let mut slopes = f32x8::splat(simd, 0.0);
+        for j in 0..4 {
+            let weights = f32x8::from_slice(simd, &SLOPE_WEIGHTS[j]);
+            slopes = columns[j].abs().mul_add(weights, slopes);
+        }
+        let slope = halves(slopes);
+        let slope_error = 2.0 * (slope_error + ROUNDING * self.size);
+        let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
+        let mut unique = true;
+        for k in 0..2 {
+            // What is wanted of g is part of the sum: 1. False for NaN.
+            unique &= slope[k] - 1.0 + reach[k] * slope_error < MOST_TURNING;
+            unique &= reach[k] * error <= MOST_NOISE;
+        }
+        unique
+    }
+
+    /// `pₖ f₁ − qₖ f₂` in the place of `fₖ`.
+    #[inline(always)]
+    fn combined(self, simd: S, [p1, p2]: [f32; 2], [q1, q2]: [f32; 2]) -> [f32x8<S>; 4] {
+        let p = f32x4::splat(simd, p1).combine(f32x4::splat(simd, p2));
+        let q = f32x4::splat(simd, q1).combine(f32x4::splat(simd, q2));
+        let mut columns = self.columns;
+        for column in &mut columns {
+            let (f1, f2) = column.split();
+            *column = p * f1.combine(f1) - q * f2.combine(f2);
+        }
+        columns
+    }
+}
+
+/// The coefficients of a cubic in `(x − middle) / half`.
+#[inline(always)]
+fn moved<S: Simd>(
+    simd: S,
+    [c0, c1, c2, c3]: [f32x8<S>; 4],
+    (middle, half): (f32, f32),
+) -> [f32x8<S>; 4] {
+    let (m, h) = (f32x8::splat(simd, middle), f32x8::splat(simd, half));
+    let (three, h2) = (f32x8::splat(simd, 3.0), f32x8::splat(simd, half * half));
+    let twice = c2 + c2;
+    let thrice = c3 * three;
+    [
+        c3.mul_add(m, c2).mul_add(m, c1).mul_add(m, c0),
+        thrice.mul_add(m, twice).mul_add(m, c1) * h,
+        thrice.mul_add(m, c2) * h2,
+        c3 * (h2 * h),
+    ]
+}
+
+/// From coefficients of powers of a number within ±1 to Bernstein coefficients.
+#[inline(always)]
+fn bernstein<S: Simd>(simd: S, [c0, c1, c2, c3]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    let third = f32x8::splat(simd, 1.0 / 3.0);
+    let (even, odd) = (c0 + c2, c1 + c3);
+    let (inner_even, inner_odd) = (c0 - c2 * third, c3 - c1 * third);
+    [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
+}
+
+/// `(i + j) REACHⁱ⁺ʲ⁻¹`, for both distances.
+const SLOPE_WEIGHTS: [[f32; 8]; 4] = {
+    let mut weights = [[0.0; 8]; 4];
+    let mut k = 1;
+    while k < 16 {
+        let (i, j) = (k / 4, k % 4);
+        let mut weight = (i + j) as f32;
+        let mut power = 1;
+        while power < i + j {
+            weight *= REACH;
+            power += 1;
+        }
+        weights[i][j] = weight;
+        weights[i][j + 4] = weight;
+        k += 1;
+    }
+    weights
+};
+
+/// The sums of the lower and the upper four lanes.
+#[inline(always)]
+fn halves<S: Simd>(v: f32x8<S>) -> [f32; 2] {
+    [v[0] + v[1] + (v[2] + v[3]), v[4] + v[5] + (v[6] + v[7])]
+}

@@ -1,0 +1,196 @@
+//! A ray prepared for all that one ray is put through.
+
+use glam::{DVec2, DVec3};
+
+use super::record::SearchRecord;
+use crate::intersect::Root;
+use crate::intersect::hierarchy::Hierarchy;
+use crate::math::RayFrame;
+use crate::patch::{Jet, LEAF_SLACK, WIDENING};
+
+/// Origins farther than this from the scene, in its half sizes, are moved nearer for the
+/// work in f32: it would otherwise lose digits to the distance.
+const NEAR: f64 = 3.0;
+
+/// How far the ray in f32 may be from the true one where it meets the scene, in scaled
+/// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
+/// and four roundings of each.
+const BLUR: f32 = 4e-6;
+
+/// Distances along the ray in f32 are given this much to spare.
+const SPARE: f64 = 1e-5;
+
+/// What rounding to f32 may do to the certificate.
+const ROUNDING: f32 = 2e-6;
+
+/// Components of directions are taken for at least this much: the ray moves by far less than
+/// [`BLUR`] for it, and quotients stay finite.
+const LEAST: f32 = 1e-12;
+
+/// What a ray asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intersect) enum Wanted {
+    First,
+    Any,
+}
+
+/// A hit that is certain.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::intersect) struct SingleHit {
+    pub(in crate::intersect) leaf: u32,
+    pub(in crate::intersect) z: f64,
+    pub(in crate::intersect) st: DVec2,
+    pub(in crate::intersect) point: DVec3,
+    /// The derivatives by box coordinates, before a last step of Newton's iteration; and that
+    /// step.
+    pub(super) dx: DVec3,
+    pub(super) dy: DVec3,
+    pub(super) step: DVec2,
+}
+
+impl SingleHit {
+    /// The point with the derivatives by `s` and `t`.
+    ///
+    /// The last step moved the root by little: the second derivatives of the approximation
+    /// are near enough for what that changes.
+    #[inline(always)]
+    pub(in crate::intersect) fn jet(&self, record: &SearchRecord) -> Jet {
+        let rect = record.rect();
+        let factor = |[from, to]: [f64; 2]| 2.0 / (to - from);
+        let (mut dx, mut dy) = (self.dx, self.dy);
+        if self.step.abs().max_element() > NO_STEP {
+            let [s, t] = rect;
+            let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
+            let [xx, xy, yy] = record.second_derivatives(place(s, self.st.x), place(t, self.st.y));
+            dx -= xx * self.step.x + xy * self.step.y;
+            dy -= xy * self.step.x + yy * self.step.y;
+        }
+        Jet { point: self.point, ds: dx * factor(rect[0]), dt: dy * factor(rect[1]) }
+    }
+}
+
+/// Steps that turn the tangents by no more than rounding does, on any leaf flat enough to be
+/// searched.
+const NO_STEP: f64 = 1e-13;
+
+/// One ray, in f64 and in scaled f32 coordinates.
+#[derive(Clone, Debug)]
+pub(in crate::intersect) struct SingleRay<'a> {
+    pub(super) frame: &'a RayFrame,
+    from: Option<&'a Root>,
+    wanted: Wanted,
+    /// The origin, moved along the ray by `shift`, and the unit direction.
+    pub(super) origin: [f32; 3],
+    pub(super) axis: [f32; 3],
+    /// One over the direction; which plane of a box comes first, and the origin moved by
+    /// [`BLUR`] for either.
+    pub(super) inverse: [f32; 3],
+    pub(super) near_side: [usize; 3],
+    pub(super) origin_for_near: [f32; 3],
+    pub(super) origin_for_far: [f32; 3],
+    /// The part of the ray that is still searched.
+    pub(super) near: f32,
+    pub(super) far: f32,
+    /// The distance by which the f32 origin was moved along the ray, in scene units.
+    shift: f64,
+    /// Scene units to scaled coordinates.
+    scale: f64,
+}
+
+impl<'a> SingleRay<'a> {
+    #[inline(always)]
+    pub(in crate::intersect) fn new(
+        frame: &'a RayFrame,
+        from: Option<&'a Root>,
+        wanted: Wanted,
+        hierarchy: &Hierarchy,
+    ) -> Self {
+        let (center, scale) = hierarchy.frame();
+        let scaled = (frame.origin - center) * scale;
+        let square = scaled.length_squared();
+        let shift = if square > NEAR * NEAR { square.sqrt() - NEAR + 1.0 } else { 0.0 };
+        let origin = (scaled + shift * frame.axis).as_vec3();
+        let axis = frame.axis.as_vec3();
+        let mut ray = Self {
+            frame,
+            from,
+            wanted,
+            origin: origin.to_array(),
+            axis: axis.to_array(),
+            inverse: [0.0; 3],
+            near_side: [0; 3],
+            origin_for_near: [0.0; 3],
+            origin_for_far: [0.0; 3],
+            near: (frame.z_range[0] * scale - shift - SPARE) as f32,
+            far: (frame.z_range[1] * scale - shift + SPARE) as f32,
+            shift: shift / scale,
+            scale,
+        };
+        for k in 0..3 {
+            let along = if axis[k].abs() < LEAST { LEAST.copysign(axis[k]) } else { axis[k] };
+            ray.inverse[k] = 1.0 / along;
+            ray.near_side[k] = usize::from(along < 0.0);
+            let blur = BLUR.copysign(along);
+            ray.origin_for_near[k] = origin[k] + blur;
+            ray.origin_for_far[k] = origin[k] - blur;
+        }
+        ray
+    }
+
+    /// The largest coordinate magnitude of the origin.
+    pub(super) fn magnitude(&self) -> f64 {
+        self.frame.magnitude
+    }
+
+    /// Whether a leaf's certificate speaks of this ray, and rounding is small against it.
+    #[inline(always)]
+    pub(super) fn is_certified(&self, record: &SearchRecord, error: f64) -> bool {
+        let [dx, dy, dz] = self.axis;
+        let along = |[x, y, z]: [f32; 3]| (x * dx + y * dy + z * dz).abs();
+        let cosine = along(record.normal);
+        let [a, b] = record.turning;
+        !record.has_pole()
+            && cosine > along(a) + along(b) + ROUNDING
+            && cosine > record.cosine_per_error * (error * 1.000_001) as f32
+    }
+
+    /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.
+    #[inline(always)]
+    pub(super) fn start_in(&self, record: &SearchRecord) -> Option<[f32; 2]> {
+        let root = self.from.filter(|root| root.piece == record.piece)?;
+        let [s, t] = record.rect();
+        let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
+        Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
+    }
+
+    /// Whether the ray starts on the one root it has with a leaf that is certified for it.
+    #[inline(always)]
+    pub(super) fn starts_in(&self, record: &SearchRecord) -> bool {
+        // A little less than the certificate speaks of: in f32.
+        let reach = 1.0 + 1.99 * WIDENING as f32;
+        self.start_in(record).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
+    }
+
+    /// How far from the ray's start a root may be and yet be the start itself, for the
+    /// error of its place along the ray.
+    #[inline(always)]
+    pub(super) fn start_reach(&self, error: f64) -> f64 {
+        2.0 * error + self.from.map_or(0.0, |root| root.error)
+    }
+
+    /// Ends the ray at a hit.
+    pub(super) fn shorten(&mut self, z: f64) {
+        self.far = match self.wanted {
+            Wanted::First => ((z - self.shift) * self.scale + SPARE) as f32,
+            Wanted::Any => f32::NEG_INFINITY,
+        };
+    }
+
+    /// Whether nothing more is asked for.
+    pub(super) fn is_done(&self) -> bool {
+        self.far == f32::NEG_INFINITY
+    }
+}
+
+/// How far outside a leaf's rectangle roots are its own, in half sides.
+pub(super) const REACH: f64 = 1.0 + 2.0 * LEAF_SLACK;

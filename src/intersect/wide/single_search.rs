@@ -1,0 +1,101 @@
+//! One ray on one leaf's bicubic approximation, in f32: a start, and often a proof.
+
+use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
+use fearless_simd_macros::simd;
+
+use super::record::SearchRecord;
+use super::single_ray::SingleRay;
+
+/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
+/// second 1e-4 or the fit's error.
+const STEPS: usize = 2;
+
+/// The search, and what is proved, may leave the leaf by this much of its half side: what the
+/// certificate covers.
+pub(super) const REACH: f32 = 1.2;
+
+/// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes: coefficients of
+/// `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
+#[derive(Clone, Copy)]
+pub(super) struct Distances<S: Simd> {
+    pub(super) rows: [f32x8<S>; 4],
+}
+
+impl<S: Simd> Distances<S> {
+    /// The distances of the leaf's middle are found in f64; what is added to them in f32 is
+    /// of the size of the leaf, so its rounding is small against the leaf.
+    #[simd]
+    pub(super) fn new(simd: S, record: &SearchRecord, ray: &SingleRay<'_>) -> Self {
+        let [n1, n2] = ray.frame.normals;
+        let offset = record.middle - ray.frame.origin;
+        let (e1, e2) = (n1.dot(offset) as f32, n2.dot(offset) as f32);
+        let zero = f32x8::splat(simd, 0.0);
+        let constants = f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
+        let mut rows = [constants, zero, zero, zero];
+        for axis in 0..3 {
+            let n1 = f32x4::splat(simd, n1[axis] as f32);
+            let n2 = f32x4::splat(simd, n2[axis] as f32);
+            let normals = n1.combine(n2);
+            for i in 0..4 {
+                let row = f32x4::from_slice(simd, &record.fit[axis][4 * i..4 * i + 4]);
+                rows[i] = normals.mul_add(row.combine(row), rows[i]);
+            }
+        }
+        Self { rows }
+    }
+
+    /// Newton's iteration in box coordinates, from a start there.
+    ///
+    /// Horner's scheme in `x` runs on all lanes at once; they are then turned into four powers
+    /// of `y` of `f₁`, `f₂` and their derivatives by `x`.
+    #[simd]
+    pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
+        let rows = &self.rows;
+        let [mut x, mut y] = start;
+        let twice = rows[2] + rows[2];
+        let thrice = rows[3] * f32x8::splat(simd, 3.0);
+        for _ in 0..STEPS {
+            let xs = f32x8::splat(simd, x);
+            let value = rows[3].mul_add(xs, rows[2]).mul_add(xs, rows[1]).mul_add(xs, rows[0]);
+            let slope = thrice.mul_add(xs, twice).mul_add(xs, rows[1]);
+            let [c0, c1, c2, c3] = transposed(value, slope);
+            let ys = f32x4::splat(simd, y);
+            let across = c3.mul_add(ys, c2).mul_add(ys, c1).mul_add(ys, c0);
+            let three = f32x4::splat(simd, 3.0);
+            let along_y = (c3 * three).mul_add(ys, c2 + c2).mul_add(ys, c1);
+            let (f1, f2, a1, a2) = (across[0], across[1], across[2], across[3]);
+            let (b1, b2) = (along_y[0], along_y[1]);
+            let inverse = 1.0 / (a1 * b2 - a2 * b1);
+            x = within_reach(x - (f1 * b2 - f2 * b1) * inverse);
+            y = within_reach(y - (a1 * f2 - a2 * f1) * inverse);
+        }
+        [x, y]
+    }
+}
+
+/// The number, or the nearest bound of the search; the lower one for NaN.
+#[inline(always)]
+fn within_reach(x: f32) -> f32 {
+    let raised = if x > -REACH { x } else { -REACH };
+    if raised < REACH { raised } else { REACH }
+}
+
+/// From lanes by power of `y` to vectors by power of `y`, with lanes for the first and second
+/// half of both arguments.
+#[inline(always)]
+fn transposed<S: Simd>(value: f32x8<S>, slope: f32x8<S>) -> [f32x4<S>; 4] {
+    let ((v1, v2), (s1, s2)) = (value.split(), slope.split());
+    let (a, b) = (v1.zip_low(s1), v2.zip_low(s2));
+    let (c, d) = (v1.zip_high(s1), v2.zip_high(s2));
+    [a.zip_low(b), a.zip_high(b), c.zip_low(d), c.zip_high(d)]
+}
+
+/// Both halves of four vectors, each half of all four a matrix, transposed.
+#[inline(always)]
+pub(super) fn transposed_rows<S: Simd>(rows: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    let [(a, e), (b, f), (c, g), (d, h)] =
+        [rows[0].split(), rows[1].split(), rows[2].split(), rows[3].split()];
+    let [a, b, c, d] = transposed(a.combine(b), c.combine(d));
+    let [e, f, g, h] = transposed(e.combine(f), g.combine(h));
+    [a.combine(e), b.combine(f), c.combine(g), d.combine(h)]
+}

@@ -1,0 +1,149 @@
+//! Scenes in the language of POV-Ray 3.7, as another program's opinion.
+//!
+//! POV-Ray has no NURBS. What it can be told exactly is written: polynomial surfaces up to
+//! degree 3 as `bicubic_patch`es (their Bézier pieces, elevated), spheres, cones, cylinders,
+//! disks and tori as its primitives of the same shape. The rest is named and left out.
+//!
+//! Light and colour are not the scene's: one lamp at the camera, without shadows, on white.
+//! So a pixel is the cosine of the angle between ray and normal, and pictures differ where
+//! geometry differs. Where nothing is hit the picture is pure blue.
+
+mod patches;
+mod primitives;
+
+use std::fmt;
+
+use glam::{DVec2, DVec3};
+use thiserror::Error;
+
+use crate::scene::{Camera, Projection, Scene, World};
+
+/// A scene for POV-Ray.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PovrayScene {
+    /// The file's contents.
+    pub text: String,
+    /// The surfaces in it, as the world counts them.
+    pub written: Vec<usize>,
+    /// The surfaces left out.
+    pub skipped: Vec<PovraySkip>,
+}
+
+/// A surface POV-Ray cannot be told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PovraySkip {
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub reason: PovrayGap,
+}
+
+/// What POV-Ray has no words for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum PovrayGap {
+    /// The weights of a control net differ.
+    #[error("it is rational, and the patches of POV-Ray are polynomial")]
+    Rational,
+    /// A degree is too high.
+    #[error("it has degrees {u} x {v}, and the patches of POV-Ray are bicubic")]
+    Degree {
+        /// The degree in u.
+        u: usize,
+        /// The degree in v.
+        v: usize,
+    },
+    /// The patches would have to be split too often.
+    #[error("to be so flat its patches need {halvings} halvings each way, {limit} at most")]
+    TooFine {
+        /// Halvings needed in each direction.
+        halvings: u32,
+        /// Halvings allowed.
+        limit: u32,
+    },
+}
+
+impl fmt::Display for PovraySkip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "surface \"{}\" is left out: {}", self.name, self.reason)
+    }
+}
+
+/// Writes a scene, for a picture of `(width, height)` pixels in which the triangles POV-Ray
+/// makes of patches are flat to within `flatness`, in scene units.
+///
+/// `scene` must be what `world` was made of: it knows which surfaces are named shapes.
+pub fn povray_scene(
+    scene: &Scene,
+    world: &World,
+    (width, height): (u32, u32),
+    flatness: f64,
+) -> PovrayScene {
+    let aspect = f64::from(width) / f64::from(height);
+    let mut text = heading(&world.camera, aspect);
+    let (mut written, mut skipped) = (Vec::new(), Vec::new());
+    let parts =
+        scene.objects.iter().flat_map(|object| object.parts.iter().map(move |p| (object, p)));
+    for (index, (instance, (object, part))) in world.surfaces.iter().zip(parts).enumerate() {
+        let exact = primitives::primitive(&part.shape, &object.transform);
+        let body = match exact {
+            Some(body) => Ok(body),
+            None => patches::patches(&instance.surface, flatness),
+        };
+        match body {
+            Ok(body) => {
+                // A line break would end the comment.
+                let name: String = instance.name.chars().filter(|c| !c.is_control()).collect();
+                text.push_str(&format!("\n// {name}\n{body}"));
+                written.push(index);
+            }
+            Err(reason) => skipped.push(PovraySkip { name: instance.name.clone(), reason }),
+        }
+    }
+    PovrayScene { text, written, skipped }
+}
+
+/// Camera, light and what all surfaces look like.
+fn heading(camera: &Camera, aspect: f64) -> String {
+    let [left, right, top, bottom] = [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)]
+        .map(|(x, y)| camera.ray(DVec2::new(x, y), aspect));
+    let (eye, forward) = (camera.view().look_from, camera.forward());
+
+    // The picture's sides: at distance 1 in front of the eye, or on the film.
+    let (kind, across, up, parallel) = match camera.projection() {
+        Projection::Perspective { .. } => (
+            "perspective",
+            right.direction() - left.direction(),
+            top.direction() - bottom.direction(),
+            String::new(),
+        ),
+        Projection::Orthographic { .. } => (
+            "orthographic",
+            right.origin() - left.origin(),
+            top.origin() - bottom.origin(),
+            format!(" parallel point_at {}", vector(eye + forward)),
+        ),
+    };
+    format!(
+        "// A pixel is the cosine of the angle between ray and normal; blue is nothing.\n\
+         #version 3.7;\n\
+         global_settings {{ assumed_gamma 1 }}\n\
+         background {{ rgb <0, 0, 1> }}\n\
+         camera {{\n  {kind}\n  location {}\n  direction {}\n  right {}\n  up {}\n}}\n\
+         light_source {{ {}, rgb 1 shadowless{parallel} }}\n\
+         #default {{ texture {{ pigment {{ rgb 1 }} finish {{ ambient 0 emission 0 diffuse 1 }} }} }}\n",
+        vector(eye),
+        vector(forward),
+        vector(across),
+        vector(up),
+        vector(eye),
+    )
+}
+
+/// `<x, y, z>`, each number with all its digits.
+fn vector(v: DVec3) -> String {
+    format!("<{:?}, {:?}, {:?}>", v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! What is written, and what is said of the rest.
+
+use super::*;
+use crate::io::read_scene;
+
+fn written(text: &str) -> PovrayScene {
+    let scene = read_scene(text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
+    let world = World::new(&scene).unwrap();
+    povray_scene(&scene, &world, (200, 100), 0.01)
+}
+
+/// The numbers of the only `what <…>` in a text.
+fn numbers(text: &str, what: &str) -> Vec<f64> {
+    let rest = text.split(&format!("{what} <")).nth(1).unwrap();
+    let list = rest.split('>').next().unwrap();
+    list.split(',').map(|number| number.trim().parse().unwrap()).collect()
+}
+
+/// An object with a net of its own.
+fn net(degree: &str, points: &str, more: &str) -> String {
+    let keys = format!("degree = {degree}\npoints = {points}\n{more}\n");
+    format!("[[object]]\nname = \"sail\"\n[object.shape.nurbs]\n{keys}")
+}
+
+fn points(rows: i32, columns: i32) -> String {
+    let row = |i: i32| {
+        let points = (0..columns).map(|j| format!("[{i}, {j}, {}]", i * j * j % 7));
+        format!("[{}]", points.collect::<Vec<_>>().join(", "))
+    };
+    format!("[{}]", (0..rows).map(row).collect::<Vec<_>>().join(", "))
+}
+
+const PLANE: &str = "[[object]]\nname = \"table\"\nshape = { plane = { width = 3, height = 6 } }\n";
+
+#[test]
+fn cameras_are_given_by_their_vectors() {
+    let camera = "[camera]\nlook_from = [0, -4, 0]\nlook_at = [0, 0, 0]\n";
+    let text = written(&format!("{camera}perspective = {{ fov = 90 }}\n{PLANE}")).text;
+    assert!(text.contains("  perspective\n"));
+    assert_eq!(numbers(&text, "location"), [0.0, -4.0, 0.0]);
+    assert_eq!(numbers(&text, "direction"), [0.0, 1.0, 0.0]);
+    let close = |found: Vec<f64>, expected: [f64; 3]| {
+        let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-15, "{found:?} {expected:?}");
+    };
+    close(numbers(&text, "right"), [4.0, 0.0, 0.0]);
+    close(numbers(&text, "up"), [0.0, 0.0, 2.0]);
+    assert_eq!(numbers(&text, "light_source {"), [0.0, -4.0, 0.0]);
+
+    let text = written(&format!("{camera}orthographic = {{ height = 3 }}\n{PLANE}")).text;
+    assert!(text.contains("  orthographic\n") && text.contains("shadowless parallel"));
+    close(numbers(&text, "right"), [6.0, 0.0, 0.0]);
+    close(numbers(&text, "up"), [0.0, 0.0, 3.0]);
+    close(numbers(&text, "point_at"), [0.0, -3.0, 0.0]);
+}
+
+#[test]
+fn polynomial_pieces_become_bicubic_patches() {
+    let scene = written(PLANE);
+    assert_eq!((scene.written.as_slice(), scene.skipped.len()), (&[0][..], 0));
+    assert!(
+        scene
+            .text
+            .contains("\n// table\nbicubic_patch { type 1 flatness 0.01 u_steps 0 v_steps 0\n")
+    );
+    // Thirds of the rectangle, all sixteen.
+    for (x, y) in [("-1.5", "-3.0"), ("-0.5", "1.0"), ("1.5", "3.0")] {
+        assert!(scene.text.contains(&format!("<{x}, {y}, 0.0>")), "{}", scene.text);
+    }
+    // 7 x 5 points of degrees 3 and 2: 4 x 3 pieces.
+    let scene = written(&net("[3, 2]", &points(7, 5), ""));
+    assert_eq!(scene.text.matches("bicubic_patch").count(), 12);
+}
+
+#[test]
+fn quadrics_and_tori_stay_what_they_are() {
+    let text = "
+[[object]]
+shape = { sphere = { radius = 2 } }
+transform = [{ scale = [1, 2, 3] }, { translate = [4, 5, 6] }]
+[[object]]
+shape = { torus = { major = 2, minor = 0.5 } }
+[[object]]
+shape = { octant = { radius = 1 } }
+";
+    let scene = written(text);
+    assert_eq!(scene.written, [0, 1, 2]);
+    let matrix = [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 4.0, 5.0, 6.0];
+    assert_eq!(numbers(&scene.text, "matrix"), matrix);
+    assert!(scene.text.contains("sphere { 0, 2.0\n"));
+    assert!(scene.text.contains("torus { 2.0, 0.5 sturm rotate 90*x\n"));
+    assert!(scene.text.contains("clipped_by"));
+}
+
+#[test]
+fn what_cannot_be_said_is_named() {
+    let square = |more: &str| net("1", &points(2, 2), more);
+    let scene = written(&format!("{PLANE}{}", square("weights = [[1, 1], [1, 2]]")));
+    assert_eq!(scene.written, [0]);
+    assert_eq!(
+        scene.skipped[0].to_string(),
+        "surface \"sail\" is left out: it is rational, and the patches of POV-Ray are polynomial"
+    );
+    assert!(written(&square("")).skipped.is_empty());
+
+    let high = net("[4, 5]", &points(5, 6), "");
+    let reason = PovrayGap::Degree { u: 4, v: 5 };
+    assert_eq!(written(&high).skipped[0].reason, reason);
+    assert_eq!(reason.to_string(), "it has degrees 4 x 5, and the patches of POV-Ray are bicubic");
+}
+
+#[test]
+fn patches_that_would_be_split_without_end_are_refused() {
+    let text = "[[object]]\nshape = \"lecture_patch_2\"\n";
+    let scene = read_scene(text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
+    let world = World::new(&scene).unwrap();
+    let fine = povray_scene(&scene, &world, (9, 9), 1e-12);
+    let message = fine.skipped[0].reason.to_string();
+    assert!(message.starts_with("to be so flat its patches need 2"), "{message}");
+    assert!(message.ends_with(" halvings each way, 10 at most"), "{message}");
+}

@@ -1,0 +1,63 @@
+//! Numbers in messages.
+
+use std::fmt;
+
+use glam::DVec3;
+
+/// A number as a message shows it: `2.5`, `1e151`.
+///
+/// All its digits are shown, so that it can be found in a file; numbers that would need a
+/// row of zeros for that have a power of ten instead.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown(pub f64);
+
+/// From this magnitude on f64 holds whole numbers only, and below the other one a decimal
+/// begins with more zeros than a reader counts.
+const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        let plain = number == 0.0 || !number.is_finite() || PLAIN.contains(&number.abs());
+        if plain { write!(f, "{number}") } else { write!(f, "{number:e}") }
+    }
+}
+
+/// A point or a vector as a message shows it: `(0, 2.5, 1e151)`.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownVector(pub DVec3);
+
+impl fmt::Display for ShownVector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0.to_array().map(Shown);
+        write!(f, "({x}, {y}, {z})")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_rows_of_zeros_and_no_digit_lost() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-1.0, "-1"),
+            (0.1, "0.1"),
+            (1e15, "1000000000000000"),
+            (1e16, "1e16"),
+            (-1.25e151, "-1.25e151"),
+            (1e-5, "0.00001"),
+            (5e-324, "5e-324"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Shown(number).to_string(), text);
+        }
+        for number in [1.0 / 3.0, f64::MAX, f64::MIN_POSITIVE, 1e16 / 3.0, 1e-5 / 3.0] {
+            assert_eq!(Shown(number).to_string().parse(), Ok(number));
+        }
+        let point = DVec3::new(1.0, -2.5, 1e300);
+        assert_eq!(ShownVector(point).to_string(), "(1, -2.5, 1e300)");
+    }
+}

@@ -1,0 +1,283 @@
+//! `nurbray compare`: what it writes, where it writes, and what the numbers say.
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use crate::sandbox::{Run, SPHERE, Sandbox};
+
+/// Tracing takes no longer than one pass a round.
+const QUICK: &str = "--size 60x40 --seconds 1e-6";
+
+/// Rows whose figures are times or counts of bytes: they may differ from run to run.
+const VARYING: [&str; 7] = [
+    "build",
+    "memory",
+    "million rays a second",
+    "from the file to the last ray",
+    "prepare",
+    "trace",
+    "from start to end",
+];
+
+/// Whether `NURBRAY_WITHOUT_EMBREE=1` says that Embree is missing.
+fn without_embree() -> bool {
+    std::env::var_os("NURBRAY_WITHOUT_EMBREE").is_some_and(|value| value == "1")
+}
+
+/// Whether POV-Ray is here; says so past the test harness if not.
+fn povray() -> bool {
+    let here = std::process::Command::new("povray").arg("--version").output().is_ok();
+    if !here {
+        let note = b"*** SKIPPED: not compared with POV-Ray, which is not installed ***\n";
+        std::io::stderr().write_all(note).unwrap();
+    }
+    here
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// The rows of a report's tables by their names; those that begin with `…` are called after
+/// the last that does not, too.
+fn rows(report: &str) -> HashMap<String, Vec<String>> {
+    let mut rows = HashMap::new();
+    let mut name = String::new();
+    for line in report.lines().filter(|line| line.starts_with("| ")) {
+        let cells: Vec<_> = line.split('|').map(|cell| cell.trim().to_owned()).collect();
+        let full = match cells[1].strip_prefix("… ") {
+            Some(more) => format!("{name} … {more}"),
+            None => {
+                name.clone_from(&cells[1]);
+                name.clone()
+            }
+        };
+        rows.insert(full, cells[2..cells.len() - 1].to_vec());
+    }
+    rows
+}
+
+/// The numbers of a row, ours first where it is one.
+#[track_caller]
+fn numbers(rows: &HashMap<String, Vec<String>>, name: &str) -> Vec<f64> {
+    let cells = rows.get(name).unwrap_or_else(|| panic!("no row {name}: {:?}", rows.keys()));
+    let number = |cell: &String| cell.trim_end_matches('°').split(' ').next()?.parse().ok();
+    cells.iter().filter_map(number).collect()
+}
+
+#[test]
+fn a_report_against_embree() {
+    if without_embree() {
+        return;
+    }
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let line = format!("compare ball.toml --against embree --tolerance 1e-2,1e-3 {QUICK} -o out");
+    let run = sandbox.run(&line).succeeded();
+    assert_eq!(run.stdout, "out/report.md\n");
+    let made = [
+        "legend.svg",
+        "normal-1e-2.png",
+        "normal-1e-3.png",
+        "picture.png",
+        "plot.svg",
+        "position-1e-2.png",
+        "position-1e-3.png",
+        "report.md",
+    ];
+    assert_eq!(files(&sandbox.path("out")), made);
+    for picture in made.iter().filter(|name| name.ends_with(".png")) {
+        let picture = image::open(sandbox.path("out").join(picture)).unwrap();
+        assert_eq!((picture.width(), picture.height()), (60, 40));
+    }
+
+    let report = String::from_utf8(sandbox.bytes("out/report.md")).unwrap();
+    assert!(report.starts_with("# ball.toml: the surfaces, and triangles in their place\n"));
+    for name in &made[..7] {
+        assert!(report.contains(&format!("({name})")), "{name} is not shown");
+    }
+    let rows = rows(&report);
+    // A tenth of the distance takes ten times the triangles.
+    let triangles = numbers(&rows, "triangles");
+    assert!((8.0..12.5).contains(&(triangles[1] / triangles[0])), "{triangles:?}");
+    // Chords of a sphere: within the tolerance, and most of it used; ours within rounding.
+    let off = numbers(&rows, "position off the surface, mean");
+    assert!(off[0] < 1e-15 && off[1] < 1e-2 && off[2] < 1e-3, "{off:?}");
+    assert!(off[1] > 1e-3 && (7.0..14.0).contains(&(off[1] / off[2])), "{off:?}");
+    // Facets are off by the angle of a cell, which falls with the square root.
+    let facets = numbers(&rows, "normal error of the triangles, mean");
+    assert!((2.5..4.0).contains(&(facets[0] / facets[1])), "{facets:?}");
+    let normals = numbers(&rows, "normal error, interpolated, mean");
+    assert!(normals[0] < 0.5 * facets[0] && normals[1] < 0.3 * facets[1], "{normals:?}");
+    // A convex thing from inside: triangles lose, and invent nothing.
+    assert_eq!(numbers(&rows, "rays invented"), [0.0; 3]);
+    let lost = numbers(&rows, "rays lost");
+    assert!(lost[1] > 0.0 && lost[1] < 60.0 && lost[2] <= lost[1], "{lost:?}");
+    assert_eq!(numbers(&rows, "silhouette pixels that differ"), lost);
+    let (hits, same) =
+        (numbers(&rows, "rays that hit"), numbers(&rows, "rays that hit … and see the same place"));
+    assert_eq!([hits[0] - lost[1], hits[0] - lost[2]], same[..]);
+}
+
+#[test]
+fn reports_are_the_same_but_for_times() {
+    if without_embree() {
+        return;
+    }
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let line = format!("compare ball.toml --against embree --tolerance 1e-3 {QUICK}");
+    sandbox.run(&format!("{line} -o a")).succeeded();
+    sandbox.run(&format!("{line} -o b --threads 2")).succeeded();
+    let steady = |folder: &str| -> Vec<String> {
+        let report = String::from_utf8(sandbox.bytes(&format!("{folder}/report.md"))).unwrap();
+        let varies =
+            |line: &&str| VARYING.iter().any(|row| line.starts_with(&format!("| {row} |")));
+        let lines = report.lines().filter(|line| !varies(line));
+        lines.map(|line| line.replace("on 2 threads", "on 1 thread")).collect()
+    };
+    assert_eq!(steady("a"), steady("b"));
+    for name in ["picture.png", "normal-1e-3.png", "position-1e-3.png", "legend.svg"] {
+        assert_eq!(sandbox.bytes(&format!("a/{name}")), sandbox.bytes(&format!("b/{name}")));
+    }
+}
+
+#[test]
+fn a_failure_leaves_no_trace() {
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let mut command = sandbox.command("compare ball.toml --against embree -o out");
+    let run = Run::from_output(command.env("EMBREE_LIB", "./no/libembree.so").output().unwrap());
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.starts_with("error: Embree cannot be loaded ("), "{}", run.stderr);
+    assert_eq!(sandbox.files(), ["ball.toml"]);
+}
+
+#[test]
+fn wrong_use_is_explained() {
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let run = |rest: &str| sandbox.run(&format!("compare ball.toml {rest}"));
+    run("-o out").misused("the following required arguments were not provided:");
+    run("--against povray").misused("the following required arguments were not provided:");
+    run("--against mesh -o out").misused("invalid value 'mesh' for '--against <RIVAL>'");
+    run("--against povray -o ball.toml").failed(2, "ball.toml is a file, not a folder");
+    run("--against povray -o no/out").failed(2, "cannot write no/out: there is no folder no");
+    run("--against povray -o out --size 9000x1")
+        .failed(2, "9000 x 1 pixels: a comparison has at most 8192 each way");
+    run("--against povray -o out --tolerance 1e-3,0").misused(
+        "invalid value '0' for '--tolerance <LIST>': a fraction between 0 and 1 is needed, such as \
+         1e-3",
+    );
+    assert_eq!(sandbox.files(), ["ball.toml"]);
+}
+
+/// A scene of a plane and a bilinear patch with unequal weights.
+const SAIL: &str = "
+[[object]]
+name = \"table\"
+shape = { plane = { width = 2, height = 2 } }
+
+[[object]]
+name = \"sail\"
+[object.shape.nurbs]
+degree = 1
+points = [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 1]]]
+weights = [[1, 1], [1, 2]]
+";
+
+#[test]
+fn scenes_are_written_without_povray_and_what_is_left_out_is_named() {
+    let sandbox = Sandbox::with(&[("sail.toml", SAIL)]);
+    let left_out =
+        "surface \"sail\" is left out: it is rational, and the patches of POV-Ray are polynomial";
+    let run = |line: &str| {
+        let mut command = sandbox.command(line);
+        Run::from_output(command.env("POVRAY", "./no/povray").output().unwrap())
+    };
+    let line = format!("compare sail.toml --against povray --tolerance 1e-3,1e-5 {QUICK} -o out");
+    run(&line).failed_with_warning(
+        1,
+        left_out,
+        "cannot run ./no/povray (No such file or directory (os error 2)); install it (apt install \
+         povray), or say where it is: POVRAY=/path/to/povray; its scenes are in out",
+    );
+    assert_eq!(files(&sandbox.path("out")), ["scene-1e-3.pov", "scene-1e-5.pov"]);
+    let scene = String::from_utf8(sandbox.bytes("out/scene-1e-3.pov")).unwrap();
+    assert_eq!(scene.matches("bicubic_patch").count(), 1);
+    assert!(scene.contains("// table\n") && !scene.contains("sail"));
+
+    let alone = SAIL.split_once("[[object]]").unwrap().1.split_once("[[object]]").unwrap().1;
+    fs::write(sandbox.path("alone.toml"), format!("[[object]]{alone}")).unwrap();
+    let message = format!("alone.toml: nothing is left to compare; {left_out}");
+    run("compare alone.toml --against povray -o out").failed(2, &message);
+}
+
+#[test]
+fn what_is_not_povray_is_not_taken_for_it() {
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let mut command =
+        sandbox.command(&format!("compare ball.toml --against povray {QUICK} -o out"));
+    let run = Run::from_output(command.env("POVRAY", "true").output().unwrap());
+    run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in out");
+}
+
+/// Every shape POV-Ray has as a primitive, one beside the other, moved and stretched.
+const PRIMITIVES: &str = "
+[camera]
+look_from = [3, -14, 9]
+look_at = [3, 0, 0]
+perspective = { fov = 32 }
+[[object]]
+shape = { sphere = { radius = 1 } }
+transform = [{ scale = [1, 1.2, 0.7] }, { translate = [0, 3, 0] }]
+[[object]]
+shape = { torus = { major = 1, minor = 0.4 } }
+transform = [{ rotate = { axis = \"x\", degrees = 30 } }, { translate = [3, 3, 0] }]
+[[object]]
+shape = { cylinder = { radius = 0.7, height = 1.5 } }
+transform = [{ translate = [6, 3, 0] }]
+[[object]]
+shape = { cone = { radius = 1, height = 2 } }
+[[object]]
+shape = { disk = { radius = 1 } }
+transform = [{ translate = [3, 0, 0] }]
+[[object]]
+shape = { hemisphere = { radius = 1 } }
+transform = [{ rotate = { axis = \"z\", degrees = 200 } }, { translate = [6, 0, 0] }]
+[[object]]
+shape = { octant = { radius = 1.2 } }
+transform = [{ translate = [-2, -2, 0] }]
+[[object]]
+shape = { plane = { width = 1.5, height = 1.5 } }
+transform = [{ rotate = { axis = \"x\", degrees = 50 } }, { translate = [6, -3, 0] }]
+";
+
+#[test]
+fn povray_sees_what_we_see() {
+    if !povray() {
+        return;
+    }
+    let parallel =
+        PRIMITIVES.replace("perspective = { fov = 32 }", "orthographic = { height = 8 }");
+    let sandbox = Sandbox::with(&[("all.toml", PRIMITIVES), ("parallel.toml", &parallel)]);
+    for (scene, out) in [("all.toml", "a"), ("parallel.toml", "b")] {
+        let options = "--tolerance 1e-3 --size 240x160 --seconds 1e-6";
+        let line = format!("compare {scene} --against povray {options} -o {out}");
+        let run = sandbox.run(&line).succeeded();
+        assert_eq!(run.stdout, format!("{out}/report.md\n"));
+        let made =
+            ["difference-1e-3.png", "legend.svg", "picture.png", "report.md", "scene-1e-3.pov"];
+        assert_eq!(files(&sandbox.path(out)), made);
+        let rows = rows(&String::from_utf8(sandbox.bytes(&format!("{out}/report.md"))).unwrap());
+        let hits = numbers(&rows, "pixels that hit");
+        assert!(hits[0] > 4000.0, "{hits:?}");
+        assert_eq!(numbers(&rows, "pixels lost"), [0.0, 0.0], "{scene}");
+        assert_eq!(numbers(&rows, "pixels invented"), [0.0, 0.0], "{scene}");
+        // Half a step of 16 bits.
+        let error = numbers(&rows, "error of brightness, mean … largest");
+        assert!(error[0] <= 1e-5, "{scene}: {error:?}");
+    }
+}
