@@ -228,7 +228,7 @@ pub(crate) struct CastArguments {
     #[arg(long)]
     pub(crate) all: bool,
 
-    /// Neighbouring rays are alike: trace them in packets (the hits are the same)
+    /// Neighbouring rays are alike: trace them in packets (the same hits, to rounding)
     #[arg(long)]
     pub(crate) coherent: bool,
 

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
 
 use nurbray::io::{ExrNotes, ExrPrecision, Quoted, write_exr, write_png};
+use nurbray::math::Shown;
 use nurbray::render::{AovSet, Film, PixelRect, RenderSettings, render};
 use nurbray::scene::{CameraSpec, Lens, RenderDefaults, Scene, World, Written};
 
@@ -168,9 +169,10 @@ fn warn_of_bright_materials(scene: &Scene) {
         if largest > 1.0 {
             let place = if place.label().is_some() { format!("{place}: ") } else { String::new() };
             console::warning(&format!(
-                "{place}material \"{}\" sends back {largest} times the light that falls on it; \
+                "{place}material \"{}\" sends back {} times the light that falls on it; \
                  colours of things are from 0 to 1",
-                material.name
+                material.name,
+                Shown(largest)
             ));
         }
     }

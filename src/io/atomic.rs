@@ -100,8 +100,11 @@ fn target(path: &Path) -> Result<Target, WriteError> {
         None => {}
     }
 
-    // A link stays, and what it points to is replaced.
-    let file = if old.is_some() { path.canonicalize().map_err(failed)? } else { path.to_owned() };
+    // A link stays, and what it points to is replaced, or made if it is not there.
+    let file = match &old {
+        Some(_) => path.canonicalize().map_err(failed)?,
+        None => end_of_links(path),
+    };
     let folder = match file.parent() {
         Some(parent) if parent.as_os_str() != OsStr::new("") => parent.to_owned(),
         _ => PathBuf::from("."),
@@ -111,6 +114,18 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     }
     let old = old.map(|old| old.permissions());
     Ok(Target::File { path: file, folder, old })
+}
+
+/// Where links lead that end at nothing; as many of them as systems follow.
+fn end_of_links(path: &Path) -> PathBuf {
+    const MOST_LINKS: usize = 40;
+    let mut end = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&end) else { break };
+        end.pop();
+        end.push(next); // replaces all if it is absolute
+    }
+    end
 }
 
 /// Whether a path ends in a file's name: not in `..`, nor in a slash, as a folder's may.
@@ -274,6 +289,13 @@ mod tests {
         put(&link, "new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+
+        fs::remove_file(&real).unwrap(); // a link to a file that is not there yet
+        std::os::unix::fs::symlink("link", folder.path().join("twice")).unwrap();
+        check_writable(&folder.path().join("twice")).unwrap();
+        put(&folder.path().join("twice"), "made").unwrap();
+        assert_eq!(fs::read_to_string(&real).unwrap(), "made");
+        assert_eq!(names(folder.path()), ["link", "real", "twice"]);
     }
 
     #[cfg(target_os = "linux")]

@@ -1,5 +1,6 @@
 //! What the TOML and JSON parsers say, in the words of a scene's author.
 
+use crate::math::Shown;
 use crate::scene::UnknownName;
 
 /// Kinds of things known by name, told apart by one of the names.
@@ -110,6 +111,9 @@ fn unknown(what: &'static str, rest: &str) -> String {
 fn plain(name: &str) -> String {
     // Integers beyond 64 bits are read as longer ones.
     let quoted = name.replace('`', "").replace(" as i128", "").replace(" as u128", "");
+    if let Some(Ok(number)) = quoted.strip_prefix("floating point ").map(str::parse) {
+        return format!("the number {}", Shown(number));
+    }
     for (theirs, ours) in TYPES {
         let whole = quoted == theirs || (theirs == "struct" && quoted.starts_with("struct "));
         if whole {
@@ -168,6 +172,10 @@ mod tests {
         assert_eq!(
             explain("invalid value: integer `-1`, expected u32", "-1"),
             "found integer -1, needed a whole number from 0 to 4294967295"
+        );
+        assert_eq!(
+            explain(&format!("invalid type: floating point `{:.1}`, expected u32", 1e300), ""),
+            "found the number 1e300, needed a whole number from 0 to 4294967295"
         );
         assert_eq!(
             explain("invalid type: map, expected a sequence", "[light]"),

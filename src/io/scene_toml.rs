@@ -140,6 +140,7 @@ use super::load::stem;
 use super::message::explain;
 use super::source::Source;
 use crate::geometry::NurbsSurface;
+use crate::math::Shown;
 use crate::scene::{
     CameraSpec, ImportNote, Knots, Lens, Light, Material, Net, Object, Part, Place, RenderDefaults,
     Scene, SceneError, SceneFault, Shape, Texture, Transform, UnknownName, Written,
@@ -312,7 +313,8 @@ impl Reader<'_, '_> {
             let width = lines.width.get_ref().0;
             if !(0.0..=1.0).contains(&width) {
                 let place = self.source.place(lines.width.span().start);
-                let message = format!("found {width}, needed a share of a cell from 0 to 1");
+                let message =
+                    format!("found {}, needed a share of a cell from 0 to 1", Shown(width));
                 return Err(LoadError::malformed(place, message));
             }
             let (line, base) = (lines.color.0, lines.base.0);

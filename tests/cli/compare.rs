@@ -164,7 +164,8 @@ fn wrong_use_is_explained() {
     run("--against povray").misused("the following required arguments were not provided:");
     run("--against mesh -o out").misused("invalid value 'mesh' for '--against <RIVAL>'");
     run("--against povray -o ball.toml").failed(2, "ball.toml is a file, not a folder");
-    run("--against povray -o no/out").failed(2, "cannot write no/out: there is no folder no");
+    run("--against povray -o no/out")
+        .failed(2, "cannot write \"no/out\": there is no folder \"no\"");
     run("--against povray -o out --size 9000x1")
         .failed(2, "9000 x 1 pixels: a comparison has at most 8192 each way");
     run("--against povray -o out --tolerance 1e-3,0").misused(

@@ -193,7 +193,7 @@ fn wrong_layout() {
     );
     assert_eq!(
         error(&changed("\"degree_u\": 1", "\"degree_u\": 1.5")),
-        "m.json:3:30: found floating point 1.5, needed a whole number from 0 on"
+        "m.json:3:30: found the number 1.5, needed a whole number from 0 on"
     );
     assert_eq!(
         error(&changed("[0, 1, 1]", "[0, 1]")),

@@ -264,7 +264,7 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[render]\nsize = [1e9, 600]",
-            "4:9: found floating point 1000000000.0, needed a whole number from 0 to 4294967295",
+            "4:9: found the number 1000000000, needed a whole number from 0 to 4294967295",
         ),
         ("[render]\nspp = 0", "4:7: spp 0: a picture needs at least one sample a pixel"),
         ("[render]\nseed = -1", "4:8: found integer -1, needed a whole number from 0 on"),
@@ -433,6 +433,7 @@ fn errors_point_at_the_value_not_at_its_table() {
             "[[material]]\nname = 'm'\nchecker = { count = [4, 0] }",
             "5:21: found 0, needed counts from 1 on",
         ),
+        ("[camera]\nup = 1e300", "4:6: found 1e300, needed three numbers, [x, y, z]"),
         ("name = ''", "3:8: a name needs a letter at least"),
         ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
         (

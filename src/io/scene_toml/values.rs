@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
+use crate::math::Shown;
 use crate::scene::{Knots, Rgb};
 
 /// A finite number, whole or not.
@@ -107,7 +108,7 @@ where
             if number.is_finite() {
                 T::try_from(Loose::Number(number)).map_err(E::custom)
             } else {
-                Err(E::custom(format!("found {number}, needed a finite number")))
+                Err(E::custom(format!("found {}, needed a finite number", Shown(number))))
             }
         }
 
@@ -144,7 +145,7 @@ impl Loose {
     /// What was found instead of what is needed.
     fn but_needed(&self, needed: &str) -> String {
         match self {
-            Self::Number(number) => format!("found {number}, needed {needed}"),
+            Self::Number(number) => format!("found {}, needed {needed}", Shown(*number)),
             Self::Text(text) => format!("found \"{}\", needed {needed}", text.escape_debug()),
             Self::List(list) if list.len() >= LONGEST => {
                 format!("found a list of {LONGEST} numbers or more, needed {needed}")
@@ -233,7 +234,9 @@ impl TryFrom<Loose> for Color {
             None => Err(value.but_needed("a number, [r, g, b] or \"#rrggbb\"")),
             Some(rgb) => match rgb.into_iter().find(|share| *share < 0.0) {
                 None => Ok(Self(rgb)),
-                Some(share) => Err(format!("found {share}, needed an amount of light from 0 on")),
+                Some(share) => {
+                    Err(format!("found {}, needed an amount of light from 0 on", Shown(share)))
+                }
             },
         }
     }
