@@ -19,7 +19,7 @@
 //! | floor | what it holds |
 //! |---|---|
 //! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, what rounding costs |
-//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, and exact [`shapes`](geometry::shapes) |
+//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), and what is made from curves ([`construct`](geometry::construct)) |
 //! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
 //! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once, a [`Tracer`](intersect::Tracer) a thread asks it for the first [`Hit`](intersect::Hit), any hit, or all of them |
 //! | [`scene`] | what is seen: a [`Scene`](scene::Scene) is as its author wrote it, a [`World`](scene::World) is checked and ready to trace |

@@ -33,7 +33,8 @@ With --json one object:
   surfaces       a list, in the order hits count them: index, name, material, degree [p, q],
                  rational, size [nu, nv] (control points), domain [[u0, u1], [v0, v1]], pieces,
                  leaves, bytes (of its pieces and leaves), bounds [min, max],
-                 collapsed_edges (a list: edge, point)
+                 collapsed_edges (a list: edge, point), deviation (how far it may be from what
+                 the scene asks for: 0, or measured where a sweep is approximated)
   total          surfaces, control_points, pieces, leaves, bytes (with the hierarchy), bounds
   borders        total, collapsed, meeting, nearly_meeting, free
   gaps           a list, the widest first: surfaces [i, j], edges, width, relative (to the size
@@ -108,6 +109,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
         "bytes": surface.bytes,
         "bounds": bounds_json(surface.bounds),
         "collapsed_edges": collapsed.collect::<Value>(),
+        "deviation": surface.deviation,
     })
 }
 

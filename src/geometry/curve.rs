@@ -180,7 +180,7 @@ impl NurbsCurve {
         self.restricted(self.domain())
     }
 
-    fn restricted(&self, range: (f64, f64)) -> Self {
+    pub(super) fn restricted(&self, range: (f64, f64)) -> Self {
         let (knots, control) = restrict(&self.knots, &self.control, range);
         Self::assembled(knots, control)
     }

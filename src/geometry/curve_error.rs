@@ -55,4 +55,98 @@ pub enum CurveError {
         /// Where the domain ends.
         end: f64,
     },
+    /// Two points that must differ coincide.
+    #[error("points {first} and {second} coincide: neighbours must differ")]
+    Coincide {
+        /// Which point, counted from 0.
+        first: usize,
+        /// Which other one.
+        second: usize,
+    },
+    /// A radius is not a usable length.
+    #[error("radius {radius}: it must be positive and finite")]
+    Radius {
+        /// The radius.
+        radius: f64,
+    },
+    /// An arc of a circle turns by nothing, or by more than the circle has.
+    #[error("an arc from {from}° by {degrees}°: it must turn by -360° to 360°, and not by 0°")]
+    Arc {
+        /// Where it begins.
+        from: f64,
+        /// How far it turns.
+        degrees: f64,
+    },
+    /// A weight of a basis function is negative or not finite.
+    #[error("the weight of control point {index} is {weight}: it must be finite, and not negative")]
+    BasisWeight {
+        /// Which control point, counted from 0.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Basis functions whose weights are all zero somewhere.
+    #[error("the weights of all control points that matter at t = {t} are 0: one must be positive")]
+    NoWeight {
+        /// The parameter.
+        t: f64,
+    },
+    /// Too few points for what is to be made of them.
+    #[error("{found} points: at least {needed} are needed")]
+    TooFewPoints {
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// The number of derivatives does not match the points.
+    #[error("{derivatives} derivatives for {points} points: each needs one")]
+    DerivativeCount {
+        /// The number of derivatives given.
+        derivatives: usize,
+        /// The number of points.
+        points: usize,
+    },
+    /// A control point is repeated more often than is of use, or not there at all.
+    #[error("an end point {times} times: from 1 to {most} times are possible")]
+    Repeated {
+        /// How often it was to be there.
+        times: usize,
+        /// How often it may be.
+        most: usize,
+    },
+    /// A curve is not a single cubic polynomial.
+    #[error(
+        "needed is one cubic, polynomial piece; this has degree {degree} and {pieces} pieces{}",
+        if *.rational { ", and weights" } else { "" }
+    )]
+    NotOneCubic {
+        /// Its degree.
+        degree: usize,
+        /// The number of its pieces.
+        pieces: usize,
+        /// Whether its weights differ.
+        rational: bool,
+    },
+    /// A control point of a quarter circle lies outside the first quadrant.
+    #[error(
+        "control point {index} is ({}, {}): both coordinates must be positive for a quarter circle",
+        .point.x, .point.y
+    )]
+    OffQuadrant {
+        /// Which control point, counted from 0.
+        index: usize,
+        /// Its coordinates.
+        point: DVec3,
+    },
+    /// Weights or constants do not make a circle.
+    #[error("{what} is {found}: a circle needs {needed}")]
+    NotRound {
+        /// What is wrong.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The value it must have.
+        needed: f64,
+    },
 }

@@ -107,4 +107,19 @@ pub enum KnotError {
         /// The last knot.
         last: f64,
     },
+    /// Knots that differ would become one on another domain.
+    #[error(
+        "the knots {first} and {second} would become one on the domain from {start} to {end}: \
+         it must be longer"
+    )]
+    Merged {
+        /// A knot.
+        first: f64,
+        /// The next one.
+        second: f64,
+        /// Where the other domain begins.
+        start: f64,
+        /// Where it ends.
+        end: f64,
+    },
 }

@@ -2,7 +2,7 @@
 //!
 //! A surface is made from two knot vectors and a net of control points, checked once; all
 //! that is made from it (refined, split, elevated, turned, moved) is valid again. What is
-//! already known by name is in [`shapes`].
+//! already known by name is in [`shapes`], what is made from curves in [`construct`].
 //!
 //! ```
 //! use glam::DVec3;
@@ -25,28 +25,44 @@
 mod arrange;
 mod basis;
 mod bezier;
+pub mod construct;
+mod corner_cutting;
+mod curvature;
 mod curve;
+mod curve_arrange;
 mod curve_error;
 mod derivatives;
 mod elevate;
 mod evaluate;
+mod iso;
 mod knot_error;
 mod knots;
 mod line;
+mod matrix_form;
+mod rational_basis;
 mod refine;
 pub mod shapes;
 mod surface;
 mod surface_error;
+mod triangle;
+mod triangle_error;
+mod uniform;
 
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
+pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
 pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
+pub use matrix_form::{MatrixForm, matrix_patch};
+pub use rational_basis::RationalBasis;
 pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};
 pub use surface_error::{Direction, SurfaceError};
+pub use triangle::{TrianglePatch, TriangleQuarter, TriangleSide};
+pub use triangle_error::TriangleError;
+pub use uniform::{MAX_REPEATED, with_repeated_ends};
 
 #[cfg(test)]
 mod refine_tests;
@@ -59,3 +75,5 @@ mod knots_tests;
 mod normal_tests;
 #[cfg(test)]
 mod surface_tests;
+#[cfg(test)]
+mod triangle_tests;

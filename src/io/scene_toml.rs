@@ -113,7 +113,11 @@
 //! ]
 //! weights = [[1, 1], [0.7, 0.7], [1, 1]] # all 1 if not given
 //! ```
+//!
+#![doc = include_str!("scene_toml/from_curves.md")]
 
+mod constructions;
+mod curves;
 mod keys;
 mod kinds;
 mod values;
@@ -376,6 +380,11 @@ impl Reader<'_, '_> {
                 let Keyed(keys) = *keys;
                 let net = self.net(called.unwrap_or("nurbs"), keys)?;
                 Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
+            }
+            ShapeSource::Built(keys) => {
+                let construction = self.construction(keys)?;
+                let name = construction.name().to_owned();
+                Ok((name, only(Shape::Built(Arc::new(construction)))))
             }
             ShapeSource::File(file) => {
                 let place = self.source.place(file.span().start);

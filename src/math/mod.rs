@@ -5,6 +5,7 @@
 //! whatever is compared anywhere in the library is compared with multiples of that.
 
 mod aabb;
+pub(crate) mod angle;
 pub mod bernstein;
 mod interval;
 mod ray;

@@ -43,6 +43,7 @@ pub(super) fn world(surfaces: Vec<NurbsSurface>, lights: Vec<Light>, scale: f64)
                 name: format!("surface {material}"),
                 surface,
                 material,
+                deviation: 0.0,
             })
             .collect(),
         lights,

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written};
+use super::{
+    Construction, Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written,
+};
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
 /// checks it and makes it ready to trace.
@@ -65,11 +67,12 @@ impl Shape {
         match self {
             Self::Net(net) => net.points.value.len(),
             Self::Named(..) => 0,
+            Self::Built(construction) => construction.point_count(),
         }
     }
 }
 
-/// One surface of an object.
+/// One surface of an object, or several that are made together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// What it is called within its object; may be empty.
@@ -89,6 +92,8 @@ pub enum Shape {
     /// they were; the measures have the names a [`ShapeError`](crate::geometry::shapes::ShapeError)
     /// gives them.
     Named(NamedShape, Vec<Written<&'static str>>),
+    /// One made from curves.
+    Built(Arc<Construction>),
 }
 
 /// A camera as far as the author says; the rest is chosen so that all is in the picture.

@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::place::with_place;
 use super::{CameraError, ImportNote, PictureError, Place, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
+use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::intersect::BuildError;
 
@@ -53,6 +54,14 @@ pub enum SceneFault {
         /// What is wrong with it.
         error: SurfaceError,
     },
+    /// A surface that cannot be made from curves.
+    #[error("surface \"{surface}\": {error}")]
+    Construction {
+        /// The surface's name.
+        surface: String,
+        /// Which curve or number is at fault.
+        error: ConstructError,
+    },
     /// A shape that cannot be made.
     #[error("surface \"{surface}\": {error}")]
     Shape {
@@ -84,6 +93,22 @@ pub enum SceneFault {
         object: String,
         /// The name and the nearest known one.
         error: UnknownName,
+    },
+    /// A net or curves of an object nobody described.
+    #[error("object \"{object}\": {error}")]
+    Draws {
+        /// The object that is drawn.
+        object: String,
+        /// The name and the nearest known one.
+        error: UnknownName,
+    },
+    /// A net of a net.
+    #[error("object \"{object}\": \"{of}\" is itself drawn from another object: name that one")]
+    DrawsDrawn {
+        /// The object that is drawn.
+        object: String,
+        /// The one it names.
+        of: String,
     },
     /// Two things of one name.
     #[error("the {what} name \"{name}\" is taken{}", elsewhere(.first))]

@@ -5,6 +5,8 @@
 //! Readers build a `Scene` and nothing else; rendering needs a `World` and nothing else.
 
 mod camera;
+mod construction;
+mod curve;
 mod document;
 mod error;
 mod framing;
@@ -13,12 +15,16 @@ mod material;
 mod names;
 mod net;
 mod place;
+mod placing;
 mod settings;
 mod shape;
 mod transform;
+mod workshop;
 mod world;
 
 pub use camera::{Camera, CameraError, Projection, View};
+pub use construction::Construction;
+pub use curve::{BSplineEnds, CurveKind, CurveSpec};
 pub use document::{CameraSpec, ImportNote, Lens, Object, Part, Scene, Shape};
 pub use error::{SceneError, SceneFault};
 pub use light::{Light, Rgb};

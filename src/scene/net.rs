@@ -85,7 +85,11 @@ impl Net {
     }
 }
 
-fn knot_vector(degree: usize, knots: &Knots, points: usize) -> Result<KnotVector, KnotError> {
+pub(super) fn knot_vector(
+    degree: usize,
+    knots: &Knots,
+    points: usize,
+) -> Result<KnotVector, KnotError> {
     match knots {
         Knots::ClampedUniform => KnotVector::clamped_uniform(degree, points),
         Knots::Values(values) => KnotVector::for_points(degree, values.clone(), points),

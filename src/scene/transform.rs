@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
 use crate::math::ShownVector;
+use crate::math::angle::sin_cos_degrees;
 
 /// One step in placing an object.
 ///
@@ -100,19 +101,6 @@ fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     let cross = DMat3::from_cols_array(&[0.0, z, -y, -z, 0.0, x, y, -x, 0.0]);
     let outer = DMat3::from_cols(axis * x, axis * y, axis * z);
     DMat3::IDENTITY * cos + cross * sin + outer * (1.0 - cos)
-}
-
-/// Sine and cosine of an angle in degrees; exact at multiples of 90°, where radians are not.
-fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
-    let turns = degrees % 360.0; // exact
-    let quarter = (turns / 90.0).round();
-    let (sin, cos) = (turns - 90.0 * quarter).to_radians().sin_cos();
-    match quarter.rem_euclid(4.0) {
-        1.0 => (cos, -sin),
-        2.0 => (-sin, -cos),
-        3.0 => (-cos, sin),
-        _ => (sin, cos),
-    }
 }
 
 #[cfg(test)]

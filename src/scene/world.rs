@@ -2,15 +2,14 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::DAffine3;
-
 use super::framing::{BoundingSphere, default_lights};
+use super::placing::{Placer, affine};
+use super::workshop::Made;
 use super::{
-    Camera, Light, Material, Object, Part, RenderDefaults, Rgb, Scene, SceneError, SceneFault,
-    Shape, Texture, UnknownName, Written,
+    Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Texture,
+    UnknownName, Written,
 };
 use crate::geometry::NurbsSurface;
-use crate::geometry::shapes::ShapeError;
 use crate::intersect::{BuildOptions, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
@@ -41,6 +40,9 @@ pub struct Instance {
     pub surface: NurbsSurface,
     /// Its material, an index into [`World::materials`].
     pub material: usize,
+    /// How far it is at most from what the scene asks for, in space: 0 where it is exactly
+    /// that, a measured bound where a construction had to approximate.
+    pub deviation: f64,
 }
 
 /// The name of the material of objects that name none. A scene may describe it.
@@ -119,6 +121,7 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
     // Names that are given are kept; others move out of their way.
     let mut taken: HashSet<String> = given.map(|name| name.value.clone()).collect();
     let mut palette = Palette::new(scene)?;
+    let placer = Placer { scene };
     let mut instances = Vec::new();
     for object in &scene.objects {
         let name = match &object.name {
@@ -127,18 +130,34 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
         };
         let material = palette.index(&name, object)?;
         let world_from_object = affine(&name, object)?;
-        for (index, part) in object.parts.iter().enumerate() {
-            let name = match part.name.as_str() {
-                "" if object.parts.len() == 1 => name.clone(),
+        let mut parts = Vec::new();
+        for part in &object.parts {
+            for made in placer.place(&name, part, (object, &world_from_object))? {
+                parts.push((joined(&part.name, &made.name), made));
+            }
+        }
+        let only = parts.len() == 1;
+        for (index, (part, made)) in parts.into_iter().enumerate() {
+            let name = match part.as_str() {
+                "" if only => name.clone(),
                 "" => free_name(&format!("{name}/{index}"), &mut taken),
                 part => free_name(&format!("{name}/{part}"), &mut taken),
             };
-            let surface = place_part(&name, part, (object, &world_from_object))?;
+            let Made { surface, deviation, .. } = made;
             let surface = if object.reverse { surface.reversed_u() } else { surface };
-            instances.push(Instance { name, surface, material });
+            instances.push(Instance { name, surface, material, deviation });
         }
     }
     Ok((instances, palette.materials))
+}
+
+/// The name of a part, and within it of one of its surfaces; either may be empty.
+fn joined(part: &str, made: &str) -> String {
+    match (part, made) {
+        (part, "") => part.to_owned(),
+        ("", made) => made.to_owned(),
+        (part, made) => format!("{part}/{made}"),
+    }
 }
 
 /// The name itself if it is free, else the first of `name 2`, `name 3`, … that is.
@@ -196,47 +215,6 @@ impl Palette {
     }
 }
 
-/// All steps of an object's transform, the first one first.
-fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
-    object.transform.iter().try_fold(DAffine3::IDENTITY, |before, step| {
-        let step_affine = step.value.affine().map_err(|error| {
-            let fault = SceneFault::Transform { object: name.to_owned(), error };
-            SceneError::new(step.place.clone(), fault)
-        })?;
-        Ok(step_affine * before)
-    })
-}
-
-fn place_part(
-    name: &str,
-    part: &Part,
-    (object, world_from_object): (&Object, &DAffine3),
-) -> Result<NurbsSurface, SceneError> {
-    let surface = match &part.shape {
-        Shape::Net(net) => net.surface().map_err(|fault| {
-            let place = net.place(fault.blame).clone();
-            let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
-            SceneError::new(place, fault)
-        })?,
-        Shape::Named(shape, measures) => shape.surface().map_err(|error| {
-            let named = match &error {
-                ShapeError::Length { measure, .. } => measure,
-                ShapeError::Torus { .. } => "minor radius",
-            };
-            let place = measures.iter().find(|measure| measure.value == named);
-            let place = place.map_or(&part.place, |measure| &measure.place).clone();
-            SceneError::new(place, SceneFault::Shape { surface: name.to_owned(), error })
-        })?,
-    };
-    if *world_from_object == DAffine3::IDENTITY {
-        return Ok(surface); // bit for bit as authored
-    }
-    surface.transformed(world_from_object).map_err(|error| {
-        let place = object.transform.first().map_or(&part.place, |step| &step.place).clone();
-        SceneError::new(place, SceneFault::Placed { surface: name.to_owned(), error })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -246,7 +224,8 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotError, SurfaceError};
     use crate::scene::{
-        CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Place, Projection, Transform,
+        CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Part, Place, Projection, Shape,
+        Transform,
     };
 
     fn part(shape: NamedShape) -> Part {

@@ -39,6 +39,8 @@ pub(super) struct SurfaceFacts {
     pub(super) bounds: Aabb,
     /// The borders that are one point, and that point.
     pub(super) collapsed: Vec<(Border, DVec3)>,
+    /// How far it may be from what the scene asks for.
+    pub(super) deviation: f64,
 }
 
 impl Facts {
@@ -106,5 +108,6 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
         bytes: 0,
         bounds: Aabb::EMPTY,
         collapsed: collapsed.filter_map(|b| Some((b, b.pole(surface)?))).collect(),
+        deviation: instance.deviation,
     }
 }

@@ -26,6 +26,7 @@ pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) 
     );
     text += &surfaces(&facts.surfaces);
     text += &collapsed(&facts.surfaces);
+    text += &approximated(&facts.surfaces);
     text += &borders(fit, facts);
     text += &not_imported(notes);
     text
@@ -68,6 +69,23 @@ fn collapsed(surfaces: &[SurfaceFacts]) -> String {
         number => {
             format!("\n{} (poles):\n", count(number as u64, "collapsed edge"))
                 + &table(&rows, &[0, 1, 2])
+        }
+    }
+}
+
+/// The surfaces that are not exactly what the scene asks for, if there are any.
+fn approximated(surfaces: &[SurfaceFacts]) -> String {
+    let off = surfaces.iter().filter(|surface| surface.deviation > 0.0);
+    let row = |surface: &SurfaceFacts| {
+        let name = format!("  {} {}", surface.index, surface.name);
+        vec![name, format!("off by up to {:.2e}", surface.deviation)]
+    };
+    let rows: Vec<Vec<String>> = off.map(row).collect();
+    match rows.len() {
+        0 => String::new(),
+        number => {
+            let surfaces = count(number as u64, "approximated surface");
+            format!("\n{surfaces}, measured when made:\n") + &table(&rows, &[0, 1])
         }
     }
 }

@@ -9,7 +9,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use glam::DVec3;
 
 use super::quadrics::unit_knots;
-use crate::geometry::{KnotVector, NurbsCurve};
+use crate::geometry::construct::arc::UnitArc;
+use crate::geometry::{CurveError, KnotVector, NurbsCurve};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,14 +21,106 @@ pub enum QuadraticArc {
     Symmetric,
 }
 
-/// Which of the note's two quarter circles of degree 4 with `w₁ = 1`.
+/// Which of the two families of symmetric quarter circles of degree 4 in the first quadrant.
+///
+/// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`,
+/// its denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic:
+/// both have one constant left, and `w₁` chooses it. (The note's third and fourth solution
+/// for `w₁ = 1`, with negative `w₂` or `y₁`, leave the quadrant.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuarticArc {
-    /// `y₁ = √2/4`, `x₂ = 1 − √2/8`, `w₂ = 2√2/3`.
+    /// The quadratic arc times a factor: `y₁ = √2/(4 w₁)`, `x₂ = 1 − √2/(8 w₁)`,
+    /// `w₂ = 2√2 w₁/3`. For `w₁ = 1` the note's first solution.
     First,
-    /// `y₁ = √2 − 1`, `x₂ = (44√2 − 1)/79`, `w₂ = (16 − 7√2)/6`.
+    /// The square of a quadratic: `y₁ = √2 − 1`, `w₂ = (√2/2 + (8 − 4√2) w₁²)/3`,
+    /// `x₂ = √2 (1 + (8 − 4√2) w₁²)/(6 w₂)`. For `w₁ = 1` the note's second solution.
     Second,
 }
+
+/// The constants of a symmetric quarter circle of degree 4: control points `(1, 0)`,
+/// `(1, y₁)`, `(x₂, x₂)`, `(y₁, 1)`, `(0, 1)` with the weights `1, w₁, w₂, w₁, 1`.
+///
+/// # Invariant, checked once on construction
+/// The note's three equations (11) hold to rounding, `w₁` and `w₂` are positive, and the
+/// curve stays in the first quadrant: `x₂` and `y₁` are positive too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuarticConstants {
+    w1: f64,
+    w2: f64,
+    y1: f64,
+    x2: f64,
+}
+
+impl QuarticConstants {
+    /// The solution of the constraint for a given `w₁`.
+    ///
+    /// # Errors
+    /// When `w₁` is not positive and finite, or so small (below √2/8) that the first family
+    /// leaves the quadrant.
+    pub fn solved(arc: QuarticArc, w1: f64) -> Result<Self, CurveError> {
+        let (y1, x2, w2) = match arc {
+            QuarticArc::First => {
+                (SQRT_2 / (4.0 * w1), 1.0 - SQRT_2 / (8.0 * w1), 2.0 * SQRT_2 * w1 / 3.0)
+            }
+            QuarticArc::Second => {
+                let r2 = (4.0 - 2.0 * SQRT_2) * w1 * w1;
+                let w2 = (FRAC_1_SQRT_2 + 2.0 * r2) / 3.0;
+                (SQRT_2 - 1.0, FRAC_1_SQRT_2 * (1.0 + 2.0 * r2) / (3.0 * w2), w2)
+            }
+        };
+        Self::new([w1, w2], y1, x2)
+    }
+
+    /// The constants `[w₁, w₂]`, `y₁`, `x₂`, if they satisfy the constraint.
+    ///
+    /// # Errors
+    /// When one is not positive and finite, or an equation is violated; the error says which
+    /// and by how much.
+    pub fn new([w1, w2]: [f64; 2], y1: f64, x2: f64) -> Result<Self, CurveError> {
+        for (index, weight) in [(1, w1), (2, w2)] {
+            let usable = weight > 0.0 && weight.is_finite(); // false for NaN
+            if !usable {
+                return Err(CurveError::Weight { index, weight });
+            }
+        }
+        let inside = y1 > 0.0 && x2 > 0.0 && y1.is_finite() && x2.is_finite();
+        if !inside {
+            let (index, point) = if y1 > 0.0 { (2, [x2, x2]) } else { (1, [1.0, y1]) };
+            let point = DVec3::new(point[0], point[1], 0.0);
+            return Err(CurveError::OffQuadrant { index, point });
+        }
+
+        // Each equation with the sizes of its terms, which bound its rounding.
+        let a = [4.0 * w1 * w1 * y1 * y1, 3.0 * w2 * (x2 - 1.0)];
+        let b = [1.0 - y1, 6.0 * w2 * (1.0 - x2), -6.0 * w2 * x2 * y1];
+        let (w1_2, w2_2) = (w1 * w1, w2 * w2);
+        let c = [32.0 * w1_2 * y1, 36.0 * w2_2 * x2 * x2, -16.0 * w1_2, -18.0 * w2_2, -1.0];
+        let equations: [(&str, &[f64], f64); 3] = [
+            ("4 w1² y1² + 3 w2 (x2 - 1)", &a, 3.0 * w2),
+            ("1 - y1 + 6 w2 (1 - x2 - x2 y1)", &b, 1.0 + 6.0 * w2),
+            ("32 w1² y1 + 36 w2² x2² - 16 w1² - 18 w2² - 1", &c, 0.0),
+        ];
+        for (what, terms, size) in equations {
+            let found: f64 = terms.iter().sum();
+            let size = size + terms.iter().map(|term| term.abs()).sum::<f64>();
+            if found.abs() > ROUNDING * size {
+                return Err(CurveError::NotRound { what, found, needed: 0.0 });
+            }
+        }
+        Ok(Self { w1, w2, y1, x2 })
+    }
+
+    /// The quarter of the unit circle from `(1, 0)` to `(0, 1)`.
+    pub fn curve(&self) -> NurbsCurve {
+        let Self { w1, w2, y1, x2 } = *self;
+        let points = [(1.0, 0.0, 1.0), (1.0, y1, w1), (x2, x2, w2), (y1, 1.0, w1), (0.0, 1.0, 1.0)];
+        plane_curve(unit_knots(4), &points)
+    }
+}
+
+/// A constraint holds if what is left of it is no more than this share of its terms: some
+/// dozen roundings.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 fn plane_curve(knots: KnotVector, points: &[(f64, f64, f64)]) -> NurbsCurve {
     let control = points.iter().map(|&(x, y, w)| (w * DVec3::new(x, y, 0.0)).extend(w));
@@ -43,7 +136,33 @@ pub fn quarter_circle_quadratic(arc: QuadraticArc) -> NurbsCurve {
     plane_curve(unit_knots(2), &[(1.0, 0.0, 1.0), (1.0, 1.0, w1), (0.0, 1.0, w2)])
 }
 
-/// The quarter of the unit circle from `(1, 0)` to `(0, 1)`, of degree 4, symmetric.
+/// The quarter of the unit circle from `(1, 0)` to `(0, 1)`, of degree 2, with any weights
+/// `w₀, w₁, w₂` that satisfy the note's constraint `2 w₁² = w₀ w₂`.
+///
+/// # Errors
+/// When a weight is not positive and finite, or the constraint is violated.
+pub fn quarter_circle_weighted([w0, w1, w2]: [f64; 3]) -> Result<NurbsCurve, CurveError> {
+    for (index, weight) in [w0, w1, w2].into_iter().enumerate() {
+        let usable = weight.is_normal() && weight > 0.0 && weight.is_finite();
+        if !usable {
+            return Err(CurveError::Weight { index, weight });
+        }
+    }
+    let ratio = 2.0 * (w1 / w0) * (w1 / w2);
+    let round = (ratio - 1.0).abs() <= ROUNDING;
+    if !round {
+        return Err(CurveError::NotRound { what: "2 w1² / (w0 w2)", found: ratio, needed: 1.0 });
+    }
+    let knots = unit_knots(2);
+    NurbsCurve::new(
+        knots,
+        vec![DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y],
+        Some(vec![w0, w1, w2]),
+    )
+}
+
+/// The quarter of the unit circle from `(1, 0)` to `(0, 1)`, of degree 4, symmetric, with
+/// `w₁ = 1`: the two solutions the note prints.
 pub fn quarter_circle_quartic(arc: QuarticArc) -> NurbsCurve {
     let (y1, x2, w2) = match arc {
         QuarticArc::First => (SQRT_2 / 4.0, 1.0 - SQRT_2 / 8.0, 2.0 * SQRT_2 / 3.0),
@@ -51,8 +170,7 @@ pub fn quarter_circle_quartic(arc: QuarticArc) -> NurbsCurve {
             (SQRT_2 - 1.0, (44.0 * SQRT_2 - 1.0) / 79.0, (16.0 - 7.0 * SQRT_2) / 6.0)
         }
     };
-    let points = [(1.0, 0.0, 1.0), (1.0, y1, 1.0), (x2, x2, w2), (y1, 1.0, 1.0), (0.0, 1.0, 1.0)];
-    plane_curve(unit_knots(4), &points)
+    QuarticConstants { w1: 1.0, w2, y1, x2 }.curve()
 }
 
 /// The half of the unit circle with `x ≥ 0`, from `(0, 1)` to `(0, −1)`, of degree 3:
@@ -78,6 +196,26 @@ pub fn circle_cubic() -> NurbsCurve {
     ];
     let values = vec![0.0, 0.0, 0.0, 0.0, half, half, half, 1.0, 1.0, 1.0, 1.0];
     plane_curve(KnotVector::derived(3, values), &points)
+}
+
+/// The arc of the circle of this radius around the origin, from an angle by a turn (both in
+/// degrees, counterclockwise from the x axis), of degree 2 on `[0, 1]`: one piece for each
+/// quarter turn or less, of equal angles.
+///
+/// # Errors
+/// When the radius is not positive and finite, or the turn is zero or more than 360°.
+pub fn circle_arc(radius: f64, from: f64, degrees: f64) -> Result<NurbsCurve, CurveError> {
+    let usable = radius > 0.0 && radius.is_finite(); // false for NaN
+    if !usable {
+        return Err(CurveError::Radius { radius });
+    }
+    let usable = from.is_finite() && degrees != 0.0 && degrees.abs() <= 360.0;
+    if !usable {
+        return Err(CurveError::Arc { from, degrees });
+    }
+    let arc = UnitArc::new(from, degrees);
+    let scaled = arc.points.iter().map(|&(x, y, w)| (radius * x, radius * y, w));
+    Ok(plane_curve(arc.knots, &scaled.collect::<Vec<_>>()))
 }
 
 #[cfg(test)]
@@ -126,6 +264,69 @@ mod tests {
         assert!((second.point(1).y - printed[0]).abs() < 1e-15);
         assert!((second.point(2).x - printed[1]).abs() < 1e-15);
         assert!((second.weight(2) - printed[2]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_constraint_is_solved_for_any_w1() {
+        use QuarticArc::{First, Second};
+        for w1 in [0.2, 0.3, 0.5, 0.836_516_303_737_807_9, 1.0, 1.5, 3.0, 100.0, 1e6] {
+            for arc in [First, Second] {
+                stays_on_the_circle(&QuarticConstants::solved(arc, w1).unwrap().curve());
+            }
+        }
+        for arc in [First, Second] {
+            let solved = QuarticConstants::solved(arc, 1.0).unwrap().curve();
+            for (a, b) in solved.control().iter().zip(quarter_circle_quartic(arc).control()) {
+                assert!(a.distance(*b) < 4e-16, "{arc:?}: {a} {b}");
+            }
+        }
+        // The border of the note's quartic octant.
+        let octant = QuarticConstants::new(
+            [0.836_516_303_737_807_9, 0.788_675_134_594_812_9],
+            0.422_649_730_810_374_2,
+            0.788_675_134_594_812_9,
+        );
+        stays_on_the_circle(&octant.unwrap().curve());
+    }
+
+    #[test]
+    fn constants_that_make_no_circle_are_refused_by_how_much() {
+        assert_eq!(
+            QuarticConstants::new([1.0, 1.0], 0.5, 0.75).unwrap_err().to_string(),
+            "4 w1² y1² + 3 w2 (x2 - 1) is 0.25: a circle needs 0"
+        );
+        assert_eq!(
+            QuarticConstants::solved(QuarticArc::First, 0.125).unwrap_err().to_string(),
+            "control point 2 is (-0.41421356237309515, -0.41421356237309515): \
+             both coordinates must be positive for a quarter circle"
+        );
+        assert!(QuarticConstants::solved(QuarticArc::Second, -1.0).is_err());
+        assert!(QuarticConstants::solved(QuarticArc::Second, f64::NAN).is_err());
+        assert_eq!(
+            quarter_circle_weighted([1.0, 1.0, 1.0]).unwrap_err().to_string(),
+            "2 w1² / (w0 w2) is 2: a circle needs 1"
+        );
+        assert_eq!(
+            quarter_circle_weighted([1.0, 0.0, 1.0]).unwrap_err().to_string(),
+            "the weight of control point 1 is 0: it must be positive and finite"
+        );
+        for w0 in [1e-8, 0.3, 1.0, 1e8] {
+            stays_on_the_circle(&quarter_circle_weighted([w0, 1.0, 2.0 / w0]).unwrap());
+        }
+        let symmetric = quarter_circle_weighted([SQRT_2, 1.0, SQRT_2]).unwrap();
+        close(symmetric.point_at(0.5), FRAC_1_SQRT_2, FRAC_1_SQRT_2);
+    }
+
+    #[test]
+    fn arcs_of_any_angle_have_their_radius() {
+        for degrees in [0.5, 90.0, 137.5, 180.0, 275.0, 360.0, -45.0] {
+            stays_on_the_circle(&circle_arc(1.0, 33.0, degrees).unwrap());
+        }
+        assert_eq!(
+            circle_arc(1.0, 0.0, 361.0).unwrap_err().to_string(),
+            "an arc from 0° by 361°: it must turn by -360° to 360°, and not by 0°"
+        );
+        assert!(circle_arc(0.0, 0.0, 90.0).is_err() && circle_arc(1.0, f64::NAN, 90.0).is_err());
     }
 
     #[test]

@@ -4,14 +4,17 @@
 
 mod circles;
 mod documents;
+mod octant;
 mod quadrics;
 mod revolved;
 
 pub use circles::{
-    QuadraticArc, QuarticArc, circle_cubic, half_circle_cubic, quarter_circle_quadratic,
-    quarter_circle_quartic,
+    QuadraticArc, QuarticArc, QuarticConstants, circle_arc, circle_cubic, half_circle_cubic,
+    quarter_circle_quadratic, quarter_circle_quartic, quarter_circle_weighted,
 };
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
+pub use octant::octant_quartic;
+pub(crate) use quadrics::unit_knots;
 pub use quadrics::{
     hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
 };

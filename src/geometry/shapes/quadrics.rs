@@ -119,7 +119,7 @@ pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 }
 
 /// The knots of one Bézier piece on `[0, 1]`.
-pub(super) fn unit_knots(degree: usize) -> KnotVector {
+pub(crate) fn unit_knots(degree: usize) -> KnotVector {
     let mut values = vec![0.0; degree + 1];
     values.extend(std::iter::repeat_n(1.0, degree + 1));
     KnotVector::derived(degree, values)

@@ -2,38 +2,13 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 use super::quadrics::unit_knots;
 use super::{ShapeError, check_length};
+use crate::geometry::construct::arc::{UnitArc, arc_knots};
+use crate::geometry::construct::{Turned, turned_net};
 use crate::geometry::{KnotVector, NurbsSurface};
-
-/// The unit circle, counterclockwise from `(1, 0)`, as `(x, y, w)`: four quarter arcs of
-/// degree 2, the corners of a square weighted by cos 45° (Piegl & Tiller 1997, ex. 7.2).
-const CIRCLE: [(f64, f64, f64); 9] = [
-    (1.0, 0.0, 1.0),
-    (1.0, 1.0, FRAC_1_SQRT_2),
-    (0.0, 1.0, 1.0),
-    (-1.0, 1.0, FRAC_1_SQRT_2),
-    (-1.0, 0.0, 1.0),
-    (-1.0, -1.0, FRAC_1_SQRT_2),
-    (0.0, -1.0, 1.0),
-    (1.0, -1.0, FRAC_1_SQRT_2),
-    (1.0, 0.0, 1.0),
-];
-
-/// The knots of [`CIRCLE`]: a quarter of the unit interval for each arc.
-fn circle_knots() -> KnotVector {
-    arc_knots(&[0.25, 0.5, 0.75])
-}
-
-/// Knots of quadratic arcs that meet at these parameters of the unit interval.
-fn arc_knots(inside: &[f64]) -> KnotVector {
-    let mut values = vec![0.0; 3];
-    values.extend(inside.iter().flat_map(|&t| [t, t]));
-    values.extend([1.0; 3]);
-    KnotVector::derived(2, values)
-}
 
 /// A profile `(r, z, w)` in the half plane `r ≥ 0`, turned around the z axis.
 ///
@@ -41,16 +16,17 @@ fn arc_knots(inside: &[f64]) -> KnotVector {
 /// `Sᵤ × Sᵥ` points to the right of the profile in the plane of r and z: outward where it
 /// rises.
 fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> NurbsSurface {
-    let control: Vec<DVec4> = CIRCLE
+    let points: Vec<Turned> = profile
         .iter()
-        .flat_map(|&(x, y, weight)| {
-            profile.iter().map(move |&(r, z, w)| {
-                let w = weight * w;
-                (w * DVec3::new(r * x, r * y, z)).extend(w)
-            })
+        .map(|&(r, z, weight)| Turned {
+            centre: z * DVec3::Z,
+            across: r * DVec3::X,
+            ahead: r * DVec3::Y,
+            weight,
         })
         .collect();
-    NurbsSurface::assembled([circle_knots(), knots_v], control)
+    let circle = UnitArc::circle();
+    NurbsSurface::assembled([circle.knots, knots_v], turned_net(&circle.points, &points))
 }
 
 /// The sphere around the origin as a biquadratic surface of revolution, 9 × 5 control points.
@@ -79,8 +55,9 @@ pub fn torus(major: f64, minor: f64) -> Result<NurbsSurface, ShapeError> {
     if minor >= major {
         return Err(ShapeError::Torus { major, minor });
     }
-    let profile = CIRCLE.map(|(r, z, w)| (major + minor * r, minor * z, w));
-    Ok(revolved(&profile, circle_knots()))
+    let circle = UnitArc::circle();
+    let around = circle.points.iter().map(|&(r, z, w)| (major + minor * r, minor * z, w));
+    Ok(revolved(&around.collect::<Vec<_>>(), circle.knots))
 }
 
 /// The side of a cylinder around the z axis, open at `z = 0` and at `z = height`.

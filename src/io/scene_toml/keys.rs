@@ -4,6 +4,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::super::keyed::Keyed;
+use super::constructions::{
+    ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
+    RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
+};
 use super::kinds::{Kinds, OneOf};
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
@@ -189,6 +193,17 @@ pub(super) enum ShapeKeys {
     #[serde(rename = "lecture_patch_3")]
     LecturePatch3(Keyed<NoKeys>),
     DeckPatch(Keyed<NoKeys>),
+    Revolution(Box<Keyed<RevolutionKeys>>),
+    Extrusion(Box<Keyed<ExtrusionKeys>>),
+    Ruled(Box<Keyed<RuledKeys>>),
+    Coons(Box<Keyed<CoonsKeys>>),
+    Loft(Box<Keyed<LoftKeys>>),
+    Sweep(Box<Keyed<SweepKeys>>),
+    Tube(Box<Keyed<TubeKeys>>),
+    Ribbon(Box<Keyed<RibbonKeys>>),
+    Polygon(Box<Keyed<PolygonKeys>>),
+    Net(Box<Keyed<NetKeys>>),
+    IsoCurves(Box<Keyed<IsoCurvesKeys>>),
     Nurbs(Box<Keyed<NurbsKeys>>),
     File(Spanned<String>),
 }
@@ -260,6 +275,7 @@ pub(super) struct NurbsKeys {
 pub(super) enum ShapeSource {
     Named(NamedShape, Measures),
     Nurbs(Box<Keyed<NurbsKeys>>),
+    Built(ConstructionKeys),
     File(Spanned<String>),
 }
 
@@ -268,6 +284,7 @@ pub(super) type Measures = Vec<(&'static str, usize)>;
 
 impl ShapeKeys {
     pub(super) fn source(self) -> ShapeSource {
+        use ConstructionKeys as Built;
         let mut measures = Measures::new();
         let mut measure = |name, written: Spanned<Number>| {
             if !written.span().is_empty() {
@@ -276,6 +293,19 @@ impl ShapeKeys {
             written.into_inner().0
         };
         let shape = match self {
+            Self::Revolution(keys) => {
+                return ShapeSource::Built(Built::Revolution(Box::new(keys.0)));
+            }
+            Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(Box::new(keys.0))),
+            Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(Box::new(keys.0))),
+            Self::Coons(keys) => return ShapeSource::Built(Built::Coons(Box::new(keys.0))),
+            Self::Loft(keys) => return ShapeSource::Built(Built::Loft(Box::new(keys.0))),
+            Self::Sweep(keys) => return ShapeSource::Built(Built::Sweep(Box::new(keys.0))),
+            Self::Tube(keys) => return ShapeSource::Built(Built::Tube(Box::new(keys.0))),
+            Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(Box::new(keys.0))),
+            Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(Box::new(keys.0))),
+            Self::Net(keys) => return ShapeSource::Built(Built::Net(Box::new(keys.0))),
+            Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(Box::new(keys.0))),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere(Keyed(keys)) => {

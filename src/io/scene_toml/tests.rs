@@ -35,8 +35,9 @@ fn with_sphere(lines: &str) -> String {
 fn documented() -> Vec<String> {
     let mut blocks = Vec::new();
     let mut block: Option<String> = None;
-    for line in include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!")) {
-        let line = line.trim_start_matches("//!").strip_prefix(' ').unwrap_or("");
+    let module = include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!"));
+    let module = module.map(|l| l.trim_start_matches("//!").strip_prefix(' ').unwrap_or(""));
+    for line in module.chain(include_str!("from_curves.md").lines()) {
         match (&mut block, line) {
             (None, "```toml") => block = Some(String::new()),
             (Some(_), "```") => blocks.extend(block.take()),
@@ -50,7 +51,7 @@ fn documented() -> Vec<String> {
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 4);
+    assert_eq!(blocks.len(), 6);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {
@@ -61,9 +62,66 @@ fn what_the_documentation_shows_can_be_read() {
         });
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
         let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        assert_eq!(world.surfaces.len(), text.matches("[[object]]").count());
-        assert_eq!(asked.into_inner().len(), text.matches("file =").count());
+        assert!(world.surfaces.len() >= text.matches("[[object]]").count());
+        assert_eq!(asked.into_inner().len(), text.matches("{ file =").count());
     }
+}
+
+#[test]
+fn what_cannot_be_made_from_curves_is_told() {
+    let shape = |text: &str| error(&format!("[[object]]\nname = 'cup'\n[object.shape.{text}"));
+    assert_eq!(
+        shape("revolution]\nprofile = {}"),
+        "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, through, \
+         bspline, catmull_rom, hermite, circle, arc"
+    );
+    assert_eq!(
+        shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),
+        "s.toml:4:11: surface \"cup\": profile: points 0 and 1 coincide: neighbours must differ"
+    );
+    assert_eq!(
+        shape("revolution]\nprofile = { polyline = [[1, 0], [2, 0]] }\ndegrees = 400"),
+        "s.toml:3:9: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
+    );
+    assert_eq!(
+        shape(
+            "extrusion]\nprofile = { nurbs = { degree = 2, points = [[1, 0], [2, 0]] } }\nby = [0, 0, 1]"
+        ),
+        "s.toml:4:44: surface \"cup\": profile: 2 points of degree 2: at least 3 are needed"
+    );
+    assert_eq!(
+        shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
+        "s.toml:4:8: surface \"cup\": from: radius -1: it must be positive and finite"
+    );
+    assert_eq!(
+        shape("ruled]\nfrom = { circle = { radius = 1 } }\nto = { polyline = [[1]] }"),
+        "s.toml:5:20: found a list of 1 numbers, needed [x, y, z], or [x, y]"
+    );
+}
+
+#[test]
+fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
+    let ball = "[[object]]\nname = 'ball'\nshape = { octant = {} }\n\
+        transform = [{ translate = [0, 0, 5] }]\n";
+    let net = "[[object]]\nname = 'net'\nshape.net = { of = 'ball', radius = 0.01 }\n";
+    let world = World::new(&scene(&format!("{net}{ball}"))).unwrap();
+    let names: Vec<_> = world.surfaces.iter().map(|surface| surface.name.as_str()).collect();
+    // 3 × 3 points, of which three are the pole; 12 lines, of which two have no length.
+    assert_eq!(names.len(), 1 + 7 + 10, "{names:?}");
+    assert_eq!((names[17], names[1]), ("ball", "net/line 2"));
+    let pole = world.surfaces.iter().find(|surface| surface.name == "net/point 3").unwrap();
+    let middle = 0.5 * (pole.surface.point_at(0.0, 0.0) + pole.surface.point_at(0.0, 1.0));
+    assert!(middle.distance(DVec3::new(0.0, 0.0, 6.0)) < 1e-14, "moved with the ball: {middle}");
+    assert_eq!(
+        error(&format!("{ball}{}", net.replace("'ball'", "'bell'"))),
+        "s.toml:7:20: object \"net\": unknown object \"bell\"; did you mean \"ball\"?"
+    );
+    let lines =
+        "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'net', u = [0.5], radius = 0.1 }";
+    assert_eq!(
+        error(&format!("{ball}{net}{lines}")),
+        "s.toml:10:27: object \"l\": \"net\" is itself drawn from another object: name that one"
+    );
 }
 
 #[test]

@@ -18,6 +18,10 @@ pub(super) struct Number(pub(super) f64);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vector(pub(super) DVec3);
 
+/// A point of a curve: `[x, y, z]`, or `[x, y]` in the plane `z = 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point(pub(super) DVec3);
+
 /// One number for all three axes, or `[x, y, z]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Factors(pub(super) DVec3);
@@ -135,7 +139,7 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, Factors, Axis, Color, PerDirection, KnotEntry);
+read_loosely!(Number, Vector, Point, Factors, Axis, Color, PerDirection, KnotEntry);
 
 impl Loose {
     /// What was found instead of what is needed.
@@ -174,6 +178,21 @@ impl TryFrom<Loose> for Vector {
 
     fn try_from(value: Loose) -> Result<Self, String> {
         value.vector().map(Self).ok_or_else(|| value.but_needed("three numbers, [x, y, z]"))
+    }
+}
+
+impl TryFrom<Loose> for Point {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let point = match &value {
+            Loose::List(list) => match *list.as_slice() {
+                [x, y] => Some(DVec3::new(x, y, 0.0)),
+                _ => value.vector(),
+            },
+            _ => None,
+        };
+        point.map(Self).ok_or_else(|| value.but_needed("[x, y, z], or [x, y]"))
     }
 }
 

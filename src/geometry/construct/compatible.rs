@@ -1,0 +1,160 @@
+//! Curves made compatible: of one degree, over the same knots.
+
+use super::ConstructError;
+use crate::geometry::line::{merged, refine};
+use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
+
+/// Knots of two curves that differ by no more than this share of their common domain are one
+/// knot: proportional moving of a knot costs a few roundings. Kept apart, they would leave
+/// spans of no use to anyone; joined, a curve moves by no more than rounding.
+const SAME_KNOT: f64 = 8.0 * f64::EPSILON;
+
+/// The same curves, of their highest degree, clamped, over one common knot vector.
+///
+/// Curves whose domains are the same keep theirs; otherwise all are moved to `[0, 1]`. Degrees
+/// are elevated, then each gets the knots it lacks (Piegl & Tiller 1997, 10.3): none changes
+/// its shape or its speed.
+///
+/// # Errors
+/// When a curve has two knots too close together; `which` says how to call a curve.
+pub(crate) fn compatible(
+    curves: &[NurbsCurve],
+    which: &dyn Fn(usize) -> String,
+) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let Some(first) = curves.first() else { return Ok(Vec::new()) };
+    let degree = curves.iter().map(|curve| curve.knots().degree()).fold(1, usize::max);
+    let same_domain = curves.iter().all(|curve| curve.domain() == first.domain());
+    let domain = if same_domain { first.domain() } else { (0.0, 1.0) };
+    let prepare = |curve: &NurbsCurve| {
+        let curve = curve.clamped().on_domain(domain.0, domain.1)?;
+        curve.elevated(degree - curve.knots().degree())
+    };
+    let mut prepared = Vec::with_capacity(curves.len());
+    for (index, curve) in curves.iter().enumerate() {
+        prepared.push(prepare(curve).map_err(|e| ConstructError::of(which(index))(e))?);
+    }
+
+    // Knots that are the same get the same value, then every curve gets every knot.
+    let places = distinct_knots(&prepared, SAME_KNOT * (domain.1 - domain.0));
+    for (index, curve) in prepared.iter_mut().enumerate() {
+        let knots = snapped(curve.knots(), &places).map_err(CurveError::from);
+        let knots = knots.map_err(ConstructError::of(which(index)))?;
+        *curve = NurbsCurve::assembled(knots, curve.control().to_vec());
+    }
+    let highest = |&knot: &f64| {
+        let times = prepared.iter().map(|curve| curve.knots().multiplicity(knot));
+        (knot, times.fold(0, usize::max))
+    };
+    let common: Vec<(f64, usize)> = places.iter().map(highest).collect();
+    let with_all = |curve: &NurbsCurve| {
+        let lacking = lacking(&common, curve.knots());
+        let control = refine(curve.knots(), curve.control(), &lacking);
+        let values = merged(curve.knots().values(), &lacking);
+        NurbsCurve::assembled(KnotVector::derived(degree, values), control)
+    };
+    Ok(prepared.iter().map(with_all).collect())
+}
+
+/// The values of the inner knots of all curves, in order, those that are the same within
+/// `tolerance` as one: the first of them.
+fn distinct_knots(curves: &[NurbsCurve], tolerance: f64) -> Vec<f64> {
+    let inner = |curve: &NurbsCurve| {
+        let (values, p) = (curve.knots().values(), curve.knots().degree());
+        values[p + 1..values.len() - p - 1].to_vec()
+    };
+    let mut all: Vec<f64> = curves.iter().flat_map(inner).collect();
+    all.sort_by(f64::total_cmp);
+    let mut distinct: Vec<f64> = Vec::new();
+    for knot in all {
+        let new = distinct.last().is_none_or(|last| knot - last > tolerance);
+        if new {
+            distinct.push(knot);
+        }
+    }
+    distinct
+}
+
+/// The knots with each inner one moved to the place it belongs to.
+fn snapped(knots: &KnotVector, places: &[f64]) -> Result<KnotVector, KnotError> {
+    let (p, n) = (knots.degree(), knots.point_count());
+    let mut values = knots.values().to_vec();
+    for value in &mut values[p + 1..n] {
+        // Places are named by their first knot: the last one at or below.
+        let above = places.partition_point(|place| place <= value);
+        if let Some(place) = above.checked_sub(1).and_then(|index| places.get(index)) {
+            *value = *place;
+        }
+    }
+    KnotVector::new(p, values)
+}
+
+/// The knots, in order, that a vector lacks to have all the common ones.
+fn lacking(common: &[(f64, usize)], knots: &KnotVector) -> Vec<f64> {
+    let missing = |&(knot, times): &(f64, usize)| {
+        std::iter::repeat_n(knot, times.saturating_sub(knots.multiplicity(knot)))
+    };
+    common.iter().flat_map(missing).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn curve(degree: usize, knots: &[(f64, usize)], seed: f64) -> NurbsCurve {
+        let knots = KnotVector::with_multiplicities(degree, knots).unwrap();
+        let n = knots.point_count();
+        let point = |k: usize| DVec3::new(k as f64, (seed * k as f64).sin(), seed);
+        let weights = (0..n).map(|k| 1.0 + 0.5 * (seed + k as f64).cos()).collect();
+        NurbsCurve::new(knots, (0..n).map(point).collect(), Some(weights)).unwrap()
+    }
+
+    #[test]
+    fn degrees_and_knots_agree_and_no_curve_moves() {
+        let third = 1.0 / 3.0;
+        let curves = [
+            curve(1, &[(0.0, 2), (third, 1), (1.0, 2)], 1.0),
+            curve(3, &[(2.0, 4), (3.0, 2), (3.5, 1), (5.0, 4)], 2.0),
+            curve(2, &[(-1.0, 1), (-0.5, 1), (0.0, 1), (0.1, 1), (1.0, 1), (1.5, 2)], 3.0),
+        ];
+        let same = compatible(&curves, &|k| format!("curve {k}")).unwrap();
+        for (new, old) in same.iter().zip(&curves) {
+            assert_eq!(new.knots(), same[0].knots());
+            assert_eq!((new.domain(), new.knots().degree()), ((0.0, 1.0), 3));
+            let (a, b) = old.domain();
+            for k in 0..=40 {
+                let s = f64::from(k) / 40.0;
+                let off = new.point_at(s).distance(old.point_at(a + s * (b - a)));
+                assert!(off < 2e-15 * new.magnitude(), "{s}: {off:e}");
+            }
+        }
+        // A third of the way twice, from a knot of its own and from one moved: one knot.
+        assert_eq!(same[0].knots().spans().count(), 4);
+    }
+
+    #[test]
+    fn knots_that_are_hardly_apart_become_one_of_higher_multiplicity() {
+        let half = 0.5 + f64::EPSILON;
+        let curves = [
+            curve(3, &[(0.0, 4), (0.5, 1), (half, 1), (1.0, 4)], 1.0),
+            curve(3, &[(0.0, 4), (0.25, 1), (1.0, 4)], 2.0),
+        ];
+        let same = compatible(&curves, &|_| String::new()).unwrap();
+        assert_eq!(same[0].knots(), same[1].knots());
+        assert_eq!(same[1].knots().multiplicity(0.5), 2);
+        for k in 0..=40 {
+            let t = f64::from(k) / 40.0;
+            for (new, old) in same.iter().zip(&curves) {
+                assert!(new.point_at(t).distance(old.point_at(t)) < 1e-14, "{t}");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_domains_are_kept() {
+        let curves = [curve(1, &[(2.0, 2), (3.0, 2)], 1.0), curve(2, &[(2.0, 3), (3.0, 3)], 2.0)];
+        let same = compatible(&curves, &|_| String::new()).unwrap();
+        assert_eq!(same[0].domain(), (2.0, 3.0));
+        assert_eq!(same[1], curves[1]);
+    }
+}

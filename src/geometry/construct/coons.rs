@@ -1,0 +1,274 @@
+//! Coons patches: a surface through four border curves.
+
+use std::fmt;
+
+use glam::{DVec4, Vec4Swizzles};
+
+use super::ConstructError;
+use super::compatible::compatible;
+use super::error::net_size;
+use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
+
+/// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
+/// runs in the direction in which the other one grows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Borders {
+    /// Where `u` begins; runs along `v`.
+    pub u0: NurbsCurve,
+    /// Where `u` ends; runs along `v`.
+    pub u1: NurbsCurve,
+    /// Where `v` begins; runs along `u`.
+    pub v0: NurbsCurve,
+    /// Where `v` ends; runs along `u`.
+    pub v1: NurbsCurve,
+}
+
+/// A corner of a Coons patch: which ends of `u` and `v`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corner {
+    u: u8,
+    v: u8,
+}
+
+impl fmt::Display for Corner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { u, v } = self;
+        write!(f, "the corner of borders u{u} and v{v}")
+    }
+}
+
+const CORNERS: [Corner; 4] =
+    [Corner { u: 0, v: 0 }, Corner { u: 0, v: 1 }, Corner { u: 1, v: 0 }, Corner { u: 1, v: 1 }];
+
+/// Two ends agree if they are no farther apart than a few roundings of their coordinates: a
+/// rotation costs some six operations of half an ulp, a weight divided out another.
+const SAME_CORNER: f64 = 8.0 * f64::EPSILON;
+
+/// Weights closer together than this share of themselves are equal but for rounding.
+const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
+
+/// The bilinearly blended patch of Coons (1967) between four borders, on `[0, 1]²`: the
+/// ruled surface between `v0` and `v1`, plus that between `u0` and `u1`, less the bilinear
+/// one between the corners.
+///
+/// The borders are met exactly, their speeds too where they begin and end with equal
+/// weights; a border with unequal ones is run at another speed (a linear rational
+/// reparametrisation, Piegl & Tiller 1997, 6.4), its shape unchanged. The inside is exactly
+/// the sum above where the borders are polynomial; rational ones are blended in homogeneous
+/// coordinates, weights 1 at the corners, which is a surface of the same degrees, but not
+/// the sum of the three surfaces in space. All the control net is made at once: linear
+/// functions have their Greville abscissae as coefficients.
+///
+/// # Errors
+/// When two borders do not end in the same point (within rounding of their coordinates), or
+/// weights inside the patch would not be positive: borders of very small weights may do that.
+pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
+    let Borders { u0, u1, v0, v1 } = borders;
+    check_corners(borders)?;
+    let along_u = unit_pair([v0, v1], "v")?;
+    let along_v = unit_pair([u0, u1], "u")?;
+    let (knots_u, knots_v) = (along_u[0].knots().clone(), along_v[0].knots().clone());
+    let [c0, c1] = along_u.each_ref().map(|curve| curve.control());
+    let [mut d0, mut d1] = along_v.each_ref().map(|curve| curve.control().to_vec());
+
+    // Corners that agree but for rounding are made the same.
+    let (last_i, last_j) = (c0.len() - 1, d0.len() - 1);
+    let corners = [[c0[0], c1[0]], [c0[last_i], c1[last_i]]];
+    [d0[0], d0[last_j]] = corners[0];
+    [d1[0], d1[last_j]] = corners[1];
+
+    let (shares_u, shares_v) = (greville(&knots_u), greville(&knots_v));
+    let mut net = Vec::with_capacity(net_size(c0.len(), d0.len())?);
+    for (i, &mu) in shares_u.iter().enumerate() {
+        for (j, &nu) in shares_v.iter().enumerate() {
+            net.push(match (i, j) {
+                (0, j) => d0[j],
+                (i, j) if i == last_i => d1[j],
+                (i, 0) => c0[i],
+                (i, j) if j == last_j => c1[i],
+                (i, j) => {
+                    let between = |a: DVec4, b: DVec4, share: f64| (1.0 - share) * a + share * b;
+                    let [low, high] = corners.map(|[a, b]| between(a, b, nu));
+                    between(c0[i], c1[i], nu) + between(d0[j], d1[j], mu) - between(low, high, mu)
+                }
+            });
+        }
+    }
+    Ok(NurbsSurface::from_homogeneous(knots_u, knots_v, net)?)
+}
+
+fn check_corners(borders: &Borders) -> Result<(), ConstructError> {
+    let Borders { u0, u1, v0, v1 } = borders;
+    let curves = [u0, u1, v0, v1];
+    let magnitude = curves.iter().map(|curve| curve.magnitude()).fold(0.0, f64::max);
+    let [u, v] = [[u0, u1], [v0, v1]].map(|pair| pair.map(|curve| curve.clamped().ends()));
+    for corner in CORNERS {
+        let (i, j) = (usize::from(corner.u), usize::from(corner.v));
+        let [a, b] = [u[i][j], v[j][i]];
+        let distance = a.distance(b);
+        let agree = distance <= SAME_CORNER * magnitude; // false for NaN
+        if !agree {
+            return Err(ConstructError::Corner { corner, u: a, v: b, distance });
+        }
+    }
+    Ok(())
+}
+
+/// Two opposite borders made compatible on `[0, 1]`, with weights 1 at all four ends.
+fn unit_pair(pair: [&NurbsCurve; 2], name: &str) -> Result<[NurbsCurve; 2], ConstructError> {
+    let which = |index| format!("border {name}{index}");
+    let mut curves = Vec::with_capacity(2);
+    for (index, curve) in pair.into_iter().enumerate() {
+        let curve =
+            curve.clamped().on_domain(0.0, 1.0).map_err(ConstructError::of(which(index)))?;
+        curves.push(
+            with_unit_ends(&curve)
+                .map_err(|error| ConstructError::Curve { which: which(index), error })?,
+        );
+    }
+    let both = compatible(&curves, &which)?;
+    Ok([both[0].clone(), both[1].clone()])
+}
+
+/// The same clamped curve on `[0, 1]` with weights 1 at both ends.
+///
+/// With `D(s) = 1 − s + λ s` and `t = λ s / D(s)`, the blossom of `Dᵖ C(t(s))` at new knots
+/// is that of `C` at the old ones times all `D` there: control points stay, weights change.
+/// `λ` is chosen such that the last weight becomes 1 when the first is.
+fn with_unit_ends(curve: &NurbsCurve) -> Result<NurbsCurve, crate::geometry::CurveError> {
+    let (knots, control) = (curve.knots(), curve.control());
+    let (p, values) = (knots.degree(), knots.values());
+    let (first, last) = (control[0].w, control[control.len() - 1].w);
+    let scaled = |factor: f64| control.iter().map(move |point| factor * *point);
+    if (first - last).abs() <= SAME_WEIGHT * first {
+        return NurbsCurve::from_homogeneous(
+            knots.clone(),
+            ends_at_one(scaled(1.0 / first).collect()),
+        );
+    }
+    let lambda = (first / last).powf(1.0 / p as f64);
+    let moved = |&t: &f64| if t == 1.0 { 1.0 } else { t / (lambda - (lambda - 1.0) * t) };
+    let new: Vec<f64> = values.iter().map(moved).collect();
+    let speed = |s: f64| 1.0 - s + lambda * s;
+    let factor = |i: usize| new[i + 1..=i + p].iter().map(|&s| speed(s)).product::<f64>();
+    let control = scaled(1.0 / first).enumerate().map(|(i, point)| factor(i) * point).collect();
+    NurbsCurve::from_homogeneous(KnotVector::new(p, new)?, ends_at_one(control))
+}
+
+/// Ends whose weights are 1 but for rounding, made so.
+fn ends_at_one(mut control: Vec<DVec4>) -> Vec<DVec4> {
+    let last = control.len() - 1;
+    for index in [0, last] {
+        let point = control[index];
+        control[index] = (point.xyz() / point.w).extend(1.0);
+    }
+    control
+}
+
+/// The Greville abscissae `(t_{i+1} + … + t_{i+p}) / p`: the coefficients of the function
+/// `t` itself, here on `[0, 1]`.
+pub(crate) fn greville(knots: &KnotVector) -> Vec<f64> {
+    let (p, values) = (knots.degree(), knots.values());
+    (0..knots.point_count()).map(|i| values[i + 1..=i + p].iter().sum::<f64>() / p as f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::{circle_arc, unit_knots};
+    use glam::{DAffine3, DVec3};
+
+    fn bezier(points: &[[f64; 3]]) -> NurbsCurve {
+        NurbsCurve::bezier(&points.iter().map(|&p| p.into()).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Polynomial borders of several degrees, one with knots of its own.
+    fn polynomial(size: f64) -> Borders {
+        let scale = DAffine3::from_scale(DVec3::splat(size));
+        let knots = KnotVector::with_multiplicities(2, &[(1.0, 3), (2.5, 1), (3.0, 3)]).unwrap();
+        let points = [[0.0, 2.0, 0.5], [1.0, 2.5, 1.0], [2.0, 1.5, 0.0], [3.0, 2.0, 0.0]];
+        let v1 = NurbsCurve::new(knots, points.map(DVec3::from).to_vec(), None).unwrap();
+        let all = [
+            bezier(&[[0.0, 0.0, 0.0], [-0.5, 1.0, 1.0], [0.0, 1.5, 2.0], [0.0, 2.0, 0.5]]),
+            bezier(&[[3.0, 0.0, 1.0], [3.0, 2.0, 0.0]]),
+            bezier(&[[0.0, 0.0, 0.0], [1.0, -1.0, 1.0], [3.0, 0.0, 1.0]]),
+            v1,
+        ];
+        let [u0, u1, v0, v1] = all.map(|curve| curve.transformed(&scale).unwrap());
+        Borders { u0, u1, v0, v1 }
+    }
+
+    fn at(curve: &NurbsCurve, share: f64) -> DVec3 {
+        let (a, b) = curve.domain();
+        curve.point_at(a + share * (b - a))
+    }
+
+    #[test]
+    fn polynomial_patches_are_coons_sum_at_any_size() {
+        for size in [1e-8, 1.0, 1e8] {
+            let borders = polynomial(size);
+            let patch = coons(&borders).unwrap();
+            let Borders { u0, u1, v0, v1 } = &borders;
+            for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
+                let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                let sum =
+                    (1.0 - v) * at(v0, u) + v * at(v1, u) + (1.0 - u) * at(u0, v) + u * at(u1, v)
+                        - (1.0 - u) * ((1.0 - v) * at(u0, 0.0) + v * at(u0, 1.0))
+                        - u * ((1.0 - v) * at(u1, 0.0) + v * at(u1, 1.0));
+                let off = patch.point_at(u, v).distance(sum);
+                assert!(off < 1e-14 * size, "({u}, {v}): off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn rational_borders_are_met_in_shape() {
+        // A disk between four quarters of its rim, one of them with weights 1, 1, 2.
+        let quarter = |from: f64, turn: f64| circle_arc(2.0, from, turn).unwrap();
+        let (u0, u1) = (quarter(180.0, -90.0), quarter(-90.0, 90.0));
+        let v0 = quarter(180.0, 90.0);
+        let uneven = [[0.0, 2.0, 1.0], [2.0, 2.0, 1.0], [4.0, 0.0, 2.0]];
+        let control = uneven.map(|[x, y, w]| DVec4::new(x, y, 0.0, w)).to_vec();
+        let v1 = NurbsCurve::from_homogeneous(unit_knots(2), control).unwrap();
+        let disk = coons(&Borders { u0: u0.clone(), u1, v0: v0.clone(), v1 }).unwrap();
+        for k in 0..=40 {
+            let s = f64::from(k) / 40.0;
+            for (u, v) in [(0.0, s), (1.0, s), (s, 0.0), (s, 1.0)] {
+                let p = disk.point_at(u, v);
+                assert!((p.length() - 2.0).abs() < 2e-15 && p.z == 0.0, "({u}, {v}): {p}");
+            }
+            assert!(disk.point_at(0.0, s).distance(u0.point_at(s)) < 1e-15, "equal ends: speed");
+            assert!(disk.point_at(s, 0.0).distance(v0.point_at(s)) < 1e-15);
+            assert!(disk.point_at(s, 0.7).length() <= 2.0 + 1e-14);
+        }
+    }
+
+    #[test]
+    fn any_weights_and_knots_keep_the_shape_of_a_border() {
+        let knots = KnotVector::with_multiplicities(3, &[(0.0, 4), (0.3, 2), (0.8, 1), (1.0, 4)]);
+        let knots = knots.unwrap();
+        let points = (0..7).map(|k| DVec3::new(f64::from(k), f64::from(k % 3), 1.0)).collect();
+        let weights = vec![3.0, 1.0, 2.0, 0.5, 1.0, 1.0, 0.2];
+        let curve = NurbsCurve::new(knots, points, Some(weights)).unwrap();
+        let unit = with_unit_ends(&curve).unwrap();
+        assert_eq!((unit.weight(0), unit.weight(6)), (1.0, 1.0));
+        let lambda = 15_f64.powf(1.0 / 3.0);
+        for k in 0..=50 {
+            let s = f64::from(k) / 50.0;
+            let t = lambda * s / (1.0 - s + lambda * s);
+            assert!(unit.point_at(s).distance(curve.point_at(t)) < 1e-14, "{s}");
+        }
+    }
+
+    #[test]
+    fn corners_that_do_not_agree_are_named_with_their_distance() {
+        let mut borders = polynomial(1.0);
+        let gap = DAffine3::from_translation(DVec3::new(0.0, 0.0, 0.25));
+        borders.u1 = borders.u1.transformed(&gap).unwrap();
+        assert_eq!(
+            coons(&borders).unwrap_err().to_string(),
+            "the corner of borders u1 and v0: they end at (3, 0, 1.25) and (3, 0, 1), 0.25 apart; \
+             they must meet"
+        );
+    }
+}

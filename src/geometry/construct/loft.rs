@@ -1,0 +1,167 @@
+//! Lofts: surfaces through section curves.
+
+use glam::{DVec4, Vec4Swizzles};
+
+use super::ConstructError;
+use super::compatible::compatible;
+use super::error::net_size;
+use super::interpolate::Interpolation;
+use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
+
+/// A surface through sections, and where it meets them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loft {
+    /// The surface: `u` runs along the sections, `v` in `[0, 1]` from the first to the last.
+    pub surface: NurbsSurface,
+    /// The `v` of each section.
+    pub parameters: Vec<f64>,
+}
+
+/// The degree across sections that is used if none is asked for: no more than cubic.
+pub const LOFT_DEGREE: usize = 3;
+
+/// The surface of this degree across that passes through section curves in turn (skinning;
+/// Piegl & Tiller 1997, 10.3).
+///
+/// The sections are made compatible (degree elevation, knots merged), each scaled to begin
+/// with weight 1, and their control points interpolated, homogeneous coordinates and all:
+/// `S(u, v_k)` is section `k` to rounding. The `v_k` are the lengths of the chords between
+/// corresponding control points, averaged over those that move at all; knots are averages
+/// of the `v_k`. Two sections and degree 1 make a ruled surface.
+///
+/// # Errors
+/// When there are fewer than `degree + 1` sections, two in a row coincide, or sections of
+/// very different weights make the interpolated ones not positive.
+pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructError> {
+    let needed = degree.max(1) + 1;
+    if sections.len() < needed {
+        return Err(ConstructError::Sections { found: sections.len(), degree, needed });
+    }
+    let sections = compatible(sections, &|index| format!("section {index}"))?;
+    let lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
+    let parameters = averaged_chords(&lines)?;
+    let across = |error| SurfaceError::Knots { direction: crate::geometry::Direction::V, error };
+    let equations = Interpolation::new(degree, &parameters).map_err(across)?;
+
+    let knots_u = sections[0].knots().clone();
+    let mut net = Vec::with_capacity(net_size(knots_u.point_count(), sections.len())?);
+    for i in 0..knots_u.point_count() {
+        let through: Vec<DVec4> = lines.iter().map(|line| line[i]).collect();
+        net.extend(equations.control(&through));
+    }
+    let surface = NurbsSurface::from_homogeneous(knots_u, equations.knots().clone(), net)?;
+    Ok(Loft { surface, parameters })
+}
+
+/// The control points of a section, scaled to begin with weight 1; as they are if they do.
+fn scaled(section: &NurbsCurve) -> Vec<DVec4> {
+    let first = section.weight(0);
+    section.control().iter().map(|&point| point / first).collect()
+}
+
+/// The chord lengths of each column of control points as shares of its whole, averaged over
+/// the columns that do not stay in one point (Piegl & Tiller 1997, eq. 10.8).
+fn averaged_chords(lines: &[Vec<DVec4>]) -> Result<Vec<f64>, ConstructError> {
+    let point = |k: usize, i: usize| lines[k][i].xyz() / lines[k][i].w;
+    let mut steps = vec![0.0; lines.len() - 1];
+    let mut columns = 0.0;
+    for i in 0..lines[0].len() {
+        let chords: Vec<f64> =
+            (1..lines.len()).map(|k| point(k, i).distance(point(k - 1, i))).collect();
+        let whole: f64 = chords.iter().sum();
+        if whole > 0.0 {
+            columns += 1.0;
+            for (step, chord) in steps.iter_mut().zip(chords) {
+                *step += chord / whole;
+            }
+        }
+    }
+    let mut parameters = vec![0.0];
+    for (index, step) in steps.into_iter().enumerate() {
+        let before = parameters[index];
+        let after = before + step / columns;
+        let further = after > before; // false for NaN
+        if !further {
+            return Err(ConstructError::SameSections { first: index, second: index + 1 });
+        }
+        parameters.push(after);
+    }
+    // The last one is 1 but for rounding.
+    if let Some(last) = parameters.last_mut() {
+        *last = 1.0;
+    }
+    Ok(parameters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::KnotVector;
+    use crate::geometry::shapes::circle_arc;
+    use glam::{DAffine3, DVec3};
+
+    fn circle(radius: f64, z: f64) -> NurbsCurve {
+        let lift = DAffine3::from_translation(DVec3::new(0.0, 0.0, z));
+        circle_arc(radius, 0.0, 360.0).unwrap().transformed(&lift).unwrap()
+    }
+
+    #[test]
+    fn circles_of_a_cone_make_the_cone() {
+        for size in [1e-8, 1.0, 1e8] {
+            let heights = [0.0, 0.1, 1.0, 1.5, 3.0];
+            let sections = heights.map(|z| circle((2.0 - 0.5 * z) * size, z * size));
+            for degree in 1..=4 {
+                let Loft { surface, parameters } = loft(&sections, degree).unwrap();
+                for (v, z) in parameters.iter().zip(heights) {
+                    assert!((v - z / 3.0).abs() < 1e-15);
+                }
+                for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
+                    let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                    let p = surface.point_at(u, v) / size;
+                    let off = p.truncate().length() - (2.0 - 0.5 * p.z);
+                    assert!(off.abs() < 4e-15, "degree {degree}, ({u}, {v}): off by {off:e}");
+                    assert!((p.z - 3.0 * v).abs() < 4e-15);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn unlike_sections_are_all_met() {
+        let line = NurbsCurve::polyline(&[DVec3::X, DVec3::new(0.0, 1.5, 0.0), DVec3::NEG_X]);
+        let half = |radius: f64, z: f64| {
+            let lift = DAffine3::from_translation(DVec3::new(0.1 * z, 0.0, z));
+            circle_arc(radius, 0.0, 180.0).unwrap().transformed(&lift).unwrap()
+        };
+        let knots = KnotVector::standard(3, 5).unwrap();
+        let points = [[2.0, 0.0], [1.0, 1.0], [0.0, 1.5], [-2.0, 2.0], [-2.0, 0.0]];
+        let cubic = points.map(|[x, y]| DVec3::new(x, y, 3.0)).to_vec();
+        let cubic = NurbsCurve::new(knots, cubic, Some(vec![2.0, 1.0, 1.0, 1.0, 3.0])).unwrap();
+        let sections = [line.unwrap(), half(1.5, 1.0), half(1.2, 2.0), cubic];
+        let Loft { surface, parameters } = loft(&sections, 3).unwrap();
+        for (section, &v) in sections.iter().zip(&parameters) {
+            let (a, b) = section.domain();
+            for k in 0..=40 {
+                let s = f64::from(k) / 40.0;
+                let off = surface.point_at(s, v).distance(section.point_at(a + s * (b - a)));
+                assert!(off < 1e-14, "v = {v}, u = {s}: off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn sections_may_share_a_point_but_not_all_of_them() {
+        // A fan: all sections begin in one point.
+        let ray = |x: f64| NurbsCurve::bezier(&[DVec3::ZERO, DVec3::new(x, 1.0, x * x)]).unwrap();
+        let fan = loft(&[ray(-1.0), ray(0.0), ray(1.0)], 2).unwrap().surface;
+        assert!((0..=10).all(|k| fan.point_at(0.0, f64::from(k) / 10.0) == DVec3::ZERO));
+        assert_eq!(
+            loft(&[ray(0.0), ray(1.0), ray(1.0)], 2).unwrap_err().to_string(),
+            "sections 1 and 2 coincide: neighbours must differ"
+        );
+        assert_eq!(
+            loft(&[ray(0.0), ray(1.0)], 3).unwrap_err().to_string(),
+            "2 sections: degree 3 across needs at least 4"
+        );
+    }
+}

@@ -1,0 +1,46 @@
+//! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches, lofts,
+//! sweeps; and curves and control nets made visible as tubes and ribbons.
+//!
+//! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
+//! the control points of the very surface.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nurbray::geometry::NurbsCurve;
+//! use nurbray::geometry::construct::{Axis, revolve};
+//!
+//! // A cone: a slanted line turned about the z axis.
+//! let line = NurbsCurve::polyline(&[DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 3.0)])?;
+//! let cone = revolve(&line, &Axis::Z, 360.0)?;
+//! let middle = cone.point_at(0.125, line.domain().1 / 2.0);
+//! assert!((middle.truncate().length() - 1.0).abs() < 1e-15);
+//! assert_eq!(cone.point(5, 1), DVec3::new(0.0, 0.0, 3.0)); // the tip, whatever u
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub(crate) mod arc;
+mod compatible;
+mod coons;
+mod error;
+mod frames;
+mod interpolate;
+mod loft;
+mod moving;
+mod net;
+mod path;
+mod revolve;
+mod ruled;
+mod sweep;
+#[cfg(test)]
+mod sweep_tests;
+mod tube;
+
+pub use coons::{Borders, Corner, coons};
+pub use error::ConstructError;
+pub use loft::{LOFT_DEGREE, Loft, loft};
+pub use net::{NetStyle, control_net, control_polygon};
+pub use revolve::{Axis, revolve};
+pub(crate) use revolve::{Turned, turned_net};
+pub use ruled::{extrude, ruled};
+pub use sweep::{Sweep, SweepOptions, sweep};
+pub use tube::{Caps, Piece, RibbonStyle, TubeStyle, ribbon, tube};

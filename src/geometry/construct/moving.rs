@@ -1,0 +1,239 @@
+//! The frame that carries a profile, turned and scaled, and its approximation by splines.
+
+use glam::DVec3;
+
+use super::ConstructError;
+use super::error::net_size;
+use super::frames::{Frame, PieceFrames};
+use super::path::{SAME_DIRECTION, angle, is_closed, pieces};
+use super::sweep::{FOLD_SAMPLES, Sweep, SweepOptions};
+use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, bernstein};
+
+/// An affine frame: what `(x, y, z)` of the profile is carried to,
+/// `origin + x axes[0] + y axes[1] + z axes[2]`; or the derivative of one.
+#[derive(Clone, Copy, Debug)]
+struct Carrier {
+    origin: DVec3,
+    axes: [DVec3; 3],
+}
+
+impl Carrier {
+    fn carried(&self, p: DVec3) -> DVec3 {
+        self.origin + p.x * self.axes[0] + p.y * self.axes[1] + p.z * self.axes[2]
+    }
+
+    /// This one and another, coordinate by coordinate.
+    fn combined(&self, other: &Self, f: impl Fn(DVec3, DVec3) -> DVec3) -> Self {
+        let axes = [0, 1, 2].map(|k| f(self.axes[k], other.axes[k]));
+        Self { origin: f(self.origin, other.origin), axes }
+    }
+}
+
+/// The true frames along a smooth path.
+#[derive(Debug)]
+pub(crate) struct MovingFrames {
+    pieces: Vec<PieceFrames>,
+    domain: (f64, f64),
+    /// The whole turn about the path, in radians: the twist and what closes the sweep.
+    turn: f64,
+    scale: Vec<f64>,
+    /// Whether the last frame is the first again.
+    closes: bool,
+}
+
+impl MovingFrames {
+    pub(crate) fn new(
+        path: &NurbsCurve,
+        first: Frame,
+        options: &SweepOptions,
+    ) -> Result<Self, ConstructError> {
+        let mut frame = first;
+        let mut done = Vec::new();
+        for piece in pieces(path) {
+            let frames = PieceFrames::new(piece, frame)?;
+            frame = frames.last();
+            done.push(frames);
+        }
+        let smooth_seam = angle(frame.tangent, first.tangent) <= SAME_DIRECTION;
+        let mut turn = options.twist.to_radians();
+        let closed = is_closed(path) && smooth_seam;
+        if closed {
+            // The frame comes back turned about the tangent by this angle: take it back.
+            turn -= frame.normal.dot(first.side()).atan2(frame.normal.dot(first.normal));
+        }
+        let scale = options.scale.clone();
+        let turns = options.twist / 360.0;
+        let closes = closed && turns.fract() == 0.0 && scale[0] == scale[scale.len() - 1];
+        Ok(Self { pieces: done, domain: path.domain(), turn, scale, closes })
+    }
+
+    /// The scale at a share of the domain, and its derivative by that share.
+    fn factor(&self, share: f64) -> (f64, f64) {
+        let n = self.scale.len() - 1;
+        let sum = |degree: usize, values: &mut dyn Iterator<Item = f64>| {
+            bernstein(degree, share).map_or(f64::NAN, |basis| {
+                values.zip(basis).map(|(value, function)| value * function).sum()
+            })
+        };
+        let value = sum(n, &mut self.scale.iter().copied());
+        if n == 0 {
+            return (value, 0.0);
+        }
+        let steps = self.scale.windows(2).map(|pair| n as f64 * (pair[1] - pair[0]));
+        (value, sum(n - 1, &mut { steps }))
+    }
+
+    /// The carrier at a parameter of one piece, and its derivative.
+    ///
+    /// The rotation-minimising frame moves by `r′ = −(r·t′) t`, `s′ = −(s·t′) t`; twist and
+    /// scale follow by the product rule.
+    fn at(&self, piece: &PieceFrames, t: f64) -> Result<(Carrier, Carrier), ConstructError> {
+        let frame = piece.at(t)?;
+        let path = piece.curve.derivatives(t);
+        let (r, s, along) = (frame.normal, frame.side(), frame.tangent);
+        let turning = (path.second - path.second.dot(along) * along) / path.first.length();
+        // Where the path stands still, at an end: whatever is used is measured afterwards.
+        let turning = if turning.is_finite() { turning } else { DVec3::ZERO };
+        let (r1, s1) = (-r.dot(turning) * along, -s.dot(turning) * along);
+
+        let length = self.domain.1 - self.domain.0;
+        let share = (t - self.domain.0) / length;
+        let (sin, cos) = (self.turn * share).sin_cos();
+        let speed = self.turn / length;
+        let (x, y) = (cos * r + sin * s, cos * s - sin * r);
+        let (x1, y1) = (cos * r1 + sin * s1 + speed * y, cos * s1 - sin * r1 - speed * x);
+
+        let (factor, growth) = self.factor(share);
+        let growth = growth / length;
+        let axes = [x, y, along].map(|axis| factor * axis);
+        let moved = [(x, x1), (y, y1), (along, turning)];
+        let moved = moved.map(|(axis, axis1)| growth * axis + factor * axis1);
+        Ok((Carrier { origin: path.point, axes }, Carrier { origin: path.first, axes: moved }))
+    }
+
+    /// Refuses a sweep whose profile reaches beyond the centre of curvature: there it would
+    /// run backwards. Ends of pieces, where a path may stand still, are looked at a little
+    /// inside.
+    pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
+        let (start, end) = profile.domain();
+        let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
+        let points: Vec<DVec3> = (0..=FOLD_SAMPLES).map(|k| profile.point_at(at(k))).collect();
+        for piece in &self.pieces {
+            let (start, end) = piece.curve.domain();
+            for k in 0..=FOLD_SAMPLES {
+                let share = (k as f64 / FOLD_SAMPLES as f64).clamp(INSIDE, 1.0 - INSIDE);
+                let t = start + (end - start) * share;
+                let (carrier, _) = self.at(piece, t)?;
+                let path = piece.curve.derivatives(t);
+                let speed = path.first.length();
+                let along = path.first / speed;
+                let bend = (path.second - path.second.dot(along) * along) / (speed * speed);
+                let most = points
+                    .iter()
+                    .map(|p| bend.dot(p.x * carrier.axes[0] + p.y * carrier.axes[1]))
+                    .fold(0.0, f64::max);
+                if most >= 1.0 {
+                    let radius = 1.0 / bend.length();
+                    return Err(ConstructError::Fold { t, radius, reach: most * radius });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far inside a piece, as a share of it, curvature is measured at its ends: where the
+/// path stands still at an end, the noise of derivatives is there a thousandth of them.
+const INSIDE: f64 = 1.0 / 1024.0;
+
+/// The most cubic pieces along a path, beside those it has. Each halving divides the error by sixteen: eight of
+/// them, for sixteen pieces of a path, bring it from the size of things down to rounding.
+const MAX_PIECES: usize = 4096;
+
+/// At how many places inside each piece the deviation is measured.
+const PLACES: usize = 7;
+
+/// The sweep by cubic pieces with the true frames and derivatives at their ends (Hermite),
+/// halved until they are near enough.
+pub(crate) fn approximate(
+    profile: &NurbsCurve,
+    frames: &MovingFrames,
+    tolerance: f64,
+) -> Result<Sweep, ConstructError> {
+    let points: Vec<DVec3> = (0..profile.control().len()).map(|i| profile.point(i)).collect();
+    let mut columns: Vec<Carrier> = Vec::new();
+    let mut breaks = vec![frames.domain.0];
+    let mut deviation: f64 = 0.0;
+    for piece in &frames.pieces {
+        // The intervals still to do, the first one last.
+        let mut waiting = vec![piece.curve.domain()];
+        while let Some((a, b)) = waiting.pop() {
+            let (cubic, off) = hermite(frames, piece, (a, b), &points)?;
+            if off <= tolerance {
+                deviation = deviation.max(off);
+                let shared = usize::from(!columns.is_empty());
+                columns.extend(&cubic[shared..]);
+                breaks.push(b);
+                continue;
+            }
+            let middle = 0.5 * (a + b);
+            let exhausted = breaks.len() + waiting.len() > MAX_PIECES + frames.pieces.len()
+                || middle <= a
+                || middle >= b;
+            if exhausted {
+                return Err(ConstructError::NotHeld { tolerance, deviation: off, t: a });
+            }
+            waiting.extend([(middle, b), (a, middle)]);
+        }
+    }
+    if frames.closes {
+        let last = columns.len() - 1;
+        columns[last] = columns[0];
+    }
+
+    let mut knots = vec![(breaks[0], 4)];
+    knots.extend(breaks[1..breaks.len() - 1].iter().map(|&t| (t, 3)));
+    knots.push((breaks[breaks.len() - 1], 4));
+    let knots = KnotVector::with_multiplicities(3, &knots)
+        .map_err(|error| ConstructError::Curve { which: "path".to_owned(), error: error.into() })?;
+    let mut net = Vec::with_capacity(net_size(points.len(), columns.len())?);
+    for (i, &point) in points.iter().enumerate() {
+        let weight = profile.weight(i);
+        net.extend(columns.iter().map(|column| (weight * column.carried(point)).extend(weight)));
+    }
+    let surface = NurbsSurface::from_homogeneous(profile.knots().clone(), knots, net)?;
+    Ok(Sweep { surface, deviation })
+}
+
+/// The cubic between two parameters of a piece, as Bézier columns, and its largest distance
+/// from the true sweep.
+fn hermite(
+    frames: &MovingFrames,
+    piece: &PieceFrames,
+    (a, b): (f64, f64),
+    points: &[DVec3],
+) -> Result<([Carrier; 4], f64), ConstructError> {
+    let third = (b - a) / 3.0;
+    let (first, speed) = frames.at(piece, a)?;
+    let (last, arrival) = frames.at(piece, b)?;
+    let cubic = [
+        first,
+        first.combined(&speed, |at, by| at + third * by),
+        last.combined(&arrival, |at, by| at - third * by),
+        last,
+    ];
+    let mut off: f64 = 0.0;
+    for k in 1..=PLACES {
+        let share = k as f64 / (PLACES + 1) as f64;
+        let (true_one, _) = frames.at(piece, a + share * (b - a))?;
+        let basis = bernstein(3, share).unwrap_or([f64::NAN; crate::geometry::MAX_DEGREE + 1]);
+        let ours = points.iter().map(|&p| {
+            let carried = cubic.iter().zip(basis).map(|(c, function)| function * c.carried(p));
+            (carried.sum::<DVec3>(), true_one.carried(p))
+        });
+        // NaN, if there were any, is too far.
+        off =
+            ours.fold(off, |most, (x, y)| if x.distance(y) <= most { most } else { x.distance(y) });
+    }
+    Ok((cubic, off))
+}

@@ -1,0 +1,220 @@
+//! What a curve is as a path: its smooth parts, straight, round, closed or neither.
+
+use glam::{DVec3, DVec4, Vec4Swizzles};
+
+use super::ConstructError;
+use super::revolve::unit;
+use crate::geometry::NurbsCurve;
+
+/// Directions that differ by less than this angle, in radians, are one: a million times what
+/// rounding does to the tangents of usual curves, and too little to see.
+pub(crate) const SAME_DIRECTION: f64 = 1e-9;
+
+/// Positions that differ by no more than this share of the largest coordinate are one: some
+/// roundings of each.
+pub(crate) const SAME_PLACE: f64 = 16.0 * f64::EPSILON;
+
+/// The direction of a clamped curve at `t`. Where it stands still at an end, as where control
+/// points are repeated, that is the limit from inside: towards the nearest control point
+/// that differs.
+///
+/// # Errors
+/// When it stands still within its domain, or all along.
+pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructError> {
+    let (start, end) = curve.domain();
+    let at = curve.derivatives(t);
+    let count = curve.control().len();
+    let towards = |from: usize, mut others: &mut dyn Iterator<Item = usize>| {
+        let near = SAME_PLACE * curve.magnitude();
+        let away = |index: usize| curve.point(index) - curve.point(from);
+        let differs = |vector: &DVec3| vector.length() > near;
+        (&mut others).map(away).find(differs).and_then(unit)
+    };
+    let found = if t <= start {
+        towards(0, &mut (1..count))
+    } else if t >= end {
+        towards(count - 1, &mut (0..count - 1).rev()).map(|back| -back)
+    } else {
+        unit(at.first)
+    };
+    found.ok_or(ConstructError::StandsStill { t })
+}
+
+/// The angle between two unit vectors in radians, right for small ones too.
+pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// The Bézier pieces of a curve, each on its own part of the domain.
+pub(crate) fn pieces(curve: &NurbsCurve) -> Vec<NurbsCurve> {
+    let form = curve.bezier_form();
+    let spans = form.knots().spans().map(|span| (span.start, span.end));
+    spans.collect::<Vec<_>>().into_iter().map(|range| form.restricted(range)).collect()
+}
+
+/// A place where a path turns all at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Kink {
+    pub(crate) t: f64,
+    /// By how much, in degrees.
+    pub(crate) degrees: f64,
+}
+
+/// The places within a path where its direction jumps.
+///
+/// # Errors
+/// When it has a gap, or stands still at a knot.
+pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
+    let same_place = SAME_PLACE * curve.magnitude();
+    let pieces = pieces(curve);
+    let mut found = Vec::new();
+    for pair in pieces.windows(2) {
+        let t = pair[1].domain().0;
+        let gap = pair[0].point_at(t).distance(pair[1].point_at(t));
+        if gap > same_place {
+            return Err(ConstructError::Gap { t, gap });
+        }
+        let angle = angle(direction(&pair[0], t)?, direction(&pair[1], t)?);
+        if angle > SAME_DIRECTION {
+            found.push(Kink { t, degrees: angle.to_degrees() });
+        }
+    }
+    Ok(found)
+}
+
+/// The parts of a curve between its kinks.
+///
+/// # Errors
+/// As [`kinks`].
+pub(crate) fn smooth_parts(curve: &NurbsCurve) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let (start, end) = curve.domain();
+    let mut cuts = vec![start];
+    cuts.extend(kinks(curve)?.iter().map(|kink| kink.t));
+    cuts.push(end);
+    let form = curve.bezier_form();
+    Ok(cuts.windows(2).map(|pair| form.restricted((pair[0], pair[1]))).collect())
+}
+
+/// Whether a path ends where it begins.
+pub(crate) fn is_closed(curve: &NurbsCurve) -> bool {
+    let [a, b] = curve.clamped().ends();
+    a.distance(b) <= SAME_PLACE * curve.magnitude()
+}
+
+/// Whether a clamped curve runs straight on: its control points lie on one line, in order.
+pub(crate) fn is_straight(curve: &NurbsCurve) -> bool {
+    let [a, b] = curve.ends();
+    let Some(along) = unit(b - a) else { return false };
+    let slack = SAME_PLACE * curve.magnitude();
+    let mut reached = 0.0;
+    (0..curve.control().len()).all(|index| {
+        let from = curve.point(index) - a;
+        let length = from.dot(along);
+        let on_the_line = (from - length * along).length() <= slack && length >= reached - slack;
+        reached = length.max(reached);
+        on_the_line
+    })
+}
+
+/// A circle, and a path on it as the unit circle's points.
+#[derive(Clone, Debug)]
+pub(crate) struct OnCircle {
+    pub(crate) centre: DVec3,
+    /// The unit vector from the centre to the start of the path.
+    pub(crate) across: DVec3,
+    /// The unit vector along the path at its start.
+    pub(crate) ahead: DVec3,
+    pub(crate) radius: f64,
+    /// The path's control points `(x, y, w)` in these coordinates, the radius being 1.
+    pub(crate) points: Vec<(f64, f64, f64)>,
+}
+
+/// How far from the unit circle a path may be that is taken to lie on it.
+const ROUND: f64 = 64.0 * f64::EPSILON;
+
+impl OnCircle {
+    /// The circle that a smooth, clamped path lies on, if it does.
+    ///
+    /// The circle of curvature at the start is the only candidate. The path of degree `p`
+    /// lies on it if a polynomial of degree `2p` vanishes on each piece, which as many and
+    /// one samples decide, to rounding.
+    pub(crate) fn of(curve: &NurbsCurve) -> Option<Self> {
+        let (start, _) = curve.domain();
+        let at = curve.derivatives(start);
+        let speed = at.first.length();
+        let ahead = unit(at.first)?;
+        let bend = (at.second - at.second.dot(ahead) * ahead) / (speed * speed);
+        let radius = 1.0 / bend.length();
+        // Larger circles cannot be told from straight lines.
+        let usable = radius.is_finite() && radius * ROUND < curve.magnitude();
+        if !usable {
+            return None;
+        }
+        let across = -unit(bend)?;
+        let centre = at.point - radius * across;
+        let axis = across.cross(ahead);
+        let local = |point: DVec3| {
+            let from = (point - centre) / radius;
+            DVec3::new(from.dot(across), from.dot(ahead), from.dot(axis))
+        };
+        let slack = ROUND * (1.0 + curve.magnitude() / radius);
+        let samples = 2 * curve.knots().degree() + 1;
+        let round = curve.knots().spans().all(|span| {
+            (0..=samples).all(|k| {
+                let t = span.start + (span.end - span.start) * k as f64 / samples as f64;
+                let point = local(curve.point_at(t));
+                (point.truncate().length() - 1.0).abs() <= slack && point.z.abs() <= slack
+            })
+        });
+        let plane = |point: &DVec4| {
+            let at = local(point.xyz() / point.w);
+            (at.x, at.y, point.w)
+        };
+        let points = curve.control().iter().map(plane).collect();
+        round.then_some(Self { centre, across, ahead, radius, points })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::{circle_arc, circle_cubic};
+    use glam::{DAffine3, DQuat};
+
+    #[test]
+    fn circles_are_known_wherever_they_are() {
+        for size in [1e-8, 1.0, 1e8] {
+            let place = DAffine3::from_scale_rotation_translation(
+                DVec3::splat(size),
+                DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7),
+                DVec3::new(3.0, -2.0, 1.0) * size,
+            );
+            let arcs = [circle_arc(2.0, 10.0, 250.0).unwrap(), circle_cubic()];
+            for (arc, radius) in arcs.iter().zip([2.0, 1.0]) {
+                let circle = OnCircle::of(&arc.transformed(&place).unwrap()).unwrap();
+                assert!((circle.radius / size - radius).abs() < 1e-14);
+                let centre = place.transform_point3(DVec3::ZERO);
+                assert!(circle.centre.distance(centre) < 1e-14 * size);
+            }
+            let parabola = [DVec3::ZERO, DVec3::X, DVec3::ONE];
+            let parabola = NurbsCurve::bezier(&parabola).unwrap().transformed(&place).unwrap();
+            assert!(OnCircle::of(&parabola).is_none() && !is_straight(&parabola));
+        }
+    }
+
+    #[test]
+    fn kinks_and_straight_parts_of_a_polygon() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 0.0]];
+        let corners = corners.map(|[x, y]| DVec3::new(x, y, 0.0));
+        let polygon = NurbsCurve::polyline(&corners).unwrap();
+        let found = kinks(&polygon).unwrap();
+        let (places, turns): (Vec<f64>, Vec<f64>) = found.iter().map(|k| (k.t, k.degrees)).unzip();
+        assert_eq!(places, [3.0, 5.0]);
+        assert!((turns[0] - 90.0).abs() < 1e-12);
+        let parts = smooth_parts(&polygon).unwrap();
+        assert_eq!(parts.len(), 3);
+        assert!(parts.iter().all(is_straight) && is_closed(&polygon) && !is_closed(&parts[0]));
+        let back = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::X]).unwrap();
+        assert!(!is_straight(&back), "it turns round on its line");
+    }
+}

@@ -1,0 +1,212 @@
+//! Surfaces of revolution.
+
+use glam::{DVec3, DVec4};
+
+use super::ConstructError;
+use super::arc::UnitArc;
+use crate::geometry::{NurbsCurve, NurbsSurface};
+
+/// A line in space about which things are turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    origin: DVec3,
+    /// A unit vector, exact along the coordinate axes.
+    direction: DVec3,
+}
+
+impl Axis {
+    /// The line through a point in a direction of any length.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite or the direction is zero.
+    pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, ConstructError> {
+        if !origin.is_finite() {
+            return Err(ConstructError::Point { what: "a point of the axis", point: origin });
+        }
+        let unit = unit(direction).ok_or(ConstructError::Direction {
+            what: "direction of the axis",
+            vector: direction,
+        })?;
+        Ok(Self { origin, direction: unit })
+    }
+
+    /// The z axis.
+    pub const Z: Self = Self { origin: DVec3::ZERO, direction: DVec3::Z };
+}
+
+/// The unit vector, exact along the coordinate axes, whatever the length; `None` for zero
+/// and for what is not finite.
+pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
+    let largest = vector.abs().max_element();
+    let usable = largest > 0.0 && largest.is_finite(); // false for NaN
+    usable.then(|| {
+        let scaled = vector / largest;
+        scaled / scaled.length()
+    })
+}
+
+/// A point that is turned: `centre + x across + y ahead` for `(x, y)` on the unit circle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turned {
+    pub(crate) centre: DVec3,
+    pub(crate) across: DVec3,
+    pub(crate) ahead: DVec3,
+    pub(crate) weight: f64,
+}
+
+/// A point is on the axis if it is no farther from it than the rounding of its own
+/// coordinates and of its distance: some six operations of half an ulp each.
+const ON_AXIS: f64 = 4.0 * f64::EPSILON;
+
+impl Turned {
+    fn new(point: DVec3, weight: f64, axis: &Axis) -> Self {
+        let from_origin = point - axis.origin;
+        let along = axis.direction * axis.direction.dot(from_origin);
+        let across = from_origin - along;
+        let rounding = ON_AXIS * point.abs().max(axis.origin.abs()).max_element();
+        if across.length() <= rounding {
+            return Self { centre: point, across: DVec3::ZERO, ahead: DVec3::ZERO, weight };
+        }
+        let ahead = axis.direction.cross(across);
+        Self { centre: axis.origin + along, across, ahead, weight }
+    }
+}
+
+/// The homogeneous net of points turned along an arc, the points fastest.
+pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec4> {
+    let around = |&(x, y, w): &(f64, f64, f64)| {
+        points.iter().map(move |point| {
+            let w = w * point.weight;
+            (w * (point.centre + x * point.across + y * point.ahead)).extend(w)
+        })
+    };
+    arc.iter().flat_map(around).collect()
+}
+
+/// The surface that a profile passes over when it is turned about an axis: exact, rational
+/// of degree 2 around.
+///
+/// `u` in `[0, 1]` runs around, counterclockwise as seen from the tip of the axis (clockwise
+/// for a negative angle), `v` along the profile on its own domain. Where the profile rises
+/// along the axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and
+/// what lies on the axis (within rounding) becomes a collapsed edge exactly. A profile may
+/// cross the axis: the surface then meets itself there, and its normals point inward beyond.
+///
+/// Arcs of at most 90° of degree 2 (Piegl & Tiller 1997, A8.1).
+///
+/// # Errors
+/// When the angle is zero or more than a full turn, or the profile lies on the axis.
+pub fn revolve(
+    profile: &NurbsCurve,
+    axis: &Axis,
+    degrees: f64,
+) -> Result<NurbsSurface, ConstructError> {
+    let usable = degrees != 0.0 && degrees.abs() <= 360.0; // false for NaN
+    if !usable {
+        return Err(ConstructError::Angle { degrees });
+    }
+    let points: Vec<Turned> = (0..profile.control().len())
+        .map(|index| Turned::new(profile.point(index), profile.weight(index), axis))
+        .collect();
+    if points.iter().all(|point| point.across == DVec3::ZERO) {
+        return Err(ConstructError::OnAxis);
+    }
+    let arc = UnitArc::new(0.0, degrees);
+    let net = turned_net(&arc.points, &points);
+    Ok(NurbsSurface::from_homogeneous(arc.knots, profile.knots().clone(), net)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{KnotVector, shapes};
+
+    fn line(a: [f64; 3], b: [f64; 3]) -> NurbsCurve {
+        NurbsCurve::polyline(&[a.into(), b.into()]).unwrap()
+    }
+
+    #[test]
+    fn lines_become_cylinders_cones_and_disks() {
+        for size in [1e-8, 1.0, 1e8] {
+            let at = |x: f64, z: f64| [x * size, 0.0, z * size];
+            let cylinder = revolve(&line(at(2.0, 0.0), at(2.0, 3.0)), &Axis::Z, 360.0).unwrap();
+            let same = shapes::cylinder(2.0 * size, 3.0 * size).unwrap();
+            assert_eq!(cylinder.control(), same.control());
+            let cone = revolve(&line(at(2.0, 0.0), at(0.0, 3.0)), &Axis::Z, 360.0).unwrap();
+            assert_eq!(cone.control(), shapes::cone(2.0 * size, 3.0 * size).unwrap().control());
+        }
+    }
+
+    /// A circle off a slanted axis, turned about it: each point of the torus satisfies
+    /// (√(x² + y²) − R)² + z² = r² in the axis' own coordinates.
+    #[test]
+    fn a_circle_becomes_a_torus_about_any_axis() {
+        for (size, degrees) in [(1e-8, 360.0), (1.0, 250.0), (1.0, -30.0), (1e8, 360.0)] {
+            let origin = DVec3::new(3.0, -1.0, 2.0) * size;
+            let w = DVec3::new(1.0, 2.0, -0.5).normalize();
+            let (a, b) = w.any_orthonormal_pair();
+            let circle = UnitArc::circle();
+            let control = circle.points.iter().map(|&(x, y, weight)| {
+                let point = origin + size * ((3.0 + x) * a + y * w);
+                (weight * point).extend(weight)
+            });
+            let profile = NurbsCurve::from_homogeneous(circle.knots, control.collect()).unwrap();
+            let axis = Axis::new(origin, 1e-5 * w).unwrap();
+            let torus = revolve(&profile, &axis, degrees).unwrap();
+            for (i, j) in (0..=24).flat_map(|i| (0..=24).map(move |j| (i, j))) {
+                let (u, v) = (f64::from(i) / 24.0, f64::from(j) / 24.0);
+                let p = (torus.point_at(u, v) - origin) / size;
+                let z = p.dot(w);
+                let off = ((p - z * w).length() - 3.0).hypot(z) - 1.0;
+                assert!(off.abs() < 1e-14, "({u}, {v}): off by {off:e}");
+            }
+            // The turn ends where it should.
+            let turn = glam::DQuat::from_axis_angle(w, degrees.to_radians());
+            let off =
+                torus.point_at(1.0, 0.3) - origin - turn * (torus.point_at(0.0, 0.3) - origin);
+            assert!(off.length() < 1e-14 * size, "{degrees}: {off}");
+            // Outside on the outer equator.
+            let normal = torus.normal(0.0, 0.0).unwrap();
+            assert!((normal.dot(a) - degrees.signum()).abs() < 1e-14);
+            assert!(normal.dot(b).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn points_on_a_slanted_axis_stay_one_point() {
+        let axis = Axis::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, -0.7, 0.2)).unwrap();
+        let at = |along: f64, away: DVec3| axis.origin + along * axis.direction + away;
+        let side = axis.direction.any_orthogonal_vector();
+        let points = vec![at(0.7, DVec3::ZERO), at(1.3, side), at(1.9, DVec3::ZERO)];
+        let knots = KnotVector::bezier(2).unwrap();
+        let profile = NurbsCurve::new(knots, points.clone(), Some(vec![1.0, 0.7, 2.0])).unwrap();
+        let lens = revolve(&profile, &axis, 360.0).unwrap();
+        for i in 0..9 {
+            let (first, last) = (lens.point(i, 0), lens.point(i, 2));
+            assert!(first.distance(points[0]) < 1e-16 && last.distance(points[2]) < 3e-16);
+            assert_eq!(lens.point(0, 1), lens.point(8, 1), "closed");
+        }
+        let poles = [lens.normal(0.3, 0.0), lens.normal(0.8, 1.0)].map(Option::unwrap);
+        assert!(poles.iter().all(|normal| normal.is_finite()));
+    }
+
+    #[test]
+    fn what_cannot_be_turned() {
+        let profile = line([1.0, 0.0, 0.0], [1.0, 0.0, 2.0]);
+        let message = |degrees| revolve(&profile, &Axis::Z, degrees).unwrap_err().to_string();
+        assert_eq!(message(0.0), "angle 0°: it must be from -360° to 360°, and not 0°");
+        assert_eq!(message(361.0), "angle 361°: it must be from -360° to 360°, and not 0°");
+        assert!(revolve(&profile, &Axis::Z, f64::NAN).is_err());
+        let on = line([0.0, 0.0, -1.0], [0.0, 0.0, 2.0]);
+        assert_eq!(
+            revolve(&on, &Axis::Z, 90.0).unwrap_err().to_string(),
+            "the profile lies on the axis: turned about it, it remains a line"
+        );
+        assert_eq!(
+            Axis::new(DVec3::ZERO, DVec3::ZERO).unwrap_err().to_string(),
+            "direction of the axis (0, 0, 0): it must be finite and not zero"
+        );
+        assert!(Axis::new(DVec3::NAN, DVec3::X).is_err());
+        assert!(Axis::new(DVec3::ZERO, DVec3::splat(1e-300)).is_ok());
+    }
+}

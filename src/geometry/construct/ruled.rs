@@ -1,0 +1,124 @@
+//! Surfaces of straight lines: extrusions and ruled surfaces.
+
+use glam::{DVec3, DVec4};
+
+use super::ConstructError;
+use super::compatible::compatible;
+use crate::geometry::shapes::unit_knots;
+use crate::geometry::{NurbsCurve, NurbsSurface};
+
+/// The surface that a profile passes over when it is moved along a vector: exact.
+///
+/// `u` runs along the profile on its own domain, `v` in `[0, 1]` along the vector. Where the
+/// profile runs counterclockwise as seen from where the vector points, `Sᵤ × Sᵥ` points
+/// outward.
+///
+/// # Errors
+/// When the vector is zero or not finite.
+pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
+    let usable = by.is_finite() && by != DVec3::ZERO;
+    if !usable {
+        return Err(ConstructError::Direction { what: "extrusion by", vector: by });
+    }
+    let moved = |point: &DVec4| [*point, *point + (point.w * by).extend(0.0)];
+    let net = profile.control().iter().flat_map(moved).collect();
+    Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
+}
+
+/// The surface of the straight lines that join two curves, each point of the one with the
+/// point of the other at the same share of its domain.
+///
+/// `u` runs along both curves (on their common domain, or `[0, 1]` if theirs differ), `v` in
+/// `[0, 1]` from the first to the second. Both are met exactly; along the lines the speed
+/// is even where the weights of the two ends are equal. Degree elevation and merged knots
+/// (Piegl & Tiller 1997, 8.4).
+///
+/// # Errors
+/// When the curves are the same point, or have knots too close together.
+pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, ConstructError> {
+    let which = |index| if index == 0 { "curve `from`" } else { "curve `to`" }.to_owned();
+    let both = compatible(&[from.clone(), to.clone()], &which)?;
+    let pairs = both[0].control().iter().zip(both[1].control());
+    let net = pairs.flat_map(|(a, b)| [*a, *b]).collect();
+    Ok(NurbsSurface::from_homogeneous(both[0].knots().clone(), unit_knots(1), net)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::construct::arc::UnitArc;
+    use crate::geometry::{KnotVector, shapes};
+
+    fn arc(from: f64, turn: f64, radius: f64, z: f64) -> NurbsCurve {
+        let arc = UnitArc::new(from, turn);
+        let point =
+            |&(x, y, w): &(f64, f64, f64)| (w * DVec3::new(radius * x, radius * y, z)).extend(w);
+        let control = arc.points.iter().map(point).collect();
+        NurbsCurve::from_homogeneous(arc.knots, control).unwrap()
+    }
+
+    #[test]
+    fn a_circle_extruded_is_a_cylinder() {
+        for size in [1e-8, 1.0, 1e8] {
+            let side = extrude(&arc(0.0, 360.0, 2.0 * size, 0.0), 3.0 * size * DVec3::Z).unwrap();
+            let same = shapes::cylinder(2.0 * size, 3.0 * size).unwrap();
+            for (a, b) in side.control().iter().zip(same.control()) {
+                assert!(a.distance(*b) <= 1e-15 * size, "{a} {b}");
+            }
+            assert!(side.normal(0.1, 0.5).unwrap().dot(side.point_at(0.1, 0.0)) > 0.0);
+        }
+        let profile = arc(0.0, 90.0, 1.0, 0.0);
+        assert_eq!(
+            extrude(&profile, DVec3::ZERO).unwrap_err().to_string(),
+            "extrusion by (0, 0, 0): it must be finite and not zero"
+        );
+    }
+
+    #[test]
+    fn circles_apart_are_joined_by_a_cone_and_turned_ones_by_a_hyperboloid() {
+        let frustum = ruled(&arc(0.0, 360.0, 2.0, 0.0), &arc(0.0, 360.0, 1.0, 4.0)).unwrap();
+        let turned = ruled(&arc(0.0, 360.0, 2.0, -1.0), &arc(90.0, 360.0, 2.0, 1.0)).unwrap();
+        for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
+            let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+            let p = frustum.point_at(u, v);
+            let off = p.truncate().length() - (2.0 - p.z / 4.0);
+            assert!(off.abs() < 2e-15 && (p.z - 4.0 * v).abs() < 4e-15, "({u}, {v}): {p}");
+            // Chords of a quarter turn: x² + y² = 2 (1 + z²).
+            let p = turned.point_at(u, v);
+            let off = p.truncate().length_squared() - 2.0 * (1.0 + p.z * p.z);
+            assert!(off.abs() < 1e-14, "({u}, {v}): {off:e}");
+        }
+    }
+
+    #[test]
+    fn unlike_curves_are_both_met() {
+        let knots = KnotVector::standard(3, 6).unwrap();
+        let points = (0..6).map(|k| DVec3::new(f64::from(k), f64::from(k % 3), 5.0)).collect();
+        let cubic = NurbsCurve::new(knots, points, None).unwrap();
+        let half = arc(180.0, -180.0, 3.0, 0.0);
+        let surface = ruled(&half, &cubic).unwrap();
+        assert_eq!((surface.knots_u().degree(), surface.knots_v().degree()), (3, 1));
+        let (a, b) = cubic.domain();
+        for k in 0..=50 {
+            let s = f64::from(k) / 50.0;
+            assert!(surface.point_at(s, 0.0).distance(half.point_at(s)) < 5e-15);
+            let to = cubic.point_at(a + s * (b - a));
+            assert!(surface.point_at(s, 1.0).distance(to) < 5e-15);
+            // The rulings are straight.
+            let chord = to - half.point_at(s);
+            let off = (surface.point_at(s, 0.3) - half.point_at(s)).cross(chord).length();
+            assert!(off < 1e-14 * chord.length_squared());
+        }
+    }
+
+    #[test]
+    fn a_curve_and_itself_make_no_surface_only_where_they_are_a_point() {
+        let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::X]).unwrap();
+        let point = NurbsCurve::bezier(&[DVec3::ONE, DVec3::ONE]).unwrap();
+        assert!(ruled(&line, &point).is_ok(), "a triangle");
+        assert_eq!(
+            ruled(&point, &point).unwrap_err().to_string(),
+            "the surface made: all control points are (1, 1, 1): the surface has no extent"
+        );
+    }
+}

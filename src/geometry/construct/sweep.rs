@@ -1,0 +1,211 @@
+//! Sweeps: a profile carried along a path.
+
+use glam::{DVec3, DVec4};
+
+use super::ConstructError;
+use super::compatible::compatible;
+use super::error::net_size;
+use super::frames::Frame;
+use super::moving::{MovingFrames, approximate};
+use super::path::{OnCircle, is_straight, kinks};
+use super::revolve::{Turned, turned_net};
+use crate::geometry::shapes::unit_knots;
+use crate::geometry::{NurbsCurve, NurbsSurface};
+
+/// How a profile is carried along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepOptions {
+    /// Where the profile's y axis points at the start, as far as it can; z if not given, or y
+    /// where the path begins steeply.
+    pub up: Option<DVec3>,
+    /// By how many degrees the profile turns about the path, evenly in its parameter.
+    pub twist: f64,
+    /// The profile's size along the path: the coefficients of a Bézier polynomial over the
+    /// path's domain. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
+    pub scale: Vec<f64>,
+    /// How far the surface may be from the true sweep where that is not rational; a
+    /// millionth of its size if not given.
+    pub tolerance: Option<f64>,
+}
+
+impl Default for SweepOptions {
+    /// Neither twisted nor scaled.
+    fn default() -> Self {
+        Self { up: None, twist: 0.0, scale: vec![1.0], tolerance: None }
+    }
+}
+
+/// A surface swept, and how far it is from the true one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// The surface: `u` runs along the profile, `v` along the path, on their own domains.
+    pub surface: NurbsSurface,
+    /// 0 where the surface is exact, else the largest distance found, at seven places of each
+    /// piece along the path, for all of the profile's control points.
+    pub deviation: f64,
+}
+
+/// The default tolerance as a share of the size of what is swept: far below what shows.
+const TOLERANCE: f64 = 1e-6;
+
+/// The surface that a profile passes over when it is carried along a path by a frame that
+/// does not turn about the path.
+///
+/// The profile lies in its own plane of x and y, around the origin, z along the path (it may
+/// leave the plane). At the start of the path its y axis points to `up`; from there the
+/// rotation-minimising frame carries it. Where the profile runs counterclockwise, the
+/// surface faces outward. On a smooth closed path the frame would come back turned: the turn
+/// is spread over the path (evenly in its parameter), so that the sweep closes.
+///
+/// Exact, as a rational surface, are: straight paths without twist (a scale that varies
+/// needs a polynomial path); circles and arcs, of any degree, without twist and scale.
+/// All others are approximated: the frame's coordinates by cubic pieces with its own
+/// derivatives, halved until the distance to the true sweep is within the tolerance.
+///
+/// # Errors
+/// When the path has a kink, a gap or a cusp; when the sweep folds: where the path bends, the
+/// profile reaches beyond the centre of curvature; when the scale is negative, or zero all
+/// along; when the tolerance cannot be held.
+pub fn sweep(
+    profile: &NurbsCurve,
+    path: &NurbsCurve,
+    options: &SweepOptions,
+) -> Result<Sweep, ConstructError> {
+    check_options(options)?;
+    let path = path.clamped();
+    if let Some(kink) = kinks(&path)?.first() {
+        return Err(ConstructError::Kink { t: kink.t, degrees: kink.degrees });
+    }
+    let first = Frame::first(&path, options.up)?;
+    let constant = options.scale.iter().all(|&factor| factor == options.scale[0]);
+    if options.twist == 0.0 {
+        if is_straight(&path) && (constant || !path.is_rational()) {
+            return exact(along_a_line(profile, &path, &first, &options.scale)?);
+        }
+        if let (true, Some(circle)) = (constant, OnCircle::of(&path)) {
+            return exact(along_a_circle(profile, &path, &first, (&circle, options.scale[0]))?);
+        }
+    }
+    let frames = MovingFrames::new(&path, first, options)?;
+    frames.check_folds(profile)?;
+    let reach = reach(profile) * options.scale.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let size = extent(&path) + reach;
+    let tolerance = options.tolerance.unwrap_or(TOLERANCE * size);
+    approximate(profile, &frames, tolerance)
+}
+
+fn exact(surface: NurbsSurface) -> Result<Sweep, ConstructError> {
+    Ok(Sweep { surface, deviation: 0.0 })
+}
+
+fn check_options(options: &SweepOptions) -> Result<(), ConstructError> {
+    let SweepOptions { twist, scale, tolerance, .. } = options;
+    if let Some(index) = scale.iter().position(|&factor| !(factor >= 0.0 && factor.is_finite())) {
+        return Err(ConstructError::Scale { index, factor: scale[index] });
+    }
+    if scale.iter().all(|&factor| factor == 0.0) {
+        return Err(ConstructError::NoScale);
+    }
+    if !twist.is_finite() {
+        return Err(ConstructError::Twist { degrees: *twist });
+    }
+    match tolerance {
+        Some(tolerance) if !(*tolerance > 0.0 && tolerance.is_finite()) => {
+            Err(ConstructError::Tolerance { tolerance: *tolerance })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// How far the control points of a profile are from its origin.
+pub(crate) fn reach(profile: &NurbsCurve) -> f64 {
+    (0..profile.control().len()).map(|i| profile.point(i).length()).fold(0.0, f64::max)
+}
+
+/// The diagonal of the bounding box of the control points.
+fn extent(curve: &NurbsCurve) -> f64 {
+    let points = (0..curve.control().len()).map(|i| curve.point(i));
+    let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| {
+        (low.min(point), high.max(point))
+    });
+    low.distance(high)
+}
+
+/// `S(u, v) = T(v) + σ(v) (x r + y s + z t)`, the frame being the same all along.
+///
+/// With `T` and `σ` in one spline space, the net is that sum for each pair of coefficients;
+/// where `σ` is constant, weights of the path multiply those of the profile.
+fn along_a_line(
+    profile: &NurbsCurve,
+    path: &NurbsCurve,
+    frame: &Frame,
+    scale: &[f64],
+) -> Result<NurbsSurface, ConstructError> {
+    let constant = scale.iter().all(|&factor| factor == scale[0]);
+    let factors = if constant { &scale[..1] } else { scale };
+    let (path, factors) = match factors {
+        [factor] => (path.clone(), vec![*factor; path.control().len()]),
+        factors => {
+            let graph = factors.iter().map(|&f| DVec4::new(f, 0.0, 0.0, 1.0)).collect();
+            let (start, end) = path.domain();
+            let graph = NurbsCurve::from_homogeneous(unit_knots(factors.len() - 1), graph)
+                .and_then(|graph| graph.on_domain(start, end))
+                .map_err(ConstructError::of("scale"))?;
+            let both = compatible(&[path.clone(), graph], &|_| "path".to_owned())?;
+            let factors = (0..both[1].control().len()).map(|i| both[1].point(i).x);
+            (both[0].clone(), factors.collect())
+        }
+    };
+    let mut net = Vec::with_capacity(net_size(profile.control().len(), factors.len())?);
+    for i in 0..profile.control().len() {
+        let p = profile.point(i);
+        let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
+        for (j, factor) in factors.iter().enumerate() {
+            let weight = profile.weight(i) * path.weight(j);
+            net.push((weight * (path.point(j) + *factor * offset)).extend(weight));
+        }
+    }
+    let knots = path.knots().clone();
+    Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), knots, net)?)
+}
+
+/// The profile turned about the axis of the circle that the path lies on, at the path's own
+/// speed.
+fn along_a_circle(
+    profile: &NurbsCurve,
+    path: &NurbsCurve,
+    frame: &Frame,
+    (circle, factor): (&OnCircle, f64),
+) -> Result<NurbsSurface, ConstructError> {
+    let place = |p: DVec3| {
+        let offset = p.x * frame.normal + p.y * frame.side() + p.z * frame.tangent;
+        frame.origin + factor * offset - circle.centre
+    };
+    let (start, end) = profile.domain();
+    for share in 0..=FOLD_SAMPLES {
+        let t = start + (end - start) * share as f64 / FOLD_SAMPLES as f64;
+        let across = place(profile.point_at(t)).dot(circle.across);
+        if across <= 0.0 {
+            let reach = circle.radius - across;
+            return Err(ConstructError::Fold { t: path.domain().0, radius: circle.radius, reach });
+        }
+    }
+    net_size(profile.control().len(), circle.points.len())?;
+    let axis = circle.across.cross(circle.ahead);
+    let points: Vec<Turned> = (0..profile.control().len())
+        .map(|i| {
+            let from = place(profile.point(i));
+            let along = from.dot(axis) * axis;
+            let across = from - along;
+            let (centre, weight) = (circle.centre + along, profile.weight(i));
+            Turned { centre, across, ahead: axis.cross(across), weight }
+        })
+        .collect();
+    let net = turned_net(&circle.points, &points);
+    let knots = [path.knots().clone(), profile.knots().clone()];
+    let [around, along] = knots;
+    Ok(NurbsSurface::from_homogeneous(around, along, net)?.swapped())
+}
+
+/// Points of a profile that are looked at to find whether the sweep folds.
+pub(crate) const FOLD_SAMPLES: usize = 64;

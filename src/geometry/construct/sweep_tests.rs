@@ -1,0 +1,229 @@
+//! Sweeps are what they should be: lines, circles, and all else.
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::*;
+use crate::geometry::NurbsCurve;
+use crate::geometry::shapes::{circle_arc, circle_cubic};
+
+fn circle(radius: f64) -> NurbsCurve {
+    circle_arc(radius, 0.0, 360.0).unwrap()
+}
+
+fn grid() -> impl Iterator<Item = (f64, f64)> {
+    (0..=24).flat_map(|i| (0..=24).map(move |j| (f64::from(i) / 24.0, f64::from(j) / 24.0)))
+}
+
+/// The surface's point at shares of its domain.
+fn at(sweep: &Sweep, (u, v): (f64, f64)) -> DVec3 {
+    let [(a, b), (c, d)] = sweep.surface.domain();
+    sweep.surface.point_at(a + u * (b - a), c + v * (d - c))
+}
+
+#[test]
+fn along_a_line_a_circle_makes_a_cylinder_a_cone_or_a_trumpet() {
+    for size in [1e-8, 1.0, 1e8] {
+        let path = NurbsCurve::polyline(&[DVec3::Z * size, DVec3::Z * 4.0 * size]).unwrap();
+        let scales = [vec![1.0], vec![1.0, 0.5], vec![1.0, 0.25, 0.0]];
+        for scale in scales {
+            let options = SweepOptions { scale: scale.clone(), ..SweepOptions::default() };
+            let made = sweep(&circle(2.0 * size), &path, &options).unwrap();
+            assert_eq!(made.deviation, 0.0);
+            for (u, v) in grid() {
+                let p = at(&made, (u, v)) / size;
+                let radius = match scale.len() {
+                    1 => 2.0,
+                    2 => 2.0 - v,
+                    _ => 2.0 * ((1.0 - v).powi(2) + 0.5 * v * (1.0 - v)),
+                };
+                assert!((p.truncate().length() - radius).abs() < 2e-15, "({u}, {v}): {p}");
+                assert!((p.z - 1.0 - 3.0 * v).abs() < 2e-15);
+            }
+            let normal = made.surface.normal(0.0, made.surface.domain()[1].0).unwrap();
+            assert!(normal.x > 0.4, "outward");
+        }
+    }
+}
+
+#[test]
+fn along_circles_of_any_degree_a_circle_makes_an_exact_torus() {
+    let place = DAffine3::from_rotation_translation(
+        DQuat::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 1.1),
+        DVec3::new(2.0, 1.0, -1.0),
+    );
+    for path in [circle_arc(3.0, 20.0, 300.0).unwrap(), circle_cubic()] {
+        let path = path.transformed(&place).unwrap();
+        let major = path.point_at(0.0).distance(place.transform_point3(DVec3::ZERO));
+        let made = sweep(&circle(0.25), &path, &SweepOptions::default()).unwrap();
+        assert_eq!(made.deviation, 0.0);
+        let back = place.inverse();
+        for (u, v) in grid() {
+            let p = back.transform_point3(at(&made, (u, v)));
+            let off = (p.truncate().length() - major).hypot(p.z) - 0.25;
+            assert!(off.abs() < 1e-14, "({u}, {v}): off by {off:e}");
+            // The profile is where the path is.
+            let along = path.point_at(path.domain().0 + v * (path.domain().1 - path.domain().0));
+            assert!((at(&made, (u, v)).distance(along) - 0.25).abs() < 1e-14);
+        }
+    }
+}
+
+/// A helix as a spline, and a tube around it.
+fn helix() -> NurbsCurve {
+    let point = |k: i32| {
+        let angle = f64::from(k) / 10.0;
+        DVec3::new(angle.cos(), angle.sin(), 0.2 * angle)
+    };
+    NurbsCurve::through(&(0..=80).map(point).collect::<Vec<_>>(), 3).unwrap()
+}
+
+#[test]
+fn what_is_not_rational_stays_within_its_tolerance() {
+    let path = helix();
+    let mut deviations = Vec::new();
+    for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let options = SweepOptions { tolerance: Some(tolerance), ..SweepOptions::default() };
+        let made = sweep(&circle(0.1), &path, &options).unwrap();
+        assert!(made.deviation > 0.0 && made.deviation <= tolerance);
+        // A tube: each point is 0.1 from the path's point of the same parameter, in the plane
+        // across it. Measured between the places where it was measured when made.
+        let mut worst: f64 = 0.0;
+        for (u, v) in grid().map(|(u, v)| (u, 0.003 + 0.994 * v)) {
+            let t = v * path.domain().1;
+            let here = path.derivatives(t);
+            let offset = at(&made, (u, v)) - here.point;
+            let along = offset.dot(here.first.normalize());
+            worst = worst.max((offset.length() - 0.1).hypot(along));
+        }
+        assert!(worst <= 1.1 * tolerance, "{worst:e} of {tolerance:e}");
+        deviations.push(made.surface.size().1);
+    }
+    assert!(deviations.windows(2).all(|pair| pair[0] <= pair[1]), "{deviations:?}");
+}
+
+/// The default tolerance and everything that is compared on the way follow the size, and
+/// survive a place a thousand sizes away.
+#[test]
+fn sizes_and_places_do_not_matter() {
+    for (size, away) in [(1e-8, 0.0), (1.0, 0.0), (1e8, 0.0), (1.0, 1e3)] {
+        let place = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(size),
+            DQuat::IDENTITY,
+            DVec3::new(away, -away, away) * size,
+        );
+        let path = helix().transformed(&place).unwrap();
+        let made = sweep(&circle(0.1 * size), &path, &SweepOptions::default()).unwrap();
+        let relative = made.deviation / size;
+        assert!(relative > 1e-8 && relative < 1e-5, "size {size}: {relative:e}");
+        for (u, v) in grid() {
+            let off = at(&made, (u, v)).distance(path.point_at(v * path.domain().1)) / size - 0.1;
+            assert!(off.abs() < 1.1 * relative + 1e-12, "size {size}, ({u}, {v}): {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_path_may_begin_and_end_at_rest() {
+    // Threefold ends: a uniform spline comes to its end points with no speed.
+    let points = [[2.0, 1.0], [5.0, 2.0], [6.0, 5.0], [8.0, 6.0], [5.0, 9.0]];
+    let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
+    let path = crate::geometry::with_repeated_ends(&points, [3, 3]).unwrap();
+    let path = NurbsCurve::uniform_bspline(3, &path).unwrap();
+    let made = sweep(&circle(0.1), &path, &SweepOptions::default()).unwrap();
+    let off = |(u, v): (f64, f64)| {
+        let t = path.domain().0 + v * (path.domain().1 - path.domain().0);
+        (at(&made, (u, v)).distance(path.point_at(t)) - 0.1).abs()
+    };
+    let worst = grid().map(off).fold(0.0, f64::max);
+    assert!(worst <= made.deviation && made.deviation < 2e-5, "{worst:e}, {:e}", made.deviation);
+}
+
+#[test]
+fn twist_and_scale_do_what_they_say_along_a_line() {
+    // A point of the profile becomes a helix on a cone.
+    let profile = NurbsCurve::polyline(&[DVec3::X, DVec3::X * 2.0]).unwrap();
+    let path = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::Z * 4.0]).unwrap();
+    let options = SweepOptions {
+        twist: 540.0,
+        scale: vec![1.0, 0.5],
+        tolerance: Some(1e-9),
+        ..SweepOptions::default()
+    };
+    let made = sweep(&profile, &path, &options).unwrap();
+    for (u, v) in grid() {
+        let angle = 3.0 * std::f64::consts::PI * v;
+        let radius = (1.0 + u) * (1.0 - 0.5 * v);
+        let expected = DVec3::new(radius * angle.cos(), radius * angle.sin(), 4.0 * v);
+        let off = at(&made, (u, v)).distance(expected);
+        assert!(off < 1.1e-9, "({u}, {v}): off by {off:e}");
+    }
+}
+
+#[test]
+fn a_closed_path_closes_the_sweep() {
+    // A closed space curve whose frame comes back turned.
+    let point = |k: i32| {
+        let angle = f64::from(k) * std::f64::consts::TAU / 24.0;
+        DVec3::new(3.0 * angle.cos(), 2.0 * angle.sin(), (2.0 * angle).sin() + 0.5 * angle.cos())
+    };
+    let around: Vec<DVec3> = (0..27).map(|k| point(k % 24)).collect();
+    let knots = crate::geometry::KnotVector::uniform(3, 27).unwrap();
+    let path = NurbsCurve::new(knots, around, None).unwrap();
+    let square = [[0.3, 0.0], [0.0, 0.3], [-0.3, 0.0], [0.0, -0.3], [0.3, 0.0]];
+    let square = square.map(|[x, y]| DVec3::new(x, y, 0.0));
+    let profile = NurbsCurve::polyline(&square).unwrap();
+    let made = sweep(&profile, &path, &SweepOptions::default()).unwrap();
+    let (nu, nv) = made.surface.size();
+    for i in 0..nu {
+        assert_eq!(made.surface.point(i, 0), made.surface.point(i, nv - 1));
+    }
+    assert!(made.deviation < 1e-5, "{}", made.deviation);
+}
+
+#[test]
+fn what_cannot_be_swept() {
+    let message = |profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions| {
+        sweep(profile, path, options).unwrap_err().to_string()
+    };
+    let plain = SweepOptions::default();
+    let corner = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+    let polygon = NurbsCurve::polyline(&corner).unwrap();
+    assert_eq!(
+        message(&circle(0.1), &polygon, &plain),
+        "the path has a kink of 90° at t = 1: it must be smooth; split it there"
+    );
+    // An arc of radius 2 but for a rounding.
+    let folded = message(&circle(3.0), &circle(2.0), &plain);
+    assert!(
+        folded.starts_with("the sweep folds at t = 0 of the path: the path bends with radius 2")
+    );
+    assert!(folded.ends_with("there, and the profile reaches 3 towards the centre"), "{folded}");
+    let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 0.0, 2.0)]).unwrap();
+    assert!(message(&circle(4.0), &parabola, &plain).starts_with("the sweep folds at t = 0"));
+    // Four equal control points in a row: the path stands still for a span.
+    let still = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X, DVec3::X, DVec3::X, DVec3::ONE];
+    let still = NurbsCurve::uniform_bspline(3, &still).unwrap();
+    assert_eq!(
+        message(&circle(0.1), &still, &plain),
+        "the path stands still at t = 5: it has no direction there"
+    );
+    // A beginning of unlimited curvature.
+    let hook = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::ONE]).unwrap();
+    assert!(message(&circle(0.1), &hook, &plain).starts_with("the sweep folds at t = 0.0009"));
+    let scaled = |scale: &[f64]| SweepOptions { scale: scale.to_vec(), ..plain.clone() };
+    assert_eq!(
+        message(&circle(0.1), &parabola, &scaled(&[1.0, -1.0])),
+        "scale 1 is -1: it must be finite, and not negative"
+    );
+    assert_eq!(
+        message(&circle(0.1), &parabola, &scaled(&[])),
+        "the scale is 0 all along the path: one at least must be positive"
+    );
+    let fine = SweepOptions { tolerance: Some(1e-30), ..plain.clone() };
+    assert!(message(&circle(0.1), &parabola, &fine).starts_with("the tolerance 0.0"));
+    let none = SweepOptions { tolerance: Some(0.0), ..plain };
+    assert_eq!(
+        message(&circle(0.1), &parabola, &none),
+        "tolerance 0: it must be positive and finite"
+    );
+}

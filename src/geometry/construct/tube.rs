@@ -1,0 +1,288 @@
+//! Curves as things to see: round tubes and flat ribbons.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::ConstructError;
+use super::path::{direction, is_closed, is_straight, smooth_parts};
+use super::revolve::{Axis, revolve};
+use super::ruled::extrude;
+use super::sweep::{Sweep, SweepOptions, sweep};
+use crate::geometry::shapes::{circle_arc, sphere_biquadratic};
+use crate::geometry::{NurbsCurve, NurbsSurface};
+
+/// How a tube ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Caps {
+    /// Open.
+    Open,
+    /// With a disk.
+    Flat,
+    /// With half a sphere.
+    #[default]
+    Round,
+}
+
+/// One surface of several that are made together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// What it is, as `tube` or `cap`.
+    pub what: &'static str,
+    /// The surface.
+    pub surface: NurbsSurface,
+    /// How far it may be from what it should be; 0 where it is exact.
+    pub deviation: f64,
+}
+
+impl Piece {
+    pub(crate) fn exact(what: &'static str, surface: NurbsSurface) -> Self {
+        Self { what, surface, deviation: 0.0 }
+    }
+}
+
+/// A tube: how thick, how it ends, how near it is to the true one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TubeStyle {
+    /// Its radius.
+    pub radius: f64,
+    /// How it ends.
+    pub caps: Caps,
+    /// How far a tube around what is neither straight nor round may be from the true one; a
+    /// millionth of its size if not given.
+    pub tolerance: Option<f64>,
+}
+
+/// The surfaces of a tube around a curve, facing outward.
+///
+/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept
+/// ([`sweep`]). Where the curve has a kink, a sphere joins the parts. A curve that ends where
+/// it begins has no caps.
+///
+/// # Errors
+/// When the radius is not a positive length, the curve has a gap, stands still, or bends with
+/// a radius smaller than the tube's.
+pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
+    let radius = style.radius;
+    let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
+    let parts = smooth_parts(curve)?;
+    let mut pieces = Vec::new();
+    for part in &parts {
+        pieces.push(round_part(&profile, part, style)?);
+    }
+    for part in &parts[1..] {
+        pieces.push(ball(part.ends()[0], radius)?);
+    }
+    let (first, last) = (&parts[0], &parts[parts.len() - 1]);
+    let (start, end) = (first.ends()[0], last.ends()[1]);
+    let backwards = -direction(first, first.domain().0)?;
+    let forwards = direction(last, last.domain().1)?;
+    if is_closed(curve) {
+        if super::path::angle(-backwards, forwards) > super::path::SAME_DIRECTION {
+            pieces.push(ball(start, radius)?);
+        }
+    } else {
+        pieces.extend(cap(start, backwards, style)?);
+        pieces.extend(cap(end, forwards, style)?);
+    }
+    Ok(pieces)
+}
+
+fn round_part(
+    profile: &NurbsCurve,
+    part: &NurbsCurve,
+    style: &TubeStyle,
+) -> Result<Piece, ConstructError> {
+    if is_straight(part) {
+        // However its parameter runs, a cylinder is the extrusion of its circle.
+        let [a, b] = part.ends();
+        let along = direction(part, part.domain().0)?;
+        let placed =
+            profile.transformed(&frame_at(a, along)).map_err(ConstructError::of("tube"))?;
+        return Ok(Piece::exact("tube", extrude(&placed, b - a)?));
+    }
+    let options = SweepOptions { tolerance: style.tolerance, ..SweepOptions::default() };
+    let Sweep { surface, deviation } = sweep(profile, part, &options)?;
+    Ok(Piece { what: "tube", surface, deviation })
+}
+
+/// The rigid map that takes the origin to a point and z to a direction.
+fn frame_at(origin: DVec3, z: DVec3) -> DAffine3 {
+    // Along the coordinate axes exact, too.
+    let helper = if z.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z };
+    let x = helper.cross(z).normalize();
+    DAffine3::from_mat3_translation(DMat3::from_cols(x, z.cross(x), z), origin)
+}
+
+/// The sphere of this radius around a point.
+///
+/// # Errors
+/// When the radius is not a positive length, or the point not finite.
+pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Piece, ConstructError> {
+    let sphere = sphere_biquadratic(radius)
+        .map_err(|_| ConstructError::Radius { what: "joint", radius })?
+        .transformed(&DAffine3::from_translation(centre))?;
+    Ok(Piece::exact("joint", sphere))
+}
+
+/// What closes a tube that ends at a point in this direction.
+fn cap(at: DVec3, outward: DVec3, style: &TubeStyle) -> Result<Option<Piece>, ConstructError> {
+    let radius = style.radius;
+    let of_cap = ConstructError::of("cap");
+    let profile = match style.caps {
+        Caps::Open => return Ok(None),
+        Caps::Flat => NurbsCurve::polyline(&[DVec3::X * radius, DVec3::ZERO]).map_err(of_cap)?,
+        Caps::Round => circle_arc(radius, 0.0, 90.0)
+            .and_then(|arc| arc.transformed(&DAffine3::from_mat3(UPRIGHT)))
+            .map_err(of_cap)?,
+    };
+    let surface = revolve(&profile, &Axis::Z, 360.0)?.transformed(&frame_at(at, outward))?;
+    Ok(Some(Piece::exact("cap", surface)))
+}
+
+/// Takes the plane of x and y to that of x and z.
+const UPRIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y);
+
+/// A ribbon: how wide, how it is turned, how near it is to the true one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RibbonStyle {
+    /// Its width.
+    pub width: f64,
+    /// Where it faces at the start of each smooth part, as far as it can; z if not given, or
+    /// y where the curve begins steeply.
+    pub up: Option<DVec3>,
+    /// By how many degrees it is twisted.
+    pub twist: f64,
+    /// How far it may be from the true ribbon; a millionth of its size if not given.
+    pub tolerance: Option<f64>,
+}
+
+/// The flat band along a curve, one surface for each of the curve's smooth parts: straight
+/// lines across the curve, carried along as by [`sweep`].
+///
+/// # Errors
+/// When the width is not a positive length, and as [`sweep`].
+pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, ConstructError> {
+    let usable = style.width > 0.0 && style.width.is_finite(); // false for NaN
+    if !usable {
+        return Err(ConstructError::Width { width: style.width });
+    }
+    let half = DVec3::X * (style.width / 2.0);
+    let profile = NurbsCurve::polyline(&[half, -half]).map_err(ConstructError::of("ribbon"))?;
+    let options = SweepOptions {
+        up: style.up,
+        twist: style.twist,
+        tolerance: style.tolerance,
+        ..SweepOptions::default()
+    };
+    let made = |part: NurbsCurve| {
+        let Sweep { surface, deviation } = sweep(&profile, &part, &options)?;
+        Ok(Piece { what: "ribbon", surface, deviation })
+    };
+    smooth_parts(curve)?.into_iter().map(made).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counts(pieces: &[Piece]) -> [usize; 3] {
+        ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
+    }
+
+    /// The distances from a point to the lines on which the sides of a polygon lie, and to
+    /// the nearest of its corners.
+    fn distances(point: DVec3, corners: &[DVec3]) -> (Vec<f64>, f64) {
+        let to_line = |pair: &[DVec3]| {
+            let along = (pair[1] - pair[0]).normalize();
+            (point - pair[0]).reject_from_normalized(along).length()
+        };
+        let to_corners = corners.iter().map(|corner| point.distance(*corner));
+        (corners.windows(2).map(to_line).collect(), to_corners.fold(f64::INFINITY, f64::min))
+    }
+
+    #[test]
+    fn a_polygon_is_cylinders_joints_and_caps_at_one_distance() {
+        for size in [1e-8, 1.0, 1e8] {
+            let corners = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 2.0, 1.0], [0.0, 2.0, 5.0]];
+            let corners = corners.map(|corner| size * DVec3::from(corner));
+            let polygon = NurbsCurve::polyline(&corners).unwrap();
+            let style = TubeStyle { radius: 0.1 * size, ..TubeStyle::default() };
+            let pieces = tube(&polygon, &style).unwrap();
+            assert_eq!(counts(&pieces), [3, 2, 2]);
+            for piece in &pieces {
+                assert_eq!(piece.deviation, 0.0);
+                let [(a, b), (c, d)] = piece.surface.domain();
+                for (i, j) in (0..=12).flat_map(|i| (0..=12).map(move |j| (i, j))) {
+                    let share = [f64::from(i) / 12.0, f64::from(j) / 12.0];
+                    let (u, v) = (a + share[0] * (b - a), c + share[1] * (d - c));
+                    let (lines, corner) = distances(piece.surface.point_at(u, v), &corners);
+                    let right = |distance: &f64| (distance / size - 0.1).abs() < 1e-14;
+                    let fits = match piece.what {
+                        "tube" => lines.iter().any(right),
+                        _ => right(&corner),
+                    };
+                    assert!(fits, "{}: ({u}, {v})", piece.what);
+                }
+            }
+            let style = TubeStyle { caps: Caps::Flat, ..style };
+            assert_eq!(counts(&tube(&polygon, &style).unwrap()), [3, 2, 2]);
+            let style = TubeStyle { caps: Caps::Open, ..style };
+            assert_eq!(counts(&tube(&polygon, &style).unwrap()), [3, 2, 0]);
+        }
+    }
+
+    #[test]
+    fn caps_face_outward_and_close_the_tube() {
+        let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::new(1.0, 2.0, 2.0)]).unwrap();
+        for caps in [Caps::Flat, Caps::Round] {
+            let style = TubeStyle { radius: 0.5, caps, tolerance: None };
+            let pieces = tube(&line, &style).unwrap();
+            let centre = DVec3::new(0.5, 1.0, 1.0);
+            for piece in &pieces {
+                let [(a, b), (c, d)] = piece.surface.domain();
+                let (u, v) = (a + 0.3 * (b - a), c + 0.4 * (d - c));
+                let outward = piece.surface.point_at(u, v) - centre;
+                assert!(piece.surface.normal(u, v).unwrap().dot(outward) > 0.0, "{}", piece.what);
+            }
+        }
+    }
+
+    #[test]
+    fn closed_curves_have_no_caps() {
+        let circle = circle_arc(2.0, 0.0, 360.0).unwrap();
+        let style = TubeStyle { radius: 0.1, ..TubeStyle::default() };
+        let pieces = tube(&circle, &style).unwrap();
+        assert_eq!((counts(&pieces), pieces[0].deviation), ([1, 0, 0], 0.0));
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]];
+        let square = square.map(|[x, y]| DVec3::new(x, y, 0.0));
+        let triangle = NurbsCurve::polyline(&square).unwrap();
+        assert_eq!(counts(&tube(&triangle, &style).unwrap()), [3, 3, 0]);
+    }
+
+    #[test]
+    fn ribbons_face_up_and_are_as_wide_as_they_should_be() {
+        let wave = [[0.0, 0.0], [1.0, 2.0], [2.0, -2.0], [3.0, 0.0]];
+        let wave = wave.map(|[x, y]| DVec3::new(x, y, 0.0));
+        let curve = NurbsCurve::bezier(&wave).unwrap();
+        let style = RibbonStyle { width: 0.2, ..RibbonStyle::default() };
+        let pieces = ribbon(&curve, &style).unwrap();
+        assert_eq!(pieces.len(), 1);
+        let band = &pieces[0].surface;
+        let [(a, b), _] = band.domain();
+        for k in 0..=20 {
+            let v = f64::from(k) / 20.0;
+            assert!(band.normal(0.5 * (a + b), v).unwrap().distance(DVec3::Z) < 1e-12);
+            let across = band.point_at(a, v) - band.point_at(b, v);
+            let most = 2.0 * pieces[0].deviation;
+            assert!(most < 2e-5 && (across.length() - 0.2).abs() < most, "{v}");
+            assert!(across.dot(curve.derivatives(v).first.normalize()).abs() < most);
+        }
+        assert_eq!(
+            ribbon(&curve, &RibbonStyle::default()).unwrap_err().to_string(),
+            "width 0: it must be positive and finite"
+        );
+        assert_eq!(
+            tube(&curve, &TubeStyle::default()).unwrap_err().to_string(),
+            "tube: radius 0: it must be positive and finite"
+        );
+    }
+}

@@ -1,0 +1,78 @@
+//! How much a curve bends.
+
+use glam::DVec3;
+
+use super::CurveDerivatives;
+
+impl CurveDerivatives {
+    /// The curvature `κ = |C′ × C″| / |C′|³`, in one over length; 0 where the curve is straight.
+    ///
+    /// `None` where the curve stands still, `C′ = 0`. Lengths are divided one by one, so that
+    /// models of any size are measured alike.
+    pub fn curvature(&self) -> Option<f64> {
+        self.curvature_vector().map(DVec3::length)
+    }
+
+    /// The curvature vector: the part of `C″ / |C′|²` across the curve. It points to the
+    /// centre of curvature, its length is the curvature.
+    ///
+    /// `None` where the curve stands still.
+    pub fn curvature_vector(&self) -> Option<DVec3> {
+        let speed = self.first.length();
+        let along = self.first / speed;
+        let turning = self.second / speed;
+        let vector = (turning - turning.dot(along) * along) / speed;
+        vector.is_finite().then_some(vector)
+    }
+
+    /// The centre of curvature; `None` where the curve is straight or stands still.
+    pub fn centre_of_curvature(&self) -> Option<DVec3> {
+        let vector = self.curvature_vector()?;
+        let centre = self.point + vector / vector.length() / vector.length();
+        centre.is_finite().then_some(centre)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::{QuarticArc, circle_arc, circle_cubic, quarter_circle_quartic};
+    use crate::geometry::{KnotVector, NurbsCurve};
+
+    #[test]
+    fn circles_bend_by_one_over_their_radius_whatever_their_degree() {
+        for radius in [1e-8, 1.0, 3.0, 1e8] {
+            let arc = circle_arc(radius, 10.0, 350.0).unwrap();
+            for k in 0..=40 {
+                let at = arc.derivatives(f64::from(k) / 40.0);
+                assert!((at.curvature().unwrap() * radius - 1.0).abs() < 1e-13, "{k}");
+                assert!(at.centre_of_curvature().unwrap().length() < 1e-13 * radius);
+            }
+        }
+        for curve in [circle_cubic(), quarter_circle_quartic(QuarticArc::Second)] {
+            for k in 0..=40 {
+                let curvature = curve.derivatives(f64::from(k) / 40.0).curvature().unwrap();
+                assert!((curvature - 1.0).abs() < 1e-13, "{k}: {curvature}");
+            }
+        }
+    }
+
+    #[test]
+    fn parabolas_lines_and_cusps() {
+        // y = x²: κ = 2 / (1 + 4x²)^{3/2}.
+        let parabola = [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let parabola = NurbsCurve::bezier(&parabola).unwrap();
+        for k in 0..=20 {
+            let x = f64::from(k) / 20.0;
+            let expected = 2.0 / (1.0 + 4.0 * x * x).powf(1.5);
+            let found = parabola.derivatives(x).curvature().unwrap();
+            assert!((found - expected).abs() < 1e-14, "{x}: {found}");
+        }
+        let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::ONE]).unwrap();
+        assert_eq!(line.derivatives(0.5).curvature(), Some(0.0));
+        assert_eq!(line.derivatives(0.5).centre_of_curvature(), None);
+        let points = vec![DVec3::ZERO, DVec3::ZERO, DVec3::X];
+        let cusp = NurbsCurve::new(KnotVector::bezier(2).unwrap(), points, None).unwrap();
+        assert_eq!(cusp.derivatives(0.0).curvature(), None);
+    }
+}

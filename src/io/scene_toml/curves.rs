@@ -1,0 +1,156 @@
+//! Curves in a scene file, as `from_curves.md` shows them.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::keys::TransformKeys;
+use super::kinds::OneOf;
+use super::values::{KnotList, Number, Point};
+use super::{LoadError, Reader};
+use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Written};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurveKeys {
+    nurbs: Option<NurbsCurveKeys>,
+    polyline: Option<Vec<Point>>,
+    bezier: Option<Vec<Point>>,
+    through: Option<ThroughKeys>,
+    bspline: Option<BSplineKeys>,
+    catmull_rom: Option<CatmullRomKeys>,
+    hermite: Option<HermiteKeys>,
+    circle: Option<CircleKeys>,
+    arc: Option<ArcKeys>,
+    #[serde(default)]
+    transform: Vec<OneOf<TransformKeys>>,
+    #[serde(default)]
+    reverse: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NurbsCurveKeys {
+    degree: u32,
+    knots: Option<Spanned<KnotList>>,
+    points: Spanned<Vec<Point>>,
+    weights: Option<Vec<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ThroughKeys {
+    degree: Option<u32>,
+    points: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BSplineKeys {
+    degree: Option<u32>,
+    points: Vec<Point>,
+    ends: Option<Spanned<[u32; 2]>>,
+    #[serde(default)]
+    closed: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CatmullRomKeys {
+    points: Vec<Point>,
+    #[serde(default)]
+    closed: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HermiteKeys {
+    points: Vec<Point>,
+    derivatives: Vec<Point>,
+}
+
+/// The degree of a spline, if none is given.
+const CUBIC: u32 = 3;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CircleKeys {
+    radius: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArcKeys {
+    radius: Number,
+    from: Option<Number>,
+    degrees: Number,
+}
+
+/// What a curve can be, for messages.
+const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc";
+
+impl Reader<'_, '_> {
+    pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
+        let place = self.source.place(keys.span().start);
+        let keys = keys.into_inner();
+        let points = |points: Vec<Point>| points.into_iter().map(|point| point.0).collect();
+        let arc =
+            |radius: Number, from: f64, degrees| CurveKind::Arc { radius: radius.0, from, degrees };
+        let kinds = [
+            keys.nurbs.map(|keys| self.nurbs_curve(keys)),
+            keys.polyline.map(|list| CurveKind::Polyline(points(list))),
+            keys.bezier.map(|list| CurveKind::Bezier(points(list))),
+            keys.through.map(|keys| CurveKind::Through {
+                points: points(keys.points),
+                degree: keys.degree.unwrap_or(CUBIC) as usize,
+            }),
+            keys.bspline.map(|keys| self.bspline(keys)).transpose()?,
+            keys.catmull_rom.map(|keys| CurveKind::CatmullRom {
+                points: points(keys.points),
+                closed: keys.closed,
+            }),
+            keys.hermite.map(|keys| CurveKind::Hermite {
+                points: points(keys.points),
+                derivatives: points(keys.derivatives),
+            }),
+            keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
+            keys.arc
+                .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),
+        ];
+        let mut given = kinds.into_iter().flatten();
+        let (Some(kind), None) = (given.next(), given.next()) else {
+            let message = format!("curve: needed is one, and only one, of {KINDS}");
+            return Err(LoadError::malformed(place, message));
+        };
+        let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
+        Ok(CurveSpec { place, kind, transform, reverse: keys.reverse })
+    }
+
+    fn bspline(&self, keys: BSplineKeys) -> Result<CurveKind, LoadError> {
+        let ends = match (keys.closed, keys.ends) {
+            (true, Some(ends)) => {
+                let place = self.source.place(ends.span().start);
+                let message = "bspline: a closed one has no ends to repeat";
+                return Err(LoadError::malformed(place, message));
+            }
+            (true, None) => BSplineEnds::Closed,
+            (false, ends) => {
+                let times = ends.map_or([1, 1], Spanned::into_inner);
+                BSplineEnds::Repeated(times.map(|times| times as usize))
+            }
+        };
+        let points = keys.points.into_iter().map(|point| point.0).collect();
+        Ok(CurveKind::BSpline { points, degree: keys.degree.unwrap_or(CUBIC) as usize, ends })
+    }
+
+    fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {
+        let knots = match keys.knots {
+            Some(knots) => self.written(knots, |knots| knots.0),
+            None => {
+                Written::new(Knots::ClampedUniform, self.source.place(keys.points.span().start))
+            }
+        };
+        let points = keys.points.into_inner().into_iter().map(|point| point.0).collect();
+        let weights = keys.weights.map(|list| list.into_iter().map(|w| w.0).collect());
+        CurveKind::Nurbs { degree: keys.degree as usize, knots, points, weights }
+    }
+}

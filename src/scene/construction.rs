@@ -1,0 +1,141 @@
+//! Surfaces made from curves, as written.
+
+use glam::DVec3;
+
+use super::{CurveSpec, Written};
+use crate::geometry::construct::{NetStyle, RibbonStyle, SweepOptions, TubeStyle};
+
+/// Surfaces made from curves; [`construct`](crate::geometry::construct)
+/// says how each is made and runs.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Construction {
+    /// A profile turned about an axis.
+    Revolution {
+        /// The profile.
+        profile: CurveSpec,
+        /// A point of the axis.
+        through: DVec3,
+        /// The axis' direction.
+        axis: DVec3,
+        /// The angle.
+        degrees: f64,
+    },
+    /// A profile moved along a vector.
+    Extrusion {
+        /// The profile.
+        profile: CurveSpec,
+        /// The vector.
+        by: DVec3,
+    },
+    /// Straight lines from one curve to another.
+    Ruled {
+        /// The one.
+        from: CurveSpec,
+        /// The other.
+        to: CurveSpec,
+    },
+    /// A Coons patch between four borders: those of constant u, then of constant v.
+    Coons(Box<[CurveSpec; 4]>),
+    /// A surface through section curves.
+    Loft {
+        /// The sections in turn.
+        sections: Vec<CurveSpec>,
+        /// The degree across; as high as the sections allow up to 3 if not given.
+        degree: Option<usize>,
+    },
+    /// A profile carried along a path.
+    Sweep {
+        /// The profile.
+        profile: CurveSpec,
+        /// The path.
+        path: CurveSpec,
+        /// How it is carried.
+        options: SweepOptions,
+    },
+    /// A round tube around a curve.
+    Tube {
+        /// The curve.
+        curve: CurveSpec,
+        /// How thick, and how it ends.
+        style: TubeStyle,
+    },
+    /// A flat band along a curve.
+    Ribbon {
+        /// The curve.
+        curve: CurveSpec,
+        /// How wide, and how it is turned.
+        style: RibbonStyle,
+    },
+    /// The control polygon of a curve.
+    Polygon {
+        /// The curve.
+        curve: CurveSpec,
+        /// How thick.
+        style: NetStyle,
+    },
+    /// The control nets of another object's surfaces.
+    Net {
+        /// The object's name.
+        of: Written<String>,
+        /// How thick.
+        style: NetStyle,
+    },
+    /// Curves of constant parameter on another object's surfaces, as tubes.
+    IsoCurves {
+        /// The object's name.
+        of: Written<String>,
+        /// The values of `u` that are fixed.
+        u: Vec<f64>,
+        /// The values of `v` that are fixed.
+        v: Vec<f64>,
+        /// How thick, and how they end.
+        style: TubeStyle,
+    },
+}
+
+impl Construction {
+    /// Its name in scenes.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Revolution { .. } => "revolution",
+            Self::Extrusion { .. } => "extrusion",
+            Self::Ruled { .. } => "ruled",
+            Self::Coons(_) => "coons",
+            Self::Loft { .. } => "loft",
+            Self::Sweep { .. } => "sweep",
+            Self::Tube { .. } => "tube",
+            Self::Ribbon { .. } => "ribbon",
+            Self::Polygon { .. } => "polygon",
+            Self::Net { .. } => "net",
+            Self::IsoCurves { .. } => "iso_curves",
+        }
+    }
+
+    /// The number of control points of its curves.
+    pub fn point_count(&self) -> usize {
+        self.curves().into_iter().map(CurveSpec::point_count).fold(0, usize::saturating_add)
+    }
+
+    fn curves(&self) -> Vec<&CurveSpec> {
+        match self {
+            Self::Revolution { profile, .. } | Self::Extrusion { profile, .. } => vec![profile],
+            Self::Ruled { from, to } => vec![from, to],
+            Self::Coons(borders) => borders.iter().collect(),
+            Self::Loft { sections, .. } => sections.iter().collect(),
+            Self::Sweep { profile, path, .. } => vec![profile, path],
+            Self::Tube { curve, .. } | Self::Ribbon { curve, .. } | Self::Polygon { curve, .. } => {
+                vec![curve]
+            }
+            Self::Net { .. } | Self::IsoCurves { .. } => Vec::new(),
+        }
+    }
+
+    /// The name of the object whose surfaces it draws, if it draws another's.
+    pub fn draws(&self) -> Option<&Written<String>> {
+        match self {
+            Self::Net { of, .. } | Self::IsoCurves { of, .. } => Some(of),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Curves as written: what surfaces are made from.
+
+use glam::{DAffine3, DVec3};
+
+use super::net::knot_vector;
+use super::{Knots, Place, Transform, TransformError, Written};
+use crate::geometry::shapes::circle_arc;
+use crate::geometry::{CurveError, NurbsCurve, with_repeated_ends};
+
+/// A curve as written, not yet checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveSpec {
+    /// Where it was written.
+    pub place: Place,
+    /// What it is.
+    pub kind: CurveKind,
+    /// Where it goes: each step in turn, the first one first.
+    pub transform: Vec<Written<Transform>>,
+    /// Whether it is run backwards.
+    pub reverse: bool,
+}
+
+/// The kinds of curves an author can write.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CurveKind {
+    /// A NURBS curve by its numbers.
+    Nurbs {
+        /// Its degree.
+        degree: usize,
+        /// Its knots.
+        knots: Written<Knots>,
+        /// Its control points, not multiplied by their weights.
+        points: Vec<DVec3>,
+        /// A weight for each control point; none for a polynomial curve.
+        weights: Option<Vec<f64>>,
+    },
+    /// Straight lines from point to point.
+    Polyline(Vec<DVec3>),
+    /// One Bézier curve by its control points.
+    Bezier(Vec<DVec3>),
+    /// A spline through points in turn.
+    Through {
+        /// The points.
+        points: Vec<DVec3>,
+        /// The degree.
+        degree: usize,
+    },
+    /// A uniform B-spline.
+    BSpline {
+        /// The control points.
+        points: Vec<DVec3>,
+        /// The degree.
+        degree: usize,
+        /// How it begins and ends.
+        ends: BSplineEnds,
+    },
+    /// A Catmull–Rom spline: through points, from the second to the last but one.
+    CatmullRom {
+        /// The points.
+        points: Vec<DVec3>,
+        /// Whether it runs through all of them and closes.
+        closed: bool,
+    },
+    /// A Hermite spline.
+    Hermite {
+        /// The points.
+        points: Vec<DVec3>,
+        /// The derivatives there.
+        derivatives: Vec<DVec3>,
+    },
+    /// An arc of a circle around the origin in the plane `z = 0`.
+    Arc {
+        /// Its radius.
+        radius: f64,
+        /// Where it begins, in degrees from the x axis.
+        from: f64,
+        /// How far it turns, in degrees, counterclockwise.
+        degrees: f64,
+    },
+}
+
+/// How a uniform B-spline begins and ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BSplineEnds {
+    /// Open, the first and the last control point there so many times.
+    Repeated([usize; 2]),
+    /// It closes.
+    Closed,
+}
+
+/// Why a curve as written is none.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum CurveFault {
+    Curve(Place, CurveError),
+    Transform(Place, TransformError),
+}
+
+impl CurveSpec {
+    /// The number of control points written.
+    pub fn point_count(&self) -> usize {
+        match &self.kind {
+            CurveKind::Nurbs { points, .. }
+            | CurveKind::Polyline(points)
+            | CurveKind::Bezier(points)
+            | CurveKind::Through { points, .. }
+            | CurveKind::BSpline { points, .. }
+            | CurveKind::CatmullRom { points, .. }
+            | CurveKind::Hermite { points, .. } => points.len(),
+            CurveKind::Arc { .. } => 0,
+        }
+    }
+
+    /// The curve these numbers are, if they are one, in its place.
+    pub(super) fn curve(&self) -> Result<NurbsCurve, CurveFault> {
+        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+        let curve = match &self.kind {
+            CurveKind::Nurbs { degree, knots, points, weights } => {
+                let vector = knot_vector(*degree, &knots.value, points.len())
+                    .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
+                NurbsCurve::new(vector, points.clone(), weights.clone())
+            }
+            CurveKind::Polyline(points) => NurbsCurve::polyline(points),
+            CurveKind::Bezier(points) => NurbsCurve::bezier(points),
+            CurveKind::Through { points, degree } => NurbsCurve::through(points, *degree),
+            CurveKind::BSpline { points, degree, ends: BSplineEnds::Repeated(times) } => {
+                with_repeated_ends(points, *times)
+                    .and_then(|points| NurbsCurve::uniform_bspline(*degree, &points))
+            }
+            CurveKind::BSpline { points, degree, ends: BSplineEnds::Closed } => {
+                NurbsCurve::closed_bspline(*degree, points)
+            }
+            CurveKind::CatmullRom { points, closed: false } => NurbsCurve::catmull_rom(points),
+            CurveKind::CatmullRom { points, closed: true } => {
+                NurbsCurve::closed_catmull_rom(points)
+            }
+            CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
+            CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
+        }
+        .map_err(blame)?;
+        let mut placed = DAffine3::IDENTITY;
+        for step in &self.transform {
+            let affine = step.value.affine();
+            placed = affine.map_err(|e| CurveFault::Transform(step.place.clone(), e))? * placed;
+        }
+        let curve = curve.transformed(&placed).map_err(blame)?;
+        Ok(if self.reverse { curve.reversed() } else { curve })
+    }
+}

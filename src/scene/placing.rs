@@ -1,0 +1,115 @@
+//! The parts of objects, made and put in their places.
+
+use glam::DAffine3;
+
+use super::workshop::{Made, Workshop};
+use super::{Object, Part, Scene, SceneError, SceneFault, Shape, UnknownName, Written};
+use crate::geometry::NurbsSurface;
+use crate::geometry::shapes::ShapeError;
+
+/// All steps of an object's transform, the first one first.
+pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
+    object.transform.iter().try_fold(DAffine3::IDENTITY, |before, step| {
+        let step_affine = step.value.affine().map_err(|error| {
+            let fault = SceneFault::Transform { object: name.to_owned(), error };
+            SceneError::new(step.place.clone(), fault)
+        })?;
+        Ok(step_affine * before)
+    })
+}
+
+/// Places parts, of one object after another.
+pub(super) struct Placer<'a> {
+    pub(super) scene: &'a Scene,
+}
+
+impl Placer<'_> {
+    /// The surfaces of a part of the object called `name`, in their places.
+    pub(super) fn place(
+        &self,
+        name: &str,
+        part: &Part,
+        (object, world_from_object): (&Object, &DAffine3),
+    ) -> Result<Vec<Made>, SceneError> {
+        let mut made = self.make(name, part)?;
+        if *world_from_object == DAffine3::IDENTITY {
+            return Ok(made); // bit for bit as authored
+        }
+        for one in &mut made {
+            one.surface = one.surface.transformed(world_from_object).map_err(|error| {
+                let place = object.transform.first().map_or(&part.place, |step| &step.place);
+                let fault = SceneFault::Placed { surface: name.to_owned(), error };
+                SceneError::new(place.clone(), fault)
+            })?;
+            one.deviation *= stretch(world_from_object);
+        }
+        Ok(made)
+    }
+
+    fn make(&self, name: &str, part: &Part) -> Result<Vec<Made>, SceneError> {
+        let surface: NurbsSurface = match &part.shape {
+            Shape::Net(net) => net.surface().map_err(|fault| {
+                let place = net.place(fault.blame).clone();
+                let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
+                SceneError::new(place, fault)
+            })?,
+            Shape::Named(shape, measures) => shape.surface().map_err(|error| {
+                let named = match &error {
+                    ShapeError::Length { measure, .. } => measure,
+                    ShapeError::Torus { .. } => "minor radius",
+                };
+                let place = measures.iter().find(|measure| measure.value == named);
+                let place = place.map_or(&part.place, |measure| &measure.place).clone();
+                SceneError::new(place, SceneFault::Shape { surface: name.to_owned(), error })
+            })?,
+            Shape::Built(construction) => {
+                let surfaces_of = |of: &Written<String>| self.surfaces_of(name, of);
+                let shop =
+                    Workshop { surface: name, place: &part.place, surfaces_of: &surfaces_of };
+                return shop.make(construction);
+            }
+        };
+        Ok(vec![surface.into()])
+    }
+
+    /// The surfaces of the object of this name, in their places, for the object `drawn` that
+    /// draws them.
+    fn surfaces_of(
+        &self,
+        drawn: &str,
+        of: &Written<String>,
+    ) -> Result<Vec<NurbsSurface>, SceneError> {
+        let fails = |fault| SceneError::new(of.place.clone(), fault);
+        let named = |object: &&Object| object.name.as_ref().is_some_and(|n| n.value == of.value);
+        let Some(object) = self.scene.objects.iter().find(named) else {
+            let names = self.scene.objects.iter().filter_map(|object| object.name.as_ref());
+            let known: Vec<&str> = names.map(|name| name.value.as_str()).collect();
+            let error = UnknownName::new("object", &of.value, &known);
+            return Err(fails(SceneFault::Draws { object: drawn.to_owned(), error }));
+        };
+        let draws = |part: &Part| match &part.shape {
+            Shape::Built(construction) => construction.draws().is_some(),
+            _ => false,
+        };
+        if object.parts.iter().any(draws) {
+            let (object, of) = (drawn.to_owned(), of.value.clone());
+            return Err(fails(SceneFault::DrawsDrawn { object, of }));
+        }
+        let world_from_object = affine(&of.value, object)?;
+        let mut surfaces = Vec::new();
+        for part in &object.parts {
+            let made = self.place(&of.value, part, (object, &world_from_object))?;
+            surfaces.extend(made.into_iter().map(|made| made.surface));
+        }
+        if object.reverse {
+            surfaces = surfaces.iter().map(NurbsSurface::reversed_u).collect();
+        }
+        Ok(surfaces)
+    }
+}
+
+/// By how much a map lengthens distances at most: the root of the sum of its squares is a
+/// bound of the largest singular value, and no more than √3 times it.
+fn stretch(map: &DAffine3) -> f64 {
+    map.matrix3.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+}

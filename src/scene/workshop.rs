@@ -1,0 +1,174 @@
+//! Where the surfaces of constructions are made.
+
+use std::collections::{HashMap, HashSet};
+
+use super::curve::CurveFault;
+use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
+use crate::geometry::construct::{self, Axis, Borders, ConstructError, Piece, Sweep, TubeStyle};
+use crate::geometry::{NurbsCurve, NurbsSurface};
+
+/// A surface made, and how far it is from what was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Made {
+    /// What it is called within its object; may be empty.
+    pub(super) name: String,
+    pub(super) surface: NurbsSurface,
+    /// A bound of the distance in space; 0 where it is exact.
+    pub(super) deviation: f64,
+}
+
+impl From<NurbsSurface> for Made {
+    /// A surface that is exactly what was asked for, the only one.
+    fn from(surface: NurbsSurface) -> Self {
+        Self { name: String::new(), surface, deviation: 0.0 }
+    }
+}
+
+/// How the surfaces of another object are found by its name.
+pub(super) type Surfaces<'a> =
+    dyn Fn(&Written<String>) -> Result<Vec<NurbsSurface>, SceneError> + 'a;
+
+/// Makes the surfaces of one part: knows what errors should call it, and where it stands.
+pub(super) struct Workshop<'a> {
+    /// The surface's name.
+    pub(super) surface: &'a str,
+    /// Where the construction was written.
+    pub(super) place: &'a Place,
+    /// Finds other objects' surfaces.
+    pub(super) surfaces_of: &'a Surfaces<'a>,
+}
+
+impl Workshop<'_> {
+    /// The surfaces of a construction.
+    pub(super) fn make(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
+        let pieces = match what {
+            Construction::Revolution { profile, through, axis, degrees } => {
+                let profile = self.curve("profile", profile)?;
+                let axis = self.checked(Axis::new(*through, *axis))?;
+                vec![self.checked(construct::revolve(&profile, &axis, *degrees))?.into()]
+            }
+            Construction::Extrusion { profile, by } => {
+                let profile = self.curve("profile", profile)?;
+                vec![self.checked(construct::extrude(&profile, *by))?.into()]
+            }
+            Construction::Ruled { from, to } => {
+                let (from, to) = (self.curve("from", from)?, self.curve("to", to)?);
+                vec![self.checked(construct::ruled(&from, &to))?.into()]
+            }
+            Construction::Coons(borders) => {
+                let [u0, u1, v0, v1] = &**borders;
+                let borders = Borders {
+                    u0: self.curve("border u0", u0)?,
+                    u1: self.curve("border u1", u1)?,
+                    v0: self.curve("border v0", v0)?,
+                    v1: self.curve("border v1", v1)?,
+                };
+                vec![self.checked(construct::coons(&borders))?.into()]
+            }
+            Construction::Loft { sections, degree } => {
+                let made = sections.iter().enumerate();
+                let made =
+                    made.map(|(index, curve)| self.curve(&format!("section {index}"), curve));
+                let made = made.collect::<Result<Vec<_>, _>>()?;
+                let highest = made.len().saturating_sub(1).clamp(1, construct::LOFT_DEGREE);
+                let degree = degree.unwrap_or(highest);
+                vec![self.checked(construct::loft(&made, degree))?.surface.into()]
+            }
+            Construction::Sweep { profile, path, options } => {
+                let profile = self.curve("profile", profile)?;
+                let path = self.curve("path", path)?;
+                let Sweep { surface, deviation } =
+                    self.checked(construct::sweep(&profile, &path, options))?;
+                vec![Made { name: String::new(), surface, deviation }]
+            }
+            Construction::Tube { curve, style } => {
+                let curve = self.curve("curve", curve)?;
+                numbered(self.checked(construct::tube(&curve, style))?)
+            }
+            Construction::Ribbon { curve, style } => {
+                let curve = self.curve("curve", curve)?;
+                numbered(self.checked(construct::ribbon(&curve, style))?)
+            }
+            Construction::Polygon { curve, style } => {
+                let curve = self.curve("curve", curve)?;
+                numbered(self.checked(construct::control_polygon(&curve, style))?)
+            }
+            Construction::Net { of, style } => {
+                let surfaces = (self.surfaces_of)(of)?;
+                let nets = surfaces.iter().map(|surface| construct::control_net(surface, style));
+                let nets = nets.collect::<Result<Vec<_>, _>>();
+                numbered(self.checked(nets)?.into_iter().flatten().collect())
+            }
+            Construction::IsoCurves { of, u, v, style } => {
+                let surfaces = (self.surfaces_of)(of)?;
+                let drawn = surfaces.iter().map(|surface| iso_curves(surface, [u, v], style));
+                let drawn = drawn.collect::<Result<Vec<_>, _>>();
+                numbered(self.checked(drawn)?.into_iter().flatten().collect())
+            }
+        };
+        Ok(pieces)
+    }
+
+    /// The curve written under a key.
+    fn curve(&self, key: &str, curve: &CurveSpec) -> Result<NurbsCurve, SceneError> {
+        let surface = self.surface.to_owned();
+        curve.curve().map_err(|fault| match fault {
+            CurveFault::Curve(place, error) => {
+                let error = ConstructError::Curve { which: key.to_owned(), error };
+                SceneError::new(place, SceneFault::Construction { surface, error })
+            }
+            CurveFault::Transform(place, error) => {
+                let object = format!("{surface}, {key}");
+                SceneError::new(place, SceneFault::Transform { object, error })
+            }
+        })
+    }
+
+    /// What was made, or why not.
+    fn checked<T>(&self, made: Result<T, ConstructError>) -> Result<T, SceneError> {
+        made.map_err(|error| {
+            let surface = self.surface.to_owned();
+            SceneError::new(self.place.clone(), SceneFault::Construction { surface, error })
+        })
+    }
+}
+
+/// Curves of constant parameter as tubes; those that are only a point, at poles, show nothing.
+fn iso_curves(
+    surface: &NurbsSurface,
+    [u, v]: [&Vec<f64>; 2],
+    style: &TubeStyle,
+) -> Result<Vec<Piece>, ConstructError> {
+    let at_u = u.iter().map(|&u| surface.curve_at_u(u));
+    let at_v = v.iter().map(|&v| surface.curve_at_v(v));
+    let curves = at_u.chain(at_v).collect::<Result<Vec<_>, _>>().map_err(ConstructError::Iso)?;
+    let mut pieces = Vec::new();
+    for curve in curves.iter().filter(|curve| !curve.is_point()) {
+        pieces.extend(construct::tube(curve, style)?);
+    }
+    Ok(pieces)
+}
+
+/// The pieces under names of their own: what each is, with a number where there are several.
+fn numbered(pieces: Vec<Piece>) -> Vec<Made> {
+    let of = |what| pieces.iter().filter(|piece| piece.what == what).count();
+    let several: HashSet<&str> = KINDS.into_iter().filter(|what| of(*what) > 1).collect();
+    let only = pieces.len() == 1;
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    pieces
+        .into_iter()
+        .map(|Piece { what, surface, deviation }| {
+            let count = counts.entry(what).or_default();
+            *count += 1;
+            let name = match several.contains(what) {
+                _ if only => String::new(),
+                true => format!("{what} {count}"),
+                false => what.to_owned(),
+            };
+            Made { name, surface, deviation }
+        })
+        .collect()
+}
+
+/// What pieces may be.
+const KINDS: [&str; 6] = ["tube", "joint", "cap", "ribbon", "line", "point"];
