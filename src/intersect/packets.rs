@@ -1,6 +1,6 @@
 //! First hits of coherent rays: packets, and the scalar search for what they leave.
 
-use super::leaf_search::{self, Meeting, Question};
+use super::leaf_search::{self, Meeting};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, trace};
 use super::{Answer, HitFlags, Shot, Tracer};
@@ -29,7 +29,7 @@ impl Tracer<'_> {
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
             self.trace_packet(level, packet);
-            self.search_rest(packet);
+            self.search_rest(level, packet);
             self.answer_packet(packet, answers);
             rest = others;
         }
@@ -44,26 +44,18 @@ impl Tracer<'_> {
         dispatch!(level, simd => trace(simd, tree, set, packet, work, statistics));
     }
 
-    /// The scalar search for the rays and leaves the packet could not decide.
-    fn search_rest<Q: Shot>(&mut self, shots: &[Q]) {
-        let PacketScratch { packet, work, meetings, doubt } = &mut *self.packets;
-        meetings.clear();
-        if work.rest.is_empty() {
+    /// The search ray by ray for the rays and leaves the packet could not decide.
+    fn search_rest<Q: Shot>(&mut self, level: Level, shots: &[Q]) {
+        self.packets.meetings.clear();
+        if self.packets.work.rest.is_empty() {
             return;
         }
-        *doubt = [f64::INFINITY; PACKET];
-        let set = &self.bvh.set;
-        for &(k, index) in &work.rest {
-            let ray = shots[k].ray();
-            let frame = &RayFrame::new(ray);
-            let leaf = &set.leaves()[index as usize];
-            let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
-            let limit = packet.hit(k).map_or(frame.z_range[1], |hit| hit.z + slack);
-            let Some(passage) = leaf.oriented.passage(frame, slack) else { continue };
-            let question =
-                Question { set, ray: frame, t_range: [ray.t_min(), ray.t_max()], from: None };
-            self.findings.clear();
-            leaf_search::search(&question, leaf, &passage, limit, &mut self.findings);
+        self.packets.doubt = [f64::INFINITY; PACKET];
+        for at in 0..self.packets.work.rest.len() {
+            let (k, leaf) = self.packets.work.rest[at];
+            let limit = self.packets.packet.end(k);
+            self.search_leaf(level, shots[k].ray(), leaf, limit);
+            let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));
             doubt[k] = doubt[k].min(self.findings.doubt);
         }

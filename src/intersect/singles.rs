@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use super::hit::Root;
 use super::leaf_search::{self, Meeting, Question};
 use super::tracer::answer_of;
-use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
+use super::wide::{Scene, SingleHit, SingleRay, Wanted, search_single, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
-use crate::math::RayFrame;
+use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece};
 
 impl SurfaceBvh {
@@ -81,6 +81,19 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
+    /// One leaf against one ray, for the packets: the ray's own proof, then the scalar search;
+    /// `findings` holds what was found. `limit` is how far along the ray it is of interest.
+    pub(super) fn search_leaf(&mut self, level: Level, ray: &Ray, leaf: u32, limit: f64) {
+        let frame = RayFrame::new(ray);
+        let mut single = SingleRay::new(&frame, None, Wanted::First, &self.bvh.hierarchy);
+        let (scene, work) = (self.bvh.scene(), &mut self.single);
+        dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, work)));
+        self.search_left(&Query::primary(*ray), &frame, limit, Wanted::First);
+        if let Some(hit) = &self.single.hit {
+            self.findings.meetings.push(Certain::new(self.bvh, &frame, hit).meeting());
+        }
+    }
+
     /// The first of what the fast search has found and of what it has left.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit;

@@ -218,7 +218,7 @@ pub(super) fn finish<S: Simd>(
         (root_s - middle_s).abs().simd_le(outer_s) & (root_t - middle_t).abs().simd_le(outer_t);
     found &= inside;
 
-    // Roots outside the piece, and those too near the ray's beginning, are judged elsewhere.
+    // Roots outside the piece, and those too near the ray's ends, are judged elsewhere.
     let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let on_piece =
         root_s.simd_ge(low) & root_s.simd_le(high) & root_t.simd_ge(low) & root_t.simd_le(high);
@@ -228,7 +228,9 @@ pub(super) fn finish<S: Simd>(
     let cosine = dot_d(cross, axis).abs() / size;
     let z_error = error / cosine.max(f64x8::splat(simd, f64::EPSILON));
     let near_end = z_error + z_error;
-    let clear = z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end);
+    let z_max = f64x8::from_slice(simd, &packet.z_max[base..base + 8]);
+    let clear = (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
+        & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
     let judged = found & (!on_piece | !clear);
     // Of hits at the same place the leaf that comes first counts, whichever was searched
     // first: so the order of the search does not matter.

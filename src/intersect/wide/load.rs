@@ -78,6 +78,7 @@ fn frames<S: Simd>(simd: S, packet: &mut Packet, base: usize) {
     let t_max = f64x8::from_slice(simd, &packet.z[eight.clone()]);
     (t_min * length).store_slice(&mut packet.z_min[eight.clone()]);
     (t_max * length).store_slice(&mut packet.z[eight.clone()]);
+    (t_max * length).store_slice(&mut packet.z_max[eight.clone()]);
     let origin = load3d(simd, &packet.origin, base);
     let magnitude = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
     magnitude.store_slice(&mut packet.magnitude[eight]);

@@ -31,7 +31,7 @@ mod tree;
 
 pub(super) use lane_tree::LaneTree;
 pub(super) use packet::{LaneHit, Packet};
-pub(super) use single::{Scene, SingleWork, trace_single};
+pub(super) use single::{Scene, SingleWork, search_single, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
 pub(super) use traverse::{Work, trace};
 pub(super) use tree::WideTree;

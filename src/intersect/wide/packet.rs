@@ -25,6 +25,7 @@ pub(in crate::intersect) struct Packet {
     /// `1 / |d|`.
     pub(super) t_from_z: [f64; PACKET],
     pub(super) z_min: [f64; PACKET],
+    pub(super) z_max: [f64; PACKET],
     /// The largest coordinate magnitude of the origins.
     pub(super) magnitude: [f64; PACKET],
     pub(super) magnitude_f: [f32; PACKET],
@@ -75,11 +76,9 @@ pub(super) struct PacketBounds {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct LaneHit {
     pub(in crate::intersect) piece: u32,
-    /// The distance along the ray, and how far that may be off.
-    pub(in crate::intersect) z: f64,
-    pub(in crate::intersect) z_error: f64,
-    /// The ray parameter.
+    /// The ray parameter, and how far the place along the ray may be off.
     pub(in crate::intersect) t: f64,
+    pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) st: DVec2,
     pub(in crate::intersect) point: DVec3,
     /// NaN where there is none.
@@ -98,6 +97,7 @@ impl Packet {
             normals: [[[0.0; PACKET]; 3]; 2],
             t_from_z: [0.0; PACKET],
             z_min: [0.0; PACKET],
+            z_max: [0.0; PACKET],
             magnitude: [0.0; PACKET],
             magnitude_f: [0.0; PACKET],
             origin_f: [[0.0; PACKET]; 3],
@@ -147,6 +147,11 @@ impl Packet {
         self.near_border
     }
 
+    /// How far along a ray anything is of interest: to its nearest hit, or its end.
+    pub(in crate::intersect) fn end(&self, k: usize) -> f64 {
+        self.z[k]
+    }
+
     /// Whether a ray has met anything.
     #[inline]
     pub(in crate::intersect) fn has_hit(&self, k: usize) -> bool {
@@ -173,7 +178,6 @@ impl Packet {
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
         self.has_hit(k).then(|| LaneHit {
             piece: self.piece[k],
-            z: self.z[k],
             t: self.z[k] * self.t_from_z[k],
             z_error: self.z_error[k],
             st: DVec2::new(self.s[k], self.t[k]),

@@ -228,6 +228,20 @@ fn search_block<S: Simd>(
     }
 }
 
+/// One leaf against one ray, whatever became of its box; the findings are as those of
+/// [`trace_single`].
+#[simd]
+pub(in crate::intersect) fn search_single<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    leaf: u32,
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    work.hit = None;
+    work.rest.clear();
+    search_leaf(simd, scene, leaf, [0.0; 2], (ray, work));
+}
+
 /// One leaf against one ray.
 #[simd]
 fn search_leaf<S: Simd>(
