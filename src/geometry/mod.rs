@@ -25,6 +25,7 @@
 mod arrange;
 mod basis;
 mod bezier;
+mod cage;
 pub mod construct;
 mod corner_cutting;
 mod curvature;
@@ -50,6 +51,10 @@ mod uniform;
 
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
+pub use cage::{
+    BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceSquare, Feature, LimitError,
+    LimitPatch, LimitPoint, LimitSurface,
+};
 pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use curve_error::CurveError;

@@ -1,0 +1,188 @@
+//! The Doo–Sabin limit surface as biquadratic patches, by feature-adaptive refinement.
+
+use glam::DVec3;
+
+use super::Cage;
+use super::cage_error::LimitError;
+use super::doo_sabin::refined;
+use super::limit_surface::{FaceSquare, LimitSurface};
+use super::mesh::Mesh;
+use super::topology::NONE;
+use super::tree::{MAX_LEVELS, Net, Tree};
+use crate::math::Aabb;
+
+/// A vertex of the current mesh with four faces around it. The patch over it reaches to the
+/// middles of these faces.
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    /// The corner of the vertex in the face whose middle is (u, v) = (0, 0).
+    first: u32,
+    /// Its square.
+    node: u32,
+}
+
+/// A mesh and those of its vertices that are looked at; the others only surround them.
+type Level = (Mesh, Vec<Element>);
+
+impl Cage {
+    /// The Doo–Sabin limit surface to a tolerance in scene units, see [`LimitSurface`].
+    ///
+    /// A vertex with four quads around it brings a biquadratic patch. Vertices at other
+    /// faces are refined until what is left is proved to be within the tolerance, as in
+    /// [`Cage::catmull_clark`]. The squares are those of Catmull–Clark surfaces: each corner
+    /// of a face brings the patch that reaches from its vertex to the face's middle.
+    ///
+    /// Where the cage ends the surface ends inside of it, as a uniform B-spline does: the
+    /// corners at boundary vertices bring none.
+    ///
+    /// # Errors
+    /// When the tolerance is no length, less than 1e-9 of the largest coordinate, or would
+    /// need millions of patches; when inner edges or vertices are sharp, which this scheme
+    /// does not know; when all vertices are on the boundary; when a vertex has two faces.
+    pub fn doo_sabin(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
+        let mut tree = Tree::new(2, tolerance, self.magnitude())?;
+        check(self.mesh())?;
+        let mut level = Some(start(self.mesh(), &mut tree)?);
+        for _ in 0..=MAX_LEVELS {
+            let Some((mesh, elements)) = &level else { return Ok(tree.patches()) };
+            level = settle(mesh, elements, &mut tree)?;
+        }
+        match level {
+            None => Ok(tree.patches()),
+            Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
+        }
+    }
+}
+
+/// Refuses what Doo–Sabin surfaces do not have.
+fn check(mesh: &Mesh) -> Result<(), LimitError> {
+    let topology = &mesh.topology;
+    let inner_edge = |edge: usize| topology.twin(topology.edge_corner(edge)) != NONE;
+    let edges = (0..topology.edge_count()).filter(|&e| mesh.creases[e] > 0.0 && inner_edge(e));
+    let mut inside = 0;
+    let mut vertices = 0;
+    for vertex in 0..topology.vertex_count() {
+        let star = topology.star(vertex as u32);
+        if star.closed && star.corners.len() < 3 {
+            return Err(LimitError::TwoFaces { vertex });
+        }
+        inside += usize::from(star.closed);
+        vertices += usize::from(star.closed && mesh.corners[vertex] > 0.0);
+    }
+    match edges.count() {
+        0 if vertices == 0 && inside > 0 => Ok(()),
+        0 if vertices == 0 => Err(LimitError::NothingInside),
+        edges => Err(LimitError::Sharp { edges, vertices }),
+    }
+}
+
+/// The mesh after the first step, with a vertex for each corner of the cage.
+fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
+    let topology = &mesh.topology;
+    let once = refined(mesh);
+    let (mut elements, mut unit) = (Vec::new(), 0);
+    for face in 0..topology.face_count() {
+        let range = topology.face_range(face);
+        let sides = range.len();
+        for (k, corner) in range.enumerate() {
+            if !topology.star(topology.vertex(corner as u32)).closed {
+                continue;
+            }
+            // The vertex's own middle is at corner k of a quad, at (0, 0) of other squares.
+            let (square, turn) = if sides == 4 {
+                (FaceSquare::whole(face, unit).quarter(k), k)
+            } else {
+                (FaceSquare::whole(face, unit + k), 0)
+            };
+            let node = tree.add_root(square)?;
+            elements.push(Element { first: first_corner(&once, corner as u32, turn), node });
+        }
+        unit += if sides == 4 { 1 } else { sides };
+    }
+    Ok((once, elements))
+}
+
+/// The corner at (0, 0) of a new vertex.
+///
+/// `in_face` is its corner in the face that was there before. Counterclockwise from the
+/// face around the old vertex come: that one, the one along the edge that leaves, the face
+/// that was there, the one along the edge that arrives. The first is at corner `turn`.
+fn first_corner(refined: &Mesh, in_face: u32, turn: usize) -> u32 {
+    let topology = &refined.topology;
+    let steps = (4 - turn % 4 + 2) % 4;
+    (0..steps).fold(in_face, |corner, _| topology.twin(topology.previous(corner)))
+}
+
+/// The four corners of an element, counterclockwise from (0, 0).
+fn corners(mesh: &Mesh, element: Element) -> [u32; 4] {
+    let turned = |corner| mesh.topology.twin(mesh.topology.previous(corner));
+    let first = element.first;
+    let second = turned(first);
+    let third = turned(second);
+    [first, second, third, turned(third)]
+}
+
+fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<Level>, LimitError> {
+    let topology = &mesh.topology;
+    let mut kept = Vec::new();
+    let mut marked = vec![false; topology.vertex_count()];
+    for &element in elements {
+        let corners = corners(mesh, element);
+        let patch = net(mesh, corners);
+        if corners.iter().all(|&corner| topology.sides(corner) == 4) {
+            tree.set_exact(element.node, patch);
+        } else if !tree.end(element.node, patch, hull(mesh, corners)) {
+            kept.push((corners, tree.open(element.node, Some(patch))?));
+            marked[topology.vertex(element.first) as usize] = true;
+        }
+    }
+    if kept.is_empty() {
+        return Ok(None);
+    }
+
+    let part = mesh.part_around(&marked);
+    let mut number = vec![0; topology.face_count()];
+    for (index, &old) in part.faces.iter().enumerate() {
+        number[old as usize] = index;
+    }
+    let in_part = |corner: u32| {
+        let face = topology.face_of(corner) as usize;
+        let place = corner as usize - topology.face_range(face).start;
+        (part.mesh.topology.face_range(number[face]).start + place) as u32
+    };
+    let once = refined(&part.mesh);
+    let mut children = Vec::with_capacity(4 * kept.len());
+    for (corners, first_child) in kept {
+        for (k, corner) in corners.into_iter().enumerate() {
+            // The old vertex's middle is opposite of corner k, where its face is.
+            let first = first_corner(&once, in_part(corner), k + 2);
+            children.push(Element { first, node: first_child + k as u32 });
+        }
+    }
+    Ok(Some((once, children)))
+}
+
+/// The 3 × 3 control points, v fastest: the vertex, the middles of its edges, the centroids
+/// of its faces. They are the B-spline's if all faces are quads; a centroid is a point of
+/// the limit surface in any case.
+fn net(mesh: &Mesh, corners: [u32; 4]) -> Net {
+    /// Where the face of corner k, and the edge that leaves it, belong in the net.
+    const PLACES: [[usize; 2]; 4] = [[0, 1], [6, 3], [8, 7], [2, 5]];
+    let topology = &mesh.topology;
+    let mut net = [DVec3::ZERO; 16];
+    let vertex = mesh.at(corners[0]);
+    net[4] = vertex;
+    for (places, corner) in PLACES.iter().zip(corners) {
+        net[places[0]] = mesh.centroid(topology.face_of(corner) as usize);
+        net[places[1]] = 0.5 * (vertex + mesh.positions[topology.tip(corner) as usize]);
+    }
+    net
+}
+
+/// A box around the faces of an element: the surface over it lies inside, since all points
+/// of a refined mesh are means of those around them, with weights from 0 to 1.
+fn hull(mesh: &Mesh, corners: [u32; 4]) -> Aabb {
+    let faces = corners.map(|corner| mesh.topology.face_of(corner) as usize);
+    let vertices = faces.iter().flat_map(|&face| mesh.topology.face(face));
+    Aabb::around(vertices.map(|&vertex| mesh.positions[vertex as usize]))
+}

@@ -1,0 +1,237 @@
+//! Why polygons cannot be the cage of a subdivision surface.
+
+use std::fmt;
+
+use glam::DVec3;
+use thiserror::Error;
+
+/// Why polygons cannot be the cage of a subdivision surface. Vertices and faces are counted
+/// from 0.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CageError {
+    /// There is no face.
+    #[error("the cage has no faces")]
+    Empty,
+    /// There are more corners than can be counted.
+    #[error("the cage has {corners} corners of faces: at most {limit} can be handled")]
+    TooLarge {
+        /// The sum of all faces' corners, or the number of vertices.
+        corners: usize,
+        /// The largest number.
+        limit: usize,
+    },
+    /// A position is NaN or infinite, or so large that sums overflow.
+    #[error(
+        "vertex {vertex} is ({}, {}, {}): coordinates must be finite and at most 1e150",
+        .position.x, .position.y, .position.z
+    )]
+    Position {
+        /// Which vertex.
+        vertex: usize,
+        /// Where it is.
+        position: DVec3,
+    },
+    /// A face has too few corners.
+    #[error("face {face} has {corners} corners: it needs 3 or more")]
+    FewCorners {
+        /// Which face.
+        face: usize,
+        /// How many it has.
+        corners: usize,
+    },
+    /// A face names a vertex that is not there.
+    #[error("face {face} names vertex {vertex}, but there are only {vertices} vertices")]
+    NoSuchVertex {
+        /// Which face.
+        face: usize,
+        /// The vertex it names.
+        vertex: usize,
+        /// The number of vertices.
+        vertices: usize,
+    },
+    /// A face names a vertex twice.
+    #[error("face {face} names vertex {vertex} twice: its corners must differ")]
+    RepeatedVertex {
+        /// Which face.
+        face: usize,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// More than two faces share an edge.
+    #[error(
+        "the edge between vertices {} and {} belongs to faces {}: at most two may share an edge",
+        .vertices[0], .vertices[1], Listed(.faces)
+    )]
+    NonManifoldEdge {
+        /// The ends of the edge.
+        vertices: [usize; 2],
+        /// All faces that have it.
+        faces: Vec<usize>,
+    },
+    /// Two faces run along their common edge the same way.
+    #[error(
+        "faces {} and {} both run from vertex {} to vertex {}: one of them is inside out",
+        .faces[0], .faces[1], .vertices[0], .vertices[1]
+    )]
+    Orientation {
+        /// The ends of the edge.
+        vertices: [usize; 2],
+        /// The two faces.
+        faces: [usize; 2],
+    },
+    /// No face has the vertex.
+    #[error("vertex {vertex} belongs to no face")]
+    IsolatedVertex {
+        /// Which vertex.
+        vertex: usize,
+    },
+    /// The faces around a vertex touch there only.
+    #[error(
+        "vertex {vertex}: its {faces} faces form separate fans (one of {fan}) that touch in \
+         this vertex only"
+    )]
+    NonManifoldVertex {
+        /// Which vertex.
+        vertex: usize,
+        /// The number of its faces.
+        faces: usize,
+        /// The number of those that hang together with the first.
+        fan: usize,
+    },
+    /// A crease is asked for where there is no edge.
+    #[error("crease {crease}: there is no edge between vertices {} and {}", .vertices[0], .vertices[1])]
+    NoSuchEdge {
+        /// Which crease.
+        crease: usize,
+        /// The vertices it names.
+        vertices: [usize; 2],
+    },
+    /// A sharp corner is asked for where there is no vertex.
+    #[error("corner {corner} names vertex {vertex}, but there are only {vertices} vertices")]
+    NoSuchCorner {
+        /// Which corner.
+        corner: usize,
+        /// The vertex it names.
+        vertex: usize,
+        /// The number of vertices.
+        vertices: usize,
+    },
+    /// A sharpness is not one.
+    #[error("{feature} {index} has sharpness {sharpness}: it must be from 0 to 10, or infinite")]
+    Sharpness {
+        /// What should be sharp.
+        feature: Feature,
+        /// Its index.
+        index: usize,
+        /// The number.
+        sharpness: f64,
+    },
+    /// The same edge or vertex is given two sharpnesses.
+    #[error("{feature} {index} gives sharpness {sharpness} to what has sharpness {other} already")]
+    TwoSharpnesses {
+        /// What should be sharp.
+        feature: Feature,
+        /// Its index.
+        index: usize,
+        /// Its sharpness.
+        sharpness: f64,
+        /// The sharpness given before.
+        other: f64,
+    },
+}
+
+/// What can be sharp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// An edge.
+    Crease,
+    /// A vertex.
+    Corner,
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Crease => "crease",
+            Self::Corner => "corner",
+        })
+    }
+}
+
+/// Numbers as in `1, 2 and 3`.
+struct Listed<'a>(&'a [usize]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, number) in self.0.iter().enumerate() {
+            let before = match index {
+                0 => "",
+                _ if index + 1 == self.0.len() => " and ",
+                _ => ", ",
+            };
+            write!(f, "{before}{number}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Why a limit surface cannot be had to a tolerance.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LimitError {
+    /// The tolerance is no length, or finer than the arithmetic allows.
+    #[error(
+        "tolerance {tolerance}: for a cage with coordinates up to {magnitude} it must be finite \
+         and at least {smallest}"
+    )]
+    Tolerance {
+        /// The tolerance, in scene units.
+        tolerance: f64,
+        /// The largest absolute coordinate of the cage.
+        magnitude: f64,
+        /// The smallest tolerance for it.
+        smallest: f64,
+    },
+    /// There would be too many patches.
+    #[error(
+        "more than {limit} patches are needed for tolerance {tolerance}: a larger tolerance, or \
+         less sharp creases, need fewer"
+    )]
+    TooManyPatches {
+        /// The largest number of patches and the squares they are found through.
+        limit: usize,
+        /// The tolerance, in scene units.
+        tolerance: f64,
+    },
+    /// The refinement did not get there within the number of steps squares can be halved.
+    #[error("tolerance {tolerance} is not reached after {levels} steps of refinement")]
+    TooDeep {
+        /// The tolerance, in scene units.
+        tolerance: f64,
+        /// The number of steps.
+        levels: u32,
+    },
+    /// A Doo–Sabin surface cannot have the creases and corners the cage has.
+    #[error(
+        "{edges} inner edges and {vertices} inner vertices are sharp: Doo–Sabin surfaces have no \
+         creases"
+    )]
+    Sharp {
+        /// The number of sharp edges that are no boundary.
+        edges: usize,
+        /// The number of sharp vertices that are not on the boundary.
+        vertices: usize,
+    },
+    /// A Doo–Sabin surface would have no patch at all.
+    #[error(
+        "all vertices are on the boundary: a Doo–Sabin surface lies around the vertices inside"
+    )]
+    NothingInside,
+    /// The faces of a Doo–Sabin surface would have two corners only.
+    #[error("vertex {vertex} has two faces: Doo–Sabin surfaces need three or more around it")]
+    TwoFaces {
+        /// Which vertex.
+        vertex: usize,
+    },
+}

@@ -1,0 +1,146 @@
+//! The Catmull–Clark limit surface as bicubic patches, by feature-adaptive refinement.
+
+use super::Cage;
+use super::bicubic::{is_regular, net};
+use super::cage_error::LimitError;
+use super::catmull_clark::refined;
+use super::limit_surface::{FaceSquare, LimitSurface};
+use super::mesh::Mesh;
+use super::tree::{MAX_LEVELS, Tree};
+use crate::math::Aabb;
+
+impl Cage {
+    /// The Catmull–Clark limit surface to a tolerance in scene units, see
+    /// [`LimitSurface`]; [`Cage::default_tolerance`] is a sensible one.
+    ///
+    /// Regular quads (four around each corner, or the mirrored halves and quarters of that
+    /// at infinitely sharp creases, corners and boundaries) are bicubic patches. The others,
+    /// and their neighbours, are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose
+    /// 2012) until what is left is proved to be within the tolerance; then the largest
+    /// squares that a single patch fits are taken.
+    ///
+    /// # Errors
+    /// When the tolerance is no length, less than 1e-9 of the largest coordinate, or would
+    /// need millions of patches.
+    pub fn catmull_clark(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
+        let mut tree = Tree::new(3, tolerance, self.magnitude())?;
+        let mut faces = Vec::new();
+        let mut units = 0;
+        for face in 0..self.face_count() {
+            let sides = self.mesh().topology.face(face).len();
+            let known = if sides == 4 {
+                Known::Node(tree.add_root(FaceSquare::whole(face, units))?)
+            } else {
+                Known::Polygon { face, unit: units }
+            };
+            units += if sides == 4 { 1 } else { sides };
+            faces.push((face as u32, known));
+        }
+        let mut level = settle(self.mesh(), &faces, &mut tree)?;
+        for _ in 0..MAX_LEVELS {
+            let Some((mesh, faces)) = &level else { return Ok(tree.patches()) };
+            level = settle(mesh, faces, &mut tree)?;
+        }
+        match level {
+            None => Ok(tree.patches()),
+            Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
+        }
+    }
+
+    /// A tolerance for pictures: 1e-6 of the cage's largest side, far below a pixel.
+    pub fn default_tolerance(&self) -> f64 {
+        let size = Aabb::around(self.positions().iter().copied()).size().max_element();
+        // A cage far away from the origin, or one with no extent, cannot have that.
+        (1e-6 * size).max(1e-9 * self.magnitude()).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// What the tree knows of a face of the current mesh.
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    /// It is this square.
+    Node(u32),
+    /// It is a face of the cage with squares of its own, from this one on.
+    Polygon { face: usize, unit: usize },
+}
+
+/// A mesh and those of its faces that are looked at; the others only surround them.
+type Level = (Mesh, Vec<(u32, Known)>);
+
+/// Gives the squares of faces their patches, and refines where more is needed.
+///
+/// The vertices of a face that is kept have all their faces in the part that is refined. So
+/// the quads at these vertices have the right corners, and they are all that surrounds the
+/// face's own quads: what is made of the part's other borders is not looked at again.
+fn settle(
+    mesh: &Mesh,
+    faces: &[(u32, Known)],
+    tree: &mut Tree,
+) -> Result<Option<Level>, LimitError> {
+    let mut kept = Vec::new();
+    for &(face, known) in faces {
+        if let Known::Node(node) = known {
+            let patch = net(mesh, face as usize);
+            match patch {
+                Some(patch) if is_regular(mesh, face as usize) => {
+                    tree.set_exact(node, patch);
+                    continue;
+                }
+                Some(patch) if tree.end(node, patch, hull(mesh, face as usize)) => continue,
+                _ => kept.push((face, Next::Quarters(tree.open(node, patch)?))),
+            }
+        } else if let Known::Polygon { face: cage_face, unit } = known {
+            kept.push((face, Next::Units(cage_face, unit)));
+        }
+    }
+    if kept.is_empty() {
+        return Ok(None);
+    }
+
+    let mut marked = vec![false; mesh.topology.vertex_count()];
+    for &(face, _) in &kept {
+        for &vertex in mesh.topology.face(face as usize) {
+            marked[vertex as usize] = true;
+        }
+    }
+    let part = mesh.part_around(&marked);
+    // Both lists are in the order of faces; the quads of a corner have the corner's number.
+    let mut children = Vec::with_capacity(4 * kept.len());
+    let mut kept = kept.into_iter().peekable();
+    for (index, old) in part.faces.iter().enumerate() {
+        let Some((_, next)) = kept.next_if(|(face, _)| face == old) else { continue };
+        for (k, quad) in part.mesh.topology.face_range(index).enumerate() {
+            let known = match next {
+                Next::Quarters(first) => Known::Node(first + k as u32),
+                Next::Units(face, unit) => {
+                    Known::Node(tree.add_root(FaceSquare::whole(face, unit + k))?)
+                }
+            };
+            children.push((quad as u32, known));
+        }
+    }
+    Ok(Some((refined(&part.mesh), children)))
+}
+
+/// What becomes of a kept face's quads.
+#[derive(Clone, Copy, Debug)]
+enum Next {
+    /// They are these squares, one after the other.
+    Quarters(u32),
+    /// They are unit squares of a face of the cage.
+    Units(usize, usize),
+}
+
+/// A box around all faces that touch a face: the surface over it lies inside, since all
+/// points of a refined mesh are means of those around them, with weights from 0 to 1.
+fn hull(mesh: &Mesh, face: usize) -> Aabb {
+    let topology = &mesh.topology;
+    let mut hull = Aabb::EMPTY;
+    for &vertex in topology.face(face) {
+        for corner in topology.star(vertex).corners {
+            let around = topology.face(topology.face_of(corner) as usize);
+            hull = around.iter().fold(hull, |hull, &v| hull.with(mesh.positions[v as usize]));
+        }
+    }
+    hull
+}

@@ -1,0 +1,130 @@
+//! Cages that cannot be, one message each.
+
+use super::*;
+
+fn refuse(parts: CageParts) -> String {
+    Cage::new(parts).unwrap_err().to_string()
+}
+
+fn with_faces(faces: &[&[usize]], vertices: usize) -> CageParts {
+    let faces = faces.iter().map(|face| face.to_vec()).collect();
+    CageParts { positions: (0..vertices).map(noisy).collect(), faces, ..CageParts::default() }
+}
+
+#[test]
+fn faces_at_fault() {
+    assert_eq!(refuse(with_faces(&[], 3)), "the cage has no faces");
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 2], &[0, 2]], 3)),
+        "face 1 has 2 corners: it needs 3 or more"
+    );
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 9]], 3)),
+        "face 0 names vertex 9, but there are only 3 vertices"
+    );
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 2, 1]], 3)),
+        "face 0 names vertex 1 twice: its corners must differ"
+    );
+}
+
+#[test]
+fn edges_and_vertices_at_fault() {
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 2], &[1, 0, 3], &[0, 1, 4]], 5)),
+        "the edge between vertices 0 and 1 belongs to faces 0, 1 and 2: at most two may share \
+         an edge"
+    );
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 2], &[0, 1, 3]], 4)),
+        "faces 0 and 1 both run from vertex 0 to vertex 1: one of them is inside out"
+    );
+    assert_eq!(refuse(with_faces(&[&[0, 1, 2]], 4)), "vertex 3 belongs to no face");
+    assert_eq!(
+        refuse(with_faces(&[&[0, 1, 2], &[0, 3, 4]], 5)),
+        "vertex 0: its 2 faces form separate fans (one of 1) that touch in this vertex only"
+    );
+}
+
+#[test]
+fn numbers_at_fault() {
+    for bad in [f64::NAN, f64::NEG_INFINITY, 1e200] {
+        let mut parts = cube_parts();
+        parts.positions[5].y = bad;
+        assert_eq!(
+            refuse(parts),
+            format!("vertex 5 is (1, {bad}, 1): coordinates must be finite and at most 1e150")
+        );
+    }
+    let creased = |creases: &[Crease]| CageParts { creases: creases.to_vec(), ..cube_parts() };
+    assert_eq!(
+        refuse(creased(&[crease(0, 1, 1.0), crease(0, 3, 1.0)])),
+        "crease 1: there is no edge between vertices 0 and 3"
+    );
+    for bad in [-1.0, 10.5, f64::NAN] {
+        assert_eq!(
+            refuse(creased(&[crease(0, 1, bad)])),
+            format!("crease 0 has sharpness {bad}: it must be from 0 to 10, or infinite")
+        );
+    }
+    assert_eq!(
+        refuse(creased(&[crease(0, 1, 1.0), crease(1, 0, 2.0)])),
+        "crease 1 gives sharpness 2 to what has sharpness 1 already"
+    );
+    let corners = vec![Corner { vertex: 8, sharpness: 1.0 }];
+    assert_eq!(
+        refuse(CageParts { corners, ..cube_parts() }),
+        "corner 0 names vertex 8, but there are only 8 vertices"
+    );
+}
+
+#[test]
+fn tolerances_that_cannot_be() {
+    let cube = cage(&cube_parts());
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
+        assert_eq!(
+            cube.catmull_clark(bad).unwrap_err().to_string(),
+            format!(
+                "tolerance {bad}: for a cage with coordinates up to 1 it must be finite and at \
+                 least 0.000000001"
+            )
+        );
+        assert!(cube.doo_sabin(bad).is_err());
+    }
+    assert!(cube.catmull_clark(cube.default_tolerance()).is_ok());
+}
+
+#[test]
+fn cages_in_a_point_have_patches_in_a_point() {
+    let positions = vec![DVec3::new(1.0, 2.0, 3.0); 8];
+    let point = cage(&CageParts { positions, ..cube_parts() });
+    let limit = point.catmull_clark(point.default_tolerance()).unwrap();
+    assert_eq!(limit.patches().len(), 6);
+    assert!(
+        limit.control(0).unwrap().iter().all(|p| p.distance(DVec3::new(1.0, 2.0, 3.0)) < 1e-15)
+    );
+    assert!(limit.surface(0).unwrap().is_err());
+    let positions = vec![DVec3::ZERO; 8];
+    let origin = cage(&CageParts { positions, ..cube_parts() });
+    assert!(origin.catmull_clark(origin.default_tolerance()).is_ok());
+}
+
+#[test]
+fn cages_tell_what_they_are() {
+    let cube = cage(&cube_parts());
+    assert_eq!((cube.face_count(), cube.edge_count(), cube.positions().len()), (6, 12, 8));
+    assert!(cube.is_closed() && cube.edge_sharpness().iter().all(|&s| s == 0.0));
+    assert_eq!((cube.face(0), cube.face(6)), (Some(&[0, 2, 3, 1][..]), None));
+    let sheet = cage(&sheet_parts(2, 2, bumpy));
+    assert!(!sheet.is_closed());
+    assert_eq!(sheet.edge_sharpness(), [SHARP; 4]);
+    assert_eq!(sheet.vertex_sharpness(), [SHARP; 4]);
+    let once = cube.refined_catmull_clark();
+    assert_eq!((once.face_count(), once.edge_count(), once.positions().len()), (24, 48, 26));
+    let once = pyramid_cage().refined_doo_sabin();
+    assert_eq!((once.face_count(), once.positions().len()), (6 + 10 + 6, 20));
+}
+
+fn pyramid_cage() -> Cage {
+    cage(&pyramid_parts(5))
+}

@@ -1,0 +1,96 @@
+//! Limit masks against refinement.
+
+use super::*;
+
+#[test]
+fn refinement_keeps_limit_points_and_normals() {
+    for (name, parts) in zoo() {
+        let cage = cage(&parts);
+        let refined = cage.refined_catmull_clark();
+        let (before, after) = (cage.catmull_clark_limits(), refined.catmull_clark_limits());
+        let corners =
+            (0..cage.face_count()).flat_map(|f| (0..before[f].len()).map(move |k| (f, k)));
+        for (child, (face, k)) in corners.enumerate() {
+            // The quad of a corner, and where in it the corner is.
+            let place = if before[face].len() == 4 { k } else { 0 };
+            let (a, b) = (before[face][k], after[child][place]);
+            assert!(a.point.distance(b.point) < 1e-14, "{name}, face {face}, corner {k}");
+            match (a.normal, b.normal) {
+                (Some(a), Some(b)) => assert!(a.distance(b) < 1e-9, "{name}, {face}, {k}: {a} {b}"),
+                (a, b) => assert_eq!(a.is_some(), b.is_some(), "{name}, face {face}, corner {k}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn vertices_of_much_refined_cages_are_near_their_limits() {
+    for (name, parts) in zoo() {
+        let cage = cage(&parts);
+        let mut refined = cage.clone();
+        for _ in 0..5 {
+            refined = refined.refined_catmull_clark();
+        }
+        let limits = cage.catmull_clark_limits();
+        for (face, vertices) in parts.faces.iter().enumerate() {
+            for (k, &vertex) in vertices.iter().enumerate() {
+                // Each step leaves at most some 0.4 of the way: 0.4⁵ is 0.01.
+                let left = refined.positions()[vertex].distance(limits[face][k].point);
+                let way = cage.positions()[vertex].distance(limits[face][k].point);
+                assert!(left <= 0.05 * way + 2e-3, "{name}, vertex {vertex}: {left} of {way}");
+            }
+        }
+    }
+}
+
+#[test]
+fn normals_are_those_of_the_patches() {
+    for (name, parts) in zoo() {
+        let cage = cage(&parts).refined_catmull_clark();
+        let probe = Probe::new(cage.catmull_clark(1e-3).unwrap());
+        let limits = cage.catmull_clark_limits();
+        let mut seen = 0;
+        for unit in 0..cage.face_count() {
+            for (k, at) in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].into_iter().enumerate()
+            {
+                let (patch, u, v) = probe.patch(unit, at).unwrap();
+                if !probe.limit.patches()[patch].exact {
+                    continue;
+                }
+                let by_patch = probe.surface(patch).normal(u, v).unwrap();
+                let by_mask = limits[unit][k].normal.unwrap();
+                assert!(by_patch.distance(by_mask) < 1e-12, "{name}: {by_patch} {by_mask}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 0, "{name}");
+    }
+}
+
+#[test]
+fn normals_at_extraordinary_vertices_are_those_of_small_faces_there() {
+    for (name, parts) in zoo() {
+        let cage = cage(&parts);
+        let limits = cage.catmull_clark_limits();
+        let mut refined = cage.clone();
+        for _ in 0..6 {
+            refined = refined.refined_catmull_clark();
+        }
+        let at = |vertex: u32| refined.positions()[vertex as usize];
+        for (face, vertices) in parts.faces.iter().enumerate() {
+            for (k, &vertex) in vertices.iter().enumerate() {
+                let Some(normal) = limits[face][k].normal else { continue };
+                // All small faces there are nearly in the tangent plane, or across a crease;
+                // around smooth vertices of the border with one face as slowly as 1/6.
+                let small = (0..refined.face_count()).map(|f| refined.face(f).unwrap());
+                let touching = small.filter(|quad| quad.contains(&(vertex as u32)));
+                let nearest = touching.map(|quad| {
+                    let diagonals = [at(quad[2]) - at(quad[0]), at(quad[3]) - at(quad[1])];
+                    diagonals[0].cross(diagonals[1]).normalize().distance(normal)
+                });
+                let nearest = nearest.fold(f64::INFINITY, f64::min);
+                assert!(nearest < 0.17, "{name}, face {face}, corner {k}: {nearest}");
+            }
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Squares of faces, halved and halved again, until a Bézier patch is the surface or near it.
+
+use glam::DVec3;
+
+use super::cage_error::LimitError;
+use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface};
+use crate::math::Aabb;
+
+/// The control points of a patch, `(degree + 1)²` of them in use, v fastest.
+pub(super) type Net = [DVec3; 16];
+
+/// How well a square is known.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// The patch is the surface.
+    Exact,
+    /// The four squares from this one on know more; the patch may be near enough.
+    Open { first_child: u32 },
+    /// As `Open`, without a patch.
+    Split { first_child: u32 },
+    /// The patch and the surface both lie near this box: the surface in it.
+    End { hull: Aabb },
+}
+
+/// The squares of all faces: the roots cover a face each, others a quarter of their parent.
+///
+/// Quarter k of a square is the one at its corner k: (0, 0), (1, 0), (1, 1), (0, 1).
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    degree: usize,
+    nodes: Vec<(Kind, Net)>,
+    roots: Vec<(u32, FaceSquare)>,
+    /// How far a patch may be from the surface.
+    limit: f64,
+    tolerance: f64,
+}
+
+/// The most squares, 2²²: they take 2 GB.
+const MAX_SQUARES: usize = 1 << 22;
+
+/// Steps of halving after which the corners of squares no longer are exact in f64.
+pub(super) const MAX_LEVELS: u32 = 52;
+
+/// The smallest tolerance, relative to the cage's coordinates. It is reached within
+/// [`MAX_LEVELS`] steps (the worst vertices shrink by 0.6545 a step), and far above rounding.
+const SMALLEST_TOLERANCE: f64 = 1e-9;
+
+impl Tree {
+    /// No squares yet. Patches may be half a tolerance from the surface: where two such meet,
+    /// they are at most one tolerance apart.
+    pub(super) fn new(degree: usize, tolerance: f64, magnitude: f64) -> Result<Self, LimitError> {
+        let smallest = SMALLEST_TOLERANCE * magnitude;
+        if !(tolerance >= smallest && tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(LimitError::Tolerance { tolerance, magnitude, smallest });
+        }
+        let limit = 0.5 * tolerance;
+        Ok(Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance })
+    }
+
+    /// A new square that is a face of its own.
+    pub(super) fn add_root(&mut self, square: FaceSquare) -> Result<u32, LimitError> {
+        let root = self.add(1)?;
+        self.roots.push((root, square));
+        Ok(root)
+    }
+
+    /// Squares not yet known.
+    fn add(&mut self, count: usize) -> Result<u32, LimitError> {
+        let first = self.nodes.len();
+        if first + count > MAX_SQUARES {
+            let (limit, tolerance) = (MAX_SQUARES, self.tolerance);
+            return Err(LimitError::TooManyPatches { limit, tolerance });
+        }
+        let unknown = (Kind::End { hull: Aabb::EMPTY }, [DVec3::ZERO; 16]);
+        self.nodes.resize(first + count, unknown);
+        Ok(first as u32)
+    }
+
+    /// Sets the patch of a square that is the surface.
+    pub(super) fn set_exact(&mut self, node: u32, net: Net) {
+        self.nodes[node as usize] = (Kind::Exact, net);
+    }
+
+    /// Looks whether a square is small enough to end with. The surface over it lies in
+    /// `hull`, by the convex hull property of the scheme.
+    pub(super) fn end(&mut self, node: u32, net: Net, hull: Aabb) -> bool {
+        let ends = self.farthest_from(&net, &hull) <= self.limit;
+        if ends {
+            self.nodes[node as usize] = (Kind::End { hull }, net);
+        }
+        ends
+    }
+
+    /// Gives a square its four quarters, and a patch that may stand for all of them.
+    pub(super) fn open(&mut self, node: u32, net: Option<Net>) -> Result<u32, LimitError> {
+        let first_child = self.add(4)?;
+        self.nodes[node as usize] = match net {
+            Some(net) => (Kind::Open { first_child }, net),
+            None => (Kind::Split { first_child }, [DVec3::ZERO; 16]),
+        };
+        Ok(first_child)
+    }
+
+    /// The largest possible distance between a point of the patch and one in the box.
+    fn farthest_from(&self, net: &Net, hull: &Aabb) -> f64 {
+        let used = (self.degree + 1) * (self.degree + 1);
+        let far = |p: &DVec3| (*p - hull.min).abs().max((*p - hull.max).abs()).length();
+        net[..used].iter().map(far).fold(0.0, f64::max)
+    }
+
+    /// How far a patch over a square can be from the surface, parameter by parameter;
+    /// `None` if farther than the limit.
+    ///
+    /// A difference of Bézier patches is no larger than the largest difference of their
+    /// control points, so the bound is proved but for the rounding of some ulps.
+    fn deviation(&self, net: &Net, node: u32) -> Option<f64> {
+        let (kind, own) = &self.nodes[node as usize];
+        let found = match *kind {
+            Kind::Exact => {
+                let used = (self.degree + 1) * (self.degree + 1);
+                let pairs = net[..used].iter().zip(own);
+                pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
+            }
+            Kind::End { hull } => self.farthest_from(net, &hull),
+            Kind::Open { first_child } | Kind::Split { first_child } => {
+                let mut worst = 0.0_f64;
+                for k in 0..4 {
+                    let quarter = quarter(net, self.degree + 1, k);
+                    worst = worst.max(self.deviation(&quarter, first_child + k as u32)?);
+                }
+                worst
+            }
+        };
+        (found <= self.limit).then_some(found)
+    }
+
+    /// The patches: as few squares as are within the limit.
+    pub(super) fn patches(&self) -> LimitSurface {
+        let mut surface = LimitSurface::empty(self.degree, self.tolerance);
+        let mut roots = self.roots.clone();
+        roots.sort_by_key(|(_, square)| square.unit); // faces of n ≠ 4 corners came later
+        for (root, square) in roots {
+            self.collect(root, square, &mut surface);
+        }
+        surface
+    }
+
+    fn collect(&self, node: u32, square: FaceSquare, surface: &mut LimitSurface) {
+        let (kind, net) = &self.nodes[node as usize];
+        let (deviation, children) = match *kind {
+            Kind::Exact => (Some(0.0), None),
+            Kind::End { hull } => (Some(self.farthest_from(net, &hull)), None),
+            Kind::Open { first_child } => (self.deviation(net, node), Some(first_child)),
+            Kind::Split { first_child } => (None, Some(first_child)),
+        };
+        let used = (self.degree + 1) * (self.degree + 1);
+        match (deviation, children) {
+            (Some(deviation), _) => {
+                let exact = matches!(kind, Kind::Exact);
+                surface.push(LimitPatch { square, deviation, exact }, &net[..used]);
+            }
+            (None, Some(first)) => {
+                for k in 0..4 {
+                    self.collect(first + k as u32, square.quarter(k), surface);
+                }
+            }
+            (None, None) => {}
+        }
+    }
+}
+
+/// The control points of a quarter of a patch with n × n points: de Casteljau at the middle,
+/// in u and in v.
+fn quarter(net: &Net, n: usize, k: usize) -> Net {
+    let mut result = *net;
+    let upper = [k == 1 || k == 2, k >= 2];
+    for line in 0..n {
+        halve(&mut result, n, (line, n), upper[0]);
+    }
+    for line in 0..n {
+        halve(&mut result, n, (line * n, 1), upper[1]);
+    }
+    result
+}
+
+/// Keeps one half of a curve of n points, `start`, `start + stride` and so on.
+fn halve(net: &mut Net, n: usize, (start, stride): (usize, usize), upper: bool) {
+    let at = |index: usize| start + index * stride;
+    for round in 1..n {
+        if upper {
+            for j in 0..n - round {
+                net[at(j)] = 0.5 * (net[at(j)] + net[at(j + 1)]);
+            }
+        } else {
+            for j in (round..n).rev() {
+                net[at(j)] = 0.5 * (net[at(j - 1)] + net[at(j)]);
+            }
+        }
+    }
+}
