@@ -6,6 +6,7 @@
 //! | scene or model, by its ending | [`load_input`] | |
 //! | scene, TOML: [`scene_toml`] shows every key | [`read_scene`] | |
 //! | model, geomdl JSON: [`geomdl`] says what of it | [`read_geomdl`] | |
+//! | cage of a subdivision surface: [`obj`] says what of it | [`read_obj_cage`] | |
 //! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
 //! | picture with its data, OpenEXR | | [`write_exr`] |
 //! | scene for POV-Ray | | [`povray_scene`] |
@@ -15,7 +16,7 @@
 //! points of degree 3 need 11`. Files are written under another name and moved into place
 //! when complete ([`write_atomically`]), so a failure leaves the older file as it was.
 //!
-//! STEP, IGES, 3dm and OBJ have their place here, but are not read yet.
+//! STEP, IGES and 3dm have their place here, but are not read yet, nor are surfaces in OBJ.
 
 mod atomic;
 #[cfg(feature = "embree")]
@@ -36,6 +37,7 @@ pub mod mesh;
 mod message;
 mod npy;
 mod npy_header;
+pub mod obj;
 mod png;
 mod povray;
 mod quoted;
@@ -54,6 +56,7 @@ pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
+pub use obj::{CageModel, read_obj_cage};
 pub use png::{PngWarning, write_png, write_png_bytes};
 pub use povray::{PovrayGap, PovrayScene, PovraySkip, povray_scene};
 pub use quoted::Quoted;

@@ -87,7 +87,7 @@ pub(super) fn net(mesh: &Mesh, face: usize) -> Option<Net> {
         net[places[0]] = vertex.limit;
         net[places[1]] = vertex.beside(mesh, corner, End::First);
         net[places[2]] = vertex.beside(mesh, topology.previous(corner), End::Last);
-        net[places[3]] = inner(mesh, corner);
+        net[places[3]] = vertex.inner(mesh, corner);
     }
     Some(net)
 }
@@ -154,6 +154,20 @@ impl Vertex {
             Some(_) => self.limit + (row_w - row_v) / 3.0,
         }
     }
+
+    /// The inner control point of a corner: `(n v + 2 a + 2 b + c)/(n + 5)`, for n = 4 the
+    /// B-spline's, with the number of edges at vertices that are not regular (Loop &
+    /// Schaefer 2008).
+    fn inner(&self, mesh: &Mesh, corner: u32) -> DVec3 {
+        let topology = &mesh.topology;
+        let n = match &self.irregular {
+            Some((star, _)) if star.closed => star.corners.len() as f64,
+            _ => 4.0,
+        };
+        let (next, previous) = (topology.next(corner), topology.previous(corner));
+        let sides = mesh.at(next) + mesh.at(previous);
+        (n * mesh.at(corner) + 2.0 * sides + mesh.at(topology.next(next))) / (n + 5.0)
+    }
 }
 
 /// An end of a half-edge.
@@ -161,15 +175,4 @@ impl Vertex {
 enum End {
     First,
     Last,
-}
-
-/// The inner control point of a corner: `(n v + 2 a + 2 b + c)/(n + 5)` with n the number
-/// of edges (Loop & Schaefer 2008), which for four is the B-spline's; n = 4 on boundaries.
-fn inner(mesh: &Mesh, corner: u32) -> DVec3 {
-    let topology = &mesh.topology;
-    let star = topology.star(topology.vertex(corner));
-    let n = if star.closed { star.corners.len() as f64 } else { 4.0 };
-    let (next, previous) = (topology.next(corner), topology.previous(corner));
-    let sides = mesh.at(next) + mesh.at(previous);
-    (n * mesh.at(corner) + 2.0 * sides + mesh.at(topology.next(next))) / (n + 5.0)
 }

@@ -1,0 +1,304 @@
+//! Cages of subdivision surfaces from Wavefront OBJ files.
+//!
+//! ```text
+//! v -1 -1 0          a vertex: x y z
+//! f 1 2 3 4          a face: vertices counted from 1, or back from the last with -1
+//! f 1/1 2/2/1 3//1   texture and normal indices may follow; they are not used
+//! t crease 2/1/0 0 1 2.5        the edge from vertex 0 to 1 has sharpness 2.5
+//! t corner 1/1/0 3 inf          vertex 3 is sharp
+//! t interpolateboundary 1/0/0 2
+//! ```
+//!
+//! What is done with the rest:
+//!
+//! | statement | |
+//! |---|---|
+//! | `v` with a weight or a colour | the weight must be 1; colours are not used, and a note says so |
+//! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
+//! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
+//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib` and the statements for curves, points and lines | left out, with one note a kind |
+//! | anything else | an error |
+//!
+//! A line that ends in `\` goes on in the next; `#` begins a comment.
+
+mod tags;
+
+use glam::DVec3;
+
+use super::LoadError;
+use super::source::Source;
+use crate::geometry::{Cage, CageError, CageParts, Feature};
+use crate::scene::ImportNote;
+
+/// A cage from a file, and what else the file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CageModel {
+    /// The cage.
+    pub cage: Cage,
+    /// What is not used, and why.
+    pub notes: Vec<ImportNote>,
+}
+
+/// Statements that are no part of a cage, and what they are.
+const IGNORED: [(&str, &str); 35] = [
+    ("vt", "texture coordinates are not used"),
+    ("vn", "the surface has its own normals"),
+    ("vp", "free-form geometry is not read"),
+    ("g", "groups are not used"),
+    ("o", "all objects of the file are one cage"),
+    ("s", "the subdivision scheme smooths the surface"),
+    ("mg", "the subdivision scheme smooths the surface"),
+    ("usemtl", "materials come from the scene"),
+    ("mtllib", "materials come from the scene"),
+    ("usemap", "materials come from the scene"),
+    ("maplib", "materials come from the scene"),
+    ("l", "a line has no surface"),
+    ("p", "a point has no surface"),
+    ("bevel", "it is for display only"),
+    ("c_interp", "it is for display only"),
+    ("d_interp", "it is for display only"),
+    ("lod", "it is for display only"),
+    ("shadow_obj", "it is for display only"),
+    ("trace_obj", "it is for display only"),
+    ("ctech", "free-form geometry is not read"),
+    ("stech", "free-form geometry is not read"),
+    ("cstype", "free-form geometry is not read"),
+    ("deg", "free-form geometry is not read"),
+    ("bmat", "free-form geometry is not read"),
+    ("step", "free-form geometry is not read"),
+    ("curv", "free-form geometry is not read"),
+    ("curv2", "free-form geometry is not read"),
+    ("surf", "free-form geometry is not read"),
+    ("parm", "free-form geometry is not read"),
+    ("trim", "free-form geometry is not read"),
+    ("hole", "free-form geometry is not read"),
+    ("scrv", "free-form geometry is not read"),
+    ("sp", "free-form geometry is not read"),
+    ("con", "free-form geometry is not read"),
+    ("end", "free-form geometry is not read"),
+];
+
+/// What stands for a colour behind a vertex among the statements left out.
+const COLOUR: (&str, &str) = ("v", "colours of vertices are not used");
+
+/// Reads a cage; errors and notes call the file `label`.
+///
+/// # Errors
+/// When a statement is not understood, or what the faces make is no cage; then at the face,
+/// vertex or tag that is at fault.
+pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut reader = Reader {
+        source: Source::new(text, label),
+        parts: CageParts::default(),
+        offsets: Offsets::default(),
+        left_out: Vec::new(),
+    };
+    for line in lines(text) {
+        reader.statement(&line)?;
+    }
+    reader.finish()
+}
+
+/// The words of a statement.
+type Words<'a> = Vec<&'a str>;
+
+/// The statements of a text: lines, with those they go on in, without comments.
+fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
+    let mut rest = text.lines();
+    std::iter::from_fn(move || {
+        let mut words = Vec::new();
+        let mut line = rest.next()?;
+        loop {
+            let code = line.split('#').next().unwrap_or("").trim_end();
+            let (code, goes_on) = match code.strip_suffix('\\') {
+                Some(code) => (code, true),
+                None => (code, false),
+            };
+            words.extend(code.split_whitespace());
+            match if goes_on { rest.next() } else { None } {
+                Some(next) => line = next,
+                None => return Some(words),
+            }
+        }
+    })
+}
+
+/// Where in the text the parts of the cage are.
+#[derive(Debug, Default)]
+struct Offsets {
+    vertices: Vec<usize>,
+    faces: Vec<usize>,
+    creases: Vec<usize>,
+    corners: Vec<usize>,
+}
+
+#[derive(Debug)]
+struct Reader<'a> {
+    source: Source<'a>,
+    parts: CageParts,
+    offsets: Offsets,
+    /// Kind, first place, number.
+    left_out: Vec<((&'static str, &'static str), usize, usize)>,
+}
+
+impl<'a> Reader<'a> {
+    fn statement(&mut self, words: &[&'a str]) -> Result<(), LoadError> {
+        let Some((&keyword, values)) = words.split_first() else { return Ok(()) };
+        match keyword {
+            "v" => self.vertex(keyword, values),
+            "f" => self.face(keyword, values),
+            "t" => self.tag(keyword, values),
+            _ => match IGNORED.iter().find(|(known, _)| *known == keyword) {
+                Some(kind) => {
+                    self.leave_out(*kind, keyword);
+                    Ok(())
+                }
+                None => Err(self.malformed(keyword, format!("unknown statement \"{keyword}\""))),
+            },
+        }
+    }
+
+    fn leave_out(&mut self, kind: (&'static str, &'static str), word: &'a str) {
+        match self.left_out.iter_mut().find(|(known, _, _)| *known == kind) {
+            Some((_, _, count)) => *count += 1,
+            None => self.left_out.push((kind, self.source.offset_of(word), 1)),
+        }
+    }
+
+    fn malformed(&self, word: &'a str, message: impl Into<String>) -> LoadError {
+        LoadError::malformed(self.source.place(self.source.offset_of(word)), message)
+    }
+
+    fn number(&self, word: &'a str) -> Result<f64, LoadError> {
+        match word.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.malformed(word, format!("{word}: numbers must be finite"))),
+            Err(_) => Err(self.malformed(word, format!("\"{word}\" is not a number"))),
+        }
+    }
+
+    /// `v x y z`, with a weight, a colour, or both behind.
+    fn vertex(&mut self, keyword: &'a str, values: &[&'a str]) -> Result<(), LoadError> {
+        let numbers = values.iter().map(|word| self.number(word));
+        let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
+        let weight = match numbers.len() {
+            3 | 6 => None,
+            4 | 7 => Some(3),
+            count => {
+                let message = format!("a vertex has {count} numbers: it needs 3 (x y z)");
+                return Err(self.malformed(keyword, message));
+            }
+        };
+        if let Some(index) = weight.filter(|&index| numbers[index] != 1.0) {
+            let message = format!("weight {}: vertices of a cage have weight 1", values[index]);
+            return Err(self.malformed(values[index], message));
+        }
+        if numbers.len() > 4 {
+            self.leave_out(COLOUR, keyword);
+        }
+        self.parts.positions.push(DVec3::new(numbers[0], numbers[1], numbers[2]));
+        self.offsets.vertices.push(self.source.offset_of(keyword));
+        Ok(())
+    }
+
+    /// `f v v v …`, `f v/vt …`, `f v//vn …` or `f v/vt/vn …`.
+    fn face(&mut self, keyword: &'a str, values: &[&'a str]) -> Result<(), LoadError> {
+        if values.len() < 3 {
+            let message = format!("a face has {} corners: it needs 3 or more", values.len());
+            return Err(self.malformed(keyword, message));
+        }
+        let corners = values.iter().map(|word| self.corner_vertex(word));
+        let corners = corners.collect::<Result<Vec<usize>, _>>()?;
+        self.parts.faces.push(corners);
+        self.offsets.faces.push(self.source.offset_of(keyword));
+        Ok(())
+    }
+
+    /// The vertex of a face's corner, counted from 0. It may be written further down.
+    fn corner_vertex(&self, word: &'a str) -> Result<usize, LoadError> {
+        let mut indices = word.split('/');
+        let vertex = indices.next().unwrap_or("");
+        let others: Vec<&str> = indices.collect();
+        let index = |written: &str| match written.parse::<i64>() {
+            Ok(index) if index != 0 => Ok(index),
+            Ok(_) => Err(self.malformed(word, "index 0: indices count from 1".to_owned())),
+            Err(_) => {
+                let message = format!("\"{word}\" is not a corner: v, v/vt, v//vn or v/vt/vn");
+                Err(self.malformed(word, message))
+            }
+        };
+        let vertex = index(vertex)?;
+        for (place, other) in others.iter().enumerate() {
+            let left_empty = other.is_empty() && place == 0 && others.len() == 2;
+            if !left_empty {
+                index(other)?;
+            }
+        }
+        if others.len() > 2 {
+            let message = format!("\"{word}\" has {} indices: at most 3", others.len() + 1);
+            return Err(self.malformed(word, message));
+        }
+        let known = self.parts.positions.len();
+        if vertex > 0 {
+            return Ok(usize::try_from(vertex - 1).unwrap_or(usize::MAX));
+        }
+        let back = usize::try_from(vertex.unsigned_abs()).unwrap_or(usize::MAX);
+        known.checked_sub(back).ok_or_else(|| {
+            self.malformed(word, format!("vertex {vertex}: only {known} vertices come before"))
+        })
+    }
+
+    fn finish(self) -> Result<CageModel, LoadError> {
+        let notes = self.left_out.iter().map(|((keyword, why), first, count)| {
+            let times = if *count == 1 { "once" } else { &format!("{count} times") };
+            let what = format!("statement \"{keyword}\", {times}");
+            ImportNote { place: self.source.place(*first), what, why: (*why).to_owned() }
+        });
+        let notes = notes.collect();
+        let (source, offsets) = (self.source, self.offsets);
+        match Cage::new(self.parts) {
+            Ok(cage) => Ok(CageModel { cage, notes }),
+            Err(error) => {
+                let place = match place_of(&error, &offsets) {
+                    Some(offset) => source.place(offset),
+                    None => source.file().clone(),
+                };
+                let message = match error {
+                    CageError::Empty => "the file has no faces: it is no cage".to_owned(),
+                    CageError::NoSuchVertex { vertex, vertices, .. } => {
+                        format!("vertex {}: the file has only {vertices}", vertex.saturating_add(1))
+                    }
+                    _ => format!("{error} (counted from 0)"),
+                };
+                Err(LoadError::malformed(place, message))
+            }
+        }
+    }
+}
+
+/// Where the part of a cage is that an error names.
+fn place_of(error: &CageError, offsets: &Offsets) -> Option<usize> {
+    let (list, index) = match error {
+        CageError::FewCorners { face, .. }
+        | CageError::NoSuchVertex { face, .. }
+        | CageError::RepeatedVertex { face, .. } => (&offsets.faces, *face),
+        CageError::NonManifoldEdge { faces, .. } => (&offsets.faces, *faces.last()?),
+        CageError::Orientation { faces, .. } => (&offsets.faces, faces[1]),
+        CageError::Position { vertex, .. }
+        | CageError::IsolatedVertex { vertex }
+        | CageError::NonManifoldVertex { vertex, .. } => (&offsets.vertices, *vertex),
+        CageError::NoSuchEdge { crease, .. } => (&offsets.creases, *crease),
+        CageError::NoSuchCorner { corner, .. } => (&offsets.corners, *corner),
+        CageError::Sharpness { feature, index, .. }
+        | CageError::TwoSharpnesses { feature, index, .. } => match feature {
+            Feature::Crease => (&offsets.creases, *index),
+            Feature::Corner => (&offsets.corners, *index),
+        },
+        _ => return None,
+    };
+    list.get(index).copied()
+}
+
+#[cfg(test)]
+mod tests;

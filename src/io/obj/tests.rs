@@ -1,0 +1,144 @@
+use super::*;
+
+const SQUARES: &str = "\
+# two squares
+mtllib none.mtl
+o roof
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vn 0 0 1
+g left
+f 1/1/1 2/1/1 3//1 4
+v 2 0 0.5 1
+v 2 1 .5 1 0 0
+f -2 \\
+  -1 3/1 2
+";
+
+fn error(text: &str) -> String {
+    read_obj_cage(text, "x.obj").unwrap_err().to_string()
+}
+
+#[test]
+fn faces_of_all_forms() {
+    let model = read_obj_cage(SQUARES, "roof.obj").unwrap();
+    let cage = &model.cage;
+    assert_eq!((cage.face_count(), cage.positions().len(), cage.edge_count()), (2, 6, 7));
+    assert_eq!(cage.face(0), Some(&[0, 1, 2, 3][..]));
+    assert_eq!(cage.face(1), Some(&[4, 5, 2, 1][..]));
+    assert_eq!(cage.positions()[5], DVec3::new(2.0, 1.0, 0.5));
+    let notes: Vec<String> = model.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "roof.obj:2:1: statement \"mtllib\", once: materials come from the scene",
+            "roof.obj:3:1: statement \"o\", once: all objects of the file are one cage",
+            "roof.obj:8:1: statement \"vt\", once: texture coordinates are not used",
+            "roof.obj:9:1: statement \"vn\", once: the surface has its own normals",
+            "roof.obj:10:1: statement \"g\", once: groups are not used",
+            "roof.obj:13:1: statement \"v\", once: colours of vertices are not used",
+        ]
+    );
+}
+
+#[test]
+fn tags_sharpen_edges_and_vertices() {
+    let tagged = format!(
+        "{SQUARES}t crease 2/1/0 1 2 2.5\nt corner 2/1/0 0 4 10.0\n\
+         t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 normal\n"
+    );
+    let cage = read_obj_cage(&tagged, "x").unwrap().cage;
+    let sharp: Vec<([u32; 2], f64)> =
+        cage.edges().zip(cage.edge_sharpness().iter().copied()).collect();
+    assert!(sharp.contains(&([1, 2], 2.5)));
+    assert_eq!(sharp.iter().filter(|(_, s)| *s == f64::INFINITY).count(), 6);
+    let inf = f64::INFINITY;
+    assert_eq!(cage.vertex_sharpness(), [inf, 0.0, 0.0, 0.0, inf, 0.0]);
+    let chain = format!("{SQUARES}t crease 3/2/0 0 1 2 3 10\n");
+    assert!(read_obj_cage(&chain, "x").unwrap().cage.edge_sharpness().contains(&inf));
+}
+
+#[test]
+fn errors_name_line_and_column() {
+    let lines = [
+        ("v 1 2", "x.obj:16:1: a vertex has 2 numbers: it needs 3 (x y z)"),
+        ("v 1 2 x", "x.obj:16:7: \"x\" is not a number"),
+        ("v 1 nan 3", "x.obj:16:5: nan: numbers must be finite"),
+        ("v 1 1e999 3", "x.obj:16:5: 1e999: numbers must be finite"),
+        ("v 1 2 3 0.5", "x.obj:16:9: weight 0.5: vertices of a cage have weight 1"),
+        ("f 1 2", "x.obj:16:1: a face has 2 corners: it needs 3 or more"),
+        ("f 1 2 0", "x.obj:16:7: index 0: indices count from 1"),
+        ("f 1 2 -9", "x.obj:16:7: vertex -9: only 6 vertices come before"),
+        ("f 1 2 99", "x.obj:16:1: vertex 99: the file has only 6"),
+        ("f 1 2 3/", "x.obj:16:7: \"3/\" is not a corner: v, v/vt, v//vn or v/vt/vn"),
+        ("f 1 2 3/1/1/1", "x.obj:16:7: \"3/1/1/1\" has 4 indices: at most 3"),
+        (
+            "f 1 2 99999999999999999999",
+            "x.obj:16:7: \"99999999999999999999\" is not a corner: v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1 2 1",
+            "x.obj:16:1: face 2 names vertex 0 twice: its corners must differ (counted from 0)",
+        ),
+        (
+            "f 1 2 6",
+            "x.obj:16:1: faces 0 and 2 both run from vertex 0 to vertex 1: one of them is inside out (counted from 0)",
+        ),
+        ("v 7 7 7", "x.obj:16:1: vertex 6 belongs to no face (counted from 0)"),
+        ("hello", "x.obj:16:1: unknown statement \"hello\""),
+        ("t crease", "x.obj:16:1: a tag needs a name and counts, as in t crease 2/1/0 0 1 2.5"),
+        ("t crease 2/1 0 1 1", "x.obj:16:10: \"2/1\" is no count of values like 2/1/0"),
+        ("t crease 2/1/0 0 1", "x.obj:16:10: 2 values follow the counts 2/1/0"),
+        (
+            "t crease 2/1/0 0 9 1",
+            "x.obj:16:16: crease 0: there is no edge between vertices 0 and 9 (counted from 0)",
+        ),
+        ("t crease 2/1/0 0 1 -1", "x.obj:16:20: \"-1\" is not a sharpness from 0 on"),
+        (
+            "t corner 1/1/0 77 1",
+            "x.obj:16:16: corner 0 names vertex 77, but there are only 6 vertices (counted from 0)",
+        ),
+        (
+            "t interpolateboundary 1/0/0 0",
+            "x.obj:16:29: interpolateboundary 0: 1 (edges and corners) or 2 (edges only) is needed",
+        ),
+        (
+            "t wave 0/0/0",
+            "x.obj:16:3: tag \"wave\" is not understood: crease, corner, interpolateboundary and creasemethod normal are",
+        ),
+    ];
+    for (line, message) in lines {
+        assert_eq!(error(&format!("{SQUARES}{line}\n")), message, "{line}");
+    }
+    assert_eq!(error(""), "x.obj: the file has no faces: it is no cage");
+}
+
+#[test]
+fn mangled_files_are_read_or_refused_with_a_place() {
+    let tagged = format!("{SQUARES}t crease 2/1/0 1 2 2.5\n");
+    let mut refused = 0;
+    for cut in 0..tagged.len() {
+        for other in ["-", "9", "/", "\\", "e", "\n"] {
+            let mangled = format!("{}{other}{}", &tagged[..cut], &tagged[cut + 1..]);
+            for text in [&tagged[..cut], &mangled] {
+                let Err(error) = read_obj_cage(text, "mangled") else { continue };
+                let message = error.to_string();
+                assert!(message.starts_with("mangled:"), "{message}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > tagged.len(), "{refused}");
+}
+
+#[test]
+fn a_cage_from_a_file_has_a_surface() {
+    let cage = read_obj_cage(SQUARES, "x").unwrap().cage;
+    let limit = cage.catmull_clark(1e-3).unwrap();
+    assert_eq!((limit.patches().len(), limit.exact_count()), (2, 2));
+    // The border interpolates the corner of a single face.
+    assert_eq!(limit.control(0).unwrap()[0], DVec3::ZERO);
+}
