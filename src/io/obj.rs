@@ -124,6 +124,15 @@ fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
     })
 }
 
+/// A word of the file within a message: in quotes, on one line, and not longer than it is
+/// worth, for files that are something else.
+fn shown(word: &str) -> String {
+    const LONGEST: usize = 40;
+    let beginning: String = word.chars().take(LONGEST).collect();
+    let more = if beginning.len() < word.len() { "…" } else { "" };
+    format!("{beginning:?}{more}")
+}
+
 /// Where in the text the parts of the cage are.
 #[derive(Debug, Default)]
 struct Offsets {
@@ -154,7 +163,9 @@ impl<'a> Reader<'a> {
                     self.leave_out(*kind, keyword);
                     Ok(())
                 }
-                None => Err(self.malformed(keyword, format!("unknown statement \"{keyword}\""))),
+                None => {
+                    Err(self.malformed(keyword, format!("unknown statement {}", shown(keyword))))
+                }
             },
         }
     }
@@ -173,8 +184,8 @@ impl<'a> Reader<'a> {
     fn number(&self, word: &'a str) -> Result<f64, LoadError> {
         match word.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(self.malformed(word, format!("{word}: numbers must be finite"))),
-            Err(_) => Err(self.malformed(word, format!("\"{word}\" is not a number"))),
+            Ok(_) => Err(self.malformed(word, format!("{}: numbers must be finite", shown(word)))),
+            Err(_) => Err(self.malformed(word, format!("{} is not a number", shown(word)))),
         }
     }
 
@@ -191,7 +202,8 @@ impl<'a> Reader<'a> {
             }
         };
         if let Some(index) = weight.filter(|&index| numbers[index] != 1.0) {
-            let message = format!("weight {}: vertices of a cage have weight 1", values[index]);
+            let message =
+                format!("weight {}: vertices of a cage have weight 1", shown(values[index]));
             return Err(self.malformed(values[index], message));
         }
         if numbers.len() > 4 {
@@ -224,7 +236,7 @@ impl<'a> Reader<'a> {
             Ok(index) if index != 0 => Ok(index),
             Ok(_) => Err(self.malformed(word, "index 0: indices count from 1".to_owned())),
             Err(_) => {
-                let message = format!("\"{word}\" is not a corner: v, v/vt, v//vn or v/vt/vn");
+                let message = format!("{} is not a corner: v, v/vt, v//vn or v/vt/vn", shown(word));
                 Err(self.malformed(word, message))
             }
         };
@@ -236,7 +248,7 @@ impl<'a> Reader<'a> {
             }
         }
         if others.len() > 2 {
-            let message = format!("\"{word}\" has {} indices: at most 3", others.len() + 1);
+            let message = format!("{} has {} indices: at most 3", shown(word), others.len() + 1);
             return Err(self.malformed(word, message));
         }
         let known = self.parts.positions.len();

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::cage_error::{CageError, Feature};
 use super::mesh::Mesh;
 use super::topology::{EdgeFault, Topology};
+use crate::geometry::MAX_MAGNITUDE;
 
 /// A cage as its author wrote it: plain data that [`Cage::new`] checks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,7 +56,7 @@ pub enum BoundaryRule {
 ///
 /// # Invariants, checked once on construction and relied on everywhere else
 /// - there is a face; faces have 3 or more corners at different vertices;
-/// - coordinates are finite and at most 1e150 (sums of them must not overflow);
+/// - coordinates are finite and at most [`MAX_MAGNITUDE`];
 /// - an edge belongs to one face (a boundary) or to two that run along it opposite ways;
 /// - the faces around a vertex are one fan, open or closed; each vertex has a face;
 /// - sharpness is from 0 to 10, or infinite.
@@ -70,9 +71,6 @@ const MAX_CORNERS: usize = 1 << 28;
 /// The largest finite sharpness: a crease of sharpness 10 is rounded over a thousandth of
 /// a face, and needs some four thousand patches an edge. OpenSubdiv calls 10 infinite.
 pub(super) const MAX_SHARPNESS: f64 = 10.0;
-
-/// The largest coordinate: squares of it are still finite.
-const MAX_COORDINATE: f64 = 1e150;
 
 impl Cage {
     /// A cage from its parts.
@@ -168,7 +166,7 @@ fn check_sizes(parts: &CageParts) -> Result<(), CageError> {
     if corners > MAX_CORNERS {
         return Err(CageError::TooLarge { corners, limit: MAX_CORNERS });
     }
-    let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_COORDINATE)).all();
+    let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all();
     match parts.positions.iter().position(|position| !usable(position)) {
         Some(vertex) => Err(CageError::Position { vertex, position: parts.positions[vertex] }),
         None => Ok(()),

@@ -5,6 +5,9 @@ use std::fmt;
 use glam::DVec3;
 use thiserror::Error;
 
+use crate::geometry::MAX_MAGNITUDE;
+use crate::math::{Shown, ShownVector};
+
 /// Why polygons cannot be the cage of a subdivision surface. Vertices and faces are counted
 /// from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -23,8 +26,8 @@ pub enum CageError {
     },
     /// A position is NaN or infinite, or so large that sums overflow.
     #[error(
-        "vertex {vertex} is ({}, {}, {}): coordinates must be finite and at most 1e150",
-        .position.x, .position.y, .position.z
+        "vertex {vertex} is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
+        ShownVector(*.position)
     )]
     Position {
         /// Which vertex.
@@ -182,8 +185,8 @@ impl fmt::Display for Listed<'_> {
 pub enum LimitError {
     /// The tolerance is no length, or finer than the arithmetic allows.
     #[error(
-        "tolerance {tolerance}: for a cage with coordinates up to {magnitude} it must be finite \
-         and at least {smallest}"
+        "tolerance {}: for a cage with coordinates up to {} it must be finite and at least {}",
+        Shown(*.tolerance), Shown(*.magnitude), Shown(*.smallest)
     )]
     Tolerance {
         /// The tolerance, in scene units.
@@ -195,8 +198,9 @@ pub enum LimitError {
     },
     /// There would be too many patches.
     #[error(
-        "more than {limit} patches are needed for tolerance {tolerance}: a larger tolerance, or \
-         less sharp creases, need fewer"
+        "more than {limit} patches are needed for tolerance {}: a larger tolerance, or less sharp \
+         creases, need fewer",
+        Shown(*.tolerance)
     )]
     TooManyPatches {
         /// The largest number of patches and the squares they are found through.
@@ -205,7 +209,7 @@ pub enum LimitError {
         tolerance: f64,
     },
     /// The refinement did not get there within the number of steps squares can be halved.
-    #[error("tolerance {tolerance} is not reached after {levels} steps of refinement")]
+    #[error("tolerance {} is not reached after {levels} steps of refinement", Shown(*.tolerance))]
     TooDeep {
         /// The tolerance, in scene units.
         tolerance: f64,

@@ -4,6 +4,27 @@
 //! Doo–Sabin's, comes as Bézier patches ([`LimitSurface`]): exact ones where the cage is
 //! regular, and near extraordinary points, where no finite number of patches is exact, ones
 //! within a tolerance that is proved for each.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nurbray::geometry::{Cage, CageParts, Crease};
+//!
+//! // A tetrahedron, one edge of which is rounded late.
+//! let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+//! let faces = vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![2, 0, 3]];
+//! let creases = vec![Crease { vertices: [0, 1], sharpness: 2.5 }];
+//! let cage = Cage::new(CageParts { positions, faces, creases, ..CageParts::default() })?;
+//!
+//! // Three patches a triangle, one for each corner, where a single one fits.
+//! let limit = cage.catmull_clark(1e-4)?;
+//! assert!(limit.patches().len() >= 12 && limit.deviation() <= 0.5e-4);
+//!
+//! // A patch knows the part of the cage it is.
+//! let square = limit.patches()[0].square;
+//! assert_eq!((square.face, square.unit), (0, 0));
+//! assert!(square.unit_uv(1.0, 1.0)[0] <= 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod authored;
 mod bicubic;

@@ -1,6 +1,6 @@
 //! Tags that sharpen a cage: `t name integers/numbers/strings …`, as in RenderMan.
 
-use super::Reader;
+use super::{Reader, shown};
 use crate::geometry::{BoundaryRule, Corner, Crease};
 use crate::io::LoadError;
 
@@ -17,7 +17,7 @@ impl<'a> Reader<'a> {
         let [integers, numbers, strings] = self.counts(counts)?;
         let wanted = integers.checked_add(numbers).and_then(|sum| sum.checked_add(strings));
         if wanted != Some(values.len()) {
-            let message = format!("{} values follow the counts {counts}", values.len());
+            let message = format!("{} values follow the counts {}", values.len(), shown(counts));
             return Err(self.malformed(counts, message));
         }
         let (integers, rest) = values.split_at(integers);
@@ -29,8 +29,9 @@ impl<'a> Reader<'a> {
             "creasemethod" if rest == ["normal"] || rest == ["uniform"] => Ok(()),
             _ => {
                 let message = format!(
-                    "tag \"{name}\" is not understood: crease, corner, interpolateboundary and \
-                     creasemethod normal are"
+                    "tag {} is not understood: crease, corner, interpolateboundary and \
+                     creasemethod normal are",
+                    shown(name)
                 );
                 Err(self.malformed(name, message))
             }
@@ -41,12 +42,15 @@ impl<'a> Reader<'a> {
         let counts: Option<Vec<usize>> = word.split('/').map(|count| count.parse().ok()).collect();
         match counts.as_deref() {
             Some(&[integers, numbers, strings]) => Ok([integers, numbers, strings]),
-            _ => Err(self.malformed(word, format!("\"{word}\" is no count of values like 2/1/0"))),
+            _ => {
+                Err(self
+                    .malformed(word, format!("{} is no count of values like 2/1/0", shown(word))))
+            }
         }
     }
 
     fn index(&self, word: &'a str) -> Result<usize, LoadError> {
-        let message = || format!("\"{word}\" is not a vertex counted from 0");
+        let message = || format!("{} is not a vertex counted from 0", shown(word));
         word.parse().map_err(|_| self.malformed(word, message()))
     }
 
@@ -54,7 +58,7 @@ impl<'a> Reader<'a> {
         match word.parse::<f64>() {
             Ok(value) if value >= INFINITE => Ok(f64::INFINITY),
             Ok(value) if value >= 0.0 => Ok(value),
-            _ => Err(self.malformed(word, format!("\"{word}\" is not a sharpness from 0 on"))),
+            _ => Err(self.malformed(word, format!("{} is not a sharpness from 0 on", shown(word)))),
         }
     }
 
@@ -112,7 +116,7 @@ impl<'a> Reader<'a> {
             ["1"] => BoundaryRule::EdgeAndCorner,
             ["2"] => BoundaryRule::EdgeOnly,
             _ => {
-                let found = integers.join(" ");
+                let found = shown(&integers.join(" "));
                 let message = format!(
                     "interpolateboundary {found}: 1 (edges and corners) or 2 (edges only) is needed"
                 );

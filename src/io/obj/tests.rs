@@ -66,9 +66,9 @@ fn errors_name_line_and_column() {
     let lines = [
         ("v 1 2", "x.obj:16:1: a vertex has 2 numbers: it needs 3 (x y z)"),
         ("v 1 2 x", "x.obj:16:7: \"x\" is not a number"),
-        ("v 1 nan 3", "x.obj:16:5: nan: numbers must be finite"),
-        ("v 1 1e999 3", "x.obj:16:5: 1e999: numbers must be finite"),
-        ("v 1 2 3 0.5", "x.obj:16:9: weight 0.5: vertices of a cage have weight 1"),
+        ("v 1 nan 3", "x.obj:16:5: \"nan\": numbers must be finite"),
+        ("v 1 1e999 3", "x.obj:16:5: \"1e999\": numbers must be finite"),
+        ("v 1 2 3 0.5", "x.obj:16:9: weight \"0.5\": vertices of a cage have weight 1"),
         ("f 1 2", "x.obj:16:1: a face has 2 corners: it needs 3 or more"),
         ("f 1 2 0", "x.obj:16:7: index 0: indices count from 1"),
         ("f 1 2 -9", "x.obj:16:7: vertex -9: only 6 vertices come before"),
@@ -91,7 +91,7 @@ fn errors_name_line_and_column() {
         ("hello", "x.obj:16:1: unknown statement \"hello\""),
         ("t crease", "x.obj:16:1: a tag needs a name and counts, as in t crease 2/1/0 0 1 2.5"),
         ("t crease 2/1 0 1 1", "x.obj:16:10: \"2/1\" is no count of values like 2/1/0"),
-        ("t crease 2/1/0 0 1", "x.obj:16:10: 2 values follow the counts 2/1/0"),
+        ("t crease 2/1/0 0 1", "x.obj:16:10: 2 values follow the counts \"2/1/0\""),
         (
             "t crease 2/1/0 0 9 1",
             "x.obj:16:16: crease 0: there is no edge between vertices 0 and 9 (counted from 0)",
@@ -103,7 +103,7 @@ fn errors_name_line_and_column() {
         ),
         (
             "t interpolateboundary 1/0/0 0",
-            "x.obj:16:29: interpolateboundary 0: 1 (edges and corners) or 2 (edges only) is needed",
+            "x.obj:16:29: interpolateboundary \"0\": 1 (edges and corners) or 2 (edges only) is needed",
         ),
         (
             "t wave 0/0/0",
@@ -113,6 +113,8 @@ fn errors_name_line_and_column() {
     for (line, message) in lines {
         assert_eq!(error(&format!("{SQUARES}{line}\n")), message, "{line}");
     }
+    let long = error(&"\u{7}".repeat(1000));
+    assert!(long.starts_with("x.obj:1:1: unknown statement \"\\u{7}") && long.len() < 300);
     assert_eq!(error(""), "x.obj: the file has no faces: it is no cage");
 }
 
