@@ -37,6 +37,7 @@ mod refine;
 pub mod shapes;
 mod surface;
 mod surface_error;
+pub mod trim;
 
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
