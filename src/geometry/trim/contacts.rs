@@ -4,12 +4,9 @@ use std::ops::Range;
 
 use glam::DVec2;
 
+use super::UvBox;
 use super::segment::Segment;
 use super::tree::Tree;
-use super::{TrimError, UvBox};
-
-/// Pairs of segments whose rectangles meet: of an honest outline each segment has a few.
-const MAX_PAIRS: usize = 1 << 20;
 
 /// More parts than this of a pair of segments near each other mean that they touch or run
 /// along each other: a crossing leaves a few. They are not cut further then.
@@ -20,7 +17,7 @@ const MOST_LEVELS: usize = 60;
 
 /// A place where two segments come so near each other that they may meet, other than the
 /// end they share as neighbours.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     /// The two loops.
     pub(super) loops: [usize; 2],
@@ -30,50 +27,42 @@ pub(super) struct Contact {
     pub(super) stretches: [[f64; 2]; 2],
 }
 
-/// All contacts of the segments of these loops.
-pub(super) fn contacts(
+/// The contacts of segment `a` with those that come after it, and the number of parts of
+/// segments that were compared.
+pub(super) fn contacts_after(
+    a: usize,
     segments: &[Segment],
     loops: &[Range<usize>],
     tree: &Tree,
-) -> Result<Vec<Contact>, TrimError> {
-    let mut found = Vec::new();
-    let mut pairs = 0;
-    for (this, range) in loops.iter().enumerate() {
-        for a in range.clone() {
-            let mut meeting = Vec::new();
-            let target = segments[a].bounds().grown(segments[a].reach());
-            let too_many = tree.any(&target, |b| {
-                pairs += usize::from(b > a);
-                meeting.extend((b > a).then_some(b));
-                pairs > MAX_PAIRS
-            });
-            if too_many {
-                return Err(TrimError::Entangled { limit: MAX_PAIRS });
-            }
-            for b in meeting {
-                let other = loops.partition_point(|range| range.end <= b);
-                let joints = joints(segments, range, [a, b]);
-                let shared = |stretches: &[[f64; 2]; 2]| {
-                    joints.iter().any(|joint| {
-                        (0..2).all(|k| stretches[k][0] <= joint[k] && joint[k] <= stretches[k][1])
-                    })
-                };
-                // Two lines that share an end have nothing else in common, or run back.
-                let lines = segments[a].is_straight() && segments[b].is_straight();
-                if lines && !joints.is_empty() {
-                    continue;
-                }
-                let near = stretches_near([&segments[a], &segments[b]]);
-                let own = near.into_iter().filter(|stretches| !shared(stretches));
-                found.extend(own.map(|stretches| Contact {
-                    loops: [this, other],
-                    segments: [a, b],
-                    stretches,
-                }));
-            }
+) -> (Vec<Contact>, usize) {
+    let target = segments[a].bounds().grown(segments[a].reach());
+    let mut meeting = Vec::new();
+    tree.any(&target, |b| {
+        meeting.extend((b > a).then_some(b));
+        false
+    });
+
+    let owner = |index: usize| loops.partition_point(|range| range.end <= index);
+    let this = owner(a);
+    let (mut found, mut work) = (Vec::new(), meeting.len());
+    for b in meeting {
+        let joints = joints(segments, &loops[this], [a, b]);
+        let shared = |stretches: &[[f64; 2]; 2]| {
+            joints.iter().any(|joint| {
+                (0..2).all(|k| stretches[k][0] <= joint[k] && joint[k] <= stretches[k][1])
+            })
+        };
+        // Two lines that share an end have nothing else in common, or run back.
+        let lines = segments[a].is_straight() && segments[b].is_straight();
+        if lines && !joints.is_empty() {
+            continue;
         }
+        let near = stretches_near([&segments[a], &segments[b]], &mut work);
+        let own = near.into_iter().filter(|stretches| !shared(stretches));
+        let loops = [this, owner(b)];
+        found.extend(own.map(|stretches| Contact { loops, segments: [a, b], stretches }));
     }
-    Ok(found)
+    (found, work)
 }
 
 /// The parameters at which two segments `a < b` of a loop share an end, because one follows
@@ -120,7 +109,7 @@ impl Parts {
 ///
 /// Both are halved again and again, and parts whose rectangles are apart are dropped. The
 /// rectangle of a monotone part is that of its ends.
-fn stretches_near(pair: [&Segment; 2]) -> Vec<[[f64; 2]; 2]> {
+fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     if are_apart(pair) {
         return Vec::new();
     }
@@ -133,6 +122,7 @@ fn stretches_near(pair: [&Segment; 2]) -> Vec<[[f64; 2]; 2]> {
         if parts.is_empty() || parts.len() > MANY_PARTS || parts.iter().all(fine) {
             break;
         }
+        *work += 4 * parts.len();
         parts = parts.into_iter().flat_map(|part| part.halves(pair)).filter(meet).collect();
     }
 

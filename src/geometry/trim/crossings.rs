@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::contacts::{Contact, contacts};
+use super::contacts::{Contact, contacts_after};
 use super::segment::Segment;
 use super::tree::Tree;
 use super::{TrimError, TrimLoopError, UvBox};
@@ -16,6 +16,17 @@ const INSIDE_CONTACT: usize = 16;
 
 /// Halvings that bring the place of a crossing from a loop's length down to rounding.
 const MOST_HALVINGS: usize = 100;
+
+/// How many parts of segments are compared for each segment, and [`WORK_FOR_A_START`] for
+/// a start. Joints cost a few hundred; a comparison takes some ten nanoseconds. Outlines
+/// that need more than a second or two for a thousand segments are refused.
+const WORK_PER_SEGMENT: usize = 1 << 12;
+
+/// See [`WORK_PER_SEGMENT`]; a thousand concentric circles may well be near each other.
+const WORK_FOR_A_START: usize = 1 << 26;
+
+/// So many contacts are looked at for the first time before all are found.
+const FIRST_LOOK: usize = 64;
 
 /// Fails where a loop crosses itself or another.
 ///
@@ -39,7 +50,33 @@ pub(super) fn check_crossings(
             return Err(degenerate(owner, &segments[range.clone()]));
         }
     }
-    for ([this, other], found) in by_loops(contacts(segments, loops, tree)?) {
+
+    let most = WORK_FOR_A_START + WORK_PER_SEGMENT * segments.len();
+    let (mut found, mut work, mut enough) = (Vec::new(), 0, FIRST_LOOK);
+    for a in 0..segments.len() {
+        let (contacts, compared) = contacts_after(a, segments, loops, tree);
+        found.extend(contacts);
+        work += compared;
+        // A tangle crosses itself soon: there is no need to see all of it.
+        if found.len() >= enough || work > most {
+            check_contacts(segments, loops, owners, &found)?;
+            enough = found.len() * 4;
+        }
+        if work > most {
+            return Err(TrimError::Entangled { limit: most });
+        }
+    }
+    check_contacts(segments, loops, owners, &found)
+}
+
+/// Fails where loops cross at or between these contacts.
+fn check_contacts(
+    segments: &[Segment],
+    loops: &[Range<usize>],
+    owners: &[usize],
+    contacts: &[Contact],
+) -> Result<(), TrimError> {
+    for ([this, other], found) in by_loops(contacts) {
         let strand = Strand {
             segments,
             range: loops[this].clone(),
@@ -77,7 +114,7 @@ fn degenerate(index: usize, segments: &[Segment]) -> TrimError {
 /// The stretches of each segment of a loop that are near a loop, by the two loops.
 type Stretches = BTreeMap<usize, Vec<[f64; 2]>>;
 
-fn by_loops(contacts: Vec<Contact>) -> BTreeMap<[usize; 2], Stretches> {
+fn by_loops(contacts: &[Contact]) -> BTreeMap<[usize; 2], Stretches> {
     let mut sorted: BTreeMap<[usize; 2], Stretches> = BTreeMap::new();
     for contact in contacts {
         let [a, b] = contact.loops;

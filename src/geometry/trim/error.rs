@@ -199,9 +199,11 @@ pub enum TrimError {
         limit: usize,
     },
     /// The loops are so entangled that checking them for crossings is refused.
-    #[error("the loops come close to themselves or each other in more than {limit} places")]
+    #[error(
+        "the loops are so entangled that comparing {limit} pairs of their parts was not enough"
+    )]
     Entangled {
-        /// The number of places looked at.
+        /// The number of pairs that are compared for loops of this length.
         limit: usize,
     },
     /// No outline can be drawn to this tolerance.

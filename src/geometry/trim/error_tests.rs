@@ -244,10 +244,27 @@ fn curves_name_what_is_wrong() {
 #[test]
 fn a_tangle_is_refused_in_time() {
     let mut random = Random(99);
-    let corners: Vec<DVec2> = (0..3000).map(|_| DVec2::new(random.next(), random.next())).collect();
-    let error = refused(&[TrimLoop::polygon(&corners).unwrap()]);
-    let known = matches!(error, TrimError::Entangled { .. } | TrimError::SelfCrossing { .. });
-    assert!(known, "{error}");
+    let corners: Vec<DVec2> =
+        (0..20_000).map(|_| DVec2::new(random.next(), random.next())).collect();
+    let tangle = TrimLoop::polygon(&corners).unwrap();
+    assert!(matches!(refused(&[tangle]), TrimError::SelfCrossing { index: 0, .. }));
+
+    // Nothing crosses here, but thousands of diamonds share a corner.
+    let nested: Vec<TrimLoop> = (1..=4000)
+        .map(|k| 0.1 * f64::from(k))
+        .map(|k| polygon(&[(0., 0.), (k, k), (2. * k, 0.), (k, -k)]))
+        .collect();
+    assert!(matches!(refused(&nested), TrimError::Entangled { .. }));
+}
+
+#[test]
+fn many_rings_are_an_honest_outline() {
+    let rings: Vec<TrimLoop> = (1..=300).map(|k| circle(0.0, 0.0, f64::from(k))).collect();
+    let rings = trims(&rings);
+    for k in 0..300 {
+        let side = rings.contains((f64::from(k) + 0.5) * DVec2::from_angle(0.7));
+        assert_eq!(side == Side::Inside, (300 - k) % 2 == 1, "ring {k}");
+    }
 }
 
 fn any_number() -> impl Strategy<Value = f64> {

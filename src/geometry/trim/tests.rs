@@ -474,3 +474,75 @@ fn outlines_keep_their_tolerance() {
     assert!(trims(&[circle.clone()]).outlines(0.0).is_err());
     assert!(trims(&[circle]).outlines(1e-30).is_err());
 }
+
+#[test]
+fn zz_cost() {
+    let mut random = Random(13);
+    let cases = [
+        ("circle", vec![TrimLoop::circle(DVec2::ZERO, 1.0).unwrap()]),
+        ("letter", letter().into_iter().map(|l| l.shifted(DVec2::new(-3.0, -4.0))).collect()),
+        (
+            "spline 40",
+            vec![TrimLoop::new(&[TrimCurve::nurbs(&smooth(&mut random, 3, 40)).unwrap()]).unwrap()],
+        ),
+        (
+            "spline 2000",
+            vec![
+                TrimLoop::new(&[TrimCurve::nurbs(&smooth(&mut random, 3, 2000)).unwrap()]).unwrap(),
+            ],
+        ),
+        (
+            "polygon 10000",
+            vec![
+                TrimLoop::polygon(
+                    &(0..10000)
+                        .map(|k| {
+                            (1.0 + 0.1 * (f64::from(k) * 0.05).sin())
+                                * DVec2::from_angle(TAU * f64::from(k) / 10000.0)
+                        })
+                        .collect::<Vec<_>>(),
+                )
+                .unwrap(),
+            ],
+        ),
+        (
+            "holes 900",
+            (0..900)
+                .map(|k| {
+                    TrimLoop::circle(
+                        DVec2::new(f64::from(k % 30) - 15.0, f64::from(k / 30) - 15.0) * 0.1,
+                        0.04,
+                    )
+                    .unwrap()
+                })
+                .collect(),
+        ),
+    ];
+    for (name, loops) in cases {
+        let start = std::time::Instant::now();
+        let cut = trims(&loops);
+        let build = start.elapsed();
+        let domain = loops.iter().fold(UvBox::EMPTY, |a, l| a.union(l.bounds()));
+        let queries: Vec<DVec2> = (0..200_000).map(|_| random.in_box(domain)).collect();
+        let start = std::time::Instant::now();
+        let kept = queries.iter().filter(|p| inside(cut.contains(**p))).count();
+        let all = start.elapsed().as_secs_f64() / 2e5 * 1e9;
+        let mixed: Vec<DVec2> =
+            queries.iter().copied().filter(|p| cut.near(*p, 0.02 * domain.size())).collect();
+        let start = std::time::Instant::now();
+        let kept2 = mixed.iter().filter(|p| inside(cut.contains(**p))).count();
+        let near = start.elapsed().as_secs_f64() / mixed.len() as f64 * 1e9;
+        let start = std::time::Instant::now();
+        let m = queries
+            .iter()
+            .filter(|p| cut.classify(&UvBox::about(**p, 0.02 * domain.size())) == Coverage::Mixed)
+            .count();
+        let rect = start.elapsed().as_secs_f64() / 2e5 * 1e9;
+        println!(
+            "{name}: segments {} bytes {} build {build:?} contains {all:.0} ns, mixed {near:.0} ns ({}), classify {rect:.0} ns {kept} {kept2} {m}",
+            cut.segment_count(),
+            cut.bytes(),
+            mixed.len()
+        );
+    }
+}

@@ -179,10 +179,11 @@ impl Trims {
     /// Where a rectangle of the domain lies.
     ///
     /// `Inside` and `Outside` are proved: no trim curve comes within rounding of the closed
-    /// rectangle, so that [`Trims::contains`] says the same of each of its points. A NaN
-    /// makes it `Mixed`.
+    /// rectangle, so that [`Trims::contains`] says the same of each of its points. One that
+    /// is none (`min > max`, NaN) is `Mixed`.
     pub fn classify(&self, rect: &UvBox) -> Coverage {
-        if rect.min.is_nan() || rect.max.is_nan() || self.meets(rect) {
+        let proper = rect.min.cmple(rect.max).all(); // false for NaN
+        if !proper || self.meets(rect) {
             return Coverage::Mixed;
         }
         match self.contains(rect.center()) {
