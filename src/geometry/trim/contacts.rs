@@ -52,9 +52,7 @@ pub(super) fn contacts_after(
                 (0..2).all(|k| stretches[k][0] <= joint[k] && joint[k] <= stretches[k][1])
             })
         };
-        // Two lines that share an end have nothing else in common, or run back.
-        let lines = segments[a].is_straight() && segments[b].is_straight();
-        if lines && !joints.is_empty() {
+        if !joints.is_empty() && only_joined([&segments[a], &segments[b]]) {
             continue;
         }
         let near = stretches_near([&segments[a], &segments[b]], &mut work);
@@ -77,6 +75,16 @@ fn joints(segments: &[Segment], range: &Range<usize>, [a, b]: [usize; 2]) -> Vec
         joints.push([first(a), 1.0 - first(b)]);
     }
     joints
+}
+
+/// Whether two segments that share an end have surely nothing else in common, but where
+/// they run back over each other: two lines; two curves that go on in the same direction, in
+/// u or in v, so that one ends where the other begins.
+fn only_joined(pair: [&Segment; 2]) -> bool {
+    let [a, b] = pair.map(Segment::bounds);
+    let common = a.max.min(b.max) - a.min.max(b.min);
+    let goes_on = |axis: usize| common[axis] <= 0.0 && a.size().min(b.size())[axis] > 0.0;
+    pair.iter().all(|segment| segment.is_straight()) || goes_on(0) || goes_on(1)
 }
 
 /// Parts of two segments whose rectangles meet.

@@ -1,7 +1,8 @@
-//! Bézier pieces cut where they turn around in u or in v.
+//! Bézier pieces cut where they turn around in u or in v, and then until they are flat.
 
 use glam::{DVec2, DVec3};
 
+use super::UvBox;
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::trim_loop::LoopPiece;
@@ -11,7 +12,10 @@ use crate::math::rounding::UNIT_ROUNDOFF;
 /// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
 const FINEST: f64 = UNIT_ROUNDOFF;
 
-/// The monotone segments of a piece of a loop, in order. Neighbours share their ends bit
+/// A monotone stretch is halved at most so often: a cusp never becomes flat.
+const MOST_HALVINGS: u32 = 6;
+
+/// The segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours share their ends bit
 /// for bit, and the outer ends are the piece's own.
 ///
 /// A stretch whose derivative is no more than rounding counts as monotone: between the cuts
@@ -36,21 +40,52 @@ pub(super) fn segments(piece: &LoopPiece, found: &mut Vec<Segment>) {
     cuts.extend(turns(&control));
     cuts.push(1.0);
 
+    let magnitude = UvBox::around(control.iter().map(|&c| euclidean(c))).magnitude();
     let first = found.len();
-    let degree = control.len() - 1;
     let mut from = ends[0];
     for range in cuts.windows(2) {
-        let mut part = control.clone();
-        restrict_row(&mut part, Row { start: 0, stride: 1, degree }, range[0], range[1]);
-        let to = if range[1] == 1.0 { ends[1] } else { euclidean(part[degree]) };
-        found.extend(Segment::new([from, to], &part));
-        from = to;
+        let last = (range[1] == 1.0).then_some(ends[1]);
+        let range = [range[0], range[1]];
+        let part = Part { control: &control, magnitude, range, halvings: 0 };
+        from = part.add_flat(from, last, found);
     }
     if backwards {
         found[first..].reverse();
         for segment in &mut found[first..] {
             segment.turn_around();
         }
+    }
+}
+
+/// A monotone stretch of a curve.
+struct Part<'a> {
+    /// The control points of the whole piece.
+    control: &'a [DVec3],
+    /// Their largest |u| and |v|.
+    magnitude: DVec2,
+    range: [f64; 2],
+    halvings: u32,
+}
+
+impl Part<'_> {
+    /// Adds its flat segments, beginning at `from` and ending at `last` or, if that is not
+    /// known, where the curve is; returns the end.
+    fn add_flat(&self, from: DVec2, last: Option<DVec2>, found: &mut Vec<Segment>) -> DVec2 {
+        let degree = self.control.len() - 1;
+        let mut part = self.control.to_vec();
+        let row = Row { start: 0, stride: 1, degree };
+        restrict_row(&mut part, row, self.range[0], self.range[1]);
+        let to = last.unwrap_or_else(|| euclidean(part[degree]));
+        let segment = Segment::new([from, to], &part, self.magnitude);
+        let flat = segment.as_ref().is_none_or(Segment::is_flat);
+        if flat || self.halvings == MOST_HALVINGS {
+            found.extend(segment);
+            return to;
+        }
+        let middle = 0.5 * (self.range[0] + self.range[1]);
+        let half = |range| Self { range, halvings: self.halvings + 1, ..*self };
+        let between = half([self.range[0], middle]).add_flat(from, None, found);
+        half([middle, self.range[1]]).add_flat(between, Some(to), found)
     }
 }
 
@@ -61,7 +96,7 @@ fn as_key(control: &DVec3) -> [f64; 3] {
 /// The parameters inside (0, 1) where u or v turns around, in order.
 fn turns(control: &[DVec3]) -> Vec<f64> {
     let points = control.iter().map(|&c| euclidean(c));
-    let center = super::UvBox::around(points).center();
+    let center = UvBox::around(points).center();
     let mut turns = Vec::new();
     for axis in 0..2 {
         let derivative = Derivative::new(control, axis, center);

@@ -6,12 +6,17 @@ use super::UvBox;
 use super::monotone::binomial;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// The search for where a target lies ends after so many steps. Every third halves the
-/// stretch that is left, so that it is down to 2⁻⁸⁵ of the segment, far below one rounding.
+/// The search for where a target lies ends after so many steps. Four halve the stretch that
+/// is left, so that it is down to 2⁻⁶⁴ of the segment, far below one rounding.
 const MOST_STEPS: usize = 256;
 
+/// A segment is flat when its control points lie within this part of its length. A quarter
+/// circle makes four flat segments; finer ones would cost more in the hierarchy than they
+/// save.
+const FLAT: f64 = 0.125;
+
 /// How far the curve that was written may lie from the one that is searched, in units of the
-/// largest parameter, `16 (p + 1) u` for degree `p`.
+/// largest parameter of its Bézier piece, `16 (p + 1) u` for degree `p`.
 ///
 /// Each step of de Casteljau or Boehm is a mixture of positive parts and errs by at most 3
 /// roundings of the largest coordinate: up to `6 (p − 1)` for the Bézier form of a spline,
@@ -31,6 +36,11 @@ pub(super) struct Segment {
     /// Whether the loop runs along it as it is held.
     forward: bool,
     reach: DVec2,
+    /// Across the chord, to the side of smaller u; as long as the chord.
+    across: DVec2,
+    /// The least and the largest `across · (point − ends[0])` of its control points, grown
+    /// by the reach: the segment lies between.
+    band: [f64; 2],
 }
 
 /// Where a target lies, seen from a segment it is level with.
@@ -47,18 +57,22 @@ pub(super) enum Passing {
 impl Segment {
     /// The straight line between two points; `None` if they agree.
     pub(super) fn line(ends: [DVec2; 2]) -> Option<Self> {
-        Self::held(ends, Vec::new(), 1)
+        let reach = reach_factor(1) * ends[0].abs().max(ends[1].abs());
+        Self::held(ends, Vec::new(), reach)
     }
 
     /// The monotone rational Bézier curve between two points; `None` if they agree: monotone
     /// and closed, it is a point. Of the control points the outer two give only their weights.
-    pub(super) fn new(ends: [DVec2; 2], control: &[DVec3]) -> Option<Self> {
+    ///
+    /// `magnitude` holds the largest |u| and |v| of the control points it was computed from,
+    /// perhaps those of a longer curve: they say what rounding may have done.
+    pub(super) fn new(ends: [DVec2; 2], control: &[DVec3], magnitude: DVec2) -> Option<Self> {
         let degree = control.len() - 1;
         let scaled = control.iter().enumerate().map(|(i, &c)| binomial(degree, i) * c);
-        Self::held(ends, scaled.collect(), degree)
+        Self::held(ends, scaled.collect(), reach_factor(degree) * magnitude)
     }
 
-    fn held(ends: [DVec2; 2], mut control: Vec<DVec3>, degree: usize) -> Option<Self> {
+    fn held(ends: [DVec2; 2], mut control: Vec<DVec3>, reach: DVec2) -> Option<Self> {
         let [from, to] = ends;
         if from == to {
             return None;
@@ -67,9 +81,20 @@ impl Segment {
         if !forward {
             control.reverse();
         }
-        let reach = reach_factor(degree) * from.abs().max(to.abs());
         let ends = if forward { [from, to] } else { [to, from] };
-        Some(Self { ends, control: control.into(), forward, reach })
+        let across = (ends[1] - ends[0]).perp();
+        let inner = control.iter().skip(1).rev().skip(1).map(|c| c.xy() / c.z);
+        let offsets = inner.map(|point| across.dot(point - ends[0]));
+        let [low, high] = offsets.fold([0f64; 2], |[a, b], x| [a.min(x), b.max(x)]);
+        let margin = across.abs().dot(reach);
+        let band = [low - margin, high + margin];
+        Some(Self { ends, control: control.into(), forward, reach, across, band })
+    }
+
+    /// Whether its control points lie near its chord: a point near the chord is soon told
+    /// from one on the curve.
+    pub(super) fn is_flat(&self) -> bool {
+        self.is_straight() || self.band[1] - self.band[0] <= FLAT * self.across.length_squared()
     }
 
     /// The loop runs along it the other way.
@@ -163,17 +188,26 @@ impl Segment {
 
     /// Where a rectangle lies that meets the segment's own.
     ///
-    /// Mirrored in u if need be, the segment climbs to the right. A point `Q` of it proves
+    /// Beside the band of its control points the chord decides. Otherwise the segment itself:
+    /// mirrored in u if need be, the segment climbs to the right. A point `Q` of it proves
     /// the target to lie above and left of the whole segment if it lies so of `Q`, and
     /// likewise below and right. Otherwise the target is ahead of `Q`, or behind it, or holds
     /// it. Signed distances to the target, in u and v, never have opposite signs then; scaled
     /// by the segment's extents and added they grow along the segment, and their root is
     /// found by false position with halved end values (the "Illinois" rule; Dowell & Jarratt
-    /// 1971), each third step being a bisection.
+    /// 1971), with a bisection where three steps have not halved the stretch.
     ///
     /// Where no number is left between two steps, the target is met as far as can be known.
     pub(super) fn passing(&self, target: &UvBox) -> Passing {
         let [from, to] = self.ends;
+        let offset = self.across.dot(target.center() - from);
+        let spread = 0.5 * self.across.abs().dot(target.size());
+        if offset - spread > self.band[1] {
+            return Passing::Left;
+        }
+        if offset + spread < self.band[0] {
+            return Passing::Right;
+        }
         let falls_back = to.x < from.x;
         let scale = (to - from).abs().recip().min(DVec2::splat(f64::MAX));
         let past = |q: f64, low: f64, high: f64| (q - high).max(0.0) + (q - low).min(0.0);
@@ -195,12 +229,16 @@ impl Segment {
             return Passing::Meets;
         }
         let mut value = [(start * scale).element_sum(), (end * scale).element_sum()];
-        let mut moved = 2;
+        let (mut moved, mut width) = (2, 1.0);
         for step in 1..=MOST_STEPS {
             let middle = 0.5 * (t[0] + t[1]);
             let root = (t[0] * value[1] - t[1] * value[0]) / (value[1] - value[0]);
             let inside = |x: f64| t[0] < x && x < t[1]; // false for NaN
-            let next = if step % 3 != 0 && inside(root) { root } else { middle };
+            let slow = step % 3 == 0 && t[1] - t[0] > 0.5 * width;
+            if step % 3 == 0 {
+                width = t[1] - t[0];
+            }
+            let next = if !slow && inside(root) { root } else { middle };
             if !inside(next) {
                 break;
             }
@@ -251,6 +289,8 @@ impl Segment {
 
     /// The curve it stands for may be farther away by so much.
     pub(super) fn widen(&mut self, by: DVec2) {
+        let margin = self.across.abs().dot(by);
         self.reach += by;
+        self.band = [self.band[0] - margin, self.band[1] + margin];
     }
 }

@@ -30,10 +30,9 @@ pub struct TrimLoop {
 /// A Bézier piece of a loop.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LoopPiece {
-    /// Where it begins and ends: bit for bit where its neighbours end and begin. The outer
-    /// control points may differ from it by the gap that was closed.
+    /// Where it begins and ends: bit for bit where its neighbours end and begin.
     pub(super) ends: [DVec2; 2],
-    /// Its homogeneous control points.
+    /// Its homogeneous control points; the outer ones are the ends to a rounding.
     pub(super) control: Vec<DVec3>,
 }
 
@@ -79,8 +78,8 @@ impl TrimLoop {
                 _ if start == end => end,
                 _ => 0.5 * end + 0.5 * start,
             };
-            pieces[this].ends[1] = joint;
-            pieces[next].ends[0] = joint;
+            pieces[this].move_end(1, joint);
+            pieces[next].move_end(0, joint);
         }
         Ok(Self { pieces })
     }
@@ -147,6 +146,17 @@ impl TrimLoop {
 impl LoopPiece {
     fn hull(&self) -> impl Iterator<Item = DVec2> + '_ {
         self.control.iter().map(|&c| euclidean(c)).chain(self.ends)
+    }
+
+    /// Moves its beginning (0) or its end (1), and the control point there with it.
+    fn move_end(&mut self, which: usize, to: DVec2) {
+        if self.ends[which] == to {
+            return;
+        }
+        self.ends[which] = to;
+        let index = which * (self.control.len() - 1);
+        let weight = self.control[index].z;
+        self.control[index] = (weight * to).extend(weight);
     }
 
     /// Whether it is a straight line by its degree, its ends as they were written.

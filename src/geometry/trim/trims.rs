@@ -80,8 +80,16 @@ pub enum Coverage {
 /// # Rounding
 /// The answers [`Side::Inside`] and [`Side::Outside`] are proved for the loops as they were
 /// given, gaps closed: points within `16 (p + 1) u` of a curve, times the largest |u| of
-/// the segment in u and the largest |v| in v, are an [`Side::Edge`] instead. `p` is the
+/// its Bézier piece in u and the largest |v| in v, are an [`Side::Edge`] instead. `p` is the
 /// degree and `u = 2⁻⁵³`; for lines that is 16 spacings of numbers just above 1.
+///
+/// # What a tracer does with it
+/// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves
+/// inside forget the trims, mixed ones remember that they are mixed. A hit on a mixed leaf
+/// is dropped if it is [`Side::Outside`] and reported otherwise, edges included: the part
+/// that is kept is closed, as a surface is at its border. It is flagged as a hit at a trim
+/// edge if it is an [`Side::Edge`] or if the edge is [near](Trims::near) for what is known
+/// of the point in space.
 #[derive(Clone, Debug)]
 pub struct Trims {
     domain: TrimDomain,
@@ -169,9 +177,9 @@ impl Trims {
     /// Whether a trim curve passes within `reach.x` in u and `reach.y` in v of a point: meets
     /// the rectangle `uv ± reach`, grown by the rounding of the curve.
     ///
-    /// For a hit whose point is known to within `r` in space, `reach = (r / |S_u|, r / |S_v|)`
-    /// on a skewed surface divided by the sine of the angle between the two, says whether the
-    /// trim edge may pass within `r` of it. Infinite reaches are allowed; false for NaN.
+    /// For a hit whose point is known to within `r` in space and tangents at the angle `θ`,
+    /// `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` holds all parameters that may be the
+    /// hit's, to first order. Infinite reaches are allowed; false for NaN.
     pub fn near(&self, uv: DVec2, reach: DVec2) -> bool {
         self.meets(&UvBox::about(uv, reach))
     }
