@@ -69,6 +69,9 @@ fn ends_within_rounding_are_made_one() {
     let half = trims(&[TrimLoop::new(&[arc, line]).unwrap()]);
     let outline = &half.outlines(1e-3).unwrap()[0];
     assert_eq!(outline[0], DVec2::new(1.0, 0.0));
+    // Close to the joint the arc follows its end.
+    assert_eq!(half.contains(DVec2::new(1.0 - 1e-12, 1e-8)), Side::Inside);
+    assert_eq!(half.contains(DVec2::new(1.0 + 1e-12, 1e-8)), Side::Outside);
     // No ray slips through the closed gaps, not even level with them.
     for v in [0.0, 1e-9, 5e-9, 1e-8, 2e-8, -1e-9] {
         assert_eq!(half.contains(DVec2::new(-3.0, v)), Side::Outside, "v = {v}");
@@ -250,7 +253,7 @@ fn a_tangle_is_refused_in_time() {
     assert!(matches!(refused(&[tangle]), TrimError::SelfCrossing { index: 0, .. }));
 
     // Nothing crosses here, but thousands of diamonds share a corner.
-    let nested: Vec<TrimLoop> = (1..=4000)
+    let nested: Vec<TrimLoop> = (1..=1500)
         .map(|k| 0.1 * f64::from(k))
         .map(|k| polygon(&[(0., 0.), (k, k), (2. * k, 0.), (k, -k)]))
         .collect();

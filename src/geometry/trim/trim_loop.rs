@@ -91,7 +91,7 @@ impl TrimLoop {
     pub fn polygon(corners: &[DVec2]) -> Result<Self, TrimLoopError> {
         let mut closed = corners.to_vec();
         closed.extend(corners.first());
-        Ok(Self::new(&[TrimCurve::polyline(&closed)?])?)
+        Self::new(&[TrimCurve::polyline(&closed)?])
     }
 
     /// The border of a rectangle, counter-clockwise from its smallest corner: the loop that
@@ -110,7 +110,7 @@ impl TrimLoop {
     /// When the center is not finite or the radius not positive, or so small beside the
     /// center that the circle is a point.
     pub fn circle(center: DVec2, radius: f64) -> Result<Self, TrimLoopError> {
-        Ok(Self::new(&[TrimCurve::circle(center, radius)?])?)
+        Self::new(&[TrimCurve::circle(center, radius)?])
     }
 
     /// The loop run backwards: it cuts the same.
