@@ -314,7 +314,8 @@ proptest! {
         let reach = DVec2::new(reach.0, reach.1);
         for one in [polygon.ok(), bezier.ok(), spline].into_iter().flatten() {
             for domain in [domain, domain.periodic_in(Direction::V)] {
-                let Ok(trims) = Trims::new(domain, Kept::Odd, &[one.clone()]) else { continue };
+                let loops = std::slice::from_ref(&one);
+                let Ok(trims) = Trims::new(domain, Kept::Odd, loops) else { continue };
                 let side = trims.contains(query);
                 let edge = matches!(side, Side::Edge { .. });
                 prop_assert!(!edge || trims.near(query, DVec2::ZERO));
