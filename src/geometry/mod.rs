@@ -47,6 +47,7 @@ mod surface;
 mod surface_error;
 mod triangle;
 mod triangle_error;
+pub mod trim;
 mod uniform;
 
 pub use basis::{BasisDerivatives, BasisValues};

@@ -1,0 +1,167 @@
+//! Where segments of trim curves come near each other.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::UvBox;
+use super::segment::Segment;
+use super::tree::Tree;
+
+/// More parts than this of a pair of segments near each other mean that they touch or run
+/// along each other: a crossing leaves a few. They are not cut further then.
+const MANY_PARTS: usize = 64;
+
+/// Halvings after which a segment of the magnitude of its rounding is left.
+const MOST_LEVELS: usize = 60;
+
+/// A place where two segments come so near each other that they may meet, other than the
+/// end they share as neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// The two loops.
+    pub(super) loops: [usize; 2],
+    /// The two segments.
+    pub(super) segments: [usize; 2],
+    /// The stretch of each, in its parameter.
+    pub(super) stretches: [[f64; 2]; 2],
+}
+
+/// The contacts of segment `a` with those that come after it, and the number of parts of
+/// segments that were compared.
+pub(super) fn contacts_after(
+    a: usize,
+    segments: &[Segment],
+    loops: &[Range<usize>],
+    tree: &Tree,
+) -> (Vec<Contact>, usize) {
+    let target = segments[a].bounds().grown(segments[a].reach());
+    let mut meeting = Vec::new();
+    tree.any(&target, |b| {
+        meeting.extend((b > a).then_some(b));
+        false
+    });
+
+    let owner = |index: usize| loops.partition_point(|range| range.end <= index);
+    let this = owner(a);
+    let (mut found, mut work) = (Vec::new(), meeting.len());
+    for b in meeting {
+        let joints = joints(segments, &loops[this], [a, b]);
+        let shared = |stretches: &[[f64; 2]; 2]| {
+            joints.iter().any(|joint| {
+                (0..2).all(|k| stretches[k][0] <= joint[k] && joint[k] <= stretches[k][1])
+            })
+        };
+        if !joints.is_empty() && only_joined([&segments[a], &segments[b]]) {
+            continue;
+        }
+        let near = stretches_near([&segments[a], &segments[b]], &mut work);
+        let own = near.into_iter().filter(|stretches| !shared(stretches));
+        let loops = [this, owner(b)];
+        found.extend(own.map(|stretches| Contact { loops, segments: [a, b], stretches }));
+    }
+    (found, work)
+}
+
+/// The parameters at which two segments `a < b` of a loop share an end, because one follows
+/// the other.
+fn joints(segments: &[Segment], range: &Range<usize>, [a, b]: [usize; 2]) -> Vec<[f64; 2]> {
+    let first = |index: usize| if segments[index].is_forward() { 0.0 } else { 1.0 };
+    let mut joints = Vec::new();
+    if b == a + 1 && range.contains(&b) {
+        joints.push([1.0 - first(a), first(b)]);
+    }
+    if a == range.start && b + 1 == range.end {
+        joints.push([first(a), 1.0 - first(b)]);
+    }
+    joints
+}
+
+/// Whether two segments that share an end have surely nothing else in common, but where
+/// they run back over each other: two lines; two curves that go on in the same direction, in
+/// u or in v, so that one ends where the other begins.
+fn only_joined(pair: [&Segment; 2]) -> bool {
+    let [a, b] = pair.map(Segment::bounds);
+    let common = a.max.min(b.max) - a.min.max(b.min);
+    let goes_on = |axis: usize| common[axis] <= 0.0 && a.size().min(b.size())[axis] > 0.0;
+    pair.iter().all(|segment| segment.is_straight()) || goes_on(0) || goes_on(1)
+}
+
+/// Parts of two segments whose rectangles meet.
+#[derive(Clone, Copy)]
+struct Parts {
+    stretches: [[f64; 2]; 2],
+    ends: [[DVec2; 2]; 2],
+}
+
+impl Parts {
+    fn bounds(&self, k: usize) -> UvBox {
+        UvBox::around(self.ends[k])
+    }
+
+    fn halves(self, pair: [&Segment; 2]) -> [Self; 4] {
+        let middle = self.stretches.map(|[from, to]| 0.5 * (from + to));
+        let point = [pair[0].at(middle[0]), pair[1].at(middle[1])];
+        [[0, 0], [0, 1], [1, 0], [1, 1]].map(|halves: [usize; 2]| {
+            let mut part = self;
+            for k in 0..2 {
+                part.stretches[k][1 - halves[k]] = middle[k];
+                part.ends[k][1 - halves[k]] = point[k];
+            }
+            part
+        })
+    }
+}
+
+/// The stretches of two segments that may meet, those that hang together as one.
+///
+/// Both are halved again and again, and parts whose rectangles are apart are dropped. The
+/// rectangle of a monotone part is that of its ends.
+fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
+    if are_apart(pair) {
+        return Vec::new();
+    }
+    let reach = pair[0].reach() + pair[1].reach();
+    let meet = |part: &Parts| part.bounds(0).grown(reach).meets(&part.bounds(1));
+    let fine = |part: &Parts| (0..2).all(|k| part.bounds(k).size().cmple(2.0 * reach).all());
+    let mut parts = vec![Parts { stretches: [[0.0, 1.0]; 2], ends: pair.map(Segment::ends) }];
+    parts.retain(meet);
+    for _ in 0..MOST_LEVELS {
+        if parts.is_empty() || parts.len() > MANY_PARTS || parts.iter().all(fine) {
+            break;
+        }
+        *work += 4 * parts.len();
+        parts = parts.into_iter().flat_map(|part| part.halves(pair)).filter(meet).collect();
+    }
+
+    // Parts that follow each other along the first segment are one contact.
+    parts.sort_by(|a, b| a.stretches[0][0].total_cmp(&b.stretches[0][0]));
+    let mut joined: Vec<[[f64; 2]; 2]> = Vec::new();
+    for part in parts {
+        let [a, b] = part.stretches;
+        match joined.last_mut() {
+            Some([ja, jb]) if a[0] <= ja[1] => {
+                ja[1] = ja[1].max(a[1]);
+                *jb = [jb[0].min(b[0]), jb[1].max(b[1])];
+            }
+            _ => joined.push([a, b]),
+        }
+    }
+    joined
+}
+
+/// Whether two lines are clearly apart: one lies on one side of the other.
+fn are_apart(pair: [&Segment; 2]) -> bool {
+    if !pair.iter().all(|segment| segment.is_straight()) {
+        return false;
+    }
+    let reach = pair[0].reach() + pair[1].reach();
+    let beside = |line: &Segment, other: &Segment| {
+        let [from, to] = line.ends();
+        let along = to - from;
+        let sides = other.ends().map(|end| along.perp_dot(end - from));
+        let margin = 2.0 * along.abs().dot(DVec2::new(reach.y, reach.x));
+        sides.iter().all(|side| *side > margin) || sides.iter().all(|side| *side < -margin)
+    };
+    beside(pair[0], pair[1]) || beside(pair[1], pair[0])
+}

@@ -1,0 +1,248 @@
+//! Loops that cross themselves or each other, told from those that touch.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::contacts::{Contact, contacts_after};
+use super::segment::Segment;
+use super::tree::Tree;
+use super::{TrimError, TrimLoopError, UvBox};
+
+/// How many places of a contact that could not be resolved further are looked at: of two
+/// curves that cross there and back again, a sixteenth of the contact is noticed.
+const INSIDE_CONTACT: usize = 16;
+
+/// Halvings that bring the place of a crossing from a loop's length down to rounding.
+const MOST_HALVINGS: usize = 100;
+
+/// How many parts of segments are compared for each segment, besides [`WORK_FOR_A_START`].
+/// A corner where two of them touch costs about 200, a common side up to 1000, some ten
+/// nanoseconds each: enough for a mosaic, and no more than two seconds for a hundred thousand
+/// segments.
+const WORK_PER_SEGMENT: usize = 1 << 11;
+
+/// See [`WORK_PER_SEGMENT`]; a hundred curves may well all touch each other.
+const WORK_FOR_A_START: usize = 1 << 24;
+
+/// So many contacts are looked at for the first time before all are found.
+const FIRST_LOOK: usize = 64;
+
+/// Fails where a loop crosses itself or another.
+///
+/// At a crossing of two strands of one loop, its winding number takes three values around
+/// it: `k` left of neither strand, `k + 1`, and `k + 2` left of both. So the smaller of the
+/// two values beside a strand changes where another one crosses it, and is the same all
+/// along a loop that only touches itself. Likewise, of another loop: the strand changes
+/// between its inside and its outside. That is asked along the strands where they come near
+/// another one, at points which are clear of it: whatever happens at a common corner or
+/// along a common stretch, the answers before and after it tell a crossing from a touch.
+pub(super) fn check_crossings(
+    segments: &[Segment],
+    loops: &[Range<usize>],
+    owners: &[usize],
+    tree: &Tree,
+) -> Result<(), TrimError> {
+    for (range, &owner) in loops.iter().zip(owners) {
+        let there_and_back =
+            range.len() == 2 && segments[range.clone()].iter().all(Segment::is_straight);
+        if there_and_back {
+            return Err(degenerate(owner, &segments[range.clone()]));
+        }
+    }
+
+    let most = WORK_FOR_A_START + WORK_PER_SEGMENT * segments.len();
+    let (mut found, mut work, mut enough) = (Vec::new(), 0, FIRST_LOOK);
+    for a in 0..segments.len() {
+        let (contacts, compared) = contacts_after(a, segments, loops, tree);
+        found.extend(contacts);
+        work += compared;
+        // A tangle crosses itself soon: there is no need to see all of it.
+        if found.len() >= enough || work > most {
+            check_contacts(segments, loops, owners, &found)?;
+            enough = found.len() * 4;
+        }
+        if work > most {
+            return Err(TrimError::Entangled { limit: most });
+        }
+    }
+    check_contacts(segments, loops, owners, &found)
+}
+
+/// Fails where loops cross at or between these contacts.
+fn check_contacts(
+    segments: &[Segment],
+    loops: &[Range<usize>],
+    owners: &[usize],
+    contacts: &[Contact],
+) -> Result<(), TrimError> {
+    for ([this, other], found) in by_loops(contacts) {
+        let strand = Strand {
+            segments,
+            range: loops[this].clone(),
+            other: Tree::new(segments, std::slice::from_ref(&loops[other])),
+            itself: this == other,
+        };
+        let (loop_a, loop_b) = (owners[this], owners[other]);
+        match strand.course(&found) {
+            Course::Steady => {}
+            Course::Crosses(at) if loop_a == loop_b => {
+                return Err(TrimError::SelfCrossing { index: loop_a, at });
+            }
+            Course::Crosses(at) => {
+                let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
+                return Err(TrimError::Crossing { loops, at });
+            }
+            Course::Hidden if this == other => {
+                return Err(degenerate(loop_a, &segments[loops[this].clone()]));
+            }
+            Course::Hidden => {
+                let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
+                return Err(TrimError::Coincident { loops });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn degenerate(index: usize, segments: &[Segment]) -> TrimError {
+    let bounds = segments.iter().map(Segment::bounds).fold(UvBox::EMPTY, UvBox::union);
+    let error = TrimLoopError::Degenerate { min: bounds.min, max: bounds.max };
+    TrimError::Loop { index, error }
+}
+
+/// The stretches of each segment of a loop that are near a loop, by the two loops.
+type Stretches = BTreeMap<usize, Vec<[f64; 2]>>;
+
+fn by_loops(contacts: &[Contact]) -> BTreeMap<[usize; 2], Stretches> {
+    let mut sorted: BTreeMap<[usize; 2], Stretches> = BTreeMap::new();
+    for contact in contacts {
+        let [a, b] = contact.loops;
+        let mut add = |loops, k: usize| {
+            let stretches = sorted.entry(loops).or_default();
+            stretches.entry(contact.segments[k]).or_default().push(contact.stretches[k]);
+        };
+        add([a, b], 0);
+        add([b, a], 1);
+    }
+    sorted
+}
+
+/// What becomes of a loop as seen from another, or itself.
+enum Course {
+    /// It keeps to one side.
+    Steady,
+    /// It changes sides.
+    Crosses(DVec2),
+    /// It is nowhere clear of the other.
+    Hidden,
+}
+
+/// A loop, followed along another.
+struct Strand<'a> {
+    segments: &'a [Segment],
+    range: Range<usize>,
+    other: Tree,
+    /// Whether the other is the loop itself.
+    itself: bool,
+}
+
+impl Strand<'_> {
+    fn course(&self, near: &Stretches) -> Course {
+        let mut before: Option<(f64, i32)> = None;
+        let mut hidden = true;
+        for (&index, stretches) in near {
+            for place in places(&self.segments[index], stretches) {
+                let place = index as f64 + place;
+                let Some(value) = self.value(place) else { continue };
+                hidden = false;
+                match before {
+                    Some((last, other)) if other != value => {
+                        return Course::Crosses(self.change([last, place], other));
+                    }
+                    _ => before = Some((place, value)),
+                }
+            }
+        }
+        // Where it comes near the other it is always on it: is it elsewhere, too?
+        let middles = || self.range.clone().map(|index| index as f64 + 0.5);
+        if hidden && middles().all(|place| self.value(place).is_none()) {
+            return Course::Hidden;
+        }
+        Course::Steady
+    }
+
+    /// Where the value changes between two places of the loop.
+    fn change(&self, [mut from, mut to]: [f64; 2], value: i32) -> DVec2 {
+        for _ in 0..MOST_HALVINGS {
+            let middle = 0.5 * (from + to);
+            match self.value(middle) {
+                None => return self.point(middle),
+                Some(here) if here == value => from = middle,
+                Some(_) => to = middle,
+            }
+        }
+        self.point(to)
+    }
+
+    /// The smaller winding number beside the loop, or 1 inside the other one and 0 outside;
+    /// `None` near another strand. A place is the number of the segment, plus the part of it
+    /// that the loop has run through.
+    fn value(&self, place: f64) -> Option<i32> {
+        let (index, along) = self.locate(place);
+        let point = self.segments[index].directed_at(along);
+        let own = &self.segments[index];
+        let mut clear = true;
+        let crossings = self.other.crossings(point, |other| {
+            if self.itself && other == index {
+                return 0;
+            }
+            let segment = &self.segments[other];
+            let (meets, crossing) = segment.seen_from(point, segment.reach() + own.reach());
+            clear &= !meets;
+            crossing
+        });
+        if !clear {
+            return None;
+        }
+        if !self.itself {
+            return Some(crossings.rem_euclid(2));
+        }
+        // The ray leaves the strand on the right of it where it climbs, which is the smaller
+        // number; on its left where it falls. The ray of a point on a horizontal strand runs
+        // just above it: on its left where it goes towards larger u.
+        let [low, high] = own.ends();
+        let on_the_left = own.is_forward() == (low.y == high.y);
+        Some(crossings - i32::from(on_the_left))
+    }
+
+    fn point(&self, place: f64) -> DVec2 {
+        let (index, along) = self.locate(place);
+        self.segments[index].directed_at(along)
+    }
+
+    /// The segment of a place and the part of it; rounding may have made the end of the last
+    /// segment the beginning of one that is not there.
+    fn locate(&self, place: f64) -> (usize, f64) {
+        let index = (place.floor() as usize).min(self.range.end - 1);
+        (index, place - index as f64)
+    }
+}
+
+/// The places along a segment, in the direction of its loop, at which to look: between the
+/// stretches that are near another curve, and within them.
+fn places(segment: &Segment, stretches: &[[f64; 2]]) -> Vec<f64> {
+    let directed = |[from, to]: [f64; 2]| {
+        if segment.is_forward() { [from, to] } else { [1.0 - to, 1.0 - from] }
+    };
+    let mut ends: Vec<f64> = stretches.iter().copied().flat_map(directed).collect();
+    ends.extend([0.0, 1.0]);
+    ends.sort_by(f64::total_cmp);
+    let between = ends.windows(2).flat_map(|range| {
+        let at = move |k: usize| k as f64 / INSIDE_CONTACT as f64;
+        (1..INSIDE_CONTACT).map(move |k| range[0] + at(k) * (range[1] - range[0]))
+    });
+    // 1 itself would be the beginning of the next segment.
+    between.filter(|place| (0.0..1.0).contains(place)).collect()
+}

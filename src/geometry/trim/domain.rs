@@ -1,0 +1,71 @@
+//! The rectangle of parameters that trim loops cut from, and whether it closes on itself.
+
+use super::{TrimError, UvBox};
+use crate::geometry::{Direction, NurbsSurface};
+
+/// Parameters beyond this are refused: products of three of them must not overflow.
+pub(super) const MAX_PARAMETER: f64 = 1e100;
+
+/// The domain of the surface that is trimmed.
+///
+/// In a *periodic* direction the surface closes on itself with the length of the domain as
+/// its period. Loops may then run past the domain's ends and lie anywhere along that
+/// direction: a loop stands for itself and all its copies moved by whole periods, of which
+/// those that reach into the domain are used. So a hole across the seam of a cylinder
+/// `0 ≤ u ≤ 1` is one loop around `u = 0`, or the same loop around `u = 1`.
+///
+/// A loop must close in the plane. A cut that runs once around a cylinder does not: it ends
+/// one period from where it began, and which side of it is meant is not known. It is
+/// completed to a loop along the seam and a border, like a sheet unrolled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrimDomain {
+    range: [[f64; 2]; 2],
+    periodic: [bool; 2],
+}
+
+impl TrimDomain {
+    /// The domain `[u[0], u[1]] × [v[0], v[1]]`, periodic in neither direction.
+    ///
+    /// # Errors
+    /// When a range is empty, not finite, or goes beyond 10¹⁰⁰.
+    pub fn new(u: [f64; 2], v: [f64; 2]) -> Result<Self, TrimError> {
+        for (direction, [start, end]) in [(Direction::U, u), (Direction::V, v)] {
+            let usable = start < end && start.abs() <= MAX_PARAMETER && end.abs() <= MAX_PARAMETER;
+            if !usable {
+                return Err(TrimError::Domain { direction, start, end });
+            }
+        }
+        Ok(Self { range: [u, v], periodic: [false; 2] })
+    }
+
+    /// The domain of a surface, periodic in neither direction.
+    ///
+    /// # Errors
+    /// When the surface's parameters go beyond 10¹⁰⁰.
+    pub fn of(surface: &NurbsSurface) -> Result<Self, TrimError> {
+        let [u, v] = surface.domain();
+        Self::new([u.0, u.1], [v.0, v.1])
+    }
+
+    /// The same domain, closing on itself in a direction.
+    #[must_use]
+    pub fn periodic_in(mut self, direction: Direction) -> Self {
+        self.periodic[direction as usize] = true;
+        self
+    }
+
+    /// From where to where it goes, in u and in v.
+    pub fn range(&self) -> [[f64; 2]; 2] {
+        self.range
+    }
+
+    /// Whether it closes on itself in a direction.
+    pub fn is_periodic(&self, direction: Direction) -> bool {
+        self.periodic[direction as usize]
+    }
+
+    /// The domain as a rectangle.
+    pub fn bounds(&self) -> UvBox {
+        UvBox::new(self.range[0], self.range[1])
+    }
+}

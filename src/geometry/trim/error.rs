@@ -1,0 +1,219 @@
+//! Why something cannot trim a surface.
+
+use glam::DVec2;
+use thiserror::Error;
+
+use crate::geometry::{Direction, KnotError};
+
+/// Why numbers cannot be a curve of a trim loop.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrimCurveError {
+    /// Too few points.
+    #[error("{points} points: a curve needs at least 2")]
+    TooFewPoints {
+        /// The number given.
+        points: usize,
+    },
+    /// More points than are taken for an honest outline.
+    #[error("{points} points: at most {limit} are supported")]
+    TooManyPoints {
+        /// The number given.
+        points: usize,
+        /// The number supported.
+        limit: usize,
+    },
+    /// The degree is not supported.
+    #[error(transparent)]
+    Degree(#[from] KnotError),
+    /// A point is NaN, infinite, or absurdly large.
+    #[error("point {index} is ({}, {}): it must be finite and at most 1e100", .point.x, .point.y)]
+    Point {
+        /// Which point, counted from 0.
+        index: usize,
+        /// The point.
+        point: DVec2,
+    },
+    /// A curve in space that leaves the plane of (u, v).
+    #[error("control point {index} has z = {z}: a trim curve lies in the plane z = 0")]
+    NotFlat {
+        /// Which control point, counted from 0.
+        index: usize,
+        /// Its third coordinate.
+        z: f64,
+    },
+    /// The number of weights does not match the points.
+    #[error("{weights} weights for {points} points: each needs one, or none has any")]
+    WeightCount {
+        /// The number of weights.
+        weights: usize,
+        /// The number of points.
+        points: usize,
+    },
+    /// A weight is not positive and finite, or too small beside the largest of its piece.
+    #[error(
+        "the weight of point {index} is {weight}: it must be positive and finite, and at least 1e-9 of the largest, {largest}"
+    )]
+    Weight {
+        /// Which point, counted from 0; in a spline, counted in its Bézier form.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+        /// The largest weight beside it.
+        largest: f64,
+    },
+    /// An arc has no usable radius.
+    #[error("the radius is {radius}: it must be positive and finite")]
+    Radius {
+        /// The radius.
+        radius: f64,
+    },
+    /// An arc has no usable angles.
+    #[error(
+        "the arc goes from {from} to {to} radians: they must be finite, differ, and lie at most one turn apart"
+    )]
+    Angles {
+        /// Where it begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+}
+
+/// Why curves cannot be a loop.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrimLoopError {
+    /// The numbers are no curve.
+    #[error(transparent)]
+    Curve(#[from] TrimCurveError),
+    /// There is no curve.
+    #[error("a loop needs at least one curve")]
+    Empty,
+    /// A curve does not begin where the one before it ends.
+    #[error(
+        "the loop is open: curve {curve} ends at ({}, {}), but curve {next} begins ({:e}, {:e}) away from there; at most ({:e}, {:e}) is taken for rounding",
+        .end.x, .end.y, .gap.x, .gap.y, .tolerance.x, .tolerance.y
+    )]
+    Open {
+        /// The curve that ends, counted from 0.
+        curve: usize,
+        /// The curve that follows; the same for a spline that jumps at a knot.
+        next: usize,
+        /// Where it ends.
+        end: DVec2,
+        /// From there to where the next one begins.
+        gap: DVec2,
+        /// How large a gap may be, in u and in v.
+        tolerance: DVec2,
+    },
+    /// The loop is a point, or runs back over itself.
+    #[error("the loop encloses nothing: it lies on ({}, {}) to ({}, {})", .min.x, .min.y, .max.x, .max.y)]
+    Degenerate {
+        /// The smallest parameters of the loop.
+        min: DVec2,
+        /// The largest.
+        max: DVec2,
+    },
+}
+
+/// Why loops cannot trim a surface.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrimError {
+    /// The domain is not one.
+    #[error(
+        "the domain in {direction} goes from {start} to {end}: it must be finite, at most 1e100, and not empty"
+    )]
+    Domain {
+        /// The direction.
+        direction: Direction,
+        /// Where it begins.
+        start: f64,
+        /// Where it ends.
+        end: f64,
+    },
+    /// There is no loop.
+    #[error("there are no loops: a surface that is not trimmed needs no trims")]
+    NoLoops,
+    /// A loop alone is not one.
+    #[error("loop {index}: {error}")]
+    Loop {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// What is wrong with it.
+        error: TrimLoopError,
+    },
+    /// A loop lies beside the domain and cuts nothing.
+    #[error(
+        "loop {index} lies on ({}, {}) to ({}, {}), outside the domain ({}, {}) to ({}, {})",
+        .loop_box[0].x, .loop_box[0].y, .loop_box[1].x, .loop_box[1].y,
+        .domain[0].x, .domain[0].y, .domain[1].x, .domain[1].y
+    )]
+    OutsideDomain {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// Its smallest and largest parameters.
+        loop_box: [DVec2; 2],
+        /// Those of the domain.
+        domain: [DVec2; 2],
+    },
+    /// A loop goes around a periodic domain too often.
+    #[error("loop {index} is {periods} periods long in {direction}: at most {limit} are supported")]
+    TooManyPeriods {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// In which direction.
+        direction: Direction,
+        /// How many periods it spans.
+        periods: f64,
+        /// How many are supported.
+        limit: usize,
+    },
+    /// A loop crosses itself, or a copy of itself moved by a period.
+    #[error("loop {index} crosses itself at (u, v) = ({}, {})", .at.x, .at.y)]
+    SelfCrossing {
+        /// Which loop, counted from 0.
+        index: usize,
+        /// Where.
+        at: DVec2,
+    },
+    /// Two loops cross.
+    #[error("loops {} and {} cross at (u, v) = ({}, {})", .loops[0], .loops[1], .at.x, .at.y)]
+    Crossing {
+        /// Which loops, counted from 0.
+        loops: [usize; 2],
+        /// Where.
+        at: DVec2,
+    },
+    /// Two loops are one and the same curve, and would undo each other.
+    #[error("loops {} and {} are the same curve", .loops[0], .loops[1])]
+    Coincident {
+        /// Which loops, counted from 0.
+        loops: [usize; 2],
+    },
+    /// More segments than are taken for honest outlines.
+    #[error("the loops have more than {limit} monotone segments")]
+    TooManySegments {
+        /// The number supported.
+        limit: usize,
+    },
+    /// The loops are so entangled that checking them for crossings is refused.
+    #[error(
+        "the loops are so entangled that comparing {limit} pairs of their parts was not enough"
+    )]
+    Entangled {
+        /// The number of pairs that are compared for loops of this length.
+        limit: usize,
+    },
+    /// No outline can be drawn to this tolerance.
+    #[error(
+        "the tolerance is {tolerance}: it must be positive, and not so small that more than {limit} points are needed"
+    )]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+        /// The most points an outline may have.
+        limit: usize,
+    },
+}

@@ -1,0 +1,51 @@
+//! Trim loops: closed curves in a surface's (u, v) domain that say which part of it is kept.
+//!
+//! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end
+//! to end; [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings
+//! and ready to be asked: for points ([`Trims::contains`], [`Trims::near`]), for rectangles
+//! ([`Trims::classify`]), for polylines to plot ([`Trims::outlines`]).
+//!
+//! ```
+//! use glam::DVec2;
+//! use nurbray::geometry::trim::{Coverage, Kept, Side, TrimDomain, TrimLoop, Trims, UvBox};
+//!
+//! // A square sheet with a round hole.
+//! let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0])?;
+//! let loops = [
+//!     TrimLoop::rectangle(domain.bounds())?,
+//!     TrimLoop::circle(DVec2::new(0.5, 0.5), 0.25)?,
+//! ];
+//! let trims = Trims::new(domain, Kept::Odd, &loops)?;
+//!
+//! assert_eq!(trims.contains(DVec2::new(0.1, 0.2)), Side::Inside);
+//! assert_eq!(trims.contains(DVec2::new(0.6, 0.6)), Side::Outside);
+//! let on_the_rim = trims.contains(DVec2::new(0.75, 0.5));
+//! assert!(matches!(on_the_rim, Side::Edge { .. }));
+//! assert_eq!(trims.classify(&UvBox::new([0.4, 0.6], [0.4, 0.6])), Coverage::Outside);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod contacts;
+mod crossings;
+mod curve;
+mod domain;
+mod error;
+mod monotone;
+mod outline;
+mod segment;
+mod tree;
+mod trim_loop;
+mod trims;
+mod uv_box;
+
+pub use curve::{MAX_TRIM_POINTS, TrimCurve};
+pub use domain::TrimDomain;
+pub use error::{TrimCurveError, TrimError, TrimLoopError};
+pub use trim_loop::{JOINT_TOLERANCE, TrimLoop};
+pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
+pub use uv_box::UvBox;
+
+#[cfg(test)]
+mod error_tests;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,300 @@
+//! Bézier pieces cut where they turn around in u or in v, and then until they are flat.
+
+use glam::{DVec2, DVec3};
+
+use super::UvBox;
+use super::curve::euclidean;
+use super::segment::Segment;
+use super::trim_loop::LoopPiece;
+use crate::math::bernstein::{Row, restrict_row};
+use crate::math::rounding::UNIT_ROUNDOFF;
+
+/// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
+const FINEST: f64 = UNIT_ROUNDOFF;
+
+/// A monotone stretch is halved at most so often: a cusp never becomes flat.
+const MOST_HALVINGS: u32 = 6;
+
+/// The segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours share their ends bit
+/// for bit, and the outer ends are the piece's own.
+///
+/// A stretch whose derivative is no more than rounding counts as monotone: between the cuts
+/// the piece leaves the rectangle of its ends by no more than that, and segments are held
+/// within it ([`Segment::at`]).
+pub(super) fn segments(piece: &LoopPiece, found: &mut Vec<Segment>) {
+    // Lines are what lies between their ends, whatever the weights.
+    if piece.control.len() == 2 {
+        found.extend(Segment::line(piece.ends));
+        return;
+    }
+
+    // Both ways along, the same cuts at the same numbers: a loop run backwards cuts the same.
+    let backwards = piece.control.iter().rev().map(as_key).lt(piece.control.iter().map(as_key));
+    let mut control = piece.control.clone();
+    let mut ends = piece.ends;
+    if backwards {
+        control.reverse();
+        ends.reverse();
+    }
+    let mut cuts = vec![0.0];
+    cuts.extend(turns(&control));
+    cuts.push(1.0);
+
+    let magnitude = UvBox::around(control.iter().map(|&c| euclidean(c))).magnitude();
+    let first = found.len();
+    let mut from = ends[0];
+    for range in cuts.windows(2) {
+        let last = (range[1] == 1.0).then_some(ends[1]);
+        let range = [range[0], range[1]];
+        let part = Part { control: &control, magnitude, range, halvings: 0 };
+        from = part.add_flat(from, last, found);
+    }
+    if backwards {
+        found[first..].reverse();
+        for segment in &mut found[first..] {
+            segment.turn_around();
+        }
+    }
+}
+
+/// A monotone stretch of a curve.
+struct Part<'a> {
+    /// The control points of the whole piece.
+    control: &'a [DVec3],
+    /// Their largest |u| and |v|.
+    magnitude: DVec2,
+    range: [f64; 2],
+    halvings: u32,
+}
+
+impl Part<'_> {
+    /// Adds its flat segments, beginning at `from` and ending at `last` or, if that is not
+    /// known, where the curve is; returns the end.
+    fn add_flat(&self, from: DVec2, last: Option<DVec2>, found: &mut Vec<Segment>) -> DVec2 {
+        let degree = self.control.len() - 1;
+        let mut part = self.control.to_vec();
+        let row = Row { start: 0, stride: 1, degree };
+        restrict_row(&mut part, row, self.range[0], self.range[1]);
+        let to = last.unwrap_or_else(|| euclidean(part[degree]));
+        let segment = Segment::new([from, to], &part, self.magnitude);
+        let flat = segment.as_ref().is_none_or(Segment::is_flat);
+        if flat || self.halvings == MOST_HALVINGS {
+            found.extend(segment);
+            return to;
+        }
+        let middle = 0.5 * (self.range[0] + self.range[1]);
+        let half = |range| Self { range, halvings: self.halvings + 1, ..*self };
+        let between = half([self.range[0], middle]).add_flat(from, None, found);
+        half([middle, self.range[1]]).add_flat(between, Some(to), found)
+    }
+}
+
+fn as_key(control: &DVec3) -> [f64; 3] {
+    control.to_array()
+}
+
+/// The parameters inside (0, 1) where u or v turns around, in order.
+fn turns(control: &[DVec3]) -> Vec<f64> {
+    let points = control.iter().map(|&c| euclidean(c));
+    let center = UvBox::around(points).center();
+    let mut turns = Vec::new();
+    for axis in 0..2 {
+        let derivative = Derivative::new(control, axis, center);
+        derivative.roots(&mut turns);
+    }
+    turns.sort_by(f64::total_cmp);
+    turns.dedup_by(|a, b| *a - *b <= FINEST);
+    turns.retain(|t| FINEST < *t && *t < 1.0 - FINEST);
+    turns
+}
+
+/// The numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor, as
+/// Bernstein coefficients, with a bound on what rounding may have done to each.
+#[derive(Clone)]
+struct Derivative {
+    coefficients: Vec<f64>,
+    noise: Vec<f64>,
+}
+
+impl Derivative {
+    /// For the coordinate `axis`, measured from `center`: that changes nothing in the
+    /// numerator, but far from 0 it saves the digits in which the points differ.
+    fn new(control: &[DVec3], axis: usize, center: DVec2) -> Self {
+        let p = control.len() - 1;
+        let weights: Vec<f64> = control.iter().map(|c| c.z).collect();
+        let centered: Vec<f64> = control.iter().map(|c| c[axis] - center[axis] * c.z).collect();
+        let size: Vec<f64> =
+            control.iter().map(|c| c[axis].abs() + center[axis].abs() * c.z).collect();
+        let unit = 4.0 * (p + 2) as f64 * UNIT_ROUNDOFF;
+
+        if weights.iter().all(|w| *w == weights[0]) {
+            let coefficients = centered.windows(2).map(|x| x[1] - x[0]).collect();
+            // Equal weights take part in no product, and control points are as given.
+            let noise = size.windows(2).map(|m| UNIT_ROUNDOFF * (m[0] + m[1])).collect();
+            return Self { coefficients, noise };
+        }
+        let mut coefficients = vec![0.0; 2 * p];
+        let mut noise = vec![0.0; 2 * p];
+        for i in 0..p {
+            let (dx, dw) = (centered[i + 1] - centered[i], weights[i + 1] - weights[i]);
+            let (sx, sw) = (size[i + 1] + size[i], weights[i + 1] + weights[i]);
+            for j in 0..=p {
+                // B_i of degree p − 1 times B_j of degree p is this much of B_{i+j}.
+                let share = binomial(p - 1, i) * binomial(p, j) / binomial(2 * p - 1, i + j);
+                coefficients[i + j] += share * (dx * weights[j] - centered[j] * dw);
+                noise[i + j] += share * unit * (sx * weights[j] + size[j] * sw);
+            }
+        }
+        Self { coefficients, noise }
+    }
+
+    /// Adds the places in (0, 1) where the sign changes, and perhaps some where it only might.
+    ///
+    /// Halving shrinks the coefficients to the polynomial's values; a part whose coefficients
+    /// have one sign is left alone. By Descartes' rule no more parts stay than there are
+    /// coefficients, and they are halved at most 53 times.
+    fn roots(self, found: &mut Vec<f64>) {
+        let mut waiting = vec![(self, [0.0, 1.0])];
+        while let Some((part, [from, to])) = waiting.pop() {
+            if part.has_one_sign() {
+                continue;
+            }
+            let middle = 0.5 * (from + to);
+            if to - from <= FINEST {
+                found.push(middle);
+                continue;
+            }
+            let [below, above] = part.halves();
+            // A root on the very cut would be seen by neither half.
+            if above.coefficients[0].abs() <= above.noise[0] {
+                found.push(middle);
+            }
+            waiting.push((below, [from, middle]));
+            waiting.push((above, [middle, to]));
+        }
+    }
+
+    fn has_one_sign(&self) -> bool {
+        let pairs = || self.coefficients.iter().zip(&self.noise);
+        let some_below = pairs().any(|(c, noise)| *c < -noise);
+        let some_above = pairs().any(|(c, noise)| *c > *noise);
+        !(some_below && some_above)
+    }
+
+    fn halves(self) -> [Self; 2] {
+        let row = Row { start: 0, stride: 1, degree: self.coefficients.len() - 1 };
+        let mut below = self.clone();
+        let mut above = self;
+        for (half, from, to) in [(&mut below, 0.0, 0.5), (&mut above, 0.5, 1.0)] {
+            restrict_row(&mut half.coefficients, row, from, to);
+            restrict_row(&mut half.noise, row, from, to);
+        }
+        [below, above]
+    }
+}
+
+/// `n` choose `k`, rounded. With `n` below 64 it is far from overflow.
+pub(super) fn binomial(n: usize, k: usize) -> f64 {
+    (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turns_of(points: &[(f64, f64, f64)]) -> Vec<f64> {
+        let control: Vec<DVec3> =
+            points.iter().map(|&(u, v, w)| DVec3::new(u * w, v * w, w)).collect();
+        turns(&control)
+    }
+
+    #[test]
+    fn turns_are_where_calculus_puts_them() {
+        // u = t, v = 3t(1 − t)² + …: the cubic with v-values 0, 1, −1, 0 turns where
+        // v′ = 3 (1 − 6t + 6t²) = 0.
+        let third = 1.0 / 3.0;
+        let s = turns_of(&[
+            (0.0, 0.0, 1.0),
+            (third, 1.0, 1.0),
+            (2.0 * third, -1.0, 1.0),
+            (1.0, 0.0, 1.0),
+        ]);
+        let root = 0.5 - 3f64.sqrt() / 6.0;
+        assert_eq!(s.len(), 2, "{s:?}");
+        assert!((s[0] - root).abs() < 1e-15 && (s[1] - (1.0 - root)).abs() < 1e-15, "{s:?}");
+
+        // A parabola turns at exactly one half: the first cut is the root.
+        assert_eq!(turns_of(&[(0.0, 0.0, 1.0), (0.5, 1.0, 1.0), (1.0, 0.0, 1.0)]), [0.5]);
+
+        // The half circle x = 2t(1−t)/w, y = (1−2t)/w with w = 2t² − 2t + 1 turns in x only.
+        let third = 1.0 / 3.0;
+        let half = [(0.0, 1.0, 1.0), (2.0, 1.0, third), (2.0, -1.0, third), (0.0, -1.0, 1.0)];
+        let cut = turns_of(&half);
+        assert_eq!(cut.len(), 1, "{cut:?}");
+        assert!((cut[0] - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn straight_and_doubly_touching_coordinates_are_left_whole() {
+        // v = t³ stands still at 0 without turning around; u is constant.
+        assert!(
+            turns_of(&[(2.0, 0.0, 1.0), (2.0, 0.0, 0.5), (2.0, 0.0, 1.0), (2.0, 1.0, 1.0)])
+                .is_empty()
+        );
+        // v = (2t − 1)³ stands still in the middle: a cut there does no harm, more would.
+        let still = [(0.0, -1.0, 1.0), (1.0, 1.0, 1.0), (2.0, -1.0, 1.0), (3.0, 1.0, 1.0)];
+        assert!(turns_of(&still).len() <= 1);
+    }
+
+    #[test]
+    fn turns_do_not_depend_on_where_the_curve_lies() {
+        let curve = |du: f64, size: f64| {
+            turns_of(&[
+                (du, 0.0, 1.0),
+                (du + size, 2.0 * size, 0.5),
+                (du + 0.25 * size, 2.0 * size, 2.0),
+                (du + 0.5 * size, 0.0, 1.0),
+            ])
+        };
+        let here = curve(0.0, 1.0);
+        assert!(here.len() >= 2, "{here:?}");
+        for (du, size, tolerance) in [(1024.0, 1.0, 1e-9), (0.0, 1e-8, 1e-14), (0.0, 1e8, 1e-14)] {
+            let there = curve(du, size);
+            assert_eq!(here.len(), there.len());
+            for (a, b) in here.iter().zip(there) {
+                assert!((a - b).abs() < tolerance, "{du} {size}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn segments_are_monotone_and_share_their_ends() {
+        for degree in 2..=12 {
+            let value = |k: usize, f: f64| ((k * k) as f64 * f).sin();
+            let control: Vec<DVec3> = (0..=degree)
+                .map(|k| {
+                    let w = 1.0 + 0.9 * value(k, 0.7);
+                    DVec3::new(w * value(k, 1.3), w * value(k, 2.1), w)
+                })
+                .collect();
+            let ends = [euclidean(control[0]), euclidean(control[degree])];
+            let mut found = Vec::new();
+            segments(&LoopPiece { ends, control }, &mut found);
+            let mut at = ends[0];
+            for segment in &found {
+                let [from, to] = segment.directed_ends();
+                assert_eq!(from, at, "degree {degree}");
+                at = to;
+                let mut before = segment.ends()[0];
+                let sense = segment.ends()[1] - segment.ends()[0];
+                for k in 1..=64 {
+                    let here = segment.free_at(f64::from(k) / 64.0);
+                    let step = (here - before) * sense.signum();
+                    assert!(step.min_element() > -1e-14, "degree {degree}: {step}");
+                    before = here;
+                }
+            }
+            assert_eq!(at, ends[1]);
+        }
+    }
+}

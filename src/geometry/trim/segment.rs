@@ -1,0 +1,296 @@
+//! Segments of trim curves that turn around neither in u nor in v.
+
+use glam::{DVec2, DVec3, Vec3Swizzles};
+
+use super::UvBox;
+use super::monotone::binomial;
+use crate::math::rounding::UNIT_ROUNDOFF;
+
+/// The search for where a target lies ends after so many steps. Four halve the stretch that
+/// is left, so that it is down to 2⁻⁶⁴ of the segment, far below one rounding.
+const MOST_STEPS: usize = 256;
+
+/// A segment is flat when its control points lie within this part of its length. A quarter
+/// circle makes four flat segments; finer ones would cost more in the hierarchy than they
+/// save.
+const FLAT: f64 = 0.125;
+
+/// How far the curve that was written may lie from the one that is searched, in units of the
+/// largest parameter of its Bézier piece, `16 (p + 1) u` for degree `p`.
+///
+/// Each step of de Casteljau or Boehm is a mixture of positive parts and errs by at most 3
+/// roundings of the largest coordinate: up to `6 (p − 1)` for the Bézier form of a spline,
+/// `4 p` for cutting it to monotone segments, `2 p + 6` for evaluation and its division, and
+/// four for the corners of arcs.
+fn reach_factor(degree: usize) -> f64 {
+    16.0 * (degree + 1) as f64 * UNIT_ROUNDOFF
+}
+
+/// A piece of a curve along which u and v never turn around, held so that v does not
+/// decrease, and for horizontal ones u does not.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    ends: [DVec2; 2],
+    /// `C(p, i)` times the homogeneous control points; none for a straight line.
+    control: Box<[DVec3]>,
+    /// Whether the loop runs along it as it is held.
+    forward: bool,
+    reach: DVec2,
+    /// Across the chord, to the side of smaller u; as long as the chord.
+    across: DVec2,
+    /// The least and the largest `across · (point − ends[0])` of its control points, grown
+    /// by the reach: the segment lies between.
+    band: [f64; 2],
+}
+
+/// Where a target lies, seen from a segment it is level with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Passing {
+    /// On the side of smaller u.
+    Left,
+    /// On the side of larger u.
+    Right,
+    /// On it.
+    Meets,
+}
+
+impl Segment {
+    /// The straight line between two points; `None` if they agree.
+    pub(super) fn line(ends: [DVec2; 2]) -> Option<Self> {
+        let reach = reach_factor(1) * ends[0].abs().max(ends[1].abs());
+        Self::held(ends, Vec::new(), reach)
+    }
+
+    /// The monotone rational Bézier curve between two points; `None` if they agree: monotone
+    /// and closed, it is a point. Of the control points the outer two give only their weights.
+    ///
+    /// `magnitude` holds the largest |u| and |v| of the control points it was computed from,
+    /// perhaps those of a longer curve: they say what rounding may have done.
+    pub(super) fn new(ends: [DVec2; 2], control: &[DVec3], magnitude: DVec2) -> Option<Self> {
+        let degree = control.len() - 1;
+        let scaled = control.iter().enumerate().map(|(i, &c)| binomial(degree, i) * c);
+        Self::held(ends, scaled.collect(), reach_factor(degree) * magnitude)
+    }
+
+    fn held(ends: [DVec2; 2], mut control: Vec<DVec3>, reach: DVec2) -> Option<Self> {
+        let [from, to] = ends;
+        if from == to {
+            return None;
+        }
+        let forward = (from.y, from.x) < (to.y, to.x);
+        if !forward {
+            control.reverse();
+        }
+        let ends = if forward { [from, to] } else { [to, from] };
+        let across = (ends[1] - ends[0]).perp();
+        let inner = control.iter().skip(1).rev().skip(1).map(|c| c.xy() / c.z);
+        let offsets = inner.map(|point| across.dot(point - ends[0]));
+        let [low, high] = offsets.fold([0f64; 2], |[a, b], x| [a.min(x), b.max(x)]);
+        let margin = across.abs().dot(reach);
+        let band = [low - margin, high + margin];
+        Some(Self { ends, control: control.into(), forward, reach, across, band })
+    }
+
+    /// Whether its control points lie near its chord: a point near the chord is soon told
+    /// from one on the curve.
+    pub(super) fn is_flat(&self) -> bool {
+        self.is_straight() || self.band[1] - self.band[0] <= FLAT * self.across.length_squared()
+    }
+
+    /// The loop runs along it the other way.
+    pub(super) fn turn_around(&mut self) {
+        self.forward = !self.forward;
+    }
+
+    /// Its ends, the one with the smaller v first.
+    pub(super) fn ends(&self) -> [DVec2; 2] {
+        self.ends
+    }
+
+    /// Its ends in the order in which the loop runs.
+    pub(super) fn directed_ends(&self) -> [DVec2; 2] {
+        let [from, to] = self.ends;
+        if self.forward { [from, to] } else { [to, from] }
+    }
+
+    /// Whether the loop runs along it towards larger v, or, if it is horizontal, larger u.
+    pub(super) fn is_forward(&self) -> bool {
+        self.forward
+    }
+
+    /// Whether it is a straight line.
+    pub(super) fn is_straight(&self) -> bool {
+        self.control.is_empty()
+    }
+
+    /// How far the curve it was cut from may lie from it.
+    pub(super) fn reach(&self) -> DVec2 {
+        self.reach
+    }
+
+    /// The rectangle of its ends, which holds it.
+    pub(super) fn bounds(&self) -> UvBox {
+        let [from, to] = self.ends;
+        UvBox { min: from.min(to), max: from.max(to) }
+    }
+
+    /// How many bytes it takes beside itself.
+    pub(super) fn bytes(&self) -> usize {
+        std::mem::size_of_val(&*self.control)
+    }
+
+    /// The homogeneous control points as held, without the binomial factors; for a straight
+    /// line its ends.
+    pub(super) fn homogeneous(&self) -> Vec<DVec3> {
+        if self.is_straight() {
+            return self.ends.map(|end| end.extend(1.0)).to_vec();
+        }
+        let degree = self.control.len() - 1;
+        self.control.iter().enumerate().map(|(i, &c)| c / binomial(degree, i)).collect()
+    }
+
+    /// The point at `t` in `[0, 1]`, held within the rectangle of the ends and equal to them
+    /// at 0 and 1.
+    #[inline]
+    pub(super) fn at(&self, t: f64) -> DVec2 {
+        let [from, to] = self.ends;
+        if t == 0.0 {
+            return from;
+        }
+        if t == 1.0 {
+            return to;
+        }
+        self.free_at(t).max(from.min(to)).min(from.max(to))
+    }
+
+    /// The point after the part `along` of the way that the loop runs.
+    pub(super) fn directed_at(&self, along: f64) -> DVec2 {
+        self.at(if self.forward { along } else { 1.0 - along })
+    }
+
+    /// The point at `t`, by Horner's scheme for `Σ cᵢ tⁱ (1 − t)^(p−i)`: all terms of the
+    /// weight are positive, so that `t` near either end loses nothing.
+    #[inline]
+    pub(super) fn free_at(&self, t: f64) -> DVec2 {
+        let s = 1.0 - t;
+        let [from, to] = self.ends;
+        let Some((&first, rest)) = self.control.split_first() else {
+            return s * from + t * to;
+        };
+        let mut sum = first;
+        let mut power = 1.0;
+        for &c in rest {
+            power *= t;
+            sum = sum * s + c * power;
+        }
+        sum.xy() / sum.z
+    }
+
+    /// Where a rectangle lies that meets the segment's own.
+    ///
+    /// Beside the band of its control points the chord decides. Otherwise the segment itself:
+    /// mirrored in u if need be, the segment climbs to the right. A point `Q` of it proves
+    /// the target to lie above and left of the whole segment if it lies so of `Q`, and
+    /// likewise below and right. Otherwise the target is ahead of `Q`, or behind it, or holds
+    /// it. Signed distances to the target, in u and v, never have opposite signs then; scaled
+    /// by the segment's extents and added they grow along the segment, and their root is
+    /// found by false position with halved end values (the "Illinois" rule; Dowell & Jarratt
+    /// 1971), with a bisection where three steps have not halved the stretch.
+    ///
+    /// Where no number is left between two steps, the target is met as far as can be known.
+    pub(super) fn passing(&self, target: &UvBox) -> Passing {
+        let [from, to] = self.ends;
+        let offset = self.across.dot(target.center() - from);
+        let spread = 0.5 * self.across.abs().dot(target.size());
+        if offset - spread > self.band[1] {
+            return Passing::Left;
+        }
+        if offset + spread < self.band[0] {
+            return Passing::Right;
+        }
+        let falls_back = to.x < from.x;
+        let scale = (to - from).abs().recip().min(DVec2::splat(f64::MAX));
+        let past = |q: f64, low: f64, high: f64| (q - high).max(0.0) + (q - low).min(0.0);
+        let gaps = |q: DVec2| {
+            let along = past(q.x, target.min.x, target.max.x);
+            let up = past(q.y, target.min.y, target.max.y);
+            DVec2::new(if falls_back { -along } else { along }, up)
+        };
+        let (above, below) = if falls_back {
+            (Passing::Right, Passing::Left)
+        } else {
+            (Passing::Left, Passing::Right)
+        };
+
+        // The stretch left: the segment is behind the target at t[0] and past it at t[1].
+        let mut t = [0.0, 1.0];
+        let (start, end) = (gaps(from), gaps(to));
+        if start == DVec2::ZERO || end == DVec2::ZERO {
+            return Passing::Meets;
+        }
+        let mut value = [(start * scale).element_sum(), (end * scale).element_sum()];
+        let (mut moved, mut width) = (2, 1.0);
+        for step in 1..=MOST_STEPS {
+            let middle = 0.5 * (t[0] + t[1]);
+            let root = (t[0] * value[1] - t[1] * value[0]) / (value[1] - value[0]);
+            let inside = |x: f64| t[0] < x && x < t[1]; // false for NaN
+            let slow = step % 3 == 0 && t[1] - t[0] > 0.5 * width;
+            if step % 3 == 0 {
+                width = t[1] - t[0];
+            }
+            let next = if !slow && inside(root) { root } else { middle };
+            if !inside(next) {
+                break;
+            }
+            let gap = gaps(self.at(next));
+            if gap.x > 0.0 && gap.y < 0.0 {
+                return above;
+            }
+            if gap.x < 0.0 && gap.y > 0.0 {
+                return below;
+            }
+            if gap == DVec2::ZERO {
+                break;
+            }
+            let side = usize::from(gap.x > 0.0 || gap.y > 0.0);
+            t[side] = next;
+            value[side] = (gap * scale).element_sum();
+            if moved == side {
+                value[1 - side] *= 0.5;
+            }
+            moved = side;
+        }
+        Passing::Meets
+    }
+
+    /// What a ray from `point` towards larger u makes of the segment: whether the segment
+    /// passes within `reach` of the point, and how often the loop crosses the ray, upwards
+    /// counted positive.
+    ///
+    /// The segment is crossed where its lower end is level with the ray or below and its
+    /// upper end above: of two segments that share an end, one counts it where the loop goes
+    /// on, both or none where it turns back. A point on the segment is not left of it.
+    pub(super) fn seen_from(&self, point: DVec2, reach: DVec2) -> (bool, i32) {
+        let [from, to] = self.ends;
+        let level = from.y <= point.y && point.y < to.y;
+        let bounds = self.bounds();
+        let target = UvBox::about(point, reach);
+        let passing = if bounds.meets(&target) { Some(self.passing(&target)) } else { None };
+        let left = match passing {
+            Some(Passing::Left) => level,
+            Some(Passing::Right) => false,
+            _ if !level || point.x > bounds.max.x => false,
+            _ if point.x < bounds.min.x => true,
+            _ => self.passing(&UvBox { min: point, max: point }) == Passing::Left,
+        };
+        let crossing = i32::from(left) * if self.forward { 1 } else { -1 };
+        (passing == Some(Passing::Meets), crossing)
+    }
+
+    /// The curve it stands for may be farther away by so much.
+    pub(super) fn widen(&mut self, by: DVec2) {
+        let margin = self.across.abs().dot(by);
+        self.reach += by;
+        self.band = [self.band[0] - margin, self.band[1] + margin];
+    }
+}

@@ -1,0 +1,166 @@
+//! Curves joined to a closed loop.
+
+use glam::{DVec2, DVec3};
+
+use super::curve::euclidean;
+use super::{TrimCurve, TrimLoopError, UvBox};
+
+/// Ends of curves this close, per length of the loop in u and in v, are taken for one point.
+///
+/// Files written with seven digits miss by up to 10⁻⁷ of their parameters; a thousandth of a
+/// pixel of a loop drawn a thousand pixels wide is 10⁻⁶ of it. A gap that is seen is an error.
+pub const JOINT_TOLERANCE: f64 = 1e-6;
+
+/// A closed loop in the (u, v) plane, made of curves each of which begins where the one
+/// before it ends, the first where the last one ends.
+///
+/// # Invariants, checked once on construction
+/// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and in v by
+///   themselves) plus a few roundings of its magnitude, and are then made the same numbers:
+///   those of the straight line, if one of two curves is one, else the middle;
+/// - the loop is not a point.
+///
+/// Whether it crosses itself is seen when it meets the others, in
+/// [`Trims::new`](super::Trims::new).
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrimLoop {
+    pieces: Vec<LoopPiece>,
+}
+
+/// A Bézier piece of a loop.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LoopPiece {
+    /// Where it begins and ends: bit for bit where its neighbours end and begin.
+    pub(super) ends: [DVec2; 2],
+    /// Its homogeneous control points; the outer ones are the ends to a rounding.
+    pub(super) control: Vec<DVec3>,
+}
+
+impl TrimLoop {
+    /// The loop of these curves.
+    ///
+    /// # Errors
+    /// When there is no curve, one does not begin where the one before it ends, or all are
+    /// one point.
+    pub fn new(curves: &[TrimCurve]) -> Result<Self, TrimLoopError> {
+        let mut pieces: Vec<LoopPiece> = Vec::new();
+        let mut owners = Vec::new();
+        for (index, curve) in curves.iter().enumerate() {
+            for control in curve.pieces() {
+                let (first, last) = (control[0], control[control.len() - 1]);
+                let ends = [euclidean(first), euclidean(last)];
+                pieces.push(LoopPiece { ends, control: control.clone() });
+                owners.push(index);
+            }
+        }
+        if pieces.is_empty() {
+            return Err(TrimLoopError::Empty);
+        }
+        let bounds = UvBox::around(pieces.iter().flat_map(LoopPiece::hull));
+        let (min, max) = (bounds.min, bounds.max);
+        if min == max {
+            return Err(TrimLoopError::Degenerate { min, max });
+        }
+
+        // Close the gaps, or say how large they are.
+        let tolerance = JOINT_TOLERANCE * bounds.size() + 16.0 * f64::EPSILON * bounds.magnitude();
+        for this in 0..pieces.len() {
+            let next = (this + 1) % pieces.len();
+            let (end, start) = (pieces[this].ends[1], pieces[next].ends[0]);
+            let gap = start - end;
+            if !gap.abs().cmple(tolerance).all() {
+                let (curve, next) = (owners[this], owners[next]);
+                return Err(TrimLoopError::Open { curve, next, end, gap, tolerance });
+            }
+            let joint = match (pieces[this].is_line(), pieces[next].is_line()) {
+                (true, false) => end,
+                (false, true) => start,
+                _ if start == end => end,
+                _ => 0.5 * end + 0.5 * start,
+            };
+            pieces[this].move_end(1, joint);
+            pieces[next].move_end(0, joint);
+        }
+        Ok(Self { pieces })
+    }
+
+    /// The polygon with these corners; the last is joined to the first.
+    ///
+    /// # Errors
+    /// As [`TrimCurve::polyline`], or when all corners are one point.
+    pub fn polygon(corners: &[DVec2]) -> Result<Self, TrimLoopError> {
+        let mut closed = corners.to_vec();
+        closed.extend(corners.first());
+        Self::new(&[TrimCurve::polyline(&closed)?])
+    }
+
+    /// The border of a rectangle, counter-clockwise from its smallest corner: the loop that
+    /// keeps a whole domain, for other loops to cut holes into.
+    ///
+    /// # Errors
+    /// When a parameter is not finite, or the rectangle is a point.
+    pub fn rectangle(bounds: UvBox) -> Result<Self, TrimLoopError> {
+        let UvBox { min, max } = bounds;
+        Self::polygon(&[min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)])
+    }
+
+    /// A circle, counter-clockwise; see [`TrimCurve::circle`].
+    ///
+    /// # Errors
+    /// When the center is not finite or the radius not positive, or so small beside the
+    /// center that the circle is a point.
+    pub fn circle(center: DVec2, radius: f64) -> Result<Self, TrimLoopError> {
+        Self::new(&[TrimCurve::circle(center, radius)?])
+    }
+
+    /// The loop run backwards: it cuts the same.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let backwards = |piece: &LoopPiece| LoopPiece {
+            ends: [piece.ends[1], piece.ends[0]],
+            control: piece.control.iter().rev().copied().collect(),
+        };
+        Self { pieces: self.pieces.iter().rev().map(backwards).collect() }
+    }
+
+    /// The loop moved, each control point rounded once.
+    #[must_use]
+    pub fn shifted(&self, by: DVec2) -> Self {
+        let moved = |piece: &LoopPiece| LoopPiece {
+            ends: piece.ends.map(|end| end + by),
+            control: piece.control.iter().map(|c| *c + (c.z * by).extend(0.0)).collect(),
+        };
+        Self { pieces: self.pieces.iter().map(moved).collect() }
+    }
+
+    /// A rectangle that holds the loop: the hull of its control points.
+    pub fn bounds(&self) -> UvBox {
+        UvBox::around(self.pieces.iter().flat_map(LoopPiece::hull))
+    }
+
+    pub(super) fn pieces(&self) -> &[LoopPiece] {
+        &self.pieces
+    }
+}
+
+impl LoopPiece {
+    fn hull(&self) -> impl Iterator<Item = DVec2> + '_ {
+        self.control.iter().map(|&c| euclidean(c)).chain(self.ends)
+    }
+
+    /// Moves its beginning (0) or its end (1), and the control point there with it.
+    fn move_end(&mut self, which: usize, to: DVec2) {
+        if self.ends[which] == to {
+            return;
+        }
+        self.ends[which] = to;
+        let index = which * (self.control.len() - 1);
+        let weight = self.control[index].z;
+        self.control[index] = (weight * to).extend(weight);
+    }
+
+    /// Whether it is a straight line by its degree, its ends as they were written.
+    fn is_line(&self) -> bool {
+        self.control.len() == 2
+    }
+}
