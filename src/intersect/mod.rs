@@ -18,8 +18,9 @@
 //! A [`Kernel`] is a way to do the first two steps. The scalar one is the readable
 //! specification; the others take coherent batches ([`Coherence`]) in packets and search sixteen
 //! rays at a time in f32, or test one ray against sixteen boxes at a time, and finish each hit in
-//! f64 on the true surface. What a ray is answered does not depend on its neighbours, and what is
-//! not proved goes the scalar way.
+//! f64 on the true surface. Where the certificate does not hold they first ask the leaf's
+//! approximation what it proves of this one ray; what is not proved then goes the scalar way. What
+//! a ray is answered does not depend on its neighbours.
 //!
 //! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
 //! program's `audit` holds the fast way against it.

@@ -4,7 +4,8 @@
 //! adds to either. Sixteen boxes are tested at once against a packet of rays, sixteen rays
 //! at once against a leaf. A search in f32 on an approximation of the leaf gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
-//! promised accuracy. Whatever is not certified goes to the scalar search.
+//! promised accuracy. Whatever is not certified is searched ray by ray, with a proof of its own
+//! (`single_proof`), and at last goes to the scalar search.
 //!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
 //! other rays of the packet.
