@@ -3,6 +3,7 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{Direction, KnotVector, SurfaceError};
+use crate::math::rounding;
 
 /// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
@@ -101,7 +102,8 @@ impl NurbsSurface {
         Self { knots, control, rational }
     }
 
-    /// Refuses a surface whose control points all coincide; else says how far they span.
+    /// Refuses a surface whose control points all coincide, or lie on one line as far as rounding
+    /// can tell; else says how far they span.
     pub(super) fn check_extent(&self) -> Result<f64, SurfaceError> {
         let euclidean = |point: &DVec4| point.xyz() / point.w;
         let first = euclidean(&self.control[0]);
@@ -113,7 +115,20 @@ impl NurbsSurface {
         let magnitude = low.abs().max(high.abs()).max_element();
         let size = (high - low).max_element();
         let extended = size > SAME_POINT * magnitude;
-        if extended { Ok(size) } else { Err(SurfaceError::NoExtent { point: first }) }
+        if !extended {
+            return Err(SurfaceError::NoExtent { point: first });
+        }
+        // A ray could only meet a line by chance of rounding.
+        let points = || self.control.iter().map(euclidean);
+        let distance = |point: &DVec3| point.distance_squared(first);
+        let farther = |a: &DVec3, b: &DVec3| distance(a).total_cmp(&distance(b));
+        let last = points().max_by(farther).unwrap_or(first);
+        let along = (last - first).normalize_or_zero();
+        let off_line = |point: DVec3| (point - first).cross(along).length();
+        let widest = points().map(off_line).fold(0.0, f64::max);
+        let [p, q] = [0, 1].map(|k| self.knots[k].degree());
+        let wide = widest > rounding::residual_factor(p, q) * magnitude;
+        if wide { Ok(size) } else { Err(SurfaceError::NoArea { from: first, to: last }) }
     }
 
     /// The knots in u.

@@ -92,6 +92,19 @@ pub enum SurfaceError {
         /// Where they are.
         point: DVec3,
     },
+    /// All control points lie on one line, to within rounding.
+    #[error(
+        "all control points lie on the line from {} to {}, to within rounding: the surface has \
+         no area",
+        ShownVector(*.from),
+        ShownVector(*.to)
+    )]
+    NoArea {
+        /// One of them.
+        from: DVec3,
+        /// The one farthest from that.
+        to: DVec3,
+    },
     /// The control points span less than [`MIN_MAGNITUDE`].
     #[error("the control points span {}: at least {MIN_MAGNITUDE:e} is needed", Shown(*size))]
     TooSmall {

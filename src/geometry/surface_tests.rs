@@ -43,6 +43,11 @@ fn errors_name_the_control_point() {
         message(vec![DVec3::ONE; 12], Some((1..=12).map(f64::from).collect())),
         "all control points are (1, 1, 1): the surface has no extent"
     );
+    assert_eq!(
+        message((0..12).map(|k| DVec3::new(f64::from(k), 0.0, 1e-15)).collect(), None),
+        "all control points lie on the line from (0, 0, 1e-15) to (11, 0, 1e-15), to within \
+         rounding: the surface has no area"
+    );
     let mut points = net(3, 4);
     points[5].x = 1e308;
     assert_eq!(

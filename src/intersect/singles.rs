@@ -87,7 +87,8 @@ impl Tracer<'_> {
         let frame = RayFrame::new(ray);
         let mut single = SingleRay::new(&frame, None, Wanted::First, &self.bvh.hierarchy);
         let (scene, work) = (self.bvh.scene(), &mut self.single);
-        dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, work)));
+        dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, &mut *work)));
+        self.findings.statistics.newton_iterations += std::mem::take(&mut work.steps);
         self.search_left(&Query::primary(*ray), &frame, limit, Wanted::First);
         if let Some(hit) = &self.single.hit {
             self.findings.meetings.push(Certain::new(self.bvh, &frame, hit).meeting());
@@ -128,6 +129,8 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let hit = tracer.single.hit.as_ref().map(|hit| Certain::new(tracer.bvh, &frame, hit).hit());
+    // A hit so far that `t` has no number for it lies beyond every range.
+    let hit = hit.filter(|hit| hit.t < f64::INFINITY);
     Answer { hit, doubtful: false }
 }
 
@@ -170,7 +173,8 @@ fn search<S: Simd>(
     let mut ray = SingleRay::new(frame, from, wanted, &bvh.hierarchy);
     let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
     statistics.rays += 1;
-    trace_single(simd, &bvh.scene(), &mut ray, (work, statistics));
+    trace_single(simd, &bvh.scene(), &mut ray, (&mut *work, &mut *statistics));
+    statistics.newton_iterations += std::mem::take(&mut work.steps);
 }
 
 fn is_certain(meeting: &Meeting) -> bool {
@@ -198,7 +202,7 @@ impl<'a> Certain<'a> {
         let index = record.piece();
         let piece = &bvh.set.pieces()[index as usize];
         let error = leaf_search::error_bound(piece, frame);
-        let jet = hit.jet(record);
+        let jet = piece.patch.jet(hit.st);
         let cross = jet.ds.cross(jet.dt);
         // Near a pole the normal is a limit.
         let normal = if record.has_pole() {

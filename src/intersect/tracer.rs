@@ -218,7 +218,9 @@ pub(super) fn answer_of<'m>(
         let by_place = || p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1));
         a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))).then_with(by_place)
     };
-    let mut hit = meetings.min_by(order).map(|meeting| hit(set, frame, meeting));
+    // A hit so far that `t` has no number for it lies beyond every range.
+    let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
+    let mut hit = reachable.min_by(order).map(|meeting| hit(set, frame, meeting));
     let open = doubt < f64::INFINITY && hit.is_none_or(|hit| doubt <= hit.t);
     let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
     let doubtful = flagged || open;

@@ -131,8 +131,14 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
         let material = palette.index(&name, object)?;
         let world_from_object = affine(&name, object)?;
         let mut parts = Vec::new();
-        for part in &object.parts {
-            for made in placer.place(&name, part, (object, &world_from_object))? {
+        for (index, part) in object.parts.iter().enumerate() {
+            // What errors call it; its surfaces are counted once all are made.
+            let called = match part.name.as_str() {
+                "" if object.parts.len() == 1 => name.clone(),
+                "" => format!("{name}/{index}"),
+                part => format!("{name}/{part}"),
+            };
+            for made in placer.place(&called, part, (object, &world_from_object))? {
                 parts.push((joined(&part.name, &made.name), made));
             }
         }

@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{NurbsSurface, shapes};
-use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{BuildOptions, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
@@ -112,6 +112,34 @@ fn rays_in_the_faces_of_flat_boxes_are_not_lost() {
             let answer = tracer.first_hit(&Query::primary(ray));
             let hit = answer.hit.unwrap_or_else(|| panic!("lost: {ray:?}"));
             assert!(hit.flags.contains(HitFlags::BORDER) && !answer.doubtful, "{hit:?}");
+        }
+    }
+}
+
+/// A leaf thinner than f32 can see beside its length: what is proved in f32 must know that.
+#[test]
+fn slivers_are_not_lost() {
+    let mut random = Random::new(47);
+    for width in [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4] {
+        let sliver = shapes::plane(1.0, width).unwrap();
+        let bvh = build(std::slice::from_ref(&sliver));
+        let rays: Vec<Ray> = (0..500)
+            .map(|_| {
+                let (u, v) = (random.between(0.02, 0.98), random.between(0.3, 0.7));
+                let mut from = random.direction();
+                from.z = if from.z.abs() < 0.2 { 0.5 } else { from.z };
+                Ray::new(from, sliver.point_at(u, v) - from).unwrap()
+            })
+            .collect();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let mut answers = Vec::new();
+                bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
+                for (answer, ray) in answers.iter().zip(&rays) {
+                    let met = answer.hit.is_some_and(|hit| (hit.t - 1.0).abs() < 1e-12);
+                    assert!(met || answer.doubtful, "{width:e} {kernel} {coherence:?}: {ray:?}");
+                }
+            }
         }
     }
 }

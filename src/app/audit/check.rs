@@ -74,9 +74,10 @@ fn chunk(
         let Some(shot) = source.shot(class, index, &mut tracer) else {
             continue;
         };
-        // Through the packets, if the kernel has them: what a ray is answered does not depend
-        // on how many there are.
-        tracer.first_hits(&[shot.query], Coherence::Coherent, &mut answers);
+        // Every other ray through the packets, if the kernel has them: what a ray is answered
+        // does not depend on how many there are; the rest one by one.
+        let coherence = if index % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
+        tracer.first_hits(&[shot.query], coherence, &mut answers);
         let answer = answers[0];
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone

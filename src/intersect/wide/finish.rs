@@ -252,8 +252,10 @@ pub(super) fn finish<S: Simd>(
             put(simd, hit, &mut packet.point[i][base..base + 8], point[i]);
             put(simd, hit, &mut packet.normal[i][base..base + 8], cross[i] * inverse);
         }
-        // A closer look is also due where the normal is not a number.
-        let mut near = !inverse.simd_lt(f64x8::splat(simd, f64::INFINITY));
+        // A closer look is also due where the normal is not a number, or there is none for `t`.
+        let infinity = f64x8::splat(simd, f64::INFINITY);
+        let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
+        let mut near = !(inverse.simd_lt(infinity) & (z * t_from_z).simd_lt(infinity));
         if let Some(reach) = target.reach {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {

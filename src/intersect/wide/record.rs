@@ -97,27 +97,6 @@ impl SearchRecord {
         }
     }
 
-    /// The approximation's second derivatives at a place: `Q_xx`, `Q_xy`, `Q_yy`.
-    pub(super) fn second_derivatives(&self, x: f64, y: f64) -> [DVec3; 3] {
-        let (x, y) = (x as f32, y as f32);
-        let mut second = [DVec3::ZERO; 3];
-        for axis in 0..3 {
-            let c = &self.fit[axis];
-            let (mut xx, mut along_x, mut value) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-            for j in 0..4 {
-                let [c0, c1, c2, c3] = [c[j], c[4 + j], c[8 + j], c[12 + j]];
-                xx[j] = 2.0 * c2 + 6.0 * x * c3;
-                along_x[j] = c1 + x * (2.0 * c2 + 3.0 * x * c3);
-                value[j] = c0 + x * (c1 + x * (c2 + x * c3));
-            }
-            let xy = along_x[1] + y * (2.0 * along_x[2] + 3.0 * y * along_x[3]);
-            second[0][axis] = f64::from(xx[0] + y * (xx[1] + y * (xx[2] + y * xx[3])));
-            second[1][axis] = f64::from(xy);
-            second[2][axis] = f64::from(2.0 * value[2] + 6.0 * y * value[3]);
-        }
-        second
-    }
-
     /// The lengths, about, of the half sides in `x` and `y`.
     pub(super) fn side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {

@@ -50,6 +50,8 @@ pub(in crate::intersect) struct SingleWork {
     pub(in crate::intersect) hit: Option<SingleHit>,
     /// Leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<u32>,
+    /// Newton's steps in f64 since the beginning.
+    pub(in crate::intersect) steps: u64,
 }
 
 /// Finds a ray's nearest certified hit, or any if that is all it asks; `work.rest` names the
@@ -263,7 +265,9 @@ fn search_leaf<S: Simd>(
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
-            match finish(simd, record, &piece.patch, ray, (near, WIDENED, error)) {
+            let (outcome, steps) = finish(simd, record, &piece.patch, ray, (near, WIDENED, error));
+            work.steps += steps;
+            match outcome {
                 Outcome::Missed => return,
                 Outcome::Hit(found) => return keep(SingleHit { leaf: index, ..found }, ray, work),
                 Outcome::Undecided => return work.rest.push(index),
@@ -278,7 +282,10 @@ fn search_leaf<S: Simd>(
     };
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
-        match finish(simd, record, &piece.patch, ray, (near, part.domain(), error)) {
+        let (outcome, steps) =
+            finish(simd, record, &piece.patch, ray, (near, part.domain(), error));
+        work.steps += steps;
+        match outcome {
             Outcome::Missed => {}
             Outcome::Hit(found) => keep(SingleHit { leaf: index, ..found }, ray, work),
             Outcome::Undecided | Outcome::NotFound => {

@@ -7,7 +7,7 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec4};
 
 use super::record::SearchRecord;
 use super::single_ray::{REACH, SingleHit, SingleRay};
@@ -15,7 +15,7 @@ use crate::math::bernstein::MAX_DEGREE;
 use crate::patch::TensorPatch;
 
 /// Steps in f64: one or two are usual after the search in f32.
-const MOST_STEPS: usize = 4;
+const MOST_STEPS: u64 = 4;
 
 /// How much of the promised error a last step may leave behind.
 const PART_OF_ERROR: f64 = 0.125;
@@ -33,7 +33,7 @@ pub(super) enum Outcome {
 }
 
 /// Newton's steps in f64 from a start in box coordinates, in a domain where there is one root
-/// at most; `error` is how far a point may be from the ray.
+/// at most; `error` is how far a point may be from the ray. Also returns the number of steps.
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
 /// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
@@ -44,7 +44,7 @@ pub(super) fn finish<S: Simd>(
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
     task: ([f32; 2], [[f64; 2]; 2], f64),
-) -> Outcome {
+) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
     match patch.degree() {
@@ -66,7 +66,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
     (start, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
-) -> Outcome {
+) -> (Outcome, u64) {
     let [s_range, t_range] = record.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
     let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
@@ -76,7 +76,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
     let bend = f64::from(record.bend);
 
-    for _ in 0..MOST_STEPS {
+    for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
         let sums = sums::<S, P, Q, N>(simd, patch, s, t);
         // In the ray's coordinates, by box coordinate.
@@ -96,17 +96,17 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
         if inside && (close || bend * longest * longest <= PART_OF_ERROR * error) {
             if !(new_x.abs() <= REACH && new_y.abs() <= REACH) {
-                return Outcome::Missed;
+                return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
             let found = Converged { st, step: DVec2::new(step_x, step_y), sums, at, a, b };
-            return judge(simd, &found, record, ray, error);
+            return (judge(simd, &found, record, ray, error), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
         y = within(new_y, domain[1]);
     }
-    Outcome::NotFound
+    (Outcome::NotFound, MOST_STEPS)
 }
 
 /// Where Newton's iteration has converged.
@@ -139,8 +139,7 @@ fn judge<S: Simd>(
     let along_x = sums[1] * f64x4::splat(simd, half_s);
     let along_y = sums[2] * f64x4::splat(simd, half_t);
     let moved = sums[0] - along_x * step_x - along_y * step_y;
-    let inverse = 1.0 / moved[3];
-    let z = (at[2] - a[2] * step.x - b[2] * step.y) * inverse;
+    let z = (at[2] - a[2] * step.x - b[2] * step.y) / moved[3];
 
     // Errors along the ray grow with the angle: the tangents less their part along the ray.
     let w = 1.0 / sums[0][3];
@@ -162,12 +161,7 @@ fn judge<S: Simd>(
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    let vector = |v: f64x4<S>, factor: f64| DVec3::new(v[0], v[1], v[2]) * factor;
-    let point = vector(moved, inverse);
-    let before = vector(sums[0], w);
-    let dx = vector(along_x, w) - before * wx;
-    let dy = vector(along_y, w) - before * wy;
-    Outcome::Hit(SingleHit { leaf: 0, z, st: *st, point, dx, dy, step: *step })
+    Outcome::Hit(SingleHit { leaf: 0, z, st: *st })
 }
 
 /// The columns of the matrix that takes a vector to the ray's coordinates.

@@ -22,7 +22,8 @@ use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::patch::LEAF_SLACK;
 
-/// Roundings of f32 in a sum of the size of a leaf.
+/// Roundings of f32 in a sum of the size of a leaf: 32 units, of which the coefficients take 6,
+/// and each way into a smaller box fewer than 16 of ever smaller sizes.
 const ROUNDING: f32 = 2e-6;
 
 /// How far the leaf and its slack reach.
@@ -94,6 +95,10 @@ pub(super) fn isolate<S: Simd>(
     let mut unique = UniqueParts::default();
     let start = ray.start_in(record);
     let lengths = record.side_lengths();
+    // Coefficients come from sums in which most may cancel, and a small box has the errors of
+    // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
+    // nothing is proved of leaves thinner than f32 can see.
+    let noise = ROUNDING * distances.terms(simd, record, ray);
     let mut waiting = [Part::default(); MOST_BOXES];
     waiting[0] = Part { middle: [0.0; 2], half: [LEAF; 2] };
     let mut count = 1;
@@ -104,10 +109,10 @@ pub(super) fn isolate<S: Simd>(
         count -= 1;
         let part = waiting[count];
         let local = distances.over(simd, &part);
-        if local.is_missed(simd, record.fit_error) {
+        if local.is_missed(simd, record.fit_error + noise) {
             continue;
         }
-        let slope_error = record.slope_error * part.half[0].max(part.half[1]);
+        let slope_error = (record.slope_error + noise) * part.half[0].max(part.half[1]);
         if local.is_unique(simd, slope_error, error as f32) {
             if start.is_some_and(|start| part.holds(start, START_REACH)) {
                 continue;
@@ -164,16 +169,15 @@ impl<S: Simd> Distances<S> {
 }
 
 impl<S: Simd> Local<S> {
-    /// Whether there is no root in the part.
+    /// Whether there is no root in the part; `error` is how far the distances may be off.
     #[simd]
-    fn is_missed(self, simd: S, fit_error: f32) -> bool {
+    fn is_missed(self, simd: S, error: f32) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
         let columns = self.combined(simd, [b2, a2], [b1, a1]);
         let rows = transposed_rows(bernstein(simd, columns));
         let [c0, c1, c2, c3] = bernstein(simd, rows);
         let least = c0.min(c1).min(c2.min(c3));
         let most = c0.max(c1).max(c2.max(c3));
-        let error = fit_error + ROUNDING * self.size;
         let off = [error * (b1.abs() + b2.abs()), error * (a1.abs() + a2.abs())];
         let mut missed = false;
         for k in 0..2 {

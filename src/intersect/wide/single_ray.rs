@@ -1,12 +1,12 @@
 //! A ray prepared for all that one ray is put through.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::record::SearchRecord;
 use crate::intersect::Root;
 use crate::intersect::hierarchy::Hierarchy;
 use crate::math::RayFrame;
-use crate::patch::{Jet, LEAF_SLACK, WIDENING};
+use crate::patch::{LEAF_SLACK, WIDENING};
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
@@ -40,38 +40,7 @@ pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) leaf: u32,
     pub(in crate::intersect) z: f64,
     pub(in crate::intersect) st: DVec2,
-    pub(in crate::intersect) point: DVec3,
-    /// The derivatives by box coordinates, before a last step of Newton's iteration; and that
-    /// step.
-    pub(super) dx: DVec3,
-    pub(super) dy: DVec3,
-    pub(super) step: DVec2,
 }
-
-impl SingleHit {
-    /// The point with the derivatives by `s` and `t`.
-    ///
-    /// The last step moved the root by little: the second derivatives of the approximation
-    /// are near enough for what that changes.
-    #[inline(always)]
-    pub(in crate::intersect) fn jet(&self, record: &SearchRecord) -> Jet {
-        let rect = record.rect();
-        let factor = |[from, to]: [f64; 2]| 2.0 / (to - from);
-        let (mut dx, mut dy) = (self.dx, self.dy);
-        if self.step.abs().max_element() > NO_STEP {
-            let [s, t] = rect;
-            let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
-            let [xx, xy, yy] = record.second_derivatives(place(s, self.st.x), place(t, self.st.y));
-            dx -= xx * self.step.x + xy * self.step.y;
-            dy -= xy * self.step.x + yy * self.step.y;
-        }
-        Jet { point: self.point, ds: dx * factor(rect[0]), dt: dy * factor(rect[1]) }
-    }
-}
-
-/// Steps that turn the tangents by no more than rounding does, on any leaf flat enough to be
-/// searched.
-const NO_STEP: f64 = 1e-13;
 
 /// One ray, in f64 and in scaled f32 coordinates.
 #[derive(Clone, Debug)]

@@ -44,6 +44,27 @@ impl<S: Simd> Distances<S> {
         Self { rows }
     }
 
+    /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
+    /// the two distances: what their rounding is measured by.
+    #[simd]
+    pub(super) fn terms(self, simd: S, record: &SearchRecord, ray: &SingleRay<'_>) -> f32 {
+        let [n1, n2] = ray.frame.normals;
+        let mut total = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            let n1 = f32x4::splat(simd, n1[axis].abs() as f32);
+            let n2 = f32x4::splat(simd, n2[axis].abs() as f32);
+            let normals = n1.combine(n2);
+            for i in 0..4 {
+                let row = f32x4::from_slice(simd, &record.fit[axis][4 * i..4 * i + 4]).abs();
+                total = normals.mul_add(row.combine(row), total);
+            }
+        }
+        let (e1, e2) = (self.rows[0][0].abs(), self.rows[0][4].abs());
+        let sum =
+            |first: usize| total[first] + total[first + 1] + total[first + 2] + total[first + 3];
+        (sum(0) + e1).max(sum(4) + e2)
+    }
+
     /// Newton's iteration in box coordinates, from a start there.
     ///
     /// Horner's scheme in `x` runs on all lanes at once; they are then turned into four powers

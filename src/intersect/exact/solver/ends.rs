@@ -1,0 +1,160 @@
+//! From boxes to what is reported: the ends of stretches, contacts and roots.
+
+use glam::{DMat2, DVec2};
+
+use super::{END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task};
+use super::{halves, holds, inner, linearised};
+use crate::intersect::exact::Rect;
+use crate::intersect::exact::contact::{self, Contact};
+use crate::patch::CollapsedSide;
+
+impl ExactSolver {
+    /// Adds one contact that stands for all the spare boxes: its first and last place.
+    pub(super) fn search_ends(&mut self, task: &Task<'_>) {
+        let (first, last) = (self.search_end(task, 1.0), self.search_end(task, -1.0));
+        if let (Some(first), Some(last)) = (first, last) {
+            contact::merge_into(&mut self.contacts, Contact::between(first, last));
+        }
+    }
+
+    /// The two ends of a stretch, within the boxes known to hold them.
+    fn ends_of(&mut self, task: &Task<'_>, contact: &Contact) -> [DVec2; 2] {
+        let mut places = contact.places();
+        for (k, sign) in [1.0, -1.0].into_iter().enumerate() {
+            self.spare.clear();
+            self.spare.push(contact.ends[k]);
+            if let Some((place, _)) = self.search_end(task, sign) {
+                places[k] = place;
+            }
+        }
+        places.map(|x| settled(task, inner(task.rect, x)))
+    }
+
+    /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
+    /// boxes: of all boxes the one that may hold it is divided next.
+    fn search_end(&mut self, task: &Task<'_>, sign: f64) -> Option<(DVec2, f64)> {
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.clear();
+        for k in 0..self.spare.len() {
+            self.consider(task, self.spare[k], sign, &mut queue);
+        }
+        let mut end = None;
+        for _ in 0..END_BUDGET {
+            let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].0.total_cmp(&queue[b].0));
+            let Some(nearest) = nearest else { break };
+            let (z, rect) = queue.swap_remove(nearest);
+            self.net.restrict_from(&self.whole, rect);
+            let bounds = self.net.bounds();
+            let short = bounds.z.hi - bounds.z.lo <= (2.0 * task.error).max(END * self.size);
+            let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+            end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
+            if short || exhausted == [true; 2] {
+                break;
+            }
+            let axis = self.end_axis(task, rect, exhausted);
+            for part in halves(rect, axis, 0.0) {
+                self.boxes += 1;
+                self.consider(task, part, sign, &mut queue);
+            }
+            if queue.is_empty() {
+                end = None; // nothing was there after all
+            }
+        }
+        self.queue = queue;
+        end
+    }
+
+    /// Across which direction to halve a box on the way to an end. At a collapsed side that is
+    /// the one that leads away from it: halves across the other would both keep the point.
+    fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
+        let spread = self.net.spread();
+        let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
+            Some(CollapsedSide::S(_)) => 0,
+            Some(CollapsedSide::T(_)) => 1,
+            None => usize::from(spread.y > spread.x),
+        };
+        if exhausted[wanted] { 1 - wanted } else { wanted }
+    }
+
+    fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<(f64, Rect)>) {
+        self.net.restrict_from(&self.whole, rect);
+        let bounds = self.net.bounds();
+        if !self.is_empty(task, rect, &bounds, self.error(task)) {
+            queue.push((if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi }, rect));
+        }
+    }
+
+    /// Turns isolated roots and contacts into solutions; a root found in two overlapping
+    /// boxes is reported once, and a contact that holds a proved root is that root.
+    pub(super) fn report(&mut self, task: &Task<'_>, solutions: &mut Vec<Solution>) {
+        let first = solutions.len();
+        for &solution in &self.isolated {
+            let Proof::Isolated(rect) = solution.proof else { continue };
+            let known = solutions[first..].iter().any(|other| holds(rect, other.st));
+            if !known {
+                solutions.push(solution);
+            }
+        }
+        let contacts = std::mem::take(&mut self.contacts);
+        for contact in &contacts {
+            let ends = contact.places().map(|x| inner(task.rect, x));
+            let proved = self.isolated.iter().any(|root| match root.proof {
+                Proof::Isolated(rect) => ends.iter().all(|&st| holds(rect, st)),
+                _ => false,
+            });
+            let length = contact.z[1] - contact.z[0];
+            if proved {
+                continue; // the box's one root, seen again from its edge
+            }
+            if length > STRETCH * self.size {
+                let proof = Proof::Stretch(contact.z);
+                solutions.extend(self.ends_of(task, contact).map(|st| Solution { st, proof }));
+                continue;
+            }
+            let middle = 0.5 * (ends[0] + ends[1]);
+            solutions.push(match task.collapsed.filter(|_| contact.collapsed) {
+                Some(side) => Solution { st: at_side(side, middle), proof: Proof::Collapsed },
+                None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
+            });
+        }
+        self.contacts = contacts;
+    }
+}
+
+/// The place moved to a side.
+fn at_side(side: CollapsedSide, st: DVec2) -> DVec2 {
+    match side {
+        CollapsedSide::S(end) => DVec2::new(end as f64, st.y),
+        CollapsedSide::T(end) => DVec2::new(st.x, end as f64),
+    }
+}
+
+/// A place near `st`, within the task's rectangle, where the surface is closest to the ray
+/// across the direction in which it does not touch: at a tangency the Jacobian has rank
+/// one, and only that part of the distance can be removed. Least squares, damped by what
+/// rounding leaves of the other direction (Levenberg 1944).
+fn settled(task: &Task<'_>, st: DVec2) -> DVec2 {
+    let (low, high) = (
+        DVec2::new(task.rect[0][0], task.rect[1][0]),
+        DVec2::new(task.rect[0][1], task.rect[1][1]),
+    );
+    let mut best = (f64::INFINITY, st);
+    let mut st = st;
+    for _ in 0..4 {
+        let (jacobian, at) = linearised(task, st);
+        let better = at.length() < best.0; // false for NaN
+        if !better {
+            break;
+        }
+        best = (at.length(), st);
+        let normal = jacobian.transpose() * jacobian;
+        let damping = 1e-10 * (normal.x_axis.x + normal.y_axis.y);
+        let damped = normal + DMat2::from_diagonal(DVec2::splat(damping));
+        let step = damped.inverse() * (jacobian.transpose() * at);
+        if !step.is_finite() {
+            break;
+        }
+        st = (st - step).clamp(low, high);
+    }
+    best.1
+}
