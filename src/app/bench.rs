@@ -28,19 +28,19 @@ Ray sets; N is --size:
   ao                 any hit of ambient-occlusion rays: from each exact hit of the primary rays one
                      ray in a random direction around the normal (cosine), 1/5 of the model's
                      diagonal long; in batches
-  shadow             any hit on the way from those hits to the scene's first lamp, in packets
-Rays are made before the clock starts, the same for everyone and in every run; they lie in memory,
+  shadow             any hit on the way from those hits to the scene's first lamp, in batches
+Rays are made before the clock starts, the same for everyone and in every run; they lie in memory, \
 Embree's in the packets it wants.
 
-Speed: the median of 5 rounds, and (largest - smallest) / median as spread. Kernels and rival take
-turns in each round; before the first everyone traces all rays once. Everyone works on the same
+Speed: the median of 5 rounds, and (largest - smallest) / median as spread. Kernels and rival take \
+turns in each round; before the first everyone traces all rays once. Everyone works on the same \
 number of threads, which take 4096 rays at a time.
 
---against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST; libembree4 or
-libembree3, or the library named by EMBREE_LIB. Every knot span is cut evenly, as often as is needed
-for the sampled distance between surface and triangles to stay within tolerance x diagonal.
-rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16. tnear is 0, but for
-rays that leave a surface twice the tolerance; nurbray needs none. A ray differs in t if the rival's
+--against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST; libembree4 or \
+libembree3, or the library named by EMBREE_LIB. Every knot span is cut evenly, as often as is needed \
+for the sampled distance between surface and triangles to stay within tolerance x diagonal. \
+rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16. tnear is 0, but for \
+rays that leave a surface twice the tolerance; nurbray needs none. A ray differs in t if the rival's \
 hit is farther from the tangent plane of ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
@@ -51,8 +51,8 @@ With --json one object a line, for each model, ray set, kernel and tolerance:
   total_seconds   from the file to the last ray
   bytes           everything tracing needs
 and with a rival:
-  rival (embree), rival_version, rival_width (rays a packet), tolerance, rival_mrays_per_s, rival_spread, rival_hits,
-  rival_triangles
+  rival (embree), rival_version, rival_width (rays a packet), tolerance,
+  rival_mrays_per_s, rival_spread, rival_hits, rival_triangles
   rival_plan_seconds
                   to find out how often to cut; part of no other figure
   rival_build_seconds
@@ -65,8 +65,6 @@ and with a rival:
   rival_tnear, hit_disagreements, t_disagreements (rays)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; times are medians.
-
-More models to measure with come from the source tree: cargo run --example bench_models -- FOLDER
 
 Example:
   nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-4,1e-5 --plot teapot.svg";

@@ -188,12 +188,13 @@ fn no_limit_is_no_normal() {
     let up = pole.unit_normal(DVec2::X).unwrap();
     assert!((up - DVec3::Z).length() < 1e-15);
     assert_eq!(pole.unit_normal(DVec2::NEG_X).unwrap(), -up);
-    // A surface that is only a line has no normal anywhere.
-    let knots = KnotVector::bezier(1).unwrap();
-    let points = vec![DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::X];
-    let line = NurbsSurface::new(knots.clone(), knots, points, None).unwrap();
-    assert_eq!(line.normal(0.3, 0.3), None);
-    assert_eq!(line.normal(0.0, 0.0), None);
+    // A surface that is only a curve has no normal anywhere.
+    let knots = [2, 1].map(|degree| KnotVector::bezier(degree).unwrap());
+    let points = [DVec3::ZERO, DVec3::X, DVec3::ONE].into_iter().flat_map(|p| [p, p]);
+    let [knots_u, knots_v] = knots;
+    let curve = NurbsSurface::new(knots_u, knots_v, points.collect(), None).unwrap();
+    assert_eq!(curve.normal(0.3, 0.3), None);
+    assert_eq!(curve.normal(0.0, 0.0), None);
 }
 
 #[test]
