@@ -52,7 +52,7 @@ pub enum RenderError {
 /// use nurbray::render::{Channel, RenderSettings, render};
 /// use nurbray::scene::{NamedShape, Object, Part, Scene, Shape, World};
 ///
-/// let shape = Shape::Named(NamedShape::Sphere { radius: 1.0 });
+/// let shape = Shape::Named(NamedShape::Sphere { radius: 1.0 }, Vec::new());
 /// let part = Part { name: String::new(), place: Default::default(), shape };
 /// let objects = vec![Object { parts: vec![part], ..Default::default() }];
 /// let scene = Scene { objects, ..Default::default() };
