@@ -95,6 +95,10 @@ pub enum CollapsedSide {
 /// Leaves whose tangents are bounded with this factor to spare.
 const MARGIN: f64 = 1.02;
 
+/// `|A| + |B|` of a certificate is no more than this: a leaf that turns so far is as good as
+/// uncertified, and what rounding does to `A·d` and `B·d` grows with their lengths.
+const MOST_TURNING: f64 = 4.0;
+
 impl Certificate {
     /// No ray is certified.
     pub(super) fn none(normal: DVec3) -> Self {
@@ -111,7 +115,8 @@ impl Certificate {
     /// Whether a ray of this unit direction meets the widened leaf at most once.
     pub fn holds(&self, direction: DVec3) -> bool {
         let [a, b] = self.turning.map(|turning| turning.dot(direction).abs());
-        let rounding = 16.0 * rounding::UNIT_ROUNDOFF;
+        // Six roundings of each of the three, whose lengths add up to no more than five.
+        let rounding = 30.0 * rounding::UNIT_ROUNDOFF;
         self.spread.is_finite() && self.normal.dot(direction).abs() > a + b + rounding
     }
 
@@ -349,7 +354,8 @@ impl Tangents {
             Pole { point, spread: longest_t * longest_t * ratio / determinant }
         });
         let certificate = Certificate { normal, turning, tangents, bend, spread, pole };
-        certificate.holds(normal).then_some(certificate)
+        let turns = turning[0].length() + turning[1].length();
+        (turns <= MOST_TURNING && spread.is_finite()).then_some(certificate)
     }
 }
 

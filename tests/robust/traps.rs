@@ -144,6 +144,35 @@ fn slivers_are_not_lost() {
     }
 }
 
+/// What is proved in f32 must know where f32 ends.
+#[test]
+fn no_size_is_too_small_or_too_large() {
+    let mut random = Random::new(48);
+    for exponent in (-66..=66).step_by(3).chain([-22, -20, -19, 19, 20]) {
+        let size = 10f64.powi(exponent);
+        let torus = placed(&shapes::torus(1.0, 0.3).unwrap(), size, DVec3::ZERO);
+        let bvh = build(std::slice::from_ref(&torus));
+        let rays: Vec<Ray> = (0..2000)
+            .map(|_| {
+                let d = random.direction();
+                let p = torus.point_at(random.unit(), random.unit());
+                Ray::new(p - 2.0 * size * d, size * d).unwrap()
+            })
+            .collect();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let mut answers = Vec::new();
+                bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
+                for (answer, ray) in answers.iter().zip(&rays) {
+                    // The place aimed at, unless another is nearer.
+                    let met = answer.hit.is_some_and(|hit| hit.t < 2.0 + 1e-6);
+                    assert!(met || answer.doubtful, "{size:e} {kernel} {coherence:?}: {ray:?}");
+                }
+            }
+        }
+    }
+}
+
 /// Equal boxes chain in the tree: one level for each.
 #[test]
 fn a_hundred_thousand_equal_boxes_do_not_overflow_the_stack() {

@@ -1,7 +1,7 @@
 //! How it is made fast: many boxes, and many rays, at a time.
 //!
-//! The scalar kernel says what is computed, the certificate why it is certain; nothing here
-//! adds to either. Sixteen boxes are tested at once against a packet of rays, sixteen rays
+//! The scalar kernel says what is computed, the certificate why it is certain; one proof is added
+//! here, of a single ray on a leaf's approximation (`single_proof`). Sixteen boxes are tested at once against a packet of rays, sixteen rays
 //! at once against a leaf. A search in f32 on an approximation of the leaf gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
 //! promised accuracy. Whatever is not certified is searched ray by ray, with a proof of its own

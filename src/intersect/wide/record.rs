@@ -16,8 +16,9 @@ const GROWTH: f64 = 4e-6;
 ///
 /// Box coordinates run from −1 to 1; `x` and `y` follow `s` and `t` from one end of the
 /// leaf to the other. The surface is approximated by a bicubic polynomial in `x` and `y`,
-/// relative to the leaf's middle, in scene units. The approximation is only a way to find a
-/// start: how good it is decides how many steps in f64 follow, not whether they are right.
+/// relative to the leaf's middle, in scene units. It gives Newton's iteration a start; and since
+/// its distance from the surface is bounded ([`FitError`]), it can prove of one ray that a part
+/// of the leaf holds one root at most, or none (`single_proof`).
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(in crate::intersect) struct SearchRecord {

@@ -25,8 +25,9 @@ const STEPS: usize = 3;
 /// reaches.
 const REACH: f32 = 1.0 + 2.0 * WIDENING as f32;
 
-/// More than what rounding to f32 does to the cosines of a certificate.
-const ROUNDING: f32 = 2e-6;
+/// More than what rounding to f32 does to the certificate: six roundings of 2⁻²⁴ of each of three
+/// dot products, of vectors whose lengths add up to no more than five.
+pub(super) const CERTIFICATE_ROUNDING: f32 = 2e-6;
 
 /// Which of sixteen rays meet a leaf's box, and where they cross its middle.
 pub(super) struct Crossing<S: Simd> {
@@ -109,7 +110,7 @@ pub(super) fn certify<S: Simd>(
     let cosine = along(simd, record.normal, axis);
     let [a, b] = record.turning;
     let turning = along(simd, a, axis) + along(simd, b, axis);
-    (cosine.simd_gt(turning + f32x16::splat(simd, ROUNDING)), cosine)
+    (cosine.simd_gt(turning + f32x16::splat(simd, CERTIFICATE_ROUNDING)), cosine)
 }
 
 /// The magnitude of lanes' components along a vector.

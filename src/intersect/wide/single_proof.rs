@@ -20,11 +20,17 @@ use fearless_simd_macros::simd;
 use super::record::SearchRecord;
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
+use crate::math::rounding;
 use crate::patch::LEAF_SLACK;
 
-/// Roundings of f32 in a sum of the size of a leaf: 32 units, of which the coefficients take 6,
-/// and each way into a smaller box fewer than 16 of ever smaller sizes.
+/// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
+/// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
+/// into a smaller box 5 in each direction, in combining two distances 3, in Bernstein
+/// coefficients 4 in each direction: 27 in all.
 const ROUNDING: f32 = 2e-6;
+
+/// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// How far the leaf and its slack reach.
 const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
@@ -99,6 +105,8 @@ pub(super) fn isolate<S: Simd>(
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
     // nothing is proved of leaves thinner than f32 can see.
     let noise = ROUNDING * distances.terms(simd, record, ray);
+    // A ray that passes within the error of a border meets it: closer is not missed.
+    let off_ray = record.fit_error + noise + rounding::f32_above(error);
     let mut waiting = [Part::default(); MOST_BOXES];
     waiting[0] = Part { middle: [0.0; 2], half: [LEAF; 2] };
     let mut count = 1;
@@ -109,7 +117,7 @@ pub(super) fn isolate<S: Simd>(
         count -= 1;
         let part = waiting[count];
         let local = distances.over(simd, &part);
-        if local.is_missed(simd, record.fit_error + noise) {
+        if local.is_missed(simd, off_ray) {
             continue;
         }
         let slope_error = (record.slope_error + noise) * part.half[0].max(part.half[1]);
@@ -179,6 +187,7 @@ impl<S: Simd> Local<S> {
         let least = c0.min(c1).min(c2.min(c3));
         let most = c0.max(c1).max(c2.max(c3));
         let off = [error * (b1.abs() + b2.abs()), error * (a1.abs() + a2.abs())];
+        let off = off.map(|off| off + UNDERFLOW);
         let mut missed = false;
         for k in 0..2 {
             let (mut low, mut high) = (least[4 * k], most[4 * k]);

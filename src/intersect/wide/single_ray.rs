@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::record::SearchRecord;
+use super::search::CERTIFICATE_ROUNDING;
 use crate::intersect::Root;
 use crate::intersect::hierarchy::Hierarchy;
 use crate::math::RayFrame;
@@ -19,9 +20,6 @@ const BLUR: f32 = 4e-6;
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
-
-/// What rounding to f32 may do to the certificate.
-const ROUNDING: f32 = 2e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than
 /// [`BLUR`] for it, and quotients stay finite.
@@ -119,7 +117,7 @@ impl<'a> SingleRay<'a> {
         let cosine = along(record.normal);
         let [a, b] = record.turning;
         !record.has_pole()
-            && cosine > along(a) + along(b) + ROUNDING
+            && cosine > along(a) + along(b) + CERTIFICATE_ROUNDING
             && cosine > record.cosine_per_error * (error * 1.000_001) as f32
     }
 
