@@ -181,7 +181,7 @@ fn compare(name: &str, kernel: Kernel, scale: f64, query: &Query, wide: &Answer,
             let same =
                 a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !name.contains(", 1)");
             assert!(
-                !same || turned <= 1e-9 + 1e2 * error / scale || cosine < 1e-3,
+                !same || turned <= 1e-12 + 1e2 * error / scale || cosine < 1e-3,
                 "normals differ by {turned}: {}",
                 context()
             );

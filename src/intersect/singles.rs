@@ -10,7 +10,7 @@ use super::tracer::answer_of;
 use super::wide::{Scene, SingleHit, SingleRay, Wanted, search_single, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece};
+use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
     fn scene(&self) -> Scene<'_> {
@@ -213,7 +213,7 @@ impl<'a> Certain<'a> {
         let cosine = normal.dot(frame.axis);
         let mut flags = HitFlags::NONE;
         if piece.border.contains(&true)
-            && near_border(&bvh.set.leaves()[hit.leaf as usize], piece, hit)
+            && near_border(&bvh.set.leaves()[hit.leaf as usize], piece, hit.st)
             && leaf_search::at_border(piece, hit.st, &jet, error)
         {
             flags.insert(HitFlags::BORDER);
@@ -263,12 +263,8 @@ impl<'a> Certain<'a> {
 }
 
 /// Whether a hit may lie within rounding of a border of its surface.
-///
-/// The leaf is certified for the ray, so rounding moves a root by less than half of the
-/// leaf's slack: what is farther from the side than a few times that is not at the border.
-fn near_border(leaf: &Leaf, piece: &Piece, hit: &SingleHit) -> bool {
-    let st = hit.st;
-    let reach = leaf.rect.map(|[from, to]| 4.0 * LEAF_SLACK * (to - from));
+fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
     let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    (0..4).any(|side| piece.border[side] && distance[side] <= reach[side / 2])
+    leaf_search::border_reach(leaf, piece)
+        .is_some_and(|reach| (0..4).any(|side| distance[side] <= reach[side]))
 }

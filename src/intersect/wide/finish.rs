@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::packet::Packet;
 use super::search::{dot_d, load3d};
+use crate::intersect::leaf_search;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece, TensorPatch, WIDENING};
@@ -35,30 +36,10 @@ impl<'a> Target<'a> {
         // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
         let reach = match leaf.certificate.pole {
             Some(_) => Some([f64::INFINITY; 4]),
-            None => border_reach(leaf, piece),
+            None => leaf_search::border_reach(leaf, piece),
         };
         Self { leaf, piece, index, domain, reach }
     }
-}
-
-/// For each side of the piece that is a border of the surface and near the leaf: how far
-/// from it, in the parameter, a hit may be within rounding of it.
-///
-/// The leaf is certified for the ray, so rounding moves a root by less than half of the
-/// leaf's slack: what is farther from the side than a few times that is not at the border.
-fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
-    let mut reach = [f64::NEG_INFINITY; 4];
-    let mut any = false;
-    for side in (0..4).filter(|&side| piece.border[side]) {
-        let [from, to] = leaf.rect[side / 2];
-        let more = 4.0 * LEAF_SLACK * (to - from);
-        let distance = if side % 2 == 0 { from } else { 1.0 - to };
-        if distance <= more {
-            reach[side] = more;
-            any = true;
-        }
-    }
-    any.then_some(reach)
 }
 
 /// What became of eight rays.

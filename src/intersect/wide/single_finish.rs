@@ -99,8 +99,9 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            let found = Converged { st, step: DVec2::new(step_x, step_y), sums, at, a, b };
-            return (judge(simd, &found, record, ray, error), step);
+            let weights = [weight, sums[1][3] * half_s, sums[2][3] * half_t];
+            let found = Converged { st, step: DVec2::new(step_x, step_y), weights, at, a, b };
+            return (judge(&found, ray, error), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -110,13 +111,14 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
 }
 
 /// Where Newton's iteration has converged.
-struct Converged<S: Simd> {
+struct Converged {
     /// After the last step.
     st: DVec2,
     /// The last step, in box coordinates.
     step: DVec2,
-    /// The homogeneous sums before it, and as the ray sees them.
-    sums: [f64x4<S>; 3],
+    /// The weight before it and its derivatives by box coordinates; and the homogeneous sums as
+    /// the ray sees them.
+    weights: [f64; 3],
     at: [f64; 3],
     a: [f64; 3],
     b: [f64; 3],
@@ -124,26 +126,15 @@ struct Converged<S: Simd> {
 
 /// Whether a root of the leaf is a hit.
 #[inline(always)]
-fn judge<S: Simd>(
-    simd: S,
-    found: &Converged<S>,
-    record: &SearchRecord,
-    ray: &SingleRay<'_>,
-    error: f64,
-) -> Outcome {
-    let Converged { st, step, sums, at, a, b } = found;
+fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
+    let Converged { st, step, weights, at, a, b } = found;
     // What is left of the distance is taken off along the tangent plane.
-    let (step_x, step_y) = (f64x4::splat(simd, step.x), f64x4::splat(simd, step.y));
-    let [s_range, t_range] = record.rect();
-    let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
-    let along_x = sums[1] * f64x4::splat(simd, half_s);
-    let along_y = sums[2] * f64x4::splat(simd, half_t);
-    let moved = sums[0] - along_x * step_x - along_y * step_y;
-    let z = (at[2] - a[2] * step.x - b[2] * step.y) / moved[3];
+    let [weight, along_x, along_y] = weights;
+    let moved = weight - along_x * step.x - along_y * step.y;
+    let z = (at[2] - a[2] * step.x - b[2] * step.y) / moved;
 
     // Errors along the ray grow with the angle: the tangents less their part along the ray.
-    let w = 1.0 / sums[0][3];
-    let (wx, wy) = (along_x[3] * w, along_y[3] * w);
+    let (wx, wy) = (along_x / weight, along_y / weight);
     let across = [a[2] - wx * at[2], b[2] - wy * at[2]];
     let cross = [
         a[1] * across[1] - across[0] * b[1],
