@@ -62,7 +62,7 @@ impl Subject {
 fn teapot() -> Vec<NurbsSurface> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&nurbray::io::load_input(&path).unwrap()).unwrap();
-    world.surfaces.into_iter().map(|instance| instance.surface).collect()
+    world.surfaces.iter().filter_map(|one| one.surface.nurbs().cloned()).collect()
 }
 
 /// Rays of a picture that just shows the bounding box, in squares of 8 × 8 pixels.

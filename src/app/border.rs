@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::DVec3;
-use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::geometry::{Chart, KnotVector, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
 /// How many points of a border are looked at to find whether it is one point.
@@ -23,6 +23,12 @@ impl Border {
     pub(crate) fn all(surface: &NurbsSurface) -> [Self; 4] {
         let [u, v] = surface.domain();
         [(0, u.0), (0, u.1), (1, v.0), (1, v.1)].map(|(fixed, at)| Self { fixed, at })
+    }
+
+    /// The sides of a chart that are borders of its surface.
+    pub(crate) fn of(chart: &Chart<'_>) -> impl Iterator<Item = Self> + use<> {
+        let sides = Self::all(&chart.surface).into_iter().zip(chart.border);
+        sides.filter_map(|(side, is_border)| is_border.then_some(side))
     }
 
     /// The surface parameters where the running one is `t`.

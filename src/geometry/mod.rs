@@ -22,10 +22,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod any_surface;
 mod arrange;
 mod basis;
 mod bezier;
 mod cage;
+mod chart;
 pub mod construct;
 mod corner_cutting;
 mod curvature;
@@ -50,12 +52,14 @@ mod triangle_error;
 pub mod trim;
 mod uniform;
 
+pub use any_surface::Surface;
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
 pub use cage::{
     BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceSquare, Feature, LimitError,
     LimitPatch, LimitPoint, LimitSurface,
 };
+pub use chart::{Chart, ChartMap, Charts};
 pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use curve_error::CurveError;

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::hierarchy::Hierarchy;
 use super::wide::{LaneTree, WideTree};
 use super::{Kernel, Tracer};
-use crate::geometry::NurbsSurface;
+use crate::geometry::Charts;
 use crate::patch::{PatchSet, PatchSetError};
 
 /// How surfaces are prepared.
@@ -37,7 +37,10 @@ impl SurfaceBvh {
     ///
     /// # Errors
     /// When there is more than 32-bit indices can count.
-    pub fn build(surfaces: &[NurbsSurface], _options: &BuildOptions) -> Result<Self, BuildError> {
+    pub fn build<S: Charts + Sync>(
+        surfaces: &[S],
+        _options: &BuildOptions,
+    ) -> Result<Self, BuildError> {
         let (set, boxes) = PatchSet::new(surfaces)?;
         let hierarchy = Hierarchy::new(&set, &boxes);
         let wide = WideTree::new(&set, &hierarchy);

@@ -238,7 +238,8 @@ mod tests {
         assert_eq!(world.surfaces.len(), 32);
         assert_eq!(world.surfaces[0].name, "teapot/rim 1");
         // Tip of the spout, corner of the first rim patch, middle of the bottom.
-        let corner = |k: usize, u, v| world.surfaces[k].surface.point_at(u, v).to_array();
+        let corner =
+            |k: usize, u, v| world.surfaces[k].surface.point_at(glam::DVec2::new(u, v)).to_array();
         assert_eq!(corner(18, 0.0, 0.0), [2.7, 0.0, 2.4]);
         assert_eq!(corner(0, 0.0, 0.0), [1.4, 0.0, 2.4]);
         assert_eq!(corner(28, 0.0, 0.0), [0.0, 0.0, 0.0]);

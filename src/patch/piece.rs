@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{Jet, TensorPatch};
+use crate::geometry::ChartMap;
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -13,27 +14,30 @@ pub struct Piece {
     pub patch: TensorPatch,
     /// Which surface, counted in the order given.
     pub surface: u32,
-    /// The knot rectangle it covers: from and to in `u`, then in `v`.
+    /// The knot rectangle of its chart that it covers: from and to in `u`, then in `v`.
     pub domain: [[f64; 2]; 2],
+    /// Where the chart lies in the surface's parameters, if they are not the chart's own.
+    pub(super) map: Option<Box<ChartMap>>,
     /// Which sides are borders of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     pub border: [bool; 4],
-    /// Whether the surface jumps at the end of the piece, in `u` and in `v`: there the knot
-    /// itself belongs to the next piece.
-    pub jump_at_end: [bool; 2],
+    /// Whether another piece begins at the end of this one with something else, in `u` and in
+    /// `v`, as where the surface jumps: the knot itself belongs to that piece.
+    pub open_end: [bool; 2],
     /// The points sides are collapsed to; few pieces have any.
     pub(super) collapsed: Option<Box<[Option<DVec3>; 4]>>,
 }
 
 impl Piece {
-    /// The surface parameters of a point of the unit square; exact at its corners, but where
-    /// the surface jumps at the end of the piece: there it is the last number before the knot.
+    /// The surface parameters of a point of the unit square; exact at its corners, but at an
+    /// [open end](Self::open_end): there it is the last number before the knot.
     pub fn uv(&self, st: DVec2) -> DVec2 {
         let at = |k: usize| {
             let [from, to] = self.domain[k];
             let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
-            if self.jump_at_end[k] && u >= to { to.next_down() } else { u }
+            if self.open_end[k] && u >= to { to.next_down() } else { u }
         };
-        DVec2::new(at(0), at(1))
+        let uv = DVec2::new(at(0), at(1));
+        self.map.as_ref().map_or(uv, |map| map.uv(uv))
     }
 
     /// The point a side is collapsed to; sides are counted as in [`Self::border`].

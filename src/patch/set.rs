@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::leaf::Part;
 use super::{Leaf, Piece, TensorPatch, piece};
-use crate::geometry::{KnotVector, NurbsSurface};
+use crate::geometry::{Chart, ChartMap, Charts, KnotVector};
 use crate::math::Aabb;
 
 /// How flat leaves are tried to be, from coarse to fine: see `Part::direction_to_halve`.
@@ -59,7 +59,7 @@ impl PatchSet {
     ///
     /// # Errors
     /// When there are more than 32-bit indices can count.
-    pub fn new(surfaces: &[NurbsSurface]) -> Result<(Self, Vec<Aabb>), PatchSetError> {
+    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Vec<Aabb>), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
         let cut: Vec<(Vec<Piece>, usize)> =
             surfaces.par_iter().enumerate().map(|(k, surface)| pieces(surface, k as u32)).collect();
@@ -106,8 +106,10 @@ impl PatchSet {
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
         let collapsed = self.pieces.iter().filter(|piece| piece.collapsed.is_some()).count();
+        let mapped = self.pieces.iter().filter(|piece| piece.map.is_some()).count();
         size_of_val(&self.pieces[..])
             + collapsed * size_of::<[Option<DVec3>; 4]>()
+            + mapped * size_of::<ChartMap>()
             + self.points * size_of::<DVec4>()
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.pieces_of[..])
@@ -119,40 +121,47 @@ fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
     if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
-/// The Bézier pieces of a surface, by knot insertion to full multiplicity: neighbours get
-/// the same control points on the edge they share. Also returns the size of their net.
-fn pieces(surface: &NurbsSurface, index: u32) -> (Vec<Piece>, usize) {
-    let bezier = surface.bezier_form();
-    let (_, nv) = bezier.size();
-    let (knots_u, knots_v) = (bezier.knots_u(), bezier.knots_v());
-    let degree = [knots_u.degree(), knots_v.degree()];
-    let [p, q] = degree;
-
-    let net: Arc<[DVec4]> = bezier.control().into();
+/// The Bézier pieces of a surface, chart by chart. Also returns the size of their nets.
+fn pieces(surface: &impl Charts, index: u32) -> (Vec<Piece>, usize) {
     let mut pieces = Vec::new();
-    for u in knots_u.spans() {
-        for v in knots_v.spans() {
-            let patch = TensorPatch::new(degree, (&net, nv), [u.index - p, v.index - q]);
-            let collapsed = piece::collapsed(&patch);
-            let border = [
-                is_border(knots_u, u.start),
-                is_border(knots_u, u.end),
-                is_border(knots_v, v.start),
-                is_border(knots_v, v.end),
-            ];
-            let domain = [[u.start, u.end], [v.start, v.end]];
-            let jump_at_end = [jumps(knots_u, u.end), jumps(knots_v, v.end)];
-            let surface = index;
-            pieces.push(Piece { patch, surface, domain, border, jump_at_end, collapsed });
-        }
-    }
-    (pieces, net.len())
+    let points = surface.charts().iter().map(|chart| cut(chart, index, &mut pieces)).sum();
+    (pieces, points)
 }
 
-/// Whether the surface ends, or may jump, at a knot.
-fn is_border(knots: &KnotVector, t: f64) -> bool {
-    let (start, end) = knots.domain();
-    t == start || t == end || jumps(knots, t)
+/// Cuts a chart into Bézier pieces, by knot insertion to full multiplicity: neighbours get the
+/// same control points on the edge they share. Returns the size of their net.
+fn cut(chart: &Chart<'_>, index: u32, pieces: &mut Vec<Piece>) -> usize {
+    let bezier = chart.surface.bezier_form();
+    let (_, nv) = bezier.size();
+    let knots = [bezier.knots_u(), bezier.knots_v()];
+    let degree = knots.map(KnotVector::degree);
+    let [p, q] = degree;
+    let map = match chart.map {
+        ChartMap::Identity => None,
+        ChartMap::Bilinear(_) => Some(Box::new(chart.map)),
+    };
+
+    let net: Arc<[DVec4]> = bezier.control().into();
+    for u in knots[0].spans() {
+        for v in knots[1].spans() {
+            let patch = TensorPatch::new(degree, (&net, nv), [u.index - p, v.index - q]);
+            let collapsed = piece::collapsed(&patch);
+            let domain = [[u.start, u.end], [v.start, v.end]];
+            let border = [0, 1, 2, 3].map(|side| {
+                let (knots, t) = (knots[side / 2], domain[side / 2][side % 2]);
+                let (start, end) = knots.domain();
+                let ends = t == [start, end][side % 2];
+                if ends { chart.border[side] } else { jumps(knots, t) }
+            });
+            let open_end = [0, 1].map(|k| {
+                let (knots, end) = (knots[k], domain[k][1]);
+                if end == knots.domain().1 { chart.open_end[k] } else { jumps(knots, end) }
+            });
+            let (surface, map) = (index, map.clone());
+            pieces.push(Piece { patch, surface, domain, map, border, open_end, collapsed });
+        }
+    }
+    net.len()
 }
 
 /// Whether the surface may jump at a knot inside the domain.

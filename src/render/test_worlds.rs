@@ -41,7 +41,7 @@ pub(super) fn world(surfaces: Vec<NurbsSurface>, lights: Vec<Light>, scale: f64)
             .enumerate()
             .map(|(material, surface)| Instance {
                 name: format!("surface {material}"),
-                surface,
+                surface: surface.into(),
                 material,
                 deviation: 0.0,
             })

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
-use crate::geometry::{KnotVector, NurbsSurface};
+use crate::geometry::{Charts, KnotVector, NurbsSurface, Surface};
 
 /// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
@@ -33,12 +33,11 @@ pub(super) struct BoundingSphere {
 impl BoundingSphere {
     /// The sphere about the middle of the surfaces' bounding box; found by sampling, since
     /// control points can lie far off their surface. `None` without surfaces.
-    pub(super) fn of<'a>(
-        surfaces: impl ExactSizeIterator<Item = &'a NurbsSurface>,
-    ) -> Option<Self> {
+    pub(super) fn of<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Option<Self> {
         let across = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
         let across = across.min(MOST_SAMPLES);
-        let points: Vec<DVec3> = surfaces.flat_map(|surface| samples(surface, across)).collect();
+        let points: Vec<DVec3> =
+            surfaces.flat_map(|surface| all_samples(surface, across)).collect();
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
@@ -47,7 +46,14 @@ impl BoundingSphere {
     }
 }
 
-/// Points on a surface: a grid with every knot in it.
+/// Points on a surface: the more charts, the fewer on each.
+fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
+    let charts = surface.charts();
+    let across = (across as f64 / (charts.len() as f64).sqrt()).ceil() as usize;
+    charts.iter().flat_map(|chart| samples(&chart.surface, across)).collect()
+}
+
+/// Points on a chart: a grid with every knot in it.
 fn samples(surface: &NurbsSurface, across: usize) -> Vec<DVec3> {
     let us = parameters(surface.knots_u(), across);
     let vs = parameters(surface.knots_v(), across);

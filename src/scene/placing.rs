@@ -4,8 +4,8 @@ use glam::DAffine3;
 
 use super::workshop::{Made, Workshop};
 use super::{Object, Part, Scene, SceneError, SceneFault, Shape, UnknownName, Written};
-use crate::geometry::NurbsSurface;
 use crate::geometry::shapes::ShapeError;
+use crate::geometry::{NurbsSurface, Surface};
 
 /// All steps of an object's transform, the first one first.
 pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
@@ -74,11 +74,7 @@ impl Placer<'_> {
 
     /// The surfaces of the object of this name, in their places, for the object `drawn` that
     /// draws them.
-    fn surfaces_of(
-        &self,
-        drawn: &str,
-        of: &Written<String>,
-    ) -> Result<Vec<NurbsSurface>, SceneError> {
+    fn surfaces_of(&self, drawn: &str, of: &Written<String>) -> Result<Vec<Surface>, SceneError> {
         let fails = |fault| SceneError::new(of.place.clone(), fault);
         let named = |object: &&Object| object.name.as_ref().is_some_and(|n| n.value == of.value);
         let Some(object) = self.scene.objects.iter().find(named) else {
@@ -102,7 +98,7 @@ impl Placer<'_> {
             surfaces.extend(made.into_iter().map(|made| made.surface));
         }
         if object.reverse {
-            surfaces = surfaces.iter().map(NurbsSurface::reversed_u).collect();
+            surfaces = surfaces.iter().map(Surface::reversed).collect();
         }
         Ok(surfaces)
     }

@@ -5,14 +5,14 @@ use std::collections::{HashMap, HashSet};
 use super::curve::CurveFault;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{self, Axis, Borders, ConstructError, Piece, Sweep, TubeStyle};
-use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::geometry::{NurbsCurve, NurbsSurface, Surface};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Made {
     /// What it is called within its object; may be empty.
     pub(super) name: String,
-    pub(super) surface: NurbsSurface,
+    pub(super) surface: Surface,
     /// A bound of the distance in space; 0 where it is exact.
     pub(super) deviation: f64,
 }
@@ -20,13 +20,12 @@ pub(super) struct Made {
 impl From<NurbsSurface> for Made {
     /// A surface that is exactly what was asked for, the only one.
     fn from(surface: NurbsSurface) -> Self {
-        Self { name: String::new(), surface, deviation: 0.0 }
+        Self { name: String::new(), surface: surface.into(), deviation: 0.0 }
     }
 }
 
 /// How the surfaces of another object are found by its name.
-pub(super) type Surfaces<'a> =
-    dyn Fn(&Written<String>) -> Result<Vec<NurbsSurface>, SceneError> + 'a;
+pub(super) type Surfaces<'a> = dyn Fn(&Written<String>) -> Result<Vec<Surface>, SceneError> + 'a;
 
 /// Makes the surfaces of one part: knows what errors should call it, and where it stands.
 pub(super) struct Workshop<'a> {
@@ -79,7 +78,7 @@ impl Workshop<'_> {
                 let path = self.curve("path", path)?;
                 let Sweep { surface, deviation } =
                     self.checked(construct::sweep(&profile, &path, options))?;
-                vec![Made { name: String::new(), surface, deviation }]
+                vec![Made { name: String::new(), surface: surface.into(), deviation }]
             }
             Construction::Tube { curve, style } => {
                 let curve = self.curve("curve", curve)?;
@@ -95,13 +94,15 @@ impl Workshop<'_> {
             }
             Construction::Net { of, style } => {
                 let surfaces = (self.surfaces_of)(of)?;
-                let nets = surfaces.iter().map(|surface| construct::control_net(surface, style));
+                let nurbs = surfaces.iter().filter_map(Surface::nurbs);
+                let nets = nurbs.map(|surface| construct::control_net(surface, style));
                 let nets = nets.collect::<Result<Vec<_>, _>>();
                 numbered(self.checked(nets)?.into_iter().flatten().collect())
             }
             Construction::IsoCurves { of, u, v, style } => {
                 let surfaces = (self.surfaces_of)(of)?;
-                let drawn = surfaces.iter().map(|surface| iso_curves(surface, [u, v], style));
+                let nurbs = surfaces.iter().filter_map(Surface::nurbs);
+                let drawn = nurbs.map(|surface| iso_curves(surface, [u, v], style));
                 let drawn = drawn.collect::<Result<Vec<_>, _>>();
                 numbered(self.checked(drawn)?.into_iter().flatten().collect())
             }
@@ -165,7 +166,7 @@ fn numbered(pieces: Vec<Piece>) -> Vec<Made> {
                 true => format!("{what} {count}"),
                 false => what.to_owned(),
             };
-            Made { name, surface, deviation }
+            Made { name, surface: surface.into(), deviation }
         })
         .collect()
 }

@@ -9,7 +9,7 @@ use super::{
     Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Texture,
     UnknownName, Written,
 };
-use crate::geometry::NurbsSurface;
+use crate::geometry::Surface;
 use crate::intersect::{BuildOptions, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
@@ -37,7 +37,7 @@ pub struct Instance {
     /// Its name, unique in the world.
     pub name: String,
     /// The surface, placed in the world; its domain is as authored.
-    pub surface: NurbsSurface,
+    pub surface: Surface,
     /// Its material, an index into [`World::materials`].
     pub material: usize,
     /// How far it is at most from what the scene asks for, in space: 0 where it is exactly
@@ -150,7 +150,7 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
                 part => free_name(&format!("{name}/{part}"), &mut taken),
             };
             let Made { surface, deviation, .. } = made;
-            let surface = if object.reverse { surface.reversed_u() } else { surface };
+            let surface = if object.reverse { surface.reversed() } else { surface };
             instances.push(Instance { name, surface, material, deviation });
         }
     }
@@ -286,7 +286,7 @@ mod tests {
             here(Transform::Translate(DVec3::new(10.0, 0.0, 0.0))),
         ];
         let world = World::new(&scene(vec![thing])).unwrap();
-        let pole = world.surfaces[0].surface.point_at(0.0, 0.0);
+        let pole = world.surfaces[0].surface.point_at(DVec2::ZERO);
         assert!((pole - DVec3::new(12.0, 0.0, 0.0)).length() < 1e-14, "{pole}");
     }
 
@@ -297,10 +297,11 @@ mod tests {
         let world = World::new(&scene(vec![plain, turned])).unwrap();
         let [plain, turned] = [&world.surfaces[0].surface, &world.surfaces[1].surface];
         assert_eq!(plain.domain(), turned.domain());
-        let (p, q) = (plain.point_at(0.3, 0.2), turned.point_at(0.7, 0.2));
+        let (left, right) = (DVec2::new(0.3, 0.2), DVec2::new(0.7, 0.2));
+        let (p, q) = (plain.point_at(left), turned.point_at(right));
         assert!((p - q).length() < 1e-15);
-        assert!(plain.normal(0.3, 0.2).unwrap().dot(p) > 0.99);
-        assert!(turned.normal(0.7, 0.2).unwrap().dot(p) < -0.99);
+        assert!(plain.normal(left).unwrap().dot(p) > 0.99);
+        assert!(turned.normal(right).unwrap().dot(p) < -0.99);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The audit itself: every ray by the fast path and by the exact solver, on all threads.
 
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::Surface;
 use nurbray::intersect::{Coherence, Kernel, SurfaceBvh};
 use rayon::prelude::*;
 
@@ -19,7 +19,7 @@ pub(crate) struct Audit<'a> {
     /// The surfaces, ready to trace.
     pub(crate) bvh: &'a SurfaceBvh,
     /// The same surfaces as authored, in the same order.
-    pub(crate) surfaces: &'a [NurbsSurface],
+    pub(crate) surfaces: &'a [Surface],
     /// The code to check.
     pub(crate) kernel: Kernel,
     /// Which rays.
@@ -97,7 +97,8 @@ mod tests {
 
     #[test]
     fn the_tallies_do_not_depend_on_the_threads() {
-        let surfaces = [shapes::sphere(1.0).unwrap(), shapes::torus(3.0, 0.5).unwrap()];
+        let surfaces =
+            [shapes::sphere(1.0).unwrap().into(), shapes::torus(3.0, 0.5).unwrap().into()];
         let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
         let what = Audit { bvh: &bvh, surfaces: &surfaces, kernel: Kernel::default(), seed: 9 };
         let [one, three] = [1, 3].map(|threads| {

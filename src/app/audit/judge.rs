@@ -1,6 +1,6 @@
 //! Whether the fast path's answer is right, given all roots from the exact solver.
 
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::{Charts, Surface};
 use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
@@ -72,17 +72,17 @@ const SURE_INCIDENCE: f64 = 0.01;
 /// Compares answers for one set of surfaces.
 #[derive(Debug)]
 pub(crate) struct Judge<'a> {
-    surfaces: &'a [NurbsSurface],
+    surfaces: &'a [Surface],
     magnitudes: Vec<f64>,
     radius: f64,
 }
 
 impl<'a> Judge<'a> {
     /// A judge for the surfaces hits refer to.
-    pub(crate) fn new(surfaces: &'a [NurbsSurface]) -> Self {
+    pub(crate) fn new(surfaces: &'a [Surface]) -> Self {
         Self {
             surfaces,
-            magnitudes: surfaces.iter().map(magnitude).collect(),
+            magnitudes: surfaces.iter().map(largest).collect(),
             radius: Sites::new(surfaces).map_or(0.0, |sites| sites.radius()),
         }
     }
@@ -137,10 +137,10 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let length = ray.direction().length();
         let surface = &self.surfaces[site.surface];
-        let normal = surface.normal(site.u, site.v).unwrap_or_default();
+        let normal = surface.normal(site.uv).unwrap_or_default();
         let incidence = normal.dot(ray.direction()).abs() / length;
         let [u, v] = surface.domain();
-        let on_border = [u.0, u.1].contains(&site.u) || [v.0, v.1].contains(&site.v);
+        let on_border = [u.0, u.1].contains(&site.uv.x) || [v.0, v.1].contains(&site.uv.y);
         let bound = self.at(ray, site, t).bound;
         let due = on_border || incidence >= SURE_INCIDENCE;
         due.then(|| t + self.slack(bound, incidence) / length)
@@ -203,20 +203,21 @@ impl<'a> Judge<'a> {
             // A surface that does not exist: nothing is near it.
             return Measure { residual: f64::NAN, magnitude: 1.0, bound: 0.0, incidence: 0.0 };
         }
-        self.at(ray, Site { surface, u: hit.uv.x, v: hit.uv.y }, hit.t)
+        self.at(ray, Site { surface, uv: hit.uv }, hit.t)
     }
 
     fn at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
         let surface = &self.surfaces[site.surface];
-        let at = surface.derivatives(site.u, site.v);
+        let at = surface.derivatives(site.uv);
         let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);
         let normal = at.du.cross(at.dv).normalize_or_zero();
 
         // The promise, twice: once for the hit and once for this evaluation of the surface as
         // authored, not by its pieces. What (u, v) lose by being rounded in their own domain
         // comes on top.
-        let factor = residual_factor(surface.knots_u().degree(), surface.knots_v().degree());
-        let parameters = site.u.abs() * at.du.length() + site.v.abs() * at.dv.length();
+        let [p, q] = surface.degree();
+        let factor = residual_factor(p, q);
+        let parameters = site.uv.x.abs() * at.du.length() + site.uv.y.abs() * at.dv.length();
         Measure {
             residual: at.point.distance(ray.at(t)),
             magnitude,
@@ -224,6 +225,11 @@ impl<'a> Judge<'a> {
             incidence: normal.dot(ray.direction().normalize()).abs(),
         }
     }
+}
+
+/// The largest coordinate of a surface's control points, in absolute value.
+fn largest(surface: &Surface) -> f64 {
+    surface.charts().iter().map(|chart| magnitude(&chart.surface)).fold(0.0, f64::max)
 }
 
 fn is_doubtful(answer: &Answer) -> bool {
@@ -237,7 +243,7 @@ fn outside(hit: &Hit, measure: &Measure) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
     use nurbray::geometry::shapes;
     use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
 
@@ -245,7 +251,7 @@ mod tests {
 
     /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
     fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
         let direction = DVec3::new(-0.6, -0.48, -0.64);
         let query = Query::primary(Ray::new(-3.0 * direction, direction).unwrap());
@@ -313,7 +319,7 @@ mod tests {
 
     #[test]
     fn exactly_tangent_rays_are_told_from_grazing_ones() {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
         let judge = Judge::new(&surfaces);
         let (normal, direction) = (DVec3::new(0.6, 0.48, 0.64), DVec3::new(0.8, -0.36, -0.48));
@@ -331,10 +337,10 @@ mod tests {
 
     #[test]
     fn a_target_counts_though_the_exact_solver_has_missed_it() {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let judge = Judge::new(&surfaces);
-        let site = Site { surface: 0, u: 0.4, v: 0.3 };
-        let point = surfaces[0].point_at(site.u, site.v);
+        let site = Site { surface: 0, uv: DVec2::new(0.4, 0.3) };
+        let point = surfaces[0].point_at(site.uv);
         let shot = |direction: DVec3| {
             let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
             Shot { query: Query::primary(ray), target: Some((site, 2.0)) }

@@ -1,7 +1,7 @@
 //! The rays of each class, made from the surfaces' own geometry.
 
 use glam::DVec3;
-use nurbray::geometry::{NurbsSurface, SurfaceDerivatives};
+use nurbray::geometry::{Surface, SurfaceDerivatives};
 use nurbray::intersect::{Query, Tracer};
 use nurbray::math::Ray;
 
@@ -41,13 +41,19 @@ pub(crate) struct RaySource<'a> {
 
 impl<'a> RaySource<'a> {
     /// A source of rays for these surfaces; `None` if there is no surface.
-    pub(crate) fn new(surfaces: &'a [NurbsSurface], seed: u64) -> Option<Self> {
+    pub(crate) fn new(surfaces: &'a [Surface], seed: u64) -> Option<Self> {
         Some(Self { sites: Sites::new(surfaces)?, seed })
     }
 
-    /// The classes this model has rays of: without a collapsed edge there are no poles.
+    /// The classes this model has rays of: without a collapsed edge there are no poles, and
+    /// without a border no seams.
     pub(crate) fn classes(&self) -> Vec<Class> {
-        Class::all().filter(|&class| class != Class::Poles || self.sites.has_poles()).collect()
+        let exists = |class: &Class| match class {
+            Class::Poles => self.sites.has_poles(),
+            Class::Borders | Class::SeamPlanes => self.sites.has_borders(),
+            _ => true,
+        };
+        Class::all().filter(exists).collect()
     }
 
     /// Ray `index` of a class. The tracer finds the hits that secondary rays leave.
@@ -70,7 +76,7 @@ impl<'a> RaySource<'a> {
             Class::Aimed => return self.through(sites.anywhere(random), random),
             Class::Lengths => return self.of_any_length(random),
             Class::Borders => {
-                let border = sites.border(random);
+                let border = sites.border(random)?;
                 return self.through(sites.on_border(random, border), random);
             }
             Class::Lines => return self.through(sites.on_line(random), random),
@@ -146,7 +152,7 @@ impl<'a> RaySource<'a> {
     /// Through two points of the plane of three points of one border. If the border is a plane
     /// curve, the ray lies in its plane, and meets the surface on the border or not at all.
     fn in_seam_plane(&self, random: &mut Random) -> Option<Ray> {
-        let border = self.sites.border(random);
+        let border = self.sites.border(random)?;
         let [a, b, c] = [(); 3].map(|()| self.sites.point(self.sites.on_border(random, border)));
         let (b, c) = (b - a, c - a);
         if random.coin() {
@@ -216,7 +222,7 @@ mod tests {
 
     use super::*;
 
-    fn bvh(surfaces: &[NurbsSurface]) -> SurfaceBvh {
+    fn bvh(surfaces: &[Surface]) -> SurfaceBvh {
         SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
     }
 
@@ -230,7 +236,7 @@ mod tests {
                 shapes::plane(scale, scale),
             ];
             for shape in shapes {
-                let surfaces = [shape.unwrap()];
+                let surfaces = [shape.unwrap().into()];
                 let bvh = bvh(&surfaces);
                 let mut tracer = bvh.tracer();
                 let source = RaySource::new(&surfaces, 1).unwrap();
@@ -248,15 +254,15 @@ mod tests {
             let surfaces = [surface];
             RaySource::new(&surfaces, 0).unwrap().classes().contains(&Class::Poles)
         };
-        assert!(has_poles(shapes::sphere(1.0).unwrap()));
-        assert!(has_poles(shapes::cone(1.0, 1.0).unwrap()));
-        assert!(!has_poles(shapes::torus(3.0, 1.0).unwrap()));
-        assert!(!has_poles(shapes::plane(1.0, 1.0).unwrap()));
+        assert!(has_poles(shapes::sphere(1.0).unwrap().into()));
+        assert!(has_poles(shapes::cone(1.0, 1.0).unwrap().into()));
+        assert!(!has_poles(shapes::torus(3.0, 1.0).unwrap().into()));
+        assert!(!has_poles(shapes::plane(1.0, 1.0).unwrap().into()));
     }
 
     #[test]
     fn the_seed_and_the_index_make_the_ray() {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = bvh(&surfaces);
         let mut tracer = bvh.tracer();
         let mut ray = |seed, index| {
@@ -270,7 +276,7 @@ mod tests {
 
     #[test]
     fn aimed_rays_pass_their_target_within_rounding() {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = bvh(&surfaces);
         let mut tracer = bvh.tracer();
         let source = RaySource::new(&surfaces, 3).unwrap();
@@ -278,7 +284,7 @@ mod tests {
             for index in 0..100 {
                 let shot = source.shot(class, index, &mut tracer).unwrap();
                 let (site, t) = shot.target.unwrap();
-                let off = shot.query.ray.at(t).distance(surfaces[0].point_at(site.u, site.v));
+                let off = shot.query.ray.at(t).distance(surfaces[0].point_at(site.uv));
                 assert!(off < 4e-15, "{} {index}: {off}", class.name());
             }
         }
@@ -286,7 +292,7 @@ mod tests {
 
     #[test]
     fn on_a_sphere_grazing_rays_pass_its_centre_at_one_radius_more_or_less() {
-        let surfaces = [shapes::sphere(2.0).unwrap()];
+        let surfaces = [shapes::sphere(2.0).unwrap().into()];
         let bvh = bvh(&surfaces);
         let mut tracer = bvh.tracer();
         let source = RaySource::new(&surfaces, 4).unwrap();
@@ -303,7 +309,7 @@ mod tests {
 
     #[test]
     fn rays_of_seam_planes_lie_in_the_plane_of_a_plane_border() {
-        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = bvh(&surfaces);
         let mut tracer = bvh.tracer();
         let source = RaySource::new(&surfaces, 5).unwrap();
@@ -311,7 +317,7 @@ mod tests {
         // its points and the centre.
         let [a, b] = [0.2, 0.4].map(|share| {
             let [u, v] = surfaces[0].domain();
-            surfaces[0].point_at(u.0 + share * (u.1 - u.0), v.0)
+            surfaces[0].point_at(glam::DVec2::new(u.0 + share * (u.1 - u.0), v.0))
         });
         let normal = a.cross(b).normalize();
         let in_plane =

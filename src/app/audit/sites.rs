@@ -1,7 +1,7 @@
 //! Places on surfaces where rays are hard to meet: borders, knot lines, corners, poles.
 
-use glam::DVec3;
-use nurbray::geometry::{NurbsSurface, SurfaceDerivatives};
+use glam::{DVec2, DVec3};
+use nurbray::geometry::{Chart, Charts, Surface, SurfaceDerivatives};
 
 use super::super::border::Border;
 use super::super::random::Random;
@@ -11,10 +11,8 @@ use super::super::random::Random;
 pub(crate) struct Site {
     /// Which surface.
     pub(crate) surface: usize,
-    /// The first parameter.
-    pub(crate) u: f64,
-    /// The second parameter.
-    pub(crate) v: f64,
+    /// Its parameters there.
+    pub(crate) uv: DVec2,
 }
 
 /// The deepest halving of a piece whose lines are aimed at: leaves are rarely smaller than a
@@ -24,9 +22,13 @@ const HALVINGS: i32 = 4;
 /// The surfaces of a model, and how to find places on them.
 #[derive(Debug)]
 pub(crate) struct Sites<'a> {
-    surfaces: &'a [NurbsSurface],
-    /// For each surface and direction the non-empty spans between knots.
+    surfaces: &'a [Surface],
+    /// The charts of all surfaces, with the surface each belongs to.
+    charts: Vec<(usize, Chart<'a>)>,
+    /// For each chart and direction the non-empty spans between knots.
     spans: Vec<[Vec<(f64, f64)>; 2]>,
+    /// The borders of surfaces, and those that are collapsed, with their charts.
+    borders: Vec<(usize, Border)>,
     poles: Vec<(usize, Border)>,
     centre: DVec3,
     half_extent: DVec3,
@@ -34,27 +36,34 @@ pub(crate) struct Sites<'a> {
 
 impl<'a> Sites<'a> {
     /// Looks at every surface; `None` if there is none.
-    pub(crate) fn new(surfaces: &'a [NurbsSurface]) -> Option<Self> {
+    pub(crate) fn new(surfaces: &'a [Surface]) -> Option<Self> {
         if surfaces.is_empty() {
             return None;
         }
-        let spans = surfaces
+        let charts: Vec<(usize, Chart<'a>)> = surfaces
             .iter()
-            .map(|surface| {
-                [surface.knots_u(), surface.knots_v()]
+            .enumerate()
+            .flat_map(|(owner, surface)| surface.charts().into_iter().map(move |c| (owner, c)))
+            .collect();
+        let spans = charts
+            .iter()
+            .map(|(_, chart)| {
+                [chart.surface.knots_u(), chart.surface.knots_v()]
                     .map(|knots| knots.spans().map(|span| (span.start, span.end)).collect())
             })
             .collect();
-        let (low, high) = bounds(surfaces);
-        let borders = surfaces
-            .iter()
-            .enumerate()
-            .flat_map(|(index, surface)| Border::all(surface).map(|border| (index, border)));
-        let poles = borders.filter(|(index, border)| border.pole(&surfaces[*index]).is_some());
+        let (low, high) = bounds(&charts);
+        let all = charts.iter().enumerate();
+        let borders: Vec<_> = all
+            .flat_map(|(k, (_, chart))| Border::of(chart).map(move |border| (k, border)))
+            .collect();
+        let is_pole = |(k, border): &&(usize, Border)| border.pole(&charts[*k].1.surface).is_some();
         Some(Self {
             surfaces,
+            poles: borders.iter().filter(is_pole).copied().collect(),
+            borders,
+            charts,
             spans,
-            poles: poles.collect(),
             centre: 0.5 * (low + high),
             half_extent: 0.5 * (high - low),
         })
@@ -82,58 +91,60 @@ impl<'a> Sites<'a> {
 
     /// Point and derivatives at a site.
     pub(crate) fn derivatives(&self, site: Site) -> SurfaceDerivatives {
-        self.surfaces[site.surface].derivatives(site.u, site.v)
+        self.surfaces[site.surface].derivatives(site.uv)
     }
 
     /// The point at a site.
     pub(crate) fn point(&self, site: Site) -> DVec3 {
-        self.surfaces[site.surface].point_at(site.u, site.v)
+        self.surfaces[site.surface].point_at(site.uv)
     }
 
-    /// Any point of any surface; each surface and each of its spans as often as the others.
+    /// Any point of any surface; each chart and each of its spans as often as the others.
     pub(crate) fn anywhere(&self, random: &mut Random) -> Site {
-        let surface = self.surface(random);
-        let u = self.within_span(random, surface, 0);
-        let v = self.within_span(random, surface, 1);
-        Site { surface, u, v }
+        let chart = self.chart(random);
+        let u = self.within_span(random, chart, 0);
+        let v = self.within_span(random, chart, 1);
+        self.site(chart, u, v)
     }
 
-    /// Some border, and the surface it belongs to.
-    pub(crate) fn border(&self, random: &mut Random) -> (usize, Border) {
-        let surface = self.surface(random);
-        (surface, Border::all(&self.surfaces[surface])[random.below(4)])
+    /// Some border, and the chart it belongs to; `None` where no surface ends.
+    pub(crate) fn border(&self, random: &mut Random) -> Option<(usize, Border)> {
+        self.borders.get(random.below(self.borders.len().max(1))).copied()
+    }
+
+    /// Whether some surface has a border.
+    pub(crate) fn has_borders(&self) -> bool {
+        !self.borders.is_empty()
     }
 
     /// A point of a border.
-    pub(crate) fn on_border(
-        &self,
-        random: &mut Random,
-        (surface, border): (usize, Border),
-    ) -> Site {
-        let spans = border.knots(&self.surfaces[surface]).spans();
+    pub(crate) fn on_border(&self, random: &mut Random, (chart, border): (usize, Border)) -> Site {
+        let spans = border.knots(&self.charts[chart].1.surface).spans();
         let spans: Vec<_> = spans.map(|span| (span.start, span.end)).collect();
         let (u, v) = border.uv(within(random, &spans));
-        Site { surface, u, v }
+        self.site(chart, u, v)
     }
 
     /// A point of a line along which pieces meet or are halved.
     pub(crate) fn on_line(&self, random: &mut Random) -> Site {
-        let surface = self.surface(random);
+        let chart = self.chart(random);
         if random.coin() {
-            let u = self.on_division(random, surface, 0);
-            Site { surface, u, v: self.within_span(random, surface, 1) }
+            let u = self.on_division(random, chart, 0);
+            let v = self.within_span(random, chart, 1);
+            self.site(chart, u, v)
         } else {
-            let v = self.on_division(random, surface, 1);
-            Site { surface, u: self.within_span(random, surface, 0), v }
+            let v = self.on_division(random, chart, 1);
+            let u = self.within_span(random, chart, 0);
+            self.site(chart, u, v)
         }
     }
 
     /// A point where two such lines cross.
     pub(crate) fn on_corner(&self, random: &mut Random) -> Site {
-        let surface = self.surface(random);
-        let u = self.on_division(random, surface, 0);
-        let v = self.on_division(random, surface, 1);
-        Site { surface, u, v }
+        let chart = self.chart(random);
+        let u = self.on_division(random, chart, 0);
+        let v = self.on_division(random, chart, 1);
+        self.site(chart, u, v)
     }
 
     /// A point of a collapsed border; `None` if there is none.
@@ -145,29 +156,34 @@ impl<'a> Sites<'a> {
     /// Two points with one parameter in common and the other in the same span: on a ruling,
     /// if the surface is ruled there.
     pub(crate) fn on_one_line(&self, random: &mut Random) -> [Site; 2] {
-        let site = self.anywhere(random);
+        let chart = self.chart(random);
+        let [u, v] = [0, 1].map(|direction| self.within_span(random, chart, direction));
         let direction = random.below(2);
-        let t = if direction == 0 { site.u } else { site.v };
-        let spans = &self.spans[site.surface][direction];
+        let t = [u, v][direction];
+        let spans = &self.spans[chart][direction];
         let span = spans.iter().find(|span| span.0 <= t && t < span.1).unwrap_or(&spans[0]);
         let other = random.between(span.0, span.1);
-        match direction {
-            0 => [site, Site { u: other, ..site }],
-            _ => [site, Site { v: other, ..site }],
-        }
+        let other = if direction == 0 { (other, v) } else { (u, other) };
+        [self.site(chart, u, v), self.site(chart, other.0, other.1)]
     }
 
-    fn surface(&self, random: &mut Random) -> usize {
-        random.below(self.surfaces.len())
+    fn chart(&self, random: &mut Random) -> usize {
+        random.below(self.charts.len())
     }
 
-    fn within_span(&self, random: &mut Random, surface: usize, direction: usize) -> f64 {
-        within(random, &self.spans[surface][direction])
+    /// The place on its surface of one on a chart.
+    fn site(&self, chart: usize, u: f64, v: f64) -> Site {
+        let (surface, chart) = &self.charts[chart];
+        Site { surface: *surface, uv: chart.map.uv(DVec2::new(u, v)) }
+    }
+
+    fn within_span(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
+        within(random, &self.spans[chart][direction])
     }
 
     /// A knot, or a point that halves a span up to `HALVINGS` times.
-    fn on_division(&self, random: &mut Random, surface: usize, direction: usize) -> f64 {
-        let spans = &self.spans[surface][direction];
+    fn on_division(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
+        let spans = &self.spans[chart][direction];
         let (start, end) = spans[random.below(spans.len())];
         let parts = f64::powi(2.0, random.below(HALVINGS as usize + 1) as i32);
         match random.below(parts as usize + 1) as f64 / parts {
@@ -184,10 +200,10 @@ fn within(random: &mut Random, spans: &[(f64, f64)]) -> f64 {
 }
 
 /// The smallest and largest coordinates of all control points.
-fn bounds(surfaces: &[NurbsSurface]) -> (DVec3, DVec3) {
-    surfaces
+fn bounds(charts: &[(usize, Chart<'_>)]) -> (DVec3, DVec3) {
+    charts
         .iter()
-        .flat_map(|surface| surface.control())
+        .flat_map(|(_, chart)| chart.surface.control())
         .map(|c| c.truncate() / c.w)
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }

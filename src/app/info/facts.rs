@@ -1,6 +1,7 @@
 //! What is known of each surface that is ready to trace.
 
 use glam::{DVec3, DVec4};
+use nurbray::geometry::Charts;
 use nurbray::math::Aabb;
 use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
@@ -28,8 +29,10 @@ pub(super) struct SurfaceFacts {
     pub(super) material: String,
     pub(super) degree: [usize; 2],
     pub(super) rational: bool,
-    /// Control points in u and in v.
-    pub(super) size: [usize; 2],
+    /// Control points in all.
+    pub(super) points: usize,
+    /// Control points in u and in v, where they form a net.
+    pub(super) size: Option<[usize; 2]>,
     pub(super) domain: [(f64, f64); 2],
     pub(super) pieces: usize,
     pub(super) leaves: usize,
@@ -76,7 +79,7 @@ impl Facts {
 
     /// Control points of all surfaces.
     pub(super) fn control_points(&self) -> usize {
-        self.surfaces.iter().map(|surface| surface.size[0] * surface.size[1]).sum()
+        self.surfaces.iter().map(|surface| surface.points).sum()
     }
 
     /// Bézier pieces of all surfaces.
@@ -94,20 +97,25 @@ impl Facts {
 fn authored(world: &World, index: usize) -> SurfaceFacts {
     let instance = &world.surfaces[index];
     let surface = &instance.surface;
-    let collapsed = Border::all(surface).into_iter();
+    let charts = surface.charts();
+    let collapsed = charts.iter().flat_map(|chart| {
+        let borders = Border::of(chart);
+        borders.filter_map(|border| Some((border, border.pole(&chart.surface)?)))
+    });
     SurfaceFacts {
         index,
         name: instance.name.clone(),
         material: world.materials[instance.material].name.clone(),
-        degree: [surface.knots_u().degree(), surface.knots_v().degree()],
+        degree: surface.degree(),
         rational: surface.is_rational(),
-        size: surface.size().into(),
+        points: surface.point_count(),
+        size: surface.nurbs().map(|surface| surface.size().into()),
         domain: surface.domain(),
         pieces: 0,
         leaves: 0,
         bytes: 0,
         bounds: Aabb::EMPTY,
-        collapsed: collapsed.filter_map(|b| Some((b, b.pole(surface)?))).collect(),
+        collapsed: collapsed.collect(),
         deviation: instance.deviation,
     }
 }

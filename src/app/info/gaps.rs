@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glam::DVec3;
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::{Chart, Charts};
 use nurbray::math::Aabb;
 use rayon::prelude::*;
 
@@ -26,6 +26,8 @@ pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
 pub(crate) struct Edge {
     /// Which surface.
     pub(crate) surface: usize,
+    /// Which chart, of those of all surfaces.
+    chart: usize,
     /// Which of its borders.
     pub(crate) border: Border,
 }
@@ -59,13 +61,17 @@ pub(crate) struct Fit {
 }
 
 /// Compares every border with every other that comes near it.
-pub(crate) fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
-    let edges = surfaces.iter().enumerate().flat_map(|(index, surface)| {
-        Border::all(surface).map(|border| Edge { surface: index, border })
-    });
-    let edges: Vec<Edge> = edges.collect();
+pub(crate) fn fit(surfaces: &[impl Charts], size: f64) -> Fit {
+    let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
+    for (surface, one) in surfaces.iter().enumerate() {
+        for chart in one.charts() {
+            let index = charts.len();
+            edges.extend(Border::of(&chart).map(|border| Edge { surface, chart: index, border }));
+            charts.push(chart);
+        }
+    }
     let curve = |edge: &Edge| {
-        let surface = &surfaces[edge.surface];
+        let surface = &*charts[edge.chart].surface;
         let extended = edge.border.pole(surface).is_none();
         extended.then(|| (*edge, BorderCurve::new(surface, edge.border)))
     };
@@ -83,7 +89,7 @@ pub(crate) fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
     let mut gaps = Vec::new();
     for ([i, j], (width, at)) in sides {
         let edges = [i, j].map(|k| curves[k].0);
-        let met = width <= edges.iter().map(|edge| rounding(&surfaces[edge.surface])).sum();
+        let met = width <= edges.iter().map(|edge| rounding(&charts[edge.chart].surface)).sum();
         if met {
             meeting.extend([i, j]);
         } else {
@@ -141,7 +147,7 @@ fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use glam::DAffine3;
-    use nurbray::geometry::shapes;
+    use nurbray::geometry::{NurbsSurface, shapes};
 
     use super::*;
 

@@ -44,7 +44,7 @@ fn surfaces(surfaces: &[SurfaceFacts]) -> String {
             surface.name.clone(),
             format!("{}x{}", surface.degree[0], surface.degree[1]),
             if surface.rational { "yes" } else { "no" }.to_owned(),
-            format!("{}x{}", surface.size[0], surface.size[1]),
+            surface.size.map_or(surface.points.to_string(), |[u, v]| format!("{u}x{v}")),
             surface.pieces.to_string(),
             surface.leaves.to_string(),
             short_bytes(surface.bytes),

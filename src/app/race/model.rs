@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::geometry::{Charts, KnotVector, Surface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
 use nurbray::scene::World;
 
@@ -27,7 +27,7 @@ pub(crate) struct Model {
     /// The scene.
     pub(crate) world: World,
     /// Its surfaces in their places: what a rival starts from.
-    pub(crate) surfaces: Vec<NurbsSurface>,
+    pub(crate) surfaces: Vec<Surface>,
     /// From the file to a world ready to trace, in seconds.
     pub(crate) file_seconds: f64,
     /// From surfaces to what is traced, in seconds: part of `file_seconds`.
@@ -111,8 +111,10 @@ pub(crate) fn repeat<T>(
 
 /// The distance from a point to the farthest of some points of the surfaces: four a span and
 /// direction, which miss little of a curve's bulge.
-fn farthest(surfaces: &[NurbsSurface], from: DVec3) -> f64 {
-    let distances = surfaces.iter().flat_map(|surface| {
+fn farthest(surfaces: &[Surface], from: DVec3) -> f64 {
+    let charts: Vec<_> = surfaces.iter().flat_map(Charts::charts).collect();
+    let distances = charts.iter().flat_map(|chart| {
+        let surface = &chart.surface;
         let [us, vs] = [surface.knots_u(), surface.knots_v()].map(parameters);
         us.into_iter().map(move |u| {
             vs.iter().map(|&v| surface.point_at(u, v).distance(from)).fold(0.0, f64::max)
@@ -151,7 +153,7 @@ mod tests {
     #[test]
     fn the_farthest_point_of_a_sphere_is_a_radius_away() {
         for radius in [1e-8, 1.0, 1e8] {
-            let sphere = [shapes::sphere(radius).unwrap()];
+            let sphere = [shapes::sphere(radius).unwrap().into()];
             assert!((farthest(&sphere, DVec3::ZERO) / radius - 1.0).abs() < 1e-14);
         }
     }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::Context;
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::Surface;
 use nurbray::intersect::{Coherence, Query};
 use nurbray::io::mesh::{GridMesh, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
@@ -55,7 +55,7 @@ impl Rival {
     /// When the mesh becomes too large.
     pub(crate) fn build(
         embree: &Embree,
-        surfaces: &[NurbsSurface],
+        surfaces: &[Surface],
         tolerance: f64,
         budget: Duration,
     ) -> Result<(Self, Vec<GridMesh>), Failure> {

@@ -3,12 +3,15 @@
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::grid_mesh::{MeshError, MeshPoint};
-use crate::geometry::{BasisDerivatives, Direction, KnotVector, NurbsSurface};
+use crate::geometry::{
+    BasisDerivatives, Chart, ChartMap, Charts, Direction, KnotVector, NurbsSurface,
+};
 
 /// A part of a surface between creases: its first derivatives are continuous.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     surface: NurbsSurface,
+    map: ChartMap,
 }
 
 /// A point and its first derivatives.
@@ -27,14 +30,17 @@ pub(super) struct Row {
 }
 
 impl Piece {
-    /// The pieces of a surface: it is cut at every knot as multiple as the degree, or more.
+    /// The pieces of a surface: each chart is cut at every knot as multiple as the degree, or more.
     ///
     /// Cut there, neighbours have the border's control points in common, and so its vertices
     /// bit for bit; but each has its own normals.
-    pub(super) fn all(surface: &NurbsSurface) -> Result<Vec<Self>, MeshError> {
+    pub(super) fn all(surface: &impl Charts) -> Result<Vec<Self>, MeshError> {
         let mut pieces = Vec::new();
-        for strip in cut(surface.clone(), Direction::U)? {
-            pieces.extend(cut(strip, Direction::V)?.into_iter().map(|surface| Self { surface }));
+        for Chart { surface, map, .. } in surface.charts() {
+            for strip in cut(surface.into_owned(), Direction::U)? {
+                let cut = cut(strip, Direction::V)?.into_iter();
+                pieces.extend(cut.map(|surface| Self { surface, map }));
+            }
         }
         Ok(pieces)
     }
@@ -88,7 +94,11 @@ impl Piece {
                 let border = i == 0 || j == 0 || i + 1 == us.len() || j + 1 == vs.len();
                 let inner = if border { None } else { du.cross(dv).try_normalize() };
                 let normal = inner.or_else(|| self.surface.normal(u, v)).unwrap_or(DVec3::NAN);
-                points.push(MeshPoint { position: point, normal, uv: DVec2::new(u, v) });
+                points.push(MeshPoint {
+                    position: point,
+                    normal,
+                    uv: self.map.uv(DVec2::new(u, v)),
+                });
             }
         }
         points

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::grid_mesh::{GridMesh, MAX_VERTICES, MeshError};
 use super::piece::Piece;
 use super::plan::Plan;
-use crate::geometry::NurbsSurface;
+use crate::geometry::Charts;
 
 /// Rounds of refinement before the counts are taken as they are. The deviation falls with
 /// the square of the counts, so that two or three rounds suffice, but where the
@@ -25,7 +25,7 @@ impl TessellationPlan {
     ///
     /// # Errors
     /// When a surface cannot be cut at its creases.
-    pub fn with_cells(surfaces: &[NurbsSurface], cells: usize) -> Result<Self, MeshError> {
+    pub fn with_cells(surfaces: &[impl Charts], cells: usize) -> Result<Self, MeshError> {
         let diagonal = diagonal(&plans(surfaces, shown)?);
         let plans = plans(surfaces, |_| cells)?;
         Ok(Self { surfaces: surfaces.len(), plans, diagonal })
@@ -38,7 +38,7 @@ impl TessellationPlan {
     ///
     /// # Errors
     /// When `fraction` is not a positive number, or a surface cannot be cut at its creases.
-    pub fn to_tolerance(surfaces: &[NurbsSurface], fraction: f64) -> Result<Self, MeshError> {
+    pub fn to_tolerance(surfaces: &[impl Charts], fraction: f64) -> Result<Self, MeshError> {
         let usable = fraction > 0.0 && fraction.is_finite(); // false for NaN
         if !usable {
             return Err(MeshError::Tolerance { tolerance: fraction });
@@ -105,7 +105,7 @@ impl Tessellation {
     ///
     /// # Errors
     /// As [`TessellationPlan::with_cells`] and [`TessellationPlan::meshes`].
-    pub fn with_cells(surfaces: &[NurbsSurface], cells: usize) -> Result<Self, MeshError> {
+    pub fn with_cells(surfaces: &[impl Charts], cells: usize) -> Result<Self, MeshError> {
         Self::carried_out(&TessellationPlan::with_cells(surfaces, cells)?)
     }
 
@@ -114,7 +114,7 @@ impl Tessellation {
     ///
     /// # Errors
     /// As [`TessellationPlan::to_tolerance`] and [`TessellationPlan::meshes`].
-    pub fn to_tolerance(surfaces: &[NurbsSurface], fraction: f64) -> Result<Self, MeshError> {
+    pub fn to_tolerance(surfaces: &[impl Charts], fraction: f64) -> Result<Self, MeshError> {
         Self::carried_out(&TessellationPlan::to_tolerance(surfaces, fraction)?)
     }
 
@@ -144,7 +144,7 @@ impl Tessellation {
 
 /// What is to be cut, with the number of the surface it belongs to.
 fn plans(
-    surfaces: &[NurbsSurface],
+    surfaces: &[impl Charts],
     cells: impl Fn(usize) -> usize,
 ) -> Result<Vec<(usize, Plan)>, MeshError> {
     let mut plans = Vec::new();
@@ -175,7 +175,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::geometry::{KnotVector, shapes};
+    use crate::geometry::{KnotVector, NurbsSurface, shapes};
 
     #[test]
     fn a_plane_needs_two_triangles() {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec4Swizzles};
 
 use super::{PovrayGap, vector};
-use crate::geometry::NurbsSurface;
+use crate::geometry::{Charts, NurbsSurface};
 
 /// The most halvings of a patch each way: a million parts.
 const MAX_HALVINGS: u32 = 10;
@@ -12,7 +12,11 @@ const MAX_HALVINGS: u32 = 10;
 ///
 /// # Errors
 /// When the surface is rational, of a degree above 3, or the flatness too small.
-pub(super) fn patches(surface: &NurbsSurface, flatness: f64) -> Result<String, PovrayGap> {
+pub(super) fn patches(surface: &impl Charts, flatness: f64) -> Result<String, PovrayGap> {
+    surface.charts().iter().map(|chart| of_chart(&chart.surface, flatness)).collect()
+}
+
+fn of_chart(surface: &NurbsSurface, flatness: f64) -> Result<String, PovrayGap> {
     if surface.is_rational() {
         return Err(PovrayGap::Rational);
     }

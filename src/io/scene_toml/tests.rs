@@ -110,7 +110,7 @@ fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
     assert_eq!(names.len(), 1 + 7 + 10, "{names:?}");
     assert_eq!((names[17], names[1]), ("ball", "net/line 2"));
     let pole = world.surfaces.iter().find(|surface| surface.name == "net/point 3").unwrap();
-    let middle = 0.5 * (pole.surface.point_at(0.0, 0.0) + pole.surface.point_at(0.0, 1.0));
+    let middle = 0.5 * (pole.surface.point_at(DVec2::ZERO) + pole.surface.point_at(DVec2::Y));
     assert!(middle.distance(DVec3::new(0.0, 0.0, 6.0)) < 1e-14, "moved with the ball: {middle}");
     assert_eq!(
         error(&format!("{ball}{}", net.replace("'ball'", "'bell'"))),
@@ -173,7 +173,7 @@ fn an_inline_net() {
         knots_v = [[0, 2], [1, 2]]\npoints = [[[0,0,0],[0,1,0]],[[1,0,1],[1,1,1]],[[2,0,0],[2,1,0]]]\n\
         weights = [[1, 1], [0.5, 0.5], [1, 1]]\n";
     let world = World::new(&scene(text)).unwrap();
-    let surface = &world.surfaces[0].surface;
+    let surface = world.surfaces[0].surface.nurbs().unwrap();
     assert_eq!(world.surfaces[0].name, "lid");
     assert_eq!(surface.size(), (3, 2));
     assert_eq!(surface.point(1, 1), DVec3::ONE);
