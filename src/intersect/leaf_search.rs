@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
 use super::newton::{Grounds, Newton, newton, project};
 use super::{HitFlags, Occlusion, Root, Statistics};
-use crate::math::RayFrame;
+use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
 
 /// A place where a ray meets a leaf.
@@ -237,7 +237,11 @@ fn accept(
         Proof::Stretch(_) => (4.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
     };
     if residual > allowed {
-        if solution.proof_is_open() {
+        // Where parameters are too coarse, the root lies between two of them.
+        let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
+        let too_coarse =
+            st == solution.st || residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
+        if solution.proof_is_open() || too_coarse {
             findings.doubt_at(z * ray.t_from_z);
         }
         return;

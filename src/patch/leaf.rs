@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::tangents::{Certificate, CollapsedSide, Net};
 use super::tensor::euclidean;
 use super::{ControlNet, OrientedBox, Piece};
-use crate::math::{Aabb, bernstein};
+use crate::math::{Aabb, bernstein, rounding};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
 /// that a root on the line between two leaves is not lost to rounding in both.
@@ -183,7 +183,10 @@ impl Part {
         }
         let mut widened = self.net.clone();
         bernstein::restrict_net(&mut widened, degree, ranges[0], ranges[1]);
-        let net = Net { degree, control: &widened, noise };
+        // Parameters are known to half a unit in the last place of one.
+        let sides = self.rect.map(|[from, to]| to - from);
+        let spacing = rounding::UNIT_ROUNDOFF / sides[0].min(sides[1]);
+        let net = Net { degree, control: &widened, noise, spacing };
         let certificate = Certificate::new(&net, collapsed)
             .unwrap_or_else(|| Certificate::none(chords[0].cross(chords[1]).normalize_or_zero()));
         (Leaf { piece: index, rect: self.rect, oriented, certificate, collapsed }, bounds)

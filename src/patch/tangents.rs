@@ -131,7 +131,7 @@ impl Certificate {
             Some(side) => {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
                 let turned = net.with_collapsed_first(side);
-                let net = Net { degree: turned.0, control: &turned.1, noise: net.noise };
+                let net = Net { degree: turned.0, control: &turned.1, ..*net };
                 let pole = euclidean(net.control[0]);
                 let mut certificate = Tangents::at_pole(&net, pole)?.certificate(Some(pole))?;
                 if turned.2 {
@@ -154,6 +154,8 @@ pub(super) struct Net<'a> {
     pub(super) control: &'a [DVec4],
     /// How far a control point may be from the true one, in scene units.
     pub(super) noise: f64,
+    /// What rounding moves a parameter by, as a part of the net's side.
+    pub(super) spacing: f64,
 }
 
 impl Net<'_> {
@@ -239,6 +241,8 @@ struct Tangents {
     weights: Interval,
     weight_slopes: [Interval; 2],
     noise: f64,
+    /// The longest tangent for which rounding of a parameter is small against the noise.
+    longest: f64,
 }
 
 impl Tangents {
@@ -257,7 +261,8 @@ impl Tangents {
         };
         let (factor_s, factor_t) = (offsets(), offsets());
         let noise = net.noise * weights.hi;
-        Some(Self { along_s, along_t, factor_s, factor_t, weights, weight_slopes, noise })
+        let longest = 0.0625 * net.noise / net.spacing;
+        Some(Self { along_s, along_t, factor_s, factor_t, weights, weight_slopes, noise, longest })
     }
 
     fn at_pole(net: &Net<'_>, pole: DVec3) -> Option<Self> {
@@ -345,6 +350,10 @@ impl Tangents {
             |which: usize, factor: &Field| self.weight_slopes[which].magnitude() * factor.length();
         let longest_s = self.along_s.length() + more(0, &self.factor_s);
         let longest_t = self.along_t.length() + more(1, &self.factor_t);
+        // `S_s = (X_s − (S − c) W_s) / W`; at a pole its quotient by `t`, which is one at most.
+        if longest_s.max(longest_t) > self.longest * self.weights.lo {
+            return None;
+        }
         let spread = match pole {
             None => longest_s.max(longest_t) * self.weights.hi / determinant,
             Some(_) => longest_s * self.weights.hi / determinant,

@@ -2,9 +2,10 @@
 //! program in some use of that crate; each is held shut here.
 
 use glam::{DAffine3, DVec3};
-use nurbray::geometry::{NurbsSurface, shapes};
+use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{BuildOptions, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
+use nurbray::math::rounding::residual_factor;
 
 use crate::random::Random;
 
@@ -221,5 +222,67 @@ fn the_nearest_of_two_is_told_in_f64() {
         let answer = bvh.tracer().first_hit(&Query::primary(ray));
         assert_eq!(answer.hit.unwrap().surface, nearest, "gap {gap:e}");
         assert!(!answer.doubtful);
+    }
+}
+
+/// Weights of very different sizes make a surface run through most of its extent within a few
+/// roundings of its parameters: what cannot keep the promise there must say so.
+#[test]
+fn weights_of_many_magnitudes_are_answered_for() {
+    let mut random = Random::new(49);
+    // With each kernel a ray is asked twice, and most answers are certain up to 1e±6.
+    for (exponent, rays, least) in
+        [(1.0, 100, 2390), (3.0, 100, 2380), (6.0, 100, 2200), (30.0, 10, 1)]
+    {
+        let mut certain = 0;
+        for model in 0..12 {
+            let (p, q) = [(3, 3), (2, 2), (1, 4), (5, 2)][model % 4];
+            let mut points = Vec::new();
+            let mut weights = Vec::new();
+            for i in 0..=p {
+                for j in 0..=q {
+                    let z = 0.3 * random.between(-1.0, 1.0);
+                    points.push(DVec3::new(i as f64, j as f64, z));
+                    weights.push(10f64.powf(exponent * random.between(-1.0, 1.0)));
+                }
+            }
+            let [u, v] = [p, q].map(|degree| KnotVector::bezier(degree).unwrap());
+            let surface = NurbsSurface::new(u, v, points, Some(weights)).unwrap();
+            let bvh = build(std::slice::from_ref(&surface));
+            let rays: Vec<Ray> = (0..rays)
+                .map(|_| {
+                    // Evenly over the surface, not over its parameters: most of it is in a corner.
+                    let [u, v] = [(); 2].map(|()| {
+                        let near = 10f64.powf(-exponent * random.unit());
+                        if random.unit() < 0.5 { near } else { 1.0 - near }
+                    });
+                    let d = random.direction();
+                    Ray::new(surface.point_at(u, v) - 9.0 * d, d).unwrap()
+                })
+                .collect();
+            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                    let mut answers = Vec::new();
+                    bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
+                    for (answer, ray) in answers.iter().zip(&rays) {
+                        let context = || format!("1e±{exponent} {kernel} {coherence:?}: {ray:?}");
+                        if answer.doubtful {
+                            continue;
+                        }
+                        let Some(hit) = answer.hit.filter(|hit| hit.t < 9.0 + 1e-3) else {
+                            panic!("lost: {}", context());
+                        };
+                        let magnitude = ray.origin().abs().max_element().max(p.max(q) as f64);
+                        let promise = residual_factor(p, q) * magnitude;
+                        let residual = hit.point.distance(ray.at(hit.t));
+                        // What this sum rounds comes on top, and where parameters run unevenly a
+                        // packet's last step is known by its second order only.
+                        assert!(residual <= 2.0 * promise, "{residual:e}: {}", context());
+                        certain += 1;
+                    }
+                }
+            }
+        }
+        assert!(certain >= least, "1e±{exponent}: {certain} answers are certain");
     }
 }
