@@ -12,6 +12,7 @@ use glam::{DVec2, DVec4};
 use super::record::SearchRecord;
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
+use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::patch::TensorPatch;
 
 /// Steps in f64: one or two are usual after the search in f32.
@@ -19,6 +20,10 @@ const MOST_STEPS: u64 = 4;
 
 /// How much of the promised error a last step may leave behind.
 const PART_OF_ERROR: f64 = 0.125;
+
+/// What rounding of a parameter may move the point by, as a part of the promised error: one
+/// over this, per unit roundoff.
+const COARSEST: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// What became of a ray and a leaf.
 pub(super) enum Outcome {
@@ -100,7 +105,8 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
             let weights = [weight, sums[1][3] * half_s, sums[2][3] * half_t];
-            let found = Converged { st, step: DVec2::new(step_x, step_y), weights, at, a, b };
+            let step_of = DVec2::new(step_x, step_y);
+            let found = Converged { st, half: [half_s, half_t], step: step_of, weights, at, a, b };
             return (judge(&found, ray, error), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
@@ -114,6 +120,8 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
 struct Converged {
     /// After the last step.
     st: DVec2,
+    /// Half the leaf's sides.
+    half: [f64; 2],
     /// The last step, in box coordinates.
     step: DVec2,
     /// The weight before it and its derivatives by box coordinates; and the homogeneous sums as
@@ -127,7 +135,7 @@ struct Converged {
 /// Whether a root of the leaf is a hit.
 #[inline(always)]
 fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
-    let Converged { st, step, weights, at, a, b } = found;
+    let Converged { st, half, step, weights, at, a, b } = found;
     // What is left of the distance is taken off along the tangent plane.
     let [weight, along_x, along_y] = weights;
     let moved = weight - along_x * step.x - along_y * step.y;
@@ -146,7 +154,11 @@ fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
     let [z_min, z_max] = ray.frame.z_range;
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
-    if !(on_piece && clear) {
+    // Rounding of a parameter must be small against the error: no certificate has looked at it.
+    let speed = |tangent: &[f64; 3], along: f64| tangent[0].abs() + tangent[1].abs() + along.abs();
+    let speed = speed(a, across[0]) * half[1] + speed(b, across[1]) * half[0];
+    let fine = COARSEST * speed <= error * weight * half[0] * half[1];
+    if !(on_piece && clear && fine) {
         return Outcome::Undecided;
     }
     if !(z > z_min && z < z_max) {
