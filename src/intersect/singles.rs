@@ -233,13 +233,18 @@ impl<'a> Certain<'a> {
     #[inline(always)]
     fn hit(&self) -> Hit {
         let root = Root { piece: self.index, st: self.st, error: self.z_error() };
+        let (mut normal, mut flags) = (self.normal, self.flags);
+        if self.piece.is_tip(self.jet.point) {
+            normal = DVec3::NAN;
+            flags.insert(HitFlags::NO_NORMAL);
+        }
         Hit {
             t: self.z * self.frame.t_from_z,
             surface: self.piece.surface,
             uv: self.piece.uv(self.st),
             point: self.jet.point,
-            normal: self.normal,
-            flags: self.flags,
+            normal,
+            flags,
             root,
         }
     }

@@ -234,7 +234,8 @@ pub(super) fn answer_of<'m>(
 fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
-    let normal = meeting.normal.unwrap_or_else(|| {
+    let normal = meeting.normal.filter(|_| !piece.is_tip(meeting.jet.point));
+    let normal = normal.unwrap_or_else(|| {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });

@@ -52,7 +52,9 @@ impl Piece {
     }
 
     /// The unit normal at a point of the unit square; near collapsed sides its limit from
-    /// inside the piece. `None` where there is none.
+    /// inside the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit on
+    /// the way along the other parameter: not the surface's normal, but a bound of how flat a ray
+    /// may be.)
     ///
     /// At a distance `ρ` from a collapsed side the tangent along it is known to `error / ρ`,
     /// while the limit at the side itself differs by up to `ρ / size` from the truth: it is
@@ -84,9 +86,40 @@ impl Piece {
         if regular && !(0..4).any(near) {
             return cross.try_normalize();
         }
+        self.limit(place).or_else(|| cross.try_normalize())
+    }
+
+    /// Whether a point is a tip, as that of a cone, to within rounding: the end of a collapsed
+    /// side from which normals have different limits, and so the surface has none.
+    pub fn is_tip(&self, point: DVec3) -> bool {
+        let rounding = 4.0 * self.patch.residual_factor() * self.patch.magnitude();
+        (0..4).any(|side| {
+            let on_side = |tip: DVec3| point.distance(tip) <= rounding;
+            self.collapsed(side).is_some_and(on_side) && !self.has_one_limit(side)
+        })
+    }
+
+    /// The limit of the unit normal from inside the piece.
+    fn limit(&self, place: DVec2) -> Option<DVec3> {
         let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
         let inward = DVec2::new(inward(place.x), inward(place.y));
-        self.patch.derivatives(place).unit_normal(inward).or_else(|| cross.try_normalize())
+        self.patch.derivatives(place).unit_normal(inward)
+    }
+
+    /// Whether the normals along a collapsed side have one limit, as far as a few places tell.
+    fn has_one_limit(&self, side: usize) -> bool {
+        let half_the_digits = 1e-8;
+        let end = (side % 2) as f64;
+        let at = |along: f64| match side / 2 {
+            0 => self.limit(DVec2::new(end, along)),
+            _ => self.limit(DVec2::new(along, end)),
+        };
+        let limits = [0.1, 0.3, 0.5, 0.7, 0.9].map(at);
+        let first = limits[0];
+        limits.iter().all(|limit| match (first, limit) {
+            (Some(first), Some(limit)) => first.distance(*limit) <= half_the_digits,
+            _ => true, // nothing is known of a place without limit
+        })
     }
 
     /// The sides that are collapsed to a point.
