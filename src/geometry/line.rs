@@ -16,47 +16,88 @@ pub(crate) fn mix(a: DVec4, b: DVec4, alpha: f64) -> DVec4 {
     DVec4::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z), one(a.w, b.w))
 }
 
-/// Inserts the knots `new`, in increasing order, into a line of control points: the
-/// control points of the same spline over the knots it had and the new ones.
-///
-/// The new knots must lie in the domain and no knot may end up with more than `p + 1`
-/// copies. Adding the last of them duplicates a control point: there the spline falls apart.
+/// Knots to be inserted into lines of control points that share one knot vector: what depends on
+/// the knots alone, worked out once for all lines.
 ///
 /// Boehm 1980. Let `t` be among the knots `s` times already, and `l` the last knot below it.
 /// Inserting `t` once more keeps the points up to `l + s − p`, replaces those from there to
 /// `l` by `Q_i = (1 − αᵢ) P_{i−1} + αᵢ Pᵢ` with `αᵢ = (t − tᵢ) / (tᵢ₊ₚ − tᵢ)`, and continues
 /// with `P_l` and what came after it. Going from left to right, everything right of `t` is
 /// still untouched, so that one sweep does all insertions.
-pub(crate) fn refine(knots: &KnotVector, points: &[DVec4], new: &[f64]) -> Vec<DVec4> {
-    let p = knots.degree();
-    let old = knots.values();
-    let mut done_knots = Vec::with_capacity(old.len() + new.len());
-    let mut done = Vec::with_capacity(points.len() + new.len());
-    let (mut next_knot, mut next_point) = (0, 0);
-    for &t in new {
-        // Take over all knots up to t, and all points up to the last one that t changes.
-        let upto = next_knot + old[next_knot..].partition_point(|&knot| knot <= t);
-        done_knots.extend_from_slice(&old[next_knot..upto]);
-        next_knot = upto;
-        let below = done_knots.partition_point(|&knot| knot < t); // l + 1
-        if below > done.len() {
-            let missing = below - done.len();
-            done.extend_from_slice(&points[next_point..next_point + missing]);
-            next_point += missing;
-        }
+pub(crate) struct Insertions {
+    steps: Vec<Insertion>,
+    /// The `αᵢ` of all steps, those of each from the right.
+    alphas: Vec<f64>,
+}
 
-        // Insert: from the right, so that the old points are still there to be combined.
-        let (l, last) = (below - 1, done_knots.len() - 1);
-        done.insert(l + 1, done[l]);
-        for i in (last + 1 - p..=l).rev() {
-            let right = old[next_knot + (i + p - done_knots.len())];
-            let left = done_knots[i];
-            done[i] = mix(done[i - 1], done[i], (t - left) / (right - left));
+/// One knot to be inserted.
+struct Insertion {
+    /// How many points are taken over from the old line before.
+    taken: usize,
+    /// `l`: the last point that is replaced, and then repeated as it was.
+    last: usize,
+    /// How many points are replaced.
+    replaced: usize,
+}
+
+impl Insertions {
+    /// The knots `new`, in increasing order.
+    ///
+    /// They must lie in the domain and no knot may end up with more than `p + 1` copies. Adding
+    /// the last of them duplicates a control point: there the spline falls apart.
+    pub(crate) fn new(knots: &KnotVector, new: &[f64]) -> Self {
+        let p = knots.degree();
+        let old = knots.values();
+        let mut insertions = Self { steps: Vec::with_capacity(new.len()), alphas: Vec::new() };
+        let mut done_knots = Vec::with_capacity(old.len() + new.len());
+        let (mut next_knot, mut done) = (0, 0);
+        for &t in new {
+            // Take over all knots up to t, and all points up to the last one that t changes.
+            let upto = next_knot + old[next_knot..].partition_point(|&knot| knot <= t);
+            done_knots.extend_from_slice(&old[next_knot..upto]);
+            next_knot = upto;
+            let below = done_knots.partition_point(|&knot| knot < t); // l + 1
+            let taken = below.saturating_sub(done);
+            done += taken + 1;
+
+            let (last, last_knot) = (below - 1, done_knots.len() - 1);
+            let first = last_knot + 1 - p;
+            for i in (first..=last).rev() {
+                let right = old[next_knot + (i + p - done_knots.len())];
+                let left = done_knots[i];
+                insertions.alphas.push((t - left) / (right - left));
+            }
+            let replaced = (last + 1).saturating_sub(first);
+            insertions.steps.push(Insertion { taken, last, replaced });
+            done_knots.push(t);
         }
-        done_knots.push(t);
+        insertions
     }
-    done.extend_from_slice(&points[next_point..]);
-    done
+
+    /// The control points of the same spline over the knots it had and the new ones.
+    pub(crate) fn apply(&self, points: &[DVec4]) -> Vec<DVec4> {
+        let mut done = Vec::with_capacity(points.len() + self.steps.len());
+        let (mut rest, mut alphas) = (points, &self.alphas[..]);
+        for &Insertion { taken, last, replaced } in &self.steps {
+            let (taken, others) = rest.split_at(taken);
+            done.extend_from_slice(taken);
+            rest = others;
+            // From the right, so that the old points are still there to be combined.
+            done.insert(last + 1, done[last]);
+            let (own, others) = alphas.split_at(replaced);
+            for (k, &alpha) in own.iter().enumerate() {
+                done[last - k] = mix(done[last - k - 1], done[last - k], alpha);
+            }
+            alphas = others;
+        }
+        done.extend_from_slice(rest);
+        done
+    }
+}
+
+/// Inserts the knots `new` into one line: see [`Insertions`].
+pub(crate) fn refine(knots: &KnotVector, points: &[DVec4], new: &[f64]) -> Vec<DVec4> {
+    Insertions::new(knots, new).apply(points)
 }
 
 /// The knots `old` together with `new`, both in increasing order.

@@ -2,9 +2,10 @@
 //! splitting, degree elevation.
 
 use glam::DVec4;
+use rayon::prelude::*;
 
 use super::elevate::elevate;
-use super::line::{merged, refine, restrict};
+use super::line::{Insertions, merged, restrict};
 use super::{Direction, KnotError, KnotVector, MAX_DEGREE, NurbsSurface, SurfaceError};
 
 impl NurbsSurface {
@@ -49,7 +50,8 @@ impl NurbsSurface {
         let knots = self.knots(direction);
         let values = merged(knots.values(), new);
         let to = KnotVector::derived(knots.degree(), values);
-        self.with_lines(direction, to, |line| refine(knots, line, new))
+        let insertions = Insertions::new(knots, new);
+        self.with_lines(direction, to, |line| insertions.apply(line))
     }
 
     /// The same surface with knots of multiplicity `p + 1` at the ends of both domains and
@@ -65,7 +67,10 @@ impl NurbsSurface {
     /// where a knot of multiplicity `p + 1` lets the surface jump.
     #[must_use]
     pub fn bezier_form(&self) -> Self {
-        let clamped = self.clamped();
+        if !(self.knots_u().is_clamped() && self.knots_v().is_clamped()) {
+            return self.clamped().bezier_form();
+        }
+        let clamped = self;
         let missing_u = clamped.knots_u().missing_for_bezier();
         let missing_v = clamped.knots_v().missing_for_bezier();
         clamped.refined(Direction::U, &missing_u).refined(Direction::V, &missing_v)
@@ -157,12 +162,15 @@ impl NurbsSurface {
         &self,
         direction: Direction,
         knots: KnotVector,
-        operation: impl Fn(&[DVec4]) -> Vec<DVec4>,
+        operation: impl Fn(&[DVec4]) -> Vec<DVec4> + Sync,
     ) -> Self {
         let (nu, nv) = self.size();
         match direction {
             Direction::V => {
-                let control = self.control().chunks(nv).flat_map(operation).collect();
+                let length = knots.point_count();
+                let mut control = vec![DVec4::ZERO; nu * length];
+                let rows = control.par_chunks_mut(length).zip(self.control().par_chunks(nv));
+                rows.for_each(|(to, from)| to.copy_from_slice(&operation(from)));
                 Self::assembled([self.knots_u().clone(), knots], control)
             }
             Direction::U => {

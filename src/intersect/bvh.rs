@@ -1,13 +1,13 @@
 //! Surfaces ready to be traced.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use thiserror::Error;
 
-use super::hierarchy::Hierarchy;
-use super::wide::{LaneTree, WideTree};
+use super::tree::Tree;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
-use crate::patch::{PatchSet, PatchSetError};
+use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, ScaledBox, SceneFrame};
 
 /// How surfaces are prepared.
 #[derive(Clone, Debug, Default)]
@@ -27,9 +27,9 @@ pub enum BuildError {
 #[derive(Clone, Debug)]
 pub struct SurfaceBvh {
     pub(super) set: PatchSet,
-    pub(super) hierarchy: Hierarchy,
-    pub(super) wide: WideTree,
-    pub(super) lanes: LaneTree,
+    /// In the order of the tree.
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) tree: Tree,
 }
 
 impl SurfaceBvh {
@@ -41,11 +41,18 @@ impl SurfaceBvh {
         surfaces: &[S],
         _options: &BuildOptions,
     ) -> Result<Self, BuildError> {
-        let (set, boxes) = PatchSet::new(surfaces)?;
-        let hierarchy = Hierarchy::new(&set, &boxes);
-        let wide = WideTree::new(&set, &hierarchy);
-        let lanes = LaneTree::new(&hierarchy, wide.records());
-        Ok(Self { set, hierarchy, wide, lanes })
+        let (set, parts) = PatchSet::new(surfaces)?;
+        let frame = SceneFrame::around(&set.bounds());
+        let boxes: Vec<ScaledBox> =
+            parts.par_iter().map(|part| frame.scaled_box(&part.bounds)).collect();
+        let (mut tree, order) = Tree::new(frame, &boxes);
+        let leaves = order.par_iter().map(|&k| {
+            let part = &parts[k as usize];
+            Leaf::new(part, &set.pieces()[part.piece as usize], &frame)
+        });
+        let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
+        tree.fill(&boxes);
+        Ok(Self { set, leaves, tree })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -58,9 +65,14 @@ impl SurfaceBvh {
         Tracer::new(self, kernel)
     }
 
-    /// The pieces and leaves.
+    /// The pieces.
     pub fn patches(&self) -> &PatchSet {
         &self.set
+    }
+
+    /// The leaves, neighbours in space mostly side by side.
+    pub fn leaves(&self) -> &[Leaf] {
+        &self.leaves
     }
 
     /// The number of surfaces.
@@ -76,13 +88,13 @@ impl SurfaceBvh {
     /// The number of leaves of a surface.
     pub fn leaf_count(&self, surface: usize) -> usize {
         let pieces = self.set.pieces_of(surface);
-        let leaves = self.set.leaves().iter();
+        let leaves = self.leaves.iter();
         leaves.filter(|leaf| pieces.contains(&(leaf.piece as usize))).count()
     }
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        self.set.bytes() + self.hierarchy.bytes() + self.wide.bytes() + self.lanes.bytes()
+        self.set.bytes() + size_of_val(&self.leaves[..]) + self.tree.bytes()
     }
 
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.

@@ -6,7 +6,7 @@ use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
 use super::newton::{Grounds, Newton, newton, project};
 use super::{HitFlags, Occlusion, Root, Statistics};
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, PatchSet, Piece, WIDENING};
+use crate::patch::{Jet, LEAF_SLACK, Leaf, OrientedBox, Passage, PatchSet, Piece, WIDENING};
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +37,14 @@ pub(super) struct Question<'a> {
     pub(super) ray: &'a RayFrame,
     pub(super) t_range: [f64; 2],
     pub(super) from: Option<&'a Root>,
+}
+
+/// A leaf, with its box and its piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) leaf: &'a Leaf,
+    pub(super) oriented: &'a OrientedBox,
+    pub(super) piece: &'a Piece,
 }
 
 impl<'a> Question<'a> {
@@ -90,33 +98,34 @@ impl Findings {
 /// be missed; so it is where a step from beyond the leaf surely leads away. `z_limit` is how far along the ray anything is still of interest.
 pub(super) fn search(
     question: &Question<'_>,
-    leaf: &Leaf,
+    place: &Place<'_>,
     passage: &Passage,
     z_limit: f64,
     findings: &mut Findings,
 ) {
     findings.statistics.leaf_tests += 1;
-    let piece = &question.set.pieces()[leaf.piece as usize];
+    let Place { leaf, oriented, piece } = *place;
     let ray = question.ray;
     let error = error_bound(piece, ray);
 
-    if certified(leaf, ray, error) {
-        let widened = leaf.widened(WIDENING);
+    if certified(place, ray, error) {
+        let widened = leaf.widened(piece, WIDENING);
         let starts_here =
             question.from.is_some_and(|root| root.piece == leaf.piece && holds(widened, root.st));
         if starts_here {
             return; // the one root is the one the ray starts on
         }
         let start = first_guess(leaf, passage.middle);
-        let wanted = leaf.widened(LEAF_SLACK);
-        let grounds = Grounds { domain: widened, wanted, certificate: &leaf.certificate };
+        let wanted = leaf.widened(piece, LEAF_SLACK);
+        let (axes, bend) = (oriented.unit_axes(), leaf.certificate.bend());
+        let grounds = Grounds { domain: widened, wanted, axes, bend };
         let (end, steps) = newton(&piece.patch, ray, start, &grounds, error);
         findings.statistics.newton_iterations += u64::from(steps);
         match end {
             Newton::Converged { st, jet, z } => {
                 if holds(wanted, st) {
                     let solution = Solution { st, proof: Proof::Isolated(widened) };
-                    accept(question, leaf, &solution, Some((jet, z)), findings);
+                    accept(question, place, &solution, Some((jet, z)), findings);
                 }
                 return;
             }
@@ -124,24 +133,24 @@ pub(super) fn search(
             Newton::Failed => {}
         }
     }
-    search_exactly(question, leaf, z_limit, findings);
+    search_exactly(question, place, z_limit, findings);
 }
 
 /// The exact way: all roots by subdivision, whatever the certificate says.
 pub(super) fn search_exactly(
     question: &Question<'_>,
-    leaf: &Leaf,
+    place: &Place<'_>,
     z_limit: f64,
     findings: &mut Findings,
 ) {
-    let piece = &question.set.pieces()[leaf.piece as usize];
-    let rect = leaf.widened(LEAF_SLACK);
+    let Place { leaf, piece, .. } = *place;
+    let rect = leaf.widened(piece, LEAF_SLACK);
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
         rect,
-        wanted: leaf.rect,
-        collapsed: leaf.collapsed,
+        wanted: leaf.rect(),
+        collapsed: leaf.collapsed(piece),
         ray: question.ray,
         error: error_bound(piece, question.ray),
         z_range: [z_min, z_max.min(z_limit)],
@@ -154,7 +163,7 @@ pub(super) fn search_exactly(
     findings.statistics.exact_boxes += findings.solver.boxes - before;
     clip_stretches(piece, question.ray, &mut solutions);
     for solution in &solutions {
-        accept(question, leaf, solution, None, findings);
+        accept(question, place, solution, None, findings);
     }
     findings.solutions = solutions;
 }
@@ -186,15 +195,16 @@ pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
 
 /// Whether the leaf's certificate speaks of this ray, and rounding is small against the
 /// leaf.
-fn certified(leaf: &Leaf, ray: &RayFrame, error: f64) -> bool {
-    let certificate = &leaf.certificate;
-    let cosine = certificate.normal.dot(ray.axis).abs();
-    let slack = 0.5 * LEAF_SLACK * cosine;
-    let away_from_pole = certificate.pole.is_none_or(|pole| {
-        let distance = ray.coordinates(pole.point).truncate().length();
-        error * pole.spread <= slack * distance
+fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
+    let certificate = &place.leaf.certificate;
+    let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
+    let steep = slopes[2].abs();
+    let away_from_pole = place.leaf.pole(place.piece).is_none_or(|pole| {
+        let distance = ray.coordinates(pole).truncate().length();
+        error * f64::from(certificate.pole_per_error()) <= steep * distance
     });
-    certificate.holds(ray.axis) && error * certificate.spread <= slack && away_from_pole
+    let needed = error * f64::from(certificate.steep_per_error());
+    certificate.holds(slopes) && needed <= steep && away_from_pole
 }
 
 fn holds(rect: Rect, st: DVec2) -> bool {
@@ -204,18 +214,19 @@ fn holds(rect: Rect, st: DVec2) -> bool {
 /// Box coordinates run from −1 to 1 along the leaf's parameters.
 fn first_guess(leaf: &Leaf, middle: DVec2) -> DVec2 {
     let at = |[from, to]: [f64; 2], x: f64| 0.5 * ((from + to) + x * (to - from));
-    DVec2::new(at(leaf.rect[0], middle.x), at(leaf.rect[1], middle.y))
+    let [s, t] = leaf.rect();
+    DVec2::new(at(s, middle.x), at(t, middle.y))
 }
 
 /// Makes a meeting of a solution that lies on the piece and in the ray's range.
 fn accept(
     question: &Question<'_>,
-    leaf: &Leaf,
+    place: &Place<'_>,
     solution: &Solution,
     known: Option<(Jet, f64)>,
     findings: &mut Findings,
 ) {
-    let piece = &question.set.pieces()[leaf.piece as usize];
+    let Place { leaf, piece, .. } = *place;
     let ray = question.ray;
     let error = error_bound(piece, ray);
 
@@ -375,8 +386,9 @@ impl Solution {
 pub(super) fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
     let mut reach = [f64::NEG_INFINITY; 4];
     let mut any = false;
-    for side in (0..4).filter(|&side| piece.border[side]) {
-        let [from, to] = leaf.rect[side / 2];
+    let rect = leaf.rect();
+    for side in (0..4).filter(|&side| piece.is_border(side)) {
+        let [from, to] = rect[side / 2];
         let more = 4.0 * LEAF_SLACK * (to - from);
         let distance = if side % 2 == 0 { from } else { 1.0 - to };
         if distance <= more {
@@ -389,9 +401,6 @@ pub(super) fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
 
 /// Whether a point lies within rounding of a side that is a border of the surface.
 pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
-    piece
-        .side_distances(st, jet)
-        .into_iter()
-        .zip(piece.border)
-        .any(|(d, border)| border && d <= 4.0 * error)
+    let distances = piece.side_distances(st, jet);
+    (0..4).any(|side| piece.is_border(side) && distances[side] <= 4.0 * error)
 }

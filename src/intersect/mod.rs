@@ -57,6 +57,7 @@
 //! ```
 
 mod bvh;
+mod collapse;
 mod crossings;
 mod exact;
 mod hierarchy;
@@ -68,6 +69,8 @@ mod packets;
 mod singles;
 mod statistics;
 mod tracer;
+mod traverse;
+mod tree;
 mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::exact::Rect;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Certificate, Jet, TensorPatch};
+use crate::patch::{Jet, TensorPatch};
 
 /// Steps allowed: from a flat leaf's middle plane three are usual, since the number of
 /// correct digits doubles; what needs more is left to the exact solver.
@@ -31,36 +31,37 @@ pub(super) enum Newton {
 
 /// Where Newton's iteration may go, for a certified leaf and ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grounds<'a> {
+pub(super) struct Grounds {
     /// The rectangle on which there is at most one root.
     pub(super) domain: Rect,
     /// The part of it that roots are wanted in: the leaf with its slack.
     pub(super) wanted: Rect,
-    /// What is known of the leaf's tangents.
-    pub(super) certificate: &'a Certificate,
+    /// Unit vectors along the leaf's tangents and its normal, and how far the tangents bend: see
+    /// [`Certificate`](crate::patch::Certificate).
+    pub(super) axes: [DVec3; 3],
+    pub(super) bend: [[f64; 2]; 2],
 }
 
 /// Added to the certificate's measure of turning: far above what rounding does to a residual
-/// that is [`CLEAR`] of the error.
+/// that is [`CLEAR`] of the error, and f32 to the axes.
 pub(super) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals this much larger than the error.
 pub(super) const CLEAR: f64 = 1e4;
 
-impl Grounds<'_> {
+impl Grounds {
     /// Whether the step `−delta` from `st` proves that the leaf is missed; `f` is the residual.
     ///
     /// The cross product of `f` and a projected vector `v` is `v · g`, where `g` is `f` turned
     /// by a right angle in the plane perpendicular to the ray.
     fn rule_out(&self, ray: &RayFrame, st: DVec2, delta: DVec2, f: DVec2) -> bool {
-        let certificate = self.certificate;
         let g = f.x * ray.normals[1] - f.y * ray.normals[0];
-        let across = certificate.tangents.map(|tangent| tangent.dot(g).abs());
-        let normal = certificate.normal.dot(g).abs();
+        let [a, b, normal] = self.axes.map(|axis| axis.dot(g).abs());
+        let across = [a, b];
         (0..2).any(|k| {
             let [low, high] = self.wanted[k];
             let away = (st[k] < low && delta[k] > 0.0) || (st[k] > high && delta[k] < 0.0);
-            let [other, out] = certificate.bend[k];
+            let [other, out] = self.bend[k];
             let turned = other * across[k] + out * normal + SURELY * f.length();
             away && across[1 - k] > turned
         })
@@ -84,7 +85,7 @@ pub(super) fn newton(
     patch: &TensorPatch,
     ray: &RayFrame,
     start: DVec2,
-    grounds: &Grounds<'_>,
+    grounds: &Grounds,
     error: f64,
 ) -> (Newton, u32) {
     let domain = grounds.domain;

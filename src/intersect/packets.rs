@@ -21,7 +21,7 @@ impl Tracer<'_> {
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: what a ray is answered must not
             // depend on its neighbours.
-            if first.from().is_some() || self.bvh.set.leaves().is_empty() {
+            if first.from().is_some() || self.bvh.leaves.is_empty() {
                 answers.push(self.first_hit(&first.query()));
                 rest = &rest[1..];
                 continue;
@@ -40,8 +40,8 @@ impl Tracer<'_> {
         packet.load(shots);
         let statistics = &mut self.findings.statistics;
         statistics.rays += shots.len() as u64;
-        let (tree, set) = (&self.bvh.wide, &self.bvh.set);
-        dispatch!(level, simd => trace(simd, tree, set, packet, work, statistics));
+        let scene = self.bvh.scene();
+        dispatch!(level, simd => trace(simd, &scene, packet, work, statistics));
     }
 
     /// The search ray by ray for the rays and leaves the packet could not decide.

@@ -13,8 +13,8 @@ use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
-    fn scene(&self) -> Scene<'_> {
-        Scene { tree: &self.lanes, records: self.wide.records(), set: &self.set }
+    pub(super) fn scene(&self) -> Scene<'_> {
+        Scene { tree: &self.tree, leaves: &self.leaves, set: &self.set }
     }
 }
 
@@ -53,19 +53,21 @@ impl Tracer<'_> {
     /// along the ray; stops at the first certain hit if any will do.
     fn search_left(&mut self, query: &Query, frame: &RayFrame, limit: f64, wanted: Wanted) {
         let mut limit = limit;
-        let set = &self.bvh.set;
+        let bvh = self.bvh;
         let t_range = [query.ray.t_min(), query.ray.t_max()];
-        let question = Question { set, ray: frame, t_range, from: query.from.as_ref() };
+        let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
         self.findings.clear();
         for &index in &self.single.rest {
-            let leaf = &set.leaves()[index as usize];
-            let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
-            let Some(passage) = leaf.oriented.passage(frame, slack) else { continue };
+            let oriented = bvh.tree.oriented(index);
+            let place = bvh.place(index, &oriented);
+            let slack = leaf_search::error_bound(place.piece, frame);
+            let passage = oriented.passage(frame, &bvh.tree.frame, slack);
+            let Some(passage) = passage else { continue };
             if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
                 continue;
             }
             let before = self.findings.meetings.len();
-            leaf_search::search(&question, leaf, &passage, limit + slack, &mut self.findings);
+            leaf_search::search(&question, &place, &passage, limit + slack, &mut self.findings);
             for meeting in &self.findings.meetings[before..] {
                 match wanted {
                     // Up to the nearest meeting, and as far beyond as it may be off.
@@ -85,7 +87,7 @@ impl Tracer<'_> {
     /// `findings` holds what was found. `limit` is how far along the ray it is of interest.
     pub(super) fn search_leaf(&mut self, level: Level, ray: &Ray, leaf: u32, limit: f64) {
         let frame = RayFrame::new(ray);
-        let mut single = SingleRay::new(&frame, None, Wanted::First, &self.bvh.hierarchy);
+        let mut single = SingleRay::new(&frame, None, Wanted::First, &self.bvh.tree.frame);
         let (scene, work) = (self.bvh.scene(), &mut self.single);
         dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, &mut *work)));
         self.findings.statistics.newton_iterations += std::mem::take(&mut work.steps);
@@ -170,7 +172,7 @@ fn search<S: Simd>(
     (frame, wanted): (&RayFrame, Wanted),
 ) {
     let bvh = tracer.bvh;
-    let mut ray = SingleRay::new(frame, from, wanted, &bvh.hierarchy);
+    let mut ray = SingleRay::new(frame, from, wanted, &bvh.tree.frame);
     let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
     statistics.rays += 1;
     trace_single(simd, &bvh.scene(), &mut ray, (&mut *work, &mut *statistics));
@@ -198,22 +200,22 @@ struct Certain<'a> {
 impl<'a> Certain<'a> {
     #[inline(always)]
     fn new(bvh: &'a SurfaceBvh, frame: &'a RayFrame, hit: &SingleHit) -> Self {
-        let record = &bvh.wide.records()[hit.leaf as usize];
-        let index = record.piece();
+        let leaf = &bvh.leaves[hit.leaf as usize];
+        let index = leaf.piece;
         let piece = &bvh.set.pieces()[index as usize];
         let error = leaf_search::error_bound(piece, frame);
         let jet = piece.patch.jet(hit.st);
         let cross = jet.ds.cross(jet.dt);
         // Near a pole the normal is a limit.
-        let normal = if record.has_pole() {
+        let normal = if leaf.has_pole() {
             piece.normal(hit.st, &jet).unwrap_or(DVec3::NAN)
         } else {
             cross * (1.0 / cross.length())
         };
         let cosine = normal.dot(frame.axis);
         let mut flags = HitFlags::NONE;
-        if piece.border.contains(&true)
-            && near_border(&bvh.set.leaves()[hit.leaf as usize], piece, hit.st)
+        if piece.has_border()
+            && near_border(leaf, piece, hit.st)
             && leaf_search::at_border(piece, hit.st, &jet, error)
         {
             flags.insert(HitFlags::BORDER);

@@ -3,14 +3,15 @@
 use fearless_simd::Level;
 use glam::DVec3;
 
-use super::leaf_search::{self, Findings, Meeting, Question};
+use super::leaf_search::{self, Findings, Meeting, Place, Question};
+use super::tree::ChildCode;
 use super::wide::{PACKET, Packet, SingleWork, Work};
 use super::{
     Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
     crossings,
 };
 use crate::math::RayFrame;
-use crate::patch::{Leaf, Passage, PatchSet};
+use crate::patch::{OrientedBox, Passage, PatchSet};
 
 /// Answers questions on one thread: holds the scratch memory and the counts.
 ///
@@ -22,7 +23,7 @@ pub struct Tracer<'a> {
     /// The kernel's instructions: finding them out takes longer than some rays.
     level: Option<Level>,
     pub(super) findings: Findings,
-    stack: Vec<(f64, u32)>,
+    stack: Vec<(f64, ChildCode)>,
     pub(super) packets: Box<PacketScratch>,
     pub(super) single: SingleWork,
 }
@@ -50,7 +51,7 @@ impl Default for PacketScratch {
 }
 
 /// How a leaf is searched.
-type Search = fn(&Question<'_>, &Leaf, &Passage, f64, &mut Findings);
+type Search = fn(&Question<'_>, &Place<'_>, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
@@ -172,22 +173,23 @@ impl<'a> Tracer<'a> {
         search: Search,
         enough: impl Fn(&[Meeting]) -> f64,
     ) {
-        let set = &self.bvh.set;
+        let bvh = self.bvh;
         let t_range = [query.ray.t_min(), query.ray.t_max()];
-        let question = Question { set, ray: frame, t_range, from: query.from.as_ref() };
+        let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
         let findings = &mut self.findings;
         findings.clear();
         findings.statistics.rays += 1;
         let mut limit = frame.z_range[1];
-        let nodes = self.bvh.hierarchy.traverse(frame, &mut self.stack, |index| {
-            let leaf = &set.leaves()[index as usize];
-            let slack = leaf_search::error_bound(&set.pieces()[leaf.piece as usize], frame);
-            let Some(passage) = leaf.oriented.passage(frame, slack) else { return limit };
+        let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, oriented| {
+            let place = bvh.place(index, oriented);
+            let slack = leaf_search::error_bound(place.piece, frame);
+            let passage = oriented.passage(frame, &bvh.tree.frame, slack);
+            let Some(passage) = passage else { return limit };
             if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
                 return limit;
             }
             let before = findings.meetings.len();
-            search(&question, leaf, &passage, limit, findings);
+            search(&question, &place, &passage, limit, findings);
             if findings.meetings.len() > before {
                 limit = limit.min(enough(&findings.meetings));
             }
@@ -198,9 +200,23 @@ impl<'a> Tracer<'a> {
 }
 
 /// The exact solver as a way to search a leaf.
-fn exactly(question: &Question<'_>, leaf: &Leaf, _: &Passage, limit: f64, findings: &mut Findings) {
+fn exactly(
+    question: &Question<'_>,
+    place: &Place<'_>,
+    _: &Passage,
+    limit: f64,
+    findings: &mut Findings,
+) {
     findings.statistics.leaf_tests += 1;
-    leaf_search::search_exactly(question, leaf, limit, findings);
+    leaf_search::search_exactly(question, place, limit, findings);
+}
+
+impl SurfaceBvh {
+    /// What the search of a leaf works on, given the leaf's box.
+    pub(super) fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> Place<'b> {
+        let leaf = &self.leaves[leaf as usize];
+        Place { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
+    }
 }
 
 /// The first of some meetings, and whether what was doubtful could have come before it.

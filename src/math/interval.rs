@@ -41,7 +41,7 @@ impl Interval {
     /// Grown by `margin ≥ 0` at both ends.
     #[must_use]
     pub fn grown(self, margin: f64) -> Self {
-        Self { lo: (self.lo - margin).next_down(), hi: (self.hi + margin).next_up() }
+        Self { lo: self.lo - margin, hi: self.hi + margin }.outward()
     }
 
     /// The largest absolute value of a member.
@@ -52,17 +52,17 @@ impl Interval {
     /// Division by an interval of positive numbers.
     #[must_use]
     pub fn over_positive(self, divisor: Self) -> Self {
-        let quotients = [
-            self.lo / divisor.lo,
-            self.lo / divisor.hi,
-            self.hi / divisor.lo,
-            self.hi / divisor.hi,
-        ];
-        Self::hull(quotients).outward()
+        // The least quotient is that by the larger divisor where it is positive.
+        let lo = self.lo / if self.lo > 0.0 { divisor.hi } else { divisor.lo };
+        let hi = self.hi / if self.hi > 0.0 { divisor.lo } else { divisor.hi };
+        Self { lo, hi }.outward()
     }
 
+    /// Wider by one to two units in the last place at both ends, or by the least normal number.
+    #[inline]
     fn outward(self) -> Self {
-        Self { lo: self.lo.next_down(), hi: self.hi.next_up() }
+        let more = |x: f64| f64::EPSILON * x.abs() + f64::MIN_POSITIVE;
+        Self { lo: self.lo - more(self.lo), hi: self.hi + more(self.hi) }
     }
 }
 

@@ -1,12 +1,14 @@
-//! Pieces halved until they are flat enough to search.
+//! What is kept of a part of a piece, to search it.
 
-use glam::{DVec2, DVec3};
-use smallvec::SmallVec;
+use glam::DVec3;
 
+use super::fit::{Approximation, Fit};
+use super::oriented_box::Axes;
+use super::part::{Halving, noise};
 use super::tangents::{Certificate, CollapsedSide, Net};
-use super::tensor::euclidean;
-use super::{ControlNet, OrientedBox, Piece};
-use crate::math::{Aabb, bernstein, rounding};
+use super::up16::Up16;
+use super::{DyadicRect, OrientedBox, Part, Piece, SceneFrame};
+use crate::math::rounding;
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
 /// that a root on the line between two leaves is not lost to rounding in both.
@@ -16,195 +18,146 @@ pub const LEAF_SLACK: f64 = 1e-3;
 /// steps may stray there. Wider, it would speak of fewer rays.
 pub const WIDENING: f64 = 0.02;
 
-/// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
-/// for any surface worth drawing, and a cusp would never become flat.
-const MOST_HALVINGS: u32 = 16;
-
-/// A part of a piece that is flat enough to search, with everything the search needs.
+/// A part of a piece that is flat enough to search, in the common form that all leaves have,
+/// whatever the degree: four cache lines.
+///
+/// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
+/// to the other. The surface is approximated by a bicubic polynomial in `x` and `y`, relative to
+/// the leaf's middle, in scene units. It gives Newton's iteration a start; and since its distance
+/// from the surface is bounded ([`FitError`](super::FitError)), it can prove of one ray that a part of the leaf
+/// holds one root at most, or none. The leaf's [`OrientedBox`] is kept elsewhere, beside those of
+/// its neighbours in space.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Leaf {
+    fit: Fit,
+    /// The middle of the leaf.
+    pub middle: DVec3,
+    rect: DyadicRect,
     /// Which piece.
     pub piece: u32,
-    /// The part of the piece's unit square: from and to in `s`, then in `t`.
-    pub rect: [[f64; 2]; 2],
-    /// A close box around all points the leaf answers for.
-    pub oriented: OrientedBox,
     /// Which rays meet the leaf at most once.
     pub certificate: Certificate,
-    /// Where the leaf ends at a collapsed side of its piece.
-    pub collapsed: Option<CollapsedSide>,
+    fit_error: Up16,
+    slope_error: Up16,
+    fit_bend: Up16,
 }
 
 impl Leaf {
+    /// The leaf of a part, and the close box around all points it answers for.
+    pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, OrientedBox) {
+        let halving = Halving::over(piece, part.rect);
+        let collapsed = collapsed_side(part.rect, piece);
+        let Approximation { middle, fit, chords, error } =
+            Approximation::new(&halving, piece, part.rect);
+        let axes = Axes::along(chords);
+        let noise = noise(piece);
+        let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);
+
+        let widened = halving.widened(piece, collapsed);
+        let (degree, rational) = (piece.patch.degree(), piece.patch.is_rational());
+        // Parameters are known to half a unit in the last place of one.
+        let sides = part.rect.ranges().map(|[from, to]| to - from);
+        let spacing = rounding::UNIT_ROUNDOFF / sides[0].min(sides[1]);
+        let net = Net { degree, control: &widened, noise, rational, spacing };
+        let certificate = Certificate::new(&net, collapsed, &axes, &oriented);
+        let leaf = Self {
+            fit,
+            middle,
+            rect: part.rect,
+            piece: part.piece,
+            certificate,
+            fit_error: Up16::above(error.value),
+            slope_error: Up16::above(error.slope),
+            fit_bend: Up16::above(error.bend),
+        };
+        (leaf, oriented)
+    }
+
+    /// The part of the piece's unit square: from and to in `s`, then in `t`.
+    #[inline(always)]
+    pub fn rect(&self) -> [[f64; 2]; 2] {
+        self.rect.ranges()
+    }
+
+    /// The same, as a number that leaves of a piece can be put in order by.
+    pub fn place(&self) -> DyadicRect {
+        self.rect
+    }
+
     /// The leaf's rectangle with `part` of its sides added on each side, but for a side that
     /// is collapsed to a point.
-    pub fn widened(&self, part: f64) -> [[f64; 2]; 2] {
-        let mut rect = self.rect.map(|[from, to]| {
+    pub fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
+        let mut rect = self.rect().map(|[from, to]| {
             let more = part * (to - from);
             [from - more, to + more]
         });
-        match self.collapsed {
+        match self.collapsed(piece) {
             Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
             Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
             None => {}
         }
         rect
     }
-}
 
-/// A part of a piece on the way to become a leaf.
-#[derive(Clone, Debug)]
-pub(super) struct Part {
-    rect: [[f64; 2]; 2],
-    halvings: [u32; 2],
-    net: ControlNet,
-}
-
-impl Part {
-    /// A whole piece.
-    pub(super) fn whole(piece: &Piece) -> Self {
-        let net = piece.patch.control().collect();
-        Self { rect: [[0.0, 1.0]; 2], halvings: [0; 2], net }
+    /// Where the leaf ends at a collapsed side of its piece.
+    pub fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
+        collapsed_side(self.rect, piece)
     }
 
-    /// Hands over the parts of this part that are flat to within `flatness`.
-    pub(super) fn flattened(self, piece: &Piece, flatness: f64, done: &mut impl FnMut(Self)) {
-        match self.direction_to_halve(piece, flatness) {
-            None => done(self),
-            Some(direction) => {
-                let [first, second] = self.halves(piece, direction);
-                second.flattened(piece, flatness, done);
-                first.flattened(piece, flatness, done);
-            }
-        }
+    /// Where the leaf ends in a point, if it does.
+    pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
+        let side = self.collapsed(piece)?;
+        piece.collapsed_sides().find(|&(other, _)| other == side).map(|(_, point)| point)
     }
 
-    /// Where the part bends most, if that is more than `flatness`.
-    ///
-    /// The measure of a direction is the largest second difference of the control points
-    /// along it, times the second derivative's factor, over the longest row's chord: half
-    /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
-    fn direction_to_halve(&self, piece: &Piece, flatness: f64) -> Option<usize> {
-        let [p, q] = piece.patch.degree();
-        let noise = piece.patch.residual_factor() * piece.patch.magnitude();
-        let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
-        if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
-            return None; // rounding is all there is left to see
-        }
-        let rows = [(p, q + 1, q, 1), (q, 1, p, q + 1)];
-        let [bend_s, bend_t] = rows.map(|(degree, step, others, other_step)| {
-            let row = |k: usize, i: usize| points[k * other_step + i * step];
-            let chord = (0..=others).map(|k| row(k, 0).distance(row(k, degree)));
-            let longest = chord.fold(noise, f64::max);
-            let turns = (0..=others).flat_map(|k| (1..degree).map(move |i| (k, i)));
-            let second = turns
-                .map(|(k, i)| (row(k, i - 1) - 2.0 * row(k, i) + row(k, i + 1)).length())
-                .fold(0.0, f64::max);
-            (second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / longest, longest)
-        });
-
-        let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
-        let twist = corner(0, 0) - corner(0, 1) - corner(1, 0) + corner(1, 1);
-        let normal = (corner(1, 1) - corner(0, 0)).cross(corner(0, 1) - corner(1, 0));
-        let out_of_plane = twist.dot(normal.normalize_or_zero()).abs();
-        let longest = bend_s.1.max(bend_t.1);
-        let twist = out_of_plane / longest;
-
-        // Two collapsed sides at the two ends of a direction need a leaf each.
-        let both_ends = |at: usize| {
-            piece.collapsed(2 * at).is_some()
-                && piece.collapsed(2 * at + 1).is_some()
-                && self.halvings[at] == 0
-        };
-        let mut wanted = [bend_s.0.max(twist), bend_t.0.max(twist)];
-        for direction in 0..2 {
-            if both_ends(direction) {
-                wanted[direction] = f64::INFINITY;
-            }
-            if self.halvings[direction] >= MOST_HALVINGS {
-                wanted[direction] = 0.0;
-            }
-        }
-        if twist > flatness && twist >= bend_s.0.max(bend_t.0) && wanted[0] == wanted[1] {
-            return Some(usize::from(bend_t.1 > bend_s.1));
-        }
-        let direction = usize::from(wanted[1] > wanted[0]);
-        (wanted[direction] > flatness).then_some(direction)
+    /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.
+    #[inline(always)]
+    pub fn has_pole(&self) -> bool {
+        self.certificate.pole_per_error() > 0.0
     }
 
-    fn halves(self, piece: &Piece, direction: usize) -> [Self; 2] {
-        let degree = piece.patch.degree();
-        let [from, to] = self.rect[direction];
-        let middle = 0.5 * (from + to);
-        let half = |range: [f64; 2], rect_range: [f64; 2]| {
-            let mut part = self.clone();
-            part.rect[direction] = rect_range;
-            part.halvings[direction] += 1;
-            let mut ranges = [[0.0, 1.0]; 2];
-            ranges[direction] = range;
-            bernstein::restrict_net(&mut part.net, degree, ranges[0], ranges[1]);
-            part
-        };
-        [half([0.0, 0.5], [from, middle]), half([0.5, 1.0], [middle, to])]
+    /// The approximation: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
+    #[inline(always)]
+    pub fn fit(&self) -> &Fit {
+        &self.fit
     }
 
-    /// The finished leaf, and a box with sides along the axes that holds every point the leaf
-    /// answers for, but for rounding.
-    pub(super) fn into_leaf(self, index: u32, piece: &Piece) -> (Leaf, Aabb) {
-        let degree = piece.patch.degree();
-        let noise = piece.patch.residual_factor() * piece.patch.magnitude();
-        let collapsed = self.collapsed_side(piece);
-
-        // The leaf answers for its slack, but never beyond the piece.
-        let grown = |by: f64, direction: usize, inside: bool| {
-            let [from, to] = self.rect[direction];
-            let low = if from == 0.0 && inside { 0.0 } else { -by };
-            let high = if to == 1.0 && inside { 1.0 } else { 1.0 + by };
-            [low, high]
-        };
-        let mut answered = self.net.clone();
-        let slack = LEAF_SLACK;
-        bernstein::restrict_net(
-            &mut answered,
-            degree,
-            grown(slack, 0, true),
-            grown(slack, 1, true),
-        );
-        let bounds = Aabb::around(answered.iter().map(|&c| euclidean(c))).grown(noise);
-        let chords = self.chords(piece);
-        let oriented = OrientedBox::around(&answered, chords, noise);
-
-        // The certificate speaks of the widened rectangle, which ends at a collapsed side.
-        let mut ranges = [grown(WIDENING, 0, false), grown(WIDENING, 1, false)];
-        match collapsed {
-            Some(CollapsedSide::S(end)) => ranges[0][end] = end as f64,
-            Some(CollapsedSide::T(end)) => ranges[1][end] = end as f64,
-            None => {}
-        }
-        let mut widened = self.net.clone();
-        bernstein::restrict_net(&mut widened, degree, ranges[0], ranges[1]);
-        // Parameters are known to half a unit in the last place of one.
-        let sides = self.rect.map(|[from, to]| to - from);
-        let spacing = rounding::UNIT_ROUNDOFF / sides[0].min(sides[1]);
-        let net = Net { degree, control: &widened, noise, spacing };
-        let certificate = Certificate::new(&net, collapsed)
-            .unwrap_or_else(|| Certificate::none(chords[0].cross(chords[1]).normalize_or_zero()));
-        (Leaf { piece: index, rect: self.rect, oriented, certificate, collapsed }, bounds)
+    /// How far the approximation may be from the surface: see [`FitError`](super::FitError).
+    #[inline(always)]
+    pub fn fit_error(&self) -> f32 {
+        self.fit_error.value()
     }
 
-    fn collapsed_side(&self, piece: &Piece) -> Option<CollapsedSide> {
-        let touches = |side: CollapsedSide| match side {
-            CollapsedSide::S(end) => self.rect[0][end] == end as f64,
-            CollapsedSide::T(end) => self.rect[1][end] == end as f64,
-        };
-        piece.collapsed_sides().map(|(side, _)| side).find(|&side| touches(side))
+    /// The same of either partial derivative.
+    #[inline(always)]
+    pub fn slope_error(&self) -> f32 {
+        self.slope_error.value()
     }
 
-    /// The vectors across the middle of the part, in `s` and in `t`.
-    fn chords(&self, piece: &Piece) -> [DVec3; 2] {
-        let [s, t] = self.rect;
-        let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
-        let at = |s: f64, t: f64| piece.patch.point(DVec2::new(s, t));
-        [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
+    /// `M` of [`FitError`](super::FitError).
+    #[inline(always)]
+    pub fn fit_bend(&self) -> f32 {
+        self.fit_bend.value()
+    }
+
+    /// The lengths, about, of the half sides in `x` and `y`.
+    pub fn side_lengths(&self) -> [f32; 2] {
+        [4, 1].map(|k| {
+            let [x, y, z] = [self.fit[0][k], self.fit[1][k], self.fit[2][k]];
+            (x * x + y * y + z * z).sqrt()
+        })
     }
 }
+
+/// The collapsed side of a piece that a rectangle touches.
+fn collapsed_side(rect: DyadicRect, piece: &Piece) -> Option<CollapsedSide> {
+    let ranges = rect.ranges();
+    let touches = |side: CollapsedSide| match side {
+        CollapsedSide::S(end) => ranges[0][end] == end as f64,
+        CollapsedSide::T(end) => ranges[1][end] == end as f64,
+    };
+    piece.collapsed_sides().map(|(side, _)| side).find(|&side| touches(side))
+}
+
+const _: () = assert!(size_of::<Leaf>() == 256);

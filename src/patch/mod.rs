@@ -6,20 +6,28 @@
 //! a patch with its place: which surface, which rectangle of its knot domain, which sides
 //! are borders, which are collapsed to a point.
 //!
-//! A [`Leaf`] is a part of a piece, halved until it is flat. It holds bounds ([`Aabb`] and
-//! [`OrientedBox`]) proved to hold all its points, and a [`Certificate`]: the proof, made
-//! once, that every ray steep enough to its mean normal meets it at most once. Leaves are
-//! for searching only. Points are always computed on the whole piece, in one order of
-//! operations, so that neighbouring leaves agree on their common line.
+//! A piece is halved until it is flat: that gives [`Part`]s. A [`Leaf`] is what is kept of a part
+//! to search it: an approximation, and a [`Certificate`]: the proof, made once, that every ray
+//! steep enough to its mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`])
+//! are proved to hold all its points. Leaves are for searching only. Points are always computed
+//! on the whole piece, in one order of operations, so that neighbouring leaves agree on their
+//! common line.
 //!
 //! [`Aabb`]: crate::math::Aabb
 
+mod fit;
+mod fit_error;
+mod frame;
 mod leaf;
+mod net;
 mod oriented_box;
+mod part;
 mod piece;
+mod rect;
 mod set;
 mod tangents;
 mod tensor;
+mod up16;
 
 use glam::DVec4;
 use smallvec::SmallVec;
@@ -27,9 +35,14 @@ use smallvec::SmallVec;
 /// The homogeneous control points of a part of a piece: those of a bicubic lie in place.
 type ControlNet = SmallVec<[DVec4; 16]>;
 
+pub use fit::Fit;
+pub use fit_error::FitError;
+pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
+pub use part::Part;
 pub use piece::Piece;
+pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
-pub use tangents::{Certificate, CollapsedSide, Pole};
+pub use tangents::{Certificate, CollapsedSide};
 pub use tensor::{Jet, TensorPatch};

@@ -2,18 +2,32 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::SceneFrame;
 use super::tensor::euclidean;
 use crate::math::RayFrame;
 
-/// A parallelepiped around a leaf: the points `P` with `|rowₖ · (P − center)| ≤ 1`.
+/// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows, origins
+/// and directions to f32 over the distances a ray has inside the scene.
+const GROWTH: f64 = 4e-6;
+
+/// A parallelepiped around a leaf: the points `P`, in scaled coordinates, with
+/// `|rowₖ · P − offsetₖ| ≤ 1`.
 ///
 /// The first two coordinates follow the leaf's parameters, the third its normal, so the
 /// place where a ray crosses the third coordinate's zero is a good first guess of `(s, t)`.
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
-    center: DVec3,
-    rows: [DVec3; 3],
-    lengths: DVec3,
+    /// Each row with its offset.
+    pub rows: [[f32; 4]; 3],
+}
+
+/// Three independent directions to measure a leaf in: the first two along its chords, the third
+/// perpendicular to both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axes {
+    pub(super) axes: [DVec3; 3],
+    /// `dualⱼ · axisₖ` is 1 for `j = k`, else 0.
+    pub(super) dual: [DVec3; 3],
 }
 
 /// What a ray does to an oriented box.
@@ -28,20 +42,12 @@ pub struct Passage {
 }
 
 impl OrientedBox {
-    /// A box around control points, along a leaf's chords and normal.
+    /// A box around control points.
     ///
     /// `noise` is how far the points may be from the true ones; no side is thinner.
-    /// Directions that are degenerate are replaced by perpendicular ones.
-    pub(super) fn around(net: &[DVec4], chords: [DVec3; 2], noise: f64) -> Self {
-        let axes = frame(chords);
-        let determinant = axes[0].cross(axes[1]).dot(axes[2]);
-        let dual = [
-            axes[1].cross(axes[2]) / determinant,
-            axes[2].cross(axes[0]) / determinant,
-            axes[0].cross(axes[1]) / determinant,
-        ];
+    pub(super) fn around(net: &[DVec4], axes: &Axes, noise: f64, frame: &SceneFrame) -> Self {
+        let Axes { axes, dual } = axes;
         let origin = euclidean(net[net.len() / 2]);
-
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         for &c in net {
@@ -53,26 +59,49 @@ impl OrientedBox {
 
         let middle = 0.5 * (low + high);
         let center = origin + middle.x * axes[0] + middle.y * axes[1] + middle.z * axes[2];
+        let center = frame.scaled(center);
         let lengths = DVec3::from_array(dual.map(DVec3::length));
         let thinnest = 4.0 * noise * lengths + f64::MIN_POSITIVE;
         let half = (0.5 * (high - low)).max(DVec3::ZERO) * (1.0 + 1e-12) + thinnest;
-        let rows = [dual[0] / half.x, dual[1] / half.y, dual[2] / half.z];
-        Self { center, rows, lengths: lengths / half }
+        let rows = [0, 1, 2].map(|k| {
+            // In scaled coordinates lengths are larger by `scale`, rows smaller; then grown.
+            let row = dual[k] / (half[k] * frame.scale);
+            let row = row / (1.0 + GROWTH * row.length());
+            let offset = row.dot(center);
+            [row.x as f32, row.y as f32, row.z as f32, offset as f32]
+        });
+        Self { rows }
+    }
+
+    /// The rows, without their offsets.
+    #[inline(always)]
+    pub fn directions(&self) -> [DVec3; 3] {
+        self.rows.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()))
+    }
+
+    /// Unit vectors along the leaf's two chords and its normal.
+    #[inline(always)]
+    pub fn unit_axes(&self) -> [DVec3; 3] {
+        let [a, b, n] = self.directions();
+        [b.cross(n).normalize(), n.cross(a).normalize(), n.normalize()]
     }
 
     /// Where the ray passes within `slack` of the box; `None` when it does not.
     ///
     /// Written so that an undefined number counts as a passage: the leaf test then decides.
-    pub fn passage(&self, ray: &RayFrame, slack: f64) -> Option<Passage> {
-        let offset = ray.origin - self.center;
+    pub fn passage(&self, ray: &RayFrame, frame: &SceneFrame, slack: f64) -> Option<Passage> {
+        let origin = frame.scaled(ray.origin);
+        let rows = self.directions();
         let mut entry = f64::NEG_INFINITY;
         let mut exit = f64::INFINITY;
         let mut start = DVec3::ZERO;
         let mut slope = DVec3::ZERO;
         for k in 0..3 {
-            let (at, along) = (self.rows[k].dot(offset), self.rows[k].dot(ray.axis));
-            // Rounding of `at` grows with the distance of the origin from the box.
-            let reach = 1.0 + self.lengths[k] * slack + 8.0 * f64::EPSILON * at.abs();
+            let at = rows[k].dot(origin) - f64::from(self.rows[k][3]);
+            let along = rows[k].dot(ray.axis);
+            // Rounding grows with the distance of the origin from the scene.
+            let rounding = 8.0 * f64::EPSILON * (origin.abs().max_element() + 1.0);
+            let reach = 1.0 + rows[k].length() * (slack * frame.scale + rounding);
             let (near, far) = if along.abs() > 1e-300 {
                 let (a, b) = ((-reach - at) / along, (reach - at) / along);
                 (a.min(b), a.max(b))
@@ -93,18 +122,28 @@ impl OrientedBox {
         let z = if cross.is_finite() { cross.clamp(entry, exit.max(entry)) } else { entry };
         let middle = DVec2::new(start.x + z * slope.x, start.y + z * slope.y);
         let middle = middle.clamp(DVec2::splat(-1.0), DVec2::splat(1.0));
-        Some(Passage { entry: entry - spread, exit: exit + spread, middle })
+        let [entry, exit] = [entry - spread, exit + spread].map(|z| z / frame.scale);
+        Some(Passage { entry, exit, middle })
     }
+}
 
-    /// The half sides as vectors' dual rows, for tests and packers of wide boxes.
-    pub fn rows(&self) -> (DVec3, [DVec3; 3]) {
-        (self.center, self.rows)
+impl Axes {
+    /// Along the chords; directions that are degenerate are replaced by perpendicular ones.
+    pub(super) fn along(chords: [DVec3; 2]) -> Self {
+        let axes = independent(chords);
+        let determinant = axes[0].cross(axes[1]).dot(axes[2]);
+        let dual = [
+            axes[1].cross(axes[2]) / determinant,
+            axes[2].cross(axes[0]) / determinant,
+            axes[0].cross(axes[1]) / determinant,
+        ];
+        Self { axes, dual }
     }
 }
 
 /// Three independent directions, the first two along the chords where they are not
 /// degenerate, the third perpendicular to both.
-fn frame(chords: [DVec3; 2]) -> [DVec3; 3] {
+fn independent(chords: [DVec3; 2]) -> [DVec3; 3] {
     let [mut a, mut b] = chords;
     let longest = a.length().max(b.length());
     let degenerate = longest.is_nan() || longest <= 0.0;
@@ -126,38 +165,45 @@ fn frame(chords: [DVec3; 2]) -> [DVec3; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Ray;
+    use crate::math::{Aabb, Ray};
 
-    fn unit_square() -> OrientedBox {
+    fn unit_square() -> (OrientedBox, SceneFrame) {
         let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
         let net = corners.map(|(x, y)| DVec4::new(x, y, 0.0, 1.0));
-        OrientedBox::around(&net, [DVec3::X, DVec3::Y], 1e-15)
+        let frame = SceneFrame::around(&Aabb::around(net.map(euclidean)));
+        (OrientedBox::around(&net, &Axes::along([DVec3::X, DVec3::Y]), 1e-15, &frame), frame)
     }
 
-    fn frame_of(origin: DVec3, direction: DVec3) -> RayFrame {
-        RayFrame::new(&Ray::new(origin, direction).unwrap())
+    fn passage(origin: DVec3, direction: DVec3) -> Option<Passage> {
+        let (unit_square, frame) = unit_square();
+        let ray = RayFrame::new(&Ray::new(origin, direction).unwrap());
+        unit_square.passage(&ray, &frame, 1e-15)
     }
 
     #[test]
     fn first_guess_is_where_the_ray_crosses_the_plane() {
-        let ray = frame_of(DVec3::new(0.75, 0.25, 5.0), -DVec3::Z);
-        let passage = unit_square().passage(&ray, 0.0).unwrap();
-        assert!((passage.middle - DVec2::new(0.5, -0.5)).length() < 1e-12);
-        assert!((passage.entry - 5.0).abs() < 1e-12 && (passage.exit - 5.0).abs() < 1e-12);
+        let passage = passage(DVec3::new(0.75, 0.25, 5.0), -DVec3::Z).unwrap();
+        assert!((passage.middle - DVec2::new(0.5, -0.5)).length() < 4.0 * GROWTH);
+        let grown = 2.0 * GROWTH;
+        assert!((passage.entry - 5.0).abs() < grown && (passage.exit - 5.0).abs() < grown);
     }
 
     #[test]
     fn a_flat_box_is_met_along_its_plane_and_through_its_edges() {
-        let flat = unit_square();
         for (origin, direction) in [
             (DVec3::new(-1.0, 0.5, 0.0), DVec3::X),
             (DVec3::new(-1.0, 0.0, 0.0), DVec3::X),
             (DVec3::new(1.0, 1.0, 3.0), -DVec3::Z),
             (DVec3::new(2.0, 2.0, 0.0), DVec3::new(-1.0, -1.0, 0.0)),
         ] {
-            assert!(flat.passage(&frame_of(origin, direction), 1e-15).is_some(), "{origin}");
+            assert!(passage(origin, direction).is_some(), "{origin}");
         }
-        let beside = frame_of(DVec3::new(1.0 + 1e-9, 0.5, 3.0), -DVec3::Z);
-        assert!(flat.passage(&beside, 1e-15).is_none());
+        assert!(passage(DVec3::new(1.0 + 2.0 * GROWTH, 0.5, 3.0), -DVec3::Z).is_none());
+    }
+
+    #[test]
+    fn axes_are_those_of_the_net() {
+        let [a, b, n] = unit_square().0.unit_axes();
+        assert!((a - DVec3::X).length() + (b - DVec3::Y).length() + (n - DVec3::Z).length() < 1e-6);
     }
 }

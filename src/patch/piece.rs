@@ -1,11 +1,13 @@
 //! A Bézier piece in its place on a surface.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 
+use super::net::BezierNet;
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{Jet, TensorPatch};
-use crate::geometry::ChartMap;
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -14,35 +16,62 @@ pub struct Piece {
     pub patch: TensorPatch,
     /// Which surface, counted in the order given.
     pub surface: u32,
-    /// The knot rectangle of its chart that it covers: from and to in `u`, then in `v`.
-    pub domain: [[f64; 2]; 2],
-    /// Where the chart lies in the surface's parameters, if they are not the chart's own.
-    pub(super) map: Option<Box<ChartMap>>,
-    /// Which sides are borders of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
-    pub border: [bool; 4],
+    /// Which sides are borders of the surface, and which are collapsed, a bit each.
+    border: u8,
+    collapsed: u8,
     /// Whether another piece begins at the end of this one with something else, in `u` and in
     /// `v`, as where the surface jumps: the knot itself belongs to that piece.
-    pub open_end: [bool; 2],
-    /// The points sides are collapsed to; few pieces have any.
-    pub(super) collapsed: Option<Box<[Option<DVec3>; 4]>>,
+    open_end: u8,
 }
 
 impl Piece {
-    /// The surface parameters of a point of the unit square; exact at its corners, but at an
-    /// [open end](Self::open_end): there it is the last number before the knot.
-    pub fn uv(&self, st: DVec2) -> DVec2 {
-        let at = |k: usize| {
-            let [from, to] = self.domain[k];
-            let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
-            if self.open_end[k] && u >= to { to.next_down() } else { u }
-        };
-        let uv = DVec2::new(at(0), at(1));
-        self.map.as_ref().map_or(uv, |map| map.uv(uv))
+    /// The piece that begins with the given row and column of a net.
+    pub(super) fn new(net: &Arc<BezierNet>, surface: u32, first: [u32; 2]) -> Self {
+        let patch = TensorPatch::new(net, first);
+        let [u, v] = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
+        let bit = |k: usize, set: bool| u8::from(set) << k;
+        let border = u.border.into_iter().chain(v.border).enumerate();
+        let border = border.map(|(side, is_border)| bit(side, is_border)).sum();
+        let open_end = bit(0, u.open_end) | bit(1, v.open_end);
+        let collapsed = collapsed_sides(&patch);
+        Self { patch, surface, border, collapsed, open_end }
     }
 
-    /// The point a side is collapsed to; sides are counted as in [`Self::border`].
+    /// The knot rectangle of its chart that the piece covers: from and to in `u`, then in `v`.
+    pub fn domain(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|k| self.patch.net.spans[k][self.patch.first[k] as usize].domain)
+    }
+
+    /// Whether a side is a border of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
+    pub fn is_border(&self, side: usize) -> bool {
+        self.border >> side & 1 != 0
+    }
+
+    /// Whether any side is.
+    pub fn has_border(&self) -> bool {
+        self.border != 0
+    }
+
+    /// The surface parameters of a point of the unit square; exact at its corners, but at an
+    /// open end: there it is the last number before the knot.
+    pub fn uv(&self, st: DVec2) -> DVec2 {
+        let domain = self.domain();
+        let at = |k: usize| {
+            let [from, to] = domain[k];
+            let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
+            if self.open_end >> k & 1 != 0 && u >= to { to.next_down() } else { u }
+        };
+        self.patch.net.map.uv(DVec2::new(at(0), at(1)))
+    }
+
+    /// The point a side is collapsed to; sides are counted as in [`Self::is_border`].
     pub fn collapsed(&self, side: usize) -> Option<DVec3> {
-        self.collapsed.as_ref().and_then(|points| points[side])
+        if self.collapsed >> side & 1 == 0 {
+            return None;
+        }
+        let [p, q] = self.patch.degree();
+        let (i, j) = [(0, 0), (p, 0), (0, 0), (0, q)][side];
+        Some(euclidean(self.patch.row(i)[j]))
     }
 
     /// How far, to first order, a point is from the four sides.
@@ -131,23 +160,31 @@ impl Piece {
     }
 }
 
-/// The point each side of a piece is collapsed to: all its control points agree to a few
-/// roundings of their size.
-pub(super) fn collapsed(patch: &TensorPatch) -> Option<Box<[Option<DVec3>; 4]>> {
+/// The sides of a piece that are collapsed to a point, a bit each: all their control points
+/// agree with the first to a few roundings of their size.
+fn collapsed_sides(patch: &TensorPatch) -> u8 {
     let [p, q] = patch.degree();
     let tolerance = 4.0 * patch.residual_factor() * patch.magnitude();
-    let point_of = |places: &mut dyn Iterator<Item = (usize, usize)>| {
-        let mut points = places.map(|(i, j)| euclidean(patch.row(i)[j]));
-        let first = points.next()?;
-        points.all(|point| (point - first).abs().max_element() <= tolerance).then_some(first)
+    let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
+        let first = euclidean(patch.row(i)[j]);
+        // From the far end: sides that are not collapsed are told at once.
+        (1..=degree).rev().all(|k| {
+            let point = euclidean(patch.row(i + k * di)[j + k * dj]);
+            (point - first).abs().max_element() <= tolerance
+        })
     };
+    let (along_s, along_t) = ((1, 0), (0, 1));
     let sides = [
-        point_of(&mut (0..=q).map(|j| (0, j))),
-        point_of(&mut (0..=q).map(|j| (p, j))),
-        point_of(&mut (0..=p).map(|i| (i, 0))),
-        point_of(&mut (0..=p).map(|i| (i, q))),
+        is_point(along_t, (0, 0), q),
+        is_point(along_t, (p, 0), q),
+        is_point(along_s, (0, 0), p),
+        is_point(along_s, (0, q), p),
     ];
     // A piece that is a point all over has no sides to speak of.
-    let some = sides.iter().any(Option::is_some) && !sides.iter().all(Option::is_some);
-    some.then(|| Box::new(sides))
+    if sides == [true; 4] {
+        return 0;
+    }
+    (0..4).map(|side| u8::from(sides[side]) << side).sum()
 }
+
+const _: () = assert!(size_of::<Piece>() == 32);

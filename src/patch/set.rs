@@ -3,13 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec3, DVec4};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use thiserror::Error;
 
-use super::leaf::Part;
-use super::{Leaf, Piece, TensorPatch, piece};
-use crate::geometry::{Chart, ChartMap, Charts, KnotVector};
+use super::net::BezierNet;
+use super::part::Halving;
+use super::{Leaf, Part, Piece};
+use crate::geometry::{Chart, Charts};
 use crate::math::Aabb;
 
 /// How flat leaves are tried to be, from coarse to fine: see `Part::direction_to_halve`.
@@ -39,53 +40,52 @@ pub enum PatchSetError {
     },
 }
 
-/// Surfaces cut into Bézier pieces, and those into leaves; both in the order of the
-/// surfaces, whatever the number of threads.
+/// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
+/// threads.
 #[derive(Clone, Debug)]
 pub struct PatchSet {
     pieces: Vec<Piece>,
-    leaves: Vec<Leaf>,
     /// Holds every surface, but for rounding.
     bounds: Aabb,
-    /// The number of control points in the surfaces' nets.
-    points: usize,
+    /// The memory held by the surfaces' nets, in bytes.
+    net_bytes: usize,
     /// Where the pieces of each surface are.
     pieces_of: Vec<Range<usize>>,
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces and leaves; also returns a box around each leaf, for a
-    /// hierarchy.
+    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves, piece by
+    /// piece.
     ///
     /// # Errors
     /// When there are more than 32-bit indices can count.
-    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Vec<Aabb>), PatchSetError> {
+    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Vec<Part>), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
-        let cut: Vec<(Vec<Piece>, usize)> =
-            surfaces.par_iter().enumerate().map(|(k, surface)| pieces(surface, k as u32)).collect();
-        let points = cut.iter().map(|(_, points)| points).sum();
-        let mut pieces_of = Vec::with_capacity(cut.len());
-        let mut start = 0;
-        for (some, _) in &cut {
-            pieces_of.push(start..start + some.len());
-            start += some.len();
-        }
-        let pieces: Vec<Piece> = cut.into_iter().flat_map(|(pieces, _)| pieces).collect();
-        check_count("Bézier pieces", pieces.len())?;
-        let (leaves, boxes) = leaves(&pieces);
-        check_count("leaves", leaves.len())?;
-        let bounds = boxes.iter().fold(Aabb::EMPTY, |bounds, &leaf| bounds.union(leaf));
-        Ok((Self { pieces, leaves, bounds, points, pieces_of }, boxes))
+        let nets: Vec<Vec<_>> =
+            surfaces.par_iter().map(|surface| nets(&surface.charts())).collect();
+        let count = |(_, [u, v]): &(_, [Vec<u32>; 2])| u.len() * v.len();
+        let counts = nets.iter().map(|charts| charts.iter().map(count).sum::<usize>());
+        check_count("Bézier pieces", counts.clone().sum())?;
+        let net_bytes = nets.iter().flatten().map(|(net, _)| net.bytes()).sum();
+        let mut end = 0;
+        let pieces_of = counts.map(|count| {
+            end += count;
+            end - count..end
+        });
+        let pieces_of = pieces_of.collect();
+        let charts = (0u32..).zip(nets).flat_map(|(k, nets)| nets.into_iter().map(move |n| (k, n)));
+        let pieces: Vec<Piece> = charts
+            .flat_map(|(surface, (net, firsts))| pieces(&Arc::new(net), firsts, surface))
+            .collect();
+        let parts = parts(&pieces);
+        check_count("leaves", parts.len())?;
+        let bounds = parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
+        Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
     }
 
     /// The pieces, surface by surface.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
-    }
-
-    /// The leaves, piece by piece.
-    pub fn leaves(&self) -> &[Leaf] {
-        &self.leaves
     }
 
     /// The number of surfaces.
@@ -105,14 +105,7 @@ impl PatchSet {
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        let collapsed = self.pieces.iter().filter(|piece| piece.collapsed.is_some()).count();
-        let mapped = self.pieces.iter().filter(|piece| piece.map.is_some()).count();
-        size_of_val(&self.pieces[..])
-            + collapsed * size_of::<[Option<DVec3>; 4]>()
-            + mapped * size_of::<ChartMap>()
-            + self.points * size_of::<DVec4>()
-            + size_of_val(&self.leaves[..])
-            + size_of_val(&self.pieces_of[..])
+        size_of_val(&self.pieces[..]) + self.net_bytes + size_of_val(&self.pieces_of[..])
     }
 }
 
@@ -121,64 +114,32 @@ fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
     if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
-/// The Bézier pieces of a surface, chart by chart. Also returns the size of their nets.
-fn pieces(surface: &impl Charts, index: u32) -> (Vec<Piece>, usize) {
-    let mut pieces = Vec::new();
-    let points = surface.charts().iter().map(|chart| cut(chart, index, &mut pieces)).sum();
-    (pieces, points)
+/// The charts of a surface cut into pieces, and the rows and columns in which those begin.
+fn nets(charts: &[Chart<'_>]) -> Vec<(BezierNet, [Vec<u32>; 2])> {
+    charts.par_iter().map(BezierNet::new).collect()
 }
 
-/// Cuts a chart into Bézier pieces, by knot insertion to full multiplicity: neighbours get the
-/// same control points on the edge they share. Returns the size of their net.
-fn cut(chart: &Chart<'_>, index: u32, pieces: &mut Vec<Piece>) -> usize {
-    let bezier = chart.surface.bezier_form();
-    let (_, nv) = bezier.size();
-    let knots = [bezier.knots_u(), bezier.knots_v()];
-    let degree = knots.map(KnotVector::degree);
-    let [p, q] = degree;
-    let map = match chart.map {
-        ChartMap::Identity => None,
-        ChartMap::Bilinear(_) => Some(Box::new(chart.map)),
+/// The Bézier pieces of a chart. Neighbours have the same control points on the edge they
+/// share.
+fn pieces(net: &Arc<BezierNet>, [rows, columns]: [Vec<u32>; 2], surface: u32) -> Vec<Piece> {
+    let row = |&i: &u32| {
+        let net = Arc::clone(net);
+        columns.iter().map(move |&j| Piece::new(&net, surface, [i, j])).collect::<Vec<_>>()
     };
-
-    let net: Arc<[DVec4]> = bezier.control().into();
-    for u in knots[0].spans() {
-        for v in knots[1].spans() {
-            let patch = TensorPatch::new(degree, (&net, nv), [u.index - p, v.index - q]);
-            let collapsed = piece::collapsed(&patch);
-            let domain = [[u.start, u.end], [v.start, v.end]];
-            let border = [0, 1, 2, 3].map(|side| {
-                let (knots, t) = (knots[side / 2], domain[side / 2][side % 2]);
-                let (start, end) = knots.domain();
-                let ends = t == [start, end][side % 2];
-                if ends { chart.border[side] } else { jumps(knots, t) }
-            });
-            let open_end = [0, 1].map(|k| {
-                let (knots, end) = (knots[k], domain[k][1]);
-                if end == knots.domain().1 { chart.open_end[k] } else { jumps(knots, end) }
-            });
-            let (surface, map) = (index, map.clone());
-            pieces.push(Piece { patch, surface, domain, map, border, open_end, collapsed });
-        }
-    }
-    net.len()
+    rows.par_iter().flat_map_iter(row).collect()
 }
 
-/// Whether the surface may jump at a knot inside the domain.
-fn jumps(knots: &KnotVector, t: f64) -> bool {
-    let (start, end) = knots.domain();
-    start < t && t < end && knots.multiplicity(t) > knots.degree()
-}
-
-/// The leaves of all pieces, and a box around each: as flat as their number allows.
-fn leaves(pieces: &[Piece]) -> (Vec<Leaf>, Vec<Aabb>) {
+/// The parts of all pieces that are to be leaves: as flat as their number allows.
+fn parts(pieces: &[Piece]) -> Vec<Part> {
     let flatness = worthwhile_flatness(pieces);
-    let leaves = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
-        let mut parts = Vec::new();
-        Part::whole(piece).flattened(piece, flatness, &mut |part| parts.push(part));
-        parts.into_iter().map(move |part| part.into_leaf(k as u32, piece))
+    let parts = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
+        let mut parts = SmallVec::<[Part; 1]>::new();
+        Halving::whole(piece).flattened(piece, flatness, &mut |halving| {
+            parts.push(halving.part(k as u32, piece));
+        });
+        parts
     });
-    leaves.unzip()
+    parts.collect()
 }
 
 /// The finest flatness whose leaves take no more room than is worthwhile.
@@ -191,7 +152,7 @@ fn worthwhile_flatness(pieces: &[Piece]) -> f64 {
         }
         let counts = pieces.par_iter().map(|piece| {
             let mut count = 0;
-            Part::whole(piece).flattened(piece, flatness, &mut |_| count += 1);
+            Halving::whole(piece).flattened(piece, flatness, &mut |_| count += 1);
             count
         });
         if counts.sum::<usize>() > most {

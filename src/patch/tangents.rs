@@ -2,9 +2,11 @@
 
 use glam::{DVec3, DVec4};
 
-use super::ControlNet;
+use super::oriented_box::Axes;
 use super::tensor::euclidean;
-use crate::math::{Interval, rounding};
+use super::up16::Up16;
+use super::{ControlNet, LEAF_SLACK, OrientedBox};
+use crate::math::Interval;
 
 /// A promise about all rays that are steep enough: each meets the leaf, widened on all
 /// sides, at most once; and how far the leaf's tangents turn.
@@ -17,7 +19,7 @@ use crate::math::{Interval, rounding};
 /// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
 /// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
 /// the coefficients, gives a box around every coefficient of `a` and of `b`, in the frame
-/// `(a₀, b₀, n)` of their means: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. With
+/// `(a₀, b₀, n)` of the leaf's chords and its normal: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. With
 /// `α₁ > 0` in all of these boxes the quotients `α₂/α₁` and `α₃/α₁` of sums of members are
 /// weighted means of those of the members, and `b` likewise: intervals around the quotients
 /// of the coefficients hold those of the means of `a` and of `b` over any set.
@@ -56,31 +58,40 @@ use crate::math::{Interval, rounding};
 /// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m`. A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
 /// owner compares that with the slack it allows itself.
+///
+/// # What is kept
+/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
+/// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The
+/// factors are kept in units of the third slope, in sixteen bits, rounded up: every condition
+/// becomes a little harder to meet, by less than 1 %. Rows in f32 are off by 2⁻²⁴ of their
+/// length; that, and six roundings of f32 of each of the three slopes, are covered by
+/// [`Self::rounding`].
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
-    /// The unit normal `n`.
-    pub normal: DVec3,
-    /// `A` and `B`: a ray with `|n·d| > |A·d| + |B·d|` meets the widened leaf at most once.
-    pub turning: [DVec3; 2],
-    /// Unit vectors along `a₀` and `b₀`.
-    pub tangents: [DVec3; 2],
+    /// A ray with slopes `a, b, c` meets the widened leaf at most once where
+    /// `|c| > turning₀ |a| + turning₁ |b| + rounding`.
+    turning: [Up16; 2],
+    rounding: Up16,
+    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the
+    /// root where also `|c| ≥ ε steep_per_error`.
+    steep_per_error: Up16,
     /// For a step in `s`, then in `t`: how much of the other tangent, and of the normal, may
     /// have to be added to `b₀`, or `a₀`, for those of the unit vectors.
-    pub bend: [[f64; 2]; 2],
-    /// See above; per unit of distance.
-    pub spread: f64,
-    /// At a collapsed side: where it is, and the spread times the distance from it.
-    pub pole: Option<Pole>,
+    bend: [[Up16; 2]; 2],
+    /// In a leaf that ends in a pole: `|c| ρ ≥ ε pole_per_error` is needed, too, for a ray at
+    /// the distance `ρ` from the pole. Zero for other leaves.
+    pole_per_error: Up16,
 }
 
-/// A side of a leaf that is collapsed to a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Pole {
-    /// The point.
-    pub point: DVec3,
-    /// The parameter along the side errs by at most `ε·spread / (distance·cos θ)` sides
-    /// of the leaf, where `distance` is that of the ray from the point.
-    pub spread: f64,
+/// What is proved of a leaf: see [`Certificate`].
+struct Proof {
+    /// The lengths of `A` and `B`.
+    turning: [f64; 2],
+    bend: [[f64; 2]; 2],
+    spread: f64,
+    /// At a pole: the parameter along the collapsed side errs by at most
+    /// `ε·spread / (ρ·cos θ)` sides of the leaf.
+    pole_spread: f64,
 }
 
 /// Which side of a leaf's rectangle is collapsed.
@@ -99,49 +110,104 @@ const MARGIN: f64 = 1.02;
 /// uncertified, and what rounding does to `A·d` and `B·d` grows with their lengths.
 const MOST_TURNING: f64 = 4.0;
 
+/// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
+/// length: eight roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
+const ROUNDING: f64 = 2.5e-6;
+
+/// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
+const MOST_BEND: f64 = 1e3;
+
 impl Certificate {
-    /// No ray is certified.
-    pub(super) fn none(normal: DVec3) -> Self {
+    /// The certificate of the net over the widened rectangle, for rays measured by the leaf's
+    /// box. It holds for no ray when the tangents turn too far, or nothing can be said.
+    pub(super) fn new(
+        net: &Net<'_>,
+        collapsed: Option<CollapsedSide>,
+        axes: &Axes,
+        oriented: &OrientedBox,
+    ) -> Self {
+        let lengths = oriented.directions().map(DVec3::length);
+        let Some(proof) = Proof::new(net, collapsed, axes) else { return Self::none(collapsed) };
+        // `A` is perpendicular to `a₀`, as is the second row; `B` and `b₀` likewise.
+        let [a, b] = [0, 1].map(|k| proof.turning[1 - k] * lengths[2] / lengths[k]);
+        // Both with a little more than the rounding of the products to f32 on the way.
+        let slack = 0.5 * LEAF_SLACK * 0.999;
         Self {
-            normal,
-            turning: [DVec3::ZERO; 2],
-            tangents: [DVec3::ZERO; 2],
-            bend: [[f64::INFINITY; 2]; 2],
-            spread: f64::INFINITY,
-            pole: None,
+            turning: [Up16::above(a), Up16::above(b)],
+            rounding: Up16::above(ROUNDING * lengths[2]),
+            steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
+            bend: proof.bend.map(|bend| bend.map(Up16::above)),
+            pole_per_error: Up16::above(proof.pole_spread * lengths[2] / slack),
         }
     }
 
-    /// Whether a ray of this unit direction meets the widened leaf at most once.
-    pub fn holds(&self, direction: DVec3) -> bool {
-        let [a, b] = self.turning.map(|turning| turning.dot(direction).abs());
-        // Six roundings of each of the three, whose lengths add up to no more than five.
-        let rounding = 30.0 * rounding::UNIT_ROUNDOFF;
-        self.spread.is_finite() && self.normal.dot(direction).abs() > a + b + rounding
+    /// No ray is certified.
+    fn none(collapsed: Option<CollapsedSide>) -> Self {
+        let never = Up16::above(f64::INFINITY);
+        let pole_per_error = if collapsed.is_some() { never } else { Up16::above(0.0) };
+        Self {
+            turning: [never; 2],
+            rounding: never,
+            steep_per_error: never,
+            bend: [[never; 2]; 2],
+            pole_per_error,
+        }
     }
 
-    /// The certificate of the net over the widened rectangle; `None` when the tangents
-    /// turn too far, or nothing can be said.
-    pub(super) fn new(net: &Net<'_>, collapsed: Option<CollapsedSide>) -> Option<Self> {
+    /// Whether a ray with these slopes meets the widened leaf at most once.
+    pub fn holds(&self, [a, b, c]: [f64; 3]) -> bool {
+        let [by_a, by_b] = self.turning.map(|turning| f64::from(turning.value()));
+        c.abs() > by_a * a.abs() + by_b * b.abs() + f64::from(self.rounding.value())
+    }
+
+    /// The factors of the first two slopes, and what is added for rounding.
+    #[inline(always)]
+    pub fn turning(&self) -> [f32; 3] {
+        [self.turning[0].value(), self.turning[1].value(), self.rounding.value()]
+    }
+
+    /// The third slope needed for an error of one scene unit.
+    #[inline(always)]
+    pub fn steep_per_error(&self) -> f32 {
+        self.steep_per_error.value()
+    }
+
+    /// The same, times the distance from the pole; zero for leaves without one.
+    #[inline(always)]
+    pub fn pole_per_error(&self) -> f32 {
+        self.pole_per_error.value()
+    }
+
+    /// How much of the other tangent and of the normal is to be reckoned with, for a step in
+    /// `s`, then in `t`.
+    #[inline(always)]
+    pub fn bend(&self) -> [[f64; 2]; 2] {
+        self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
+    }
+}
+
+impl Proof {
+    fn new(net: &Net<'_>, collapsed: Option<CollapsedSide>, axes: &Axes) -> Option<Self> {
+        let [a, b, _] = axes.axes;
         match collapsed {
-            None => {
-                let tangents = Tangents::regular(net, net.middle())?;
-                tangents.certificate(None)
-            }
+            None => Tangents::regular(net, net.middle())?.proof(None, [a, b]),
             Some(side) => {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
-                let turned = net.with_collapsed_first(side);
-                let net = Net { degree: turned.0, control: &turned.1, ..*net };
+                let (degree, control) = net.with_collapsed_first(side);
+                let net = Net { degree, control: &control, ..*net };
                 let pole = euclidean(net.control[0]);
-                let mut certificate = Tangents::at_pole(&net, pole)?.certificate(Some(pole))?;
-                if turned.2 {
-                    certificate.normal = -certificate.normal;
+                let tangents = Tangents::at_pole(&net, pole)?;
+                match side {
+                    CollapsedSide::T(0) => tangents.proof(Some(pole), [a, b]),
+                    CollapsedSide::T(_) => tangents.proof(Some(pole), [a, -b]),
+                    CollapsedSide::S(end) => {
+                        let a = if end == 0 { a } else { -a };
+                        let mut proof = tangents.proof(Some(pole), [b, a])?;
+                        proof.turning.reverse();
+                        proof.bend.reverse();
+                        Some(proof)
+                    }
                 }
-                if let CollapsedSide::S(_) = side {
-                    certificate.tangents.reverse();
-                    certificate.bend.reverse();
-                }
-                Some(certificate)
             }
         }
     }
@@ -154,6 +220,8 @@ pub(super) struct Net<'a> {
     pub(super) control: &'a [DVec4],
     /// How far a control point may be from the true one, in scene units.
     pub(super) noise: f64,
+    /// Whether the weights differ.
+    pub(super) rational: bool,
     /// What rounding moves a parameter by, as a part of the net's side.
     pub(super) spacing: f64,
 }
@@ -163,9 +231,8 @@ impl Net<'_> {
         euclidean(self.control[self.control.len() / 2])
     }
 
-    /// The net turned so that the collapsed side becomes `t = 0`, and whether that
-    /// flipped its orientation.
-    fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], ControlNet, bool) {
+    /// The net turned so that the collapsed side becomes `t = 0`.
+    fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], ControlNet) {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
@@ -175,10 +242,10 @@ impl Net<'_> {
                 .collect()
         };
         match side {
-            CollapsedSide::T(0) => ([p, q], self.control.into(), false),
-            CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j)), true),
-            CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i)), true),
-            CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i)), false),
+            CollapsedSide::T(0) => ([p, q], self.control.into()),
+            CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j))),
+            CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i))),
+            CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i))),
         }
     }
 }
@@ -192,15 +259,22 @@ struct Field {
 impl Field {
     fn derivative_s(&self) -> Self {
         let [p, q] = self.degree;
-        let values = (0..p * (q + 1)).map(|k| (self.values[k + q + 1] - self.values[k]) * p as f64);
-        Self { degree: [p - 1, q], values: values.collect() }
+        let mut values = ControlNet::with_capacity(p * (q + 1));
+        for (here, after) in self.values.iter().zip(&self.values[q + 1..]) {
+            values.push((*after - *here) * p as f64);
+        }
+        Self { degree: [p - 1, q], values }
     }
 
     fn derivative_t(&self) -> Self {
         let [p, q] = self.degree;
-        let pairs = (0..=p).flat_map(|i| (0..q).map(move |j| i * (q + 1) + j));
-        let values = pairs.map(|k| (self.values[k + 1] - self.values[k]) * q as f64);
-        Self { degree: [p, q - 1], values: values.collect() }
+        let mut values = ControlNet::with_capacity((p + 1) * q);
+        for row in self.values.chunks_exact(q + 1) {
+            for (here, after) in row.iter().zip(&row[1..]) {
+                values.push((*after - *here) * q as f64);
+            }
+        }
+        Self { degree: [p, q - 1], values }
     }
 
     /// The quotient by `t`; the first coefficient of each row is taken for zero.
@@ -210,10 +284,6 @@ impl Field {
         let factor = |j: usize| q as f64 / (j + 1) as f64;
         let values = pairs.map(|(i, j)| self.values[i * (q + 1) + j + 1] * factor(j));
         Self { degree: [p, q - 1], values: values.collect() }
-    }
-
-    fn mean(&self) -> DVec4 {
-        self.values.iter().sum::<DVec4>() / self.values.len() as f64
     }
 
     fn weights(&self) -> Interval {
@@ -226,7 +296,7 @@ impl Field {
     }
 
     fn length(&self) -> f64 {
-        self.values.iter().map(|value| value.truncate().length()).fold(0.0, f64::max)
+        self.values.iter().map(|value| value.truncate().length_squared()).fold(0.0, f64::max).sqrt()
     }
 }
 
@@ -234,9 +304,10 @@ impl Field {
 struct Tangents {
     along_s: Field,
     along_t: Field,
-    /// What is multiplied with `W_s`: `S − c`, or `X̃ / W` at a pole.
-    factor_s: Field,
-    factor_t: Field,
+    /// What is multiplied with `W_s`: `S − c`, or `X̃ / W` at a pole; nothing where `W` is
+    /// constant.
+    factor_s: Option<Field>,
+    factor_t: Option<Field>,
     /// Range of the weights by which each factor is divided; one where it is a point.
     weights: Interval,
     weight_slopes: [Interval; 2],
@@ -254,29 +325,45 @@ impl Tangents {
             return None;
         }
         let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
-        let weight_slopes = [along_s.weights(), along_t.weights()];
-        let offsets = || Field {
-            degree: field.degree,
-            values: field.values.iter().map(|x| (x.truncate() / x.w).extend(1.0)).collect(),
-        };
-        let (factor_s, factor_t) = (offsets(), offsets());
         let noise = net.noise * weights.hi;
         let longest = 0.0625 * net.noise / net.spacing;
+        if !net.rational {
+            // The differences of equal weights are rounding, and part of the noise.
+            let weight_slopes = [Interval::point(0.0); 2];
+            let (factor_s, factor_t) = (None, None);
+            return Some(Self {
+                along_s,
+                along_t,
+                factor_s,
+                factor_t,
+                weights,
+                weight_slopes,
+                noise,
+                longest,
+            });
+        }
+        let weight_slopes = [along_s.weights(), along_t.weights()];
+        let offsets = || {
+            let values = field.values.iter().map(|x| (x.truncate() / x.w).extend(1.0)).collect();
+            Some(Field { degree: field.degree, values })
+        };
+        let (factor_s, factor_t) = (offsets(), offsets());
         Some(Self { along_s, along_t, factor_s, factor_t, weights, weight_slopes, noise, longest })
     }
 
     fn at_pole(net: &Net<'_>, pole: DVec3) -> Option<Self> {
         let mut tangents = Self::regular(net, pole)?;
         let over_t = recentred(net, pole).over_t();
-        let weight_slope = tangents.weight_slopes[0];
         tangents.along_s = over_t.derivative_s();
+        tangents.noise *= net.degree[1] as f64;
+        if !net.rational {
+            return Some(tangents);
+        }
         let lowest = tangents.weights.lo;
         let scaled = over_t.values.iter().map(|x| (x.truncate() / lowest).extend(1.0));
         // X̃ / W lies between 0 and the hull of X̃ / min W, component by component.
         let values = scaled.chain([DVec4::ZERO]).collect();
-        tangents.factor_s = Field { degree: over_t.degree, values };
-        tangents.weight_slopes[0] = weight_slope;
-        tangents.noise *= net.degree[1] as f64;
+        tangents.factor_s = Some(Field { degree: over_t.degree, values });
         Some(tangents)
     }
 
@@ -290,7 +377,10 @@ impl Tangents {
         let degree = along.degree[which] as f64 + 1.0;
         let boxes = directions.map(|direction| {
             let noise = 4.0 * degree * self.noise * direction.length();
-            (factor.component(direction) * self.weight_slopes[which]).grown(noise)
+            let product = factor.as_ref().map_or(Interval::point(0.0), |factor| {
+                factor.component(direction) * self.weight_slopes[which]
+            });
+            product.grown(noise)
         });
         let mut turns =
             Turns { least: f64::INFINITY, other: Interval::EMPTY, normal: Interval::EMPTY };
@@ -309,14 +399,8 @@ impl Tangents {
         Some(turns)
     }
 
-    fn certificate(&self, pole: Option<DVec3>) -> Option<Certificate> {
-        // The frame: means of both tangents, their dual basis, the normal.
-        let mean = |along: &Field, factor: &Field, slopes: Interval| {
-            let slope = 0.5 * (slopes.lo + slopes.hi);
-            along.mean().truncate() - slope * factor.mean().truncate()
-        };
-        let a0 = mean(&self.along_s, &self.factor_s, self.weight_slopes[0]);
-        let b0 = mean(&self.along_t, &self.factor_t, self.weight_slopes[1]);
+    /// What is proved in the frame of `a₀` and `b₀`.
+    fn proof(&self, pole: Option<DVec3>, [a0, b0]: [DVec3; 2]) -> Option<Proof> {
         let cross = a0.cross(b0);
         let area = cross.length();
         let regular = area > 0.0 && area.is_finite();
@@ -334,20 +418,22 @@ impl Tangents {
         }
         let e1 = (b.normal - a.normal * b.other).magnitude();
         let e2 = (a.other * b.normal - a.normal).magnitude();
-        let turning =
-            [a0.cross(normal) * e1, b0.cross(normal) * e2].map(|v| v * MARGIN / (area * m));
-        // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
         let (length_a, length_b) = (a0.length(), b0.length());
+        let turning = [length_a * e1, length_b * e2].map(|v| v * MARGIN / (area * m));
+        // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
         let bend = [
             [b.other.magnitude() * length_a / length_b, b.normal.magnitude() / length_b],
             [a.other.magnitude() * length_b / length_a, a.normal.magnitude() / length_a],
         ];
-        let tangents = [a0 / length_a, b0 / length_b];
+        let bend = bend
+            .map(|bend| if bend[0].max(bend[1]) < MOST_BEND { bend } else { [f64::INFINITY; 2] });
 
         // How far from the root a point with a small residual may be.
         let determinant = (1.0 - 1.0 / MARGIN) * area * m * a.least * b.least;
-        let more =
-            |which: usize, factor: &Field| self.weight_slopes[which].magnitude() * factor.length();
+        let more = |which: usize, factor: &Option<Field>| {
+            let length = factor.as_ref().map_or(0.0, Field::length);
+            self.weight_slopes[which].magnitude() * length
+        };
         let longest_s = self.along_s.length() + more(0, &self.factor_s);
         let longest_t = self.along_t.length() + more(1, &self.factor_t);
         // `S_s = (X_s − (S − c) W_s) / W`; at a pole its quotient by `t`, which is one at most.
@@ -358,13 +444,12 @@ impl Tangents {
             None => longest_s.max(longest_t) * self.weights.hi / determinant,
             Some(_) => longest_s * self.weights.hi / determinant,
         };
-        let pole = pole.map(|point| {
+        let pole_spread = pole.map_or(0.0, |_| {
             let ratio = self.weights.hi / self.weights.lo;
-            Pole { point, spread: longest_t * longest_t * ratio / determinant }
+            longest_t * longest_t * ratio / determinant
         });
-        let certificate = Certificate { normal, turning, tangents, bend, spread, pole };
-        let turns = turning[0].length() + turning[1].length();
-        (turns <= MOST_TURNING && spread.is_finite()).then_some(certificate)
+        let proof = Proof { turning, bend, spread, pole_spread };
+        (turning[0] + turning[1] <= MOST_TURNING && spread.is_finite()).then_some(proof)
     }
 }
 

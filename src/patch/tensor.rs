@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::net::{BezierNet, Coarse};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, rounding};
@@ -17,15 +18,12 @@ use crate::math::{Aabb, rounding};
 ///   index fastest, all finite, all weights positive.
 #[derive(Clone, Debug)]
 pub struct TensorPatch {
-    degree: [usize; 2],
     /// The net of the whole surface: neighbouring pieces share the points of their common edge.
-    net: Arc<[DVec4]>,
-    /// Where in the net the piece's first row starts, and how far apart its rows are.
-    start: usize,
-    stride: usize,
-    rational: bool,
-    magnitude: f64,
-    size: f64,
+    pub(super) net: Arc<BezierNet>,
+    /// The row and the column of the piece's first point.
+    pub(super) first: [u32; 2],
+    magnitude: Coarse,
+    size: Coarse,
 }
 
 /// A point of a piece with its first derivatives.
@@ -40,29 +38,20 @@ pub struct Jet {
 }
 
 impl TensorPatch {
-    /// A piece of a surface in Bézier form: its degrees, the surface's homogeneous net and the
-    /// length of its rows, and the first point's place in it. The caller has checked the
-    /// invariants: only surfaces that hold them can be built.
-    pub(super) fn new(
-        degree: [usize; 2],
-        (net, stride): (&Arc<[DVec4]>, usize),
-        first: [usize; 2],
-    ) -> Self {
-        let start = first[0] * stride + first[1];
-        let net = Arc::clone(net);
-        let mut patch =
-            Self { degree, net, start, stride, rational: false, magnitude: 0.0, size: 0.0 };
-        let weight = patch.row(0)[0].w;
-        let rational = patch.control().any(|c| c.w != weight);
-        patch.rational = rational;
+    /// A piece of a surface in Bézier form, from the row and the column of its first point. The
+    /// caller has checked the invariants: only surfaces that hold them can be built.
+    pub(super) fn new(net: &Arc<BezierNet>, first: [u32; 2]) -> Self {
+        let zero = Coarse::above(0.0);
+        let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
         let bounds = Aabb::around(patch.control().map(euclidean));
-        (patch.magnitude, patch.size) = (bounds.magnitude(), bounds.size().max_element());
+        patch.magnitude = Coarse::above(bounds.magnitude());
+        patch.size = Coarse::above(bounds.size().max_element());
         patch
     }
 
     /// The degrees in `s` and `t`.
     pub fn degree(&self) -> [usize; 2] {
-        self.degree
+        self.net.degree
     }
 
     /// The homogeneous control points `(w x, w y, w z, w)`, second index fastest.
@@ -73,34 +62,35 @@ impl TensorPatch {
     /// One row of them, of `q + 1` points, for the `i`-th Bernstein function of `s`.
     #[inline]
     pub fn row(&self, i: usize) -> &[DVec4] {
-        let start = self.start + i * self.stride;
-        &self.net[start..=start + self.degree[1]]
+        let net = &*self.net;
+        let start = (self.first[0] as usize + i) * net.stride + self.first[1] as usize;
+        &net.control[start..=start + net.degree[1]]
     }
 
     /// All rows.
     pub fn rows(&self) -> impl Iterator<Item = &[DVec4]> {
-        (0..=self.degree[0]).map(|i| self.row(i))
+        (0..=self.degree()[0]).map(|i| self.row(i))
     }
 
-    /// Whether the weights differ.
+    /// Whether the weights of the surface differ.
     pub fn is_rational(&self) -> bool {
-        self.rational
+        self.net.rational
     }
 
-    /// The largest absolute coordinate of the control points.
+    /// The largest absolute coordinate of the control points, rounded up to six digits.
     pub fn magnitude(&self) -> f64 {
-        self.magnitude
+        self.magnitude.value()
     }
 
-    /// The longest side of the control points' bounding box.
+    /// The longest side of the control points' bounding box, rounded up to six digits.
     pub fn size(&self) -> f64 {
-        self.size
+        self.size.value()
     }
 
     /// How far a computed point may be from the true one, per unit of the largest
     /// coordinate involved: see [`rounding::residual_factor`].
     pub fn residual_factor(&self) -> f64 {
-        rounding::residual_factor(self.degree[0], self.degree[1])
+        rounding::residual_factor(self.degree()[0], self.degree()[1])
     }
 
     /// The point and first derivatives at `(s, t)`, also a little outside the square.
@@ -108,7 +98,7 @@ impl TensorPatch {
     /// The order of operations is fixed, so that every caller gets the same bits.
     pub fn jet(&self, st: DVec2) -> Jet {
         // The same sums with as much room for basis functions as the degrees need.
-        match self.degree[0].max(self.degree[1]) {
+        match self.degree()[0].max(self.degree()[1]) {
             0..=3 => self.jet_in::<4>(st),
             4..=7 => self.jet_in::<8>(st),
             _ => self.jet_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
@@ -116,7 +106,7 @@ impl TensorPatch {
     }
 
     fn jet_in<const N: usize>(&self, st: DVec2) -> Jet {
-        let [p, q] = self.degree;
+        let [p, q] = self.degree();
         let (lower_s, lower_t) =
             (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
         let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
@@ -140,7 +130,7 @@ impl TensorPatch {
         }
 
         // Quotient rule: S_s = (X_s − S W_s) / W.
-        if !self.rational {
+        if !self.is_rational() {
             let w = self.row(0)[0].w;
             return Jet {
                 point: value.truncate() / w,
@@ -158,7 +148,7 @@ impl TensorPatch {
 
     /// The point at `(s, t)`: that of the jet, bit for bit.
     pub fn point(&self, st: DVec2) -> DVec3 {
-        match self.degree[0].max(self.degree[1]) {
+        match self.degree()[0].max(self.degree()[1]) {
             0..=3 => self.point_in::<4>(st),
             4..=7 => self.point_in::<8>(st),
             _ => self.point_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
@@ -166,7 +156,7 @@ impl TensorPatch {
     }
 
     fn point_in<const N: usize>(&self, st: DVec2) -> DVec3 {
-        let [p, q] = self.degree;
+        let [p, q] = self.degree();
         let (lower_s, lower_t) =
             (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
         let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
@@ -178,14 +168,14 @@ impl TensorPatch {
             }
             value += bs[i] * sum;
         }
-        let weight = if self.rational { value.w } else { self.row(0)[0].w };
+        let weight = if self.is_rational() { value.w } else { self.row(0)[0].w };
         value.truncate() / weight
     }
 
     /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
     /// `t` in the names.
     pub fn derivatives(&self, st: DVec2) -> SurfaceDerivatives {
-        let [p, q] = self.degree;
+        let [p, q] = self.degree();
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
         let sum = |order_s: usize, order_t: usize| -> DVec4 {
             let rows = self.rows().zip(&bs[order_s]);
@@ -214,8 +204,10 @@ impl TensorPatch {
 }
 
 /// The point a homogeneous control point stands for.
+#[inline]
 pub(super) fn euclidean(control: DVec4) -> DVec3 {
-    control.truncate() / control.w
+    // Most weights are 1, and divisions take time.
+    if control.w == 1.0 { control.truncate() } else { control.truncate() / control.w }
 }
 
 /// Basis functions with their first and second derivatives.
@@ -242,14 +234,15 @@ mod tests {
         for degree in [[1, 1], [3, 2], [2, 3], [5, 4], [7, 1], [8, 3], [32, 9]] {
             let count = (degree[0] + 1) * (degree[1] + 1);
             for rational in [false, true] {
-                let net: Arc<[DVec4]> = (0..count)
+                let net: Vec<DVec4> = (0..count)
                     .map(|k| {
                         let x = k as f64;
                         let w = if rational { 1.0 + 0.5 * x.sin() } else { 2.0 };
                         w * DVec3::new((3.0 * x).cos(), x.sin(), 0.1 * x).extend(1.0)
                     })
                     .collect();
-                let patch = TensorPatch::new(degree, (&net, degree[1] + 1), [0, 0]);
+                let net = Arc::new(BezierNet::single(degree, net));
+                let patch = TensorPatch::new(&net, [0, 0]);
                 assert_eq!(patch.is_rational(), rational);
                 for st in [DVec2::new(0.3, 0.7), DVec2::new(0.0, 1.0), DVec2::new(-0.01, 1.02)] {
                     assert_eq!(patch.point(st), patch.jet(st).point, "{degree:?} at {st}");

@@ -117,7 +117,7 @@ impl Report<'_> {
             count(self.threads.into(), "thread"),
             count(bvh.surface_count() as u64, "surface"),
             count(bvh.patches().pieces().len() as u64, "piece"),
-            count(bvh.patches().leaves().len() as u64, "leaf").replace("leafs", "leaves"),
+            count(bvh.leaves().len() as u64, "leaf").replace("leafs", "leaves"),
             short_bytes(bvh.bytes()),
             time(model.build_seconds),
             time(model.file_seconds),

@@ -58,7 +58,7 @@ impl Facts {
             surface.bytes +=
                 size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
         }
-        for leaf in patches.leaves() {
+        for leaf in world.bvh.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();

@@ -7,10 +7,11 @@ use glam::DVec3;
 
 use super::packet::Packet;
 use super::search::{dot_d, load3d};
+use super::single::{Scene, comes_first};
 use crate::intersect::leaf_search;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::math::bernstein::MAX_DEGREE;
-use crate::patch::{LEAF_SLACK, Leaf, PatchSet, Piece, TensorPatch, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, TensorPatch, WIDENING};
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: usize = 4;
@@ -21,24 +22,30 @@ pub(super) struct Target<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) piece: &'a Piece,
     pub(super) index: u32,
+    scene: &'a Scene<'a>,
+    oriented: &'a OrientedBox,
+    rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
     domain: [[f64; 2]; 2],
+    /// The point the leaf ends in, if it does.
+    pole: Option<DVec3>,
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
     /// leaf is away from all borders.
     reach: Option<[f64; 4]>,
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(set: &'a PatchSet, index: u32) -> Self {
-        let leaf = &set.leaves()[index as usize];
-        let piece = &set.pieces()[leaf.piece as usize];
-        let domain = leaf.widened(WIDENING);
+    pub(super) fn new(scene: &'a Scene<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
+        let leaf = &scene.leaves[index as usize];
+        let piece = &scene.set.pieces()[leaf.piece as usize];
+        let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
+        let pole = leaf.pole(piece);
         // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
-        let reach = match leaf.certificate.pole {
+        let reach = match pole {
             Some(_) => Some([f64::INFINITY; 4]),
             None => leaf_search::border_reach(leaf, piece),
         };
-        Self { leaf, piece, index, domain, reach }
+        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach }
     }
 }
 
@@ -77,7 +84,7 @@ pub(super) fn finish<S: Simd>(
     wanted: mask64x8<S>,
     start: (f64x8<S>, f64x8<S>),
 ) -> Done {
-    let [s_range, t_range] = target.leaf.rect;
+    let [s_range, t_range] = target.rect;
     let half_s = f64x8::splat(simd, 0.5 * (s_range[1] - s_range[0]));
     let half_t = f64x8::splat(simd, 0.5 * (t_range[1] - t_range[0]));
     let middle_s = f64x8::splat(simd, 0.5 * (s_range[0] + s_range[1]));
@@ -106,17 +113,18 @@ pub(super) fn finish<S: Simd>(
     let zero = f64x8::splat(simd, 0.0);
     let mut open = wanted;
     let mut left = simd.splat_mask64x8(false);
-    if let Some(pole) = &target.leaf.certificate.pole {
+    if let Some(pole) = target.pole {
         let offset = [
-            f64x8::splat(simd, pole.point.x) - origin[0],
-            f64x8::splat(simd, pole.point.y) - origin[1],
-            f64x8::splat(simd, pole.point.z) - origin[2],
+            f64x8::splat(simd, pole.x) - origin[0],
+            f64x8::splat(simd, pole.y) - origin[1],
+            f64x8::splat(simd, pole.z) - origin[2],
         ];
         let (f1, f2) = (dot_d(n1, offset), dot_d(n2, offset));
         let distance = f1.mul_add(f1, f2 * f2).sqrt();
-        let cosine = dot_d(splat3(simd, target.leaf.certificate.normal), axis).abs();
-        let slack = f64x8::splat(simd, 0.5 * LEAF_SLACK) * cosine * distance;
-        let away = (error * f64x8::splat(simd, pole.spread)).simd_le(slack);
+        let [_, _, normal] = target.oriented.directions();
+        let steep = dot_d(splat3(simd, normal), axis).abs();
+        let needed = f64::from(target.leaf.certificate.pole_per_error());
+        let away = (error * f64x8::splat(simd, needed)).simd_le(steep * distance);
         left = open & !away;
         open &= away;
     }
@@ -163,12 +171,12 @@ pub(super) fn finish<S: Simd>(
         let outside = from_middle_s.abs().simd_gt(outer_s) | from_middle_t.abs().simd_gt(outer_t);
         if (outside & open).any_true() {
             let g = [f1 * n2[0] - f2 * n1[0], f1 * n2[1] - f2 * n1[1], f1 * n2[2] - f2 * n1[2]];
-            let certificate = &target.leaf.certificate;
-            let across_a = dot_d(splat3(simd, certificate.tangents[0]), g).abs();
-            let across_b = dot_d(splat3(simd, certificate.tangents[1]), g).abs();
-            let normal = dot_d(splat3(simd, certificate.normal), g).abs();
+            let [a, b, n] = target.oriented.unit_axes();
+            let across_a = dot_d(splat3(simd, a), g).abs();
+            let across_b = dot_d(splat3(simd, b), g).abs();
+            let normal = dot_d(splat3(simd, n), g).abs();
             let rest = residual.sqrt() * f64x8::splat(simd, SURELY);
-            let [[other_s, out_s], [other_t, out_t]] = certificate.bend;
+            let [[other_s, out_s], [other_t, out_t]] = target.leaf.certificate.bend();
             let turned_s = across_a.mul_add(
                 f64x8::splat(simd, other_s),
                 normal.mul_add(f64x8::splat(simd, out_s), rest),
@@ -213,14 +221,20 @@ pub(super) fn finish<S: Simd>(
     let clear = (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
         & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
     let judged = found & (!on_piece | !clear);
-    // Of hits at the same place the leaf that comes first counts, whichever was searched
-    // first: so the order of the search does not matter.
-    let mut earlier = 0;
-    for k in 0..8 {
-        earlier |= u64::from(target.index < packet.leaf[base + k]) << k;
+    // Of hits at the same place the piece that comes first counts, and its first part, whichever
+    // was searched first: so the order of the search does not matter.
+    let acceptable = found & !judged & z.simd_gt(z_min);
+    let mut hit = acceptable & z.simd_lt(best);
+    let tie = acceptable & z.simd_eq(best);
+    if tie.any_true() {
+        let mut earlier = 0;
+        for k in 0..8 {
+            let known = packet.leaf[base + k];
+            let first = known == u32::MAX || comes_first(target.scene.leaves, target.index, known);
+            earlier |= u64::from(first) << k;
+        }
+        hit |= tie & mask64x8::from_bitmask(simd, earlier);
     }
-    let tie = z.simd_eq(best) & mask64x8::from_bitmask(simd, earlier);
-    let hit = found & !judged & z.simd_gt(z_min) & (z.simd_lt(best) | tie);
 
     let any = hit.any_true();
     if any {

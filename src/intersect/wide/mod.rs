@@ -16,11 +16,8 @@
 //! solver is called, the leaf's approximation is asked what it can prove (`single_proof`).
 
 mod finish;
-mod fit_error;
-mod lane_tree;
 mod load;
 mod packet;
-mod record;
 mod search;
 mod single;
 mod single_finish;
@@ -28,17 +25,13 @@ mod single_proof;
 mod single_ray;
 mod single_search;
 mod traverse;
-mod tree;
 
-pub(super) use lane_tree::LaneTree;
 pub(super) use packet::{LaneHit, Packet};
 pub(super) use single::{Scene, SingleWork, search_single, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
 pub(super) use traverse::{Work, trace};
-pub(super) use tree::WideTree;
 
 /// Rays in a packet: a square of 8 × 8 pixels.
 pub(super) const PACKET: usize = 64;
 
-/// Lanes of a vector of f32.
-pub(super) const LANES: usize = 16;
+use super::tree::LANES;

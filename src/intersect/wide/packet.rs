@@ -65,6 +65,8 @@ pub(in crate::intersect) struct Packet {
 pub(super) struct PacketBounds {
     pub(super) origin_min: Vec3,
     pub(super) origin_max: Vec3,
+    pub(super) axis_min: Vec3,
+    pub(super) axis_max: Vec3,
     /// The inverse direction's range in each coordinate, for directions of one sign.
     pub(super) inverse_min: Vec3,
     pub(super) inverse_max: Vec3,
@@ -196,6 +198,7 @@ fn gather(lanes: &Lanes3, k: usize) -> DVec3 {
 impl PacketBounds {
     /// Takes the range of a coordinate of all directions.
     pub(super) fn set_directions(&mut self, i: usize, low: f32, high: f32) {
+        (self.axis_min[i], self.axis_max[i]) = (low, high);
         // Inverses are rounded outwards by two units.
         let (outer, inner) = (1.0 + 2.0 * f32::EPSILON, 1.0 - 2.0 * f32::EPSILON);
         let tiny = 1e-20;

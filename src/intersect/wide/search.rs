@@ -6,8 +6,7 @@ use fearless_simd::{
 use fearless_simd_macros::simd;
 
 use super::packet::{Lanes3, Lanes3f, Packet};
-use super::record::SearchRecord;
-use crate::patch::WIDENING;
+use crate::patch::{Leaf, OrientedBox, WIDENING};
 
 /// Directions along a box's side are taken for at least this part of a turn: so quotients
 /// stay finite, and far larger than any distance that matters.
@@ -25,15 +24,13 @@ const STEPS: usize = 3;
 /// reaches.
 const REACH: f32 = 1.0 + 2.0 * WIDENING as f32;
 
-/// More than what rounding to f32 does to the certificate: six roundings of 2⁻²⁴ of each of three
-/// dot products, of vectors whose lengths add up to no more than five.
-pub(super) const CERTIFICATE_ROUNDING: f32 = 2e-6;
-
-/// Which of sixteen rays meet a leaf's box, and where they cross its middle.
+/// Which of sixteen rays meet a leaf's box, and where they cross its middle; what the box's rows
+/// say of their directions.
 pub(super) struct Crossing<S: Simd> {
     pub(super) met: mask32x16<S>,
     pub(super) x: f32x16<S>,
     pub(super) y: f32x16<S>,
+    pub(super) slopes: [f32x16<S>; 3],
 }
 
 #[simd]
@@ -58,7 +55,7 @@ pub(super) fn load3d<S: Simd>(simd: S, lanes: &Lanes3, base: usize) -> [f64x8<S>
 #[simd]
 pub(super) fn cross_box<S: Simd>(
     simd: S,
-    record: &SearchRecord,
+    oriented: &OrientedBox,
     packet: &Packet,
     base: usize,
 ) -> Crossing<S> {
@@ -72,7 +69,7 @@ pub(super) fn cross_box<S: Simd>(
     let mut at = [one; 3];
     let mut along = [one; 3];
     for k in 0..3 {
-        let row = record.rows[k];
+        let row = oriented.rows[k];
         let (rx, ry, rz) =
             (f32x16::splat(simd, row[0]), f32x16::splat(simd, row[1]), f32x16::splat(simd, row[2]));
         let offset = f32x16::splat(simd, -row[3]);
@@ -94,31 +91,26 @@ pub(super) fn cross_box<S: Simd>(
     let z = (-at[2] / along[2]).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    Crossing { met, x, y }
+    Crossing { met, x, y, slopes: along }
 }
 
-/// The part of the certificate that depends on directions: which of sixteen rays meet the
-/// leaf at most once, and their cosines with its normal.
+/// The certificate: which of sixteen rays with these slopes meet the leaf at most once. A point
+/// may be as far from a ray as the ray's magnitude times `factor`.
 #[simd]
 pub(super) fn certify<S: Simd>(
     simd: S,
-    record: &SearchRecord,
-    packet: &Packet,
-    base: usize,
-) -> (mask32x16<S>, f32x16<S>) {
-    let axis = load3(simd, &packet.axis_f, base);
-    let cosine = along(simd, record.normal, axis);
-    let [a, b] = record.turning;
-    let turning = along(simd, a, axis) + along(simd, b, axis);
-    (cosine.simd_gt(turning + f32x16::splat(simd, CERTIFICATE_ROUNDING)), cosine)
-}
-
-/// The magnitude of lanes' components along a vector.
-#[simd]
-fn along<S: Simd>(simd: S, vector: [f32; 3], lanes: [f32x16<S>; 3]) -> f32x16<S> {
-    let [x, y, z] = vector;
-    let (x, y, z) = (f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z));
-    x.mul_add(lanes[0], y.mul_add(lanes[1], z * lanes[2])).abs()
+    leaf: &Leaf,
+    [a, b, c]: [f32x16<S>; 3],
+    (magnitude, factor): (f32x16<S>, f64),
+) -> mask32x16<S> {
+    let [by_a, by_b, rounding] = leaf.certificate.turning();
+    let (by_a, by_b) = (f32x16::splat(simd, by_a), f32x16::splat(simd, by_b));
+    let turned = by_a.mul_add(a.abs(), by_b.mul_add(b.abs(), f32x16::splat(simd, rounding)));
+    // Products in this order stay within the range of f32.
+    let per_magnitude = leaf.certificate.steep_per_error() * factor as f32;
+    let needed = magnitude * f32x16::splat(simd, per_magnitude);
+    let steep = c.abs();
+    steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 
 /// Newton's iteration on the leaf's bicubic approximation.
@@ -128,18 +120,18 @@ fn along<S: Simd>(simd: S, vector: [f32; 3], lanes: [f32x16<S>; 3]) -> f32x16<S>
 #[simd]
 pub(super) fn search_fit<S: Simd>(
     simd: S,
-    record: &SearchRecord,
+    leaf: &Leaf,
     packet: &Packet,
     base: usize,
     start: (f32x16<S>, f32x16<S>),
 ) -> (f32x16<S>, f32x16<S>) {
     let n1 = load3(simd, &packet.normals_f[0], base);
     let n2 = load3(simd, &packet.normals_f[1], base);
-    let (e1, e2) = middle_distances(simd, record, packet, base);
+    let (e1, e2) = middle_distances(simd, leaf, packet, base);
     let (mut x, mut y) = start;
     let (low, high) = (f32x16::splat(simd, -REACH), f32x16::splat(simd, REACH));
     for _ in 0..STEPS {
-        let [value, along_x, along_y] = evaluate(simd, &record.fit, x, y);
+        let [value, along_x, along_y] = evaluate(simd, leaf.fit(), x, y);
         let (f1, f2) = (dot(n1, value) + e1, dot(n2, value) + e2);
         let (a1, a2) = (dot(n1, along_x), dot(n2, along_x));
         let (b1, b2) = (dot(n1, along_y), dot(n2, along_y));
@@ -155,27 +147,27 @@ pub(super) fn search_fit<S: Simd>(
 #[simd]
 fn middle_distances<S: Simd>(
     simd: S,
-    record: &SearchRecord,
+    leaf: &Leaf,
     packet: &Packet,
     base: usize,
 ) -> (f32x16<S>, f32x16<S>) {
-    let (a1, a2) = half_distances(simd, record, packet, base);
-    let (b1, b2) = half_distances(simd, record, packet, base + 8);
+    let (a1, a2) = half_distances(simd, leaf, packet, base);
+    let (b1, b2) = half_distances(simd, leaf, packet, base + 8);
     (simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2))
 }
 
 #[simd]
 fn half_distances<S: Simd>(
     simd: S,
-    record: &SearchRecord,
+    leaf: &Leaf,
     packet: &Packet,
     base: usize,
 ) -> (f64x8<S>, f64x8<S>) {
     let origin = load3d(simd, &packet.origin, base);
     let offset = [
-        f64x8::splat(simd, record.middle.x) - origin[0],
-        f64x8::splat(simd, record.middle.y) - origin[1],
-        f64x8::splat(simd, record.middle.z) - origin[2],
+        f64x8::splat(simd, leaf.middle.x) - origin[0],
+        f64x8::splat(simd, leaf.middle.y) - origin[1],
+        f64x8::splat(simd, leaf.middle.z) - origin[2],
     ];
     let n1 = load3d(simd, &packet.normals[0], base);
     let n2 = load3d(simd, &packet.normals[1], base);

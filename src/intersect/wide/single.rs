@@ -16,15 +16,13 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
 
-use super::LANES;
-use super::lane_tree::{Child, ChildCode, LaneNode, LaneTree, LeafBlock};
-use super::record::SearchRecord;
 use super::single_finish::{Outcome, finish};
 use super::single_proof::isolate;
 use super::single_ray::{SingleHit, SingleRay};
 use super::single_search::Distances;
 use crate::intersect::Statistics;
-use crate::patch::{PatchSet, WIDENING};
+use crate::intersect::tree::{Child, ChildCode, LANES, LeafBlock, Node, Tree};
+use crate::patch::{Leaf, PatchSet, WIDENING};
 
 /// Directions along a box's side are taken for at least this part of a turn: so quotients
 /// stay finite, and far larger than any distance that matters.
@@ -37,8 +35,8 @@ const SPARE: f32 = 4e-6;
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct Scene<'a> {
-    pub(in crate::intersect) tree: &'a LaneTree,
-    pub(in crate::intersect) records: &'a [SearchRecord],
+    pub(in crate::intersect) tree: &'a Tree,
+    pub(in crate::intersect) leaves: &'a [Leaf],
     pub(in crate::intersect) set: &'a PatchSet,
 }
 
@@ -78,8 +76,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
                 }
             }
             Child::Block(index) => {
-                let block = &scene.tree.blocks[index as usize];
-                search_block(simd, scene, block, ray, (work, statistics));
+                search_block(simd, scene, index, ray, (work, statistics));
                 if ray.is_done() {
                     return;
                 }
@@ -103,7 +100,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
 #[simd]
 fn enter<S: Simd>(
     simd: S,
-    node: &LaneNode,
+    node: &Node,
     ray: &SingleRay<'_>,
     stack: &mut Vec<(f32, ChildCode)>,
 ) -> Option<ChildCode> {
@@ -153,6 +150,8 @@ struct Crossings {
     entry: [f32; LANES],
     x: [f32; LANES],
     y: [f32; LANES],
+    /// What each row says of the direction.
+    slopes: [[f32; LANES]; 3],
 }
 
 /// The slab test of sixteen oriented boxes.
@@ -192,8 +191,14 @@ fn cross_boxes<S: Simd>(simd: S, block: &LeafBlock, ray: &SingleRay<'_>) -> Cros
     let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    let met = met.to_bitmask() as u32 & block.filled;
-    Crossings { met, entry: entry.into(), x: x.into(), y: y.into() }
+    let met = met.to_bitmask() as u32;
+    Crossings {
+        met,
+        entry: entry.into(),
+        x: x.into(),
+        y: y.into(),
+        slopes: [along[0].into(), along[1].into(), along[2].into()],
+    }
 }
 
 /// The leaves of a block, near ones first.
@@ -201,12 +206,14 @@ fn cross_boxes<S: Simd>(simd: S, block: &LeafBlock, ray: &SingleRay<'_>) -> Cros
 fn search_block<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
-    block: &LeafBlock,
+    index: u32,
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
+    let block = &scene.tree.blocks[index as usize];
+    let (first, count) = scene.tree.leaves(index);
     let crossings = cross_boxes(simd, block, ray);
-    let mut met = crossings.met;
+    let mut met = crossings.met & ((1 << count) - 1);
     while met != 0 {
         let mut nearest = met.trailing_zeros() as usize;
         let mut others = met & (met - 1);
@@ -223,7 +230,9 @@ fn search_block<S: Simd>(
         }
         let start = [crossings.x[nearest], crossings.y[nearest]];
         statistics.leaf_tests += 1;
-        search_leaf(simd, scene, block.leaf[nearest], start, (&mut *ray, &mut *work));
+        let leaf = first + nearest as u32;
+        let slopes = crossings.slopes.map(|slopes| slopes[nearest]);
+        search_leaf(simd, scene, leaf, (start, slopes), (&mut *ray, &mut *work));
         if ray.is_done() {
             return;
         }
@@ -241,53 +250,56 @@ pub(in crate::intersect) fn search_single<S: Simd>(
 ) {
     work.hit = None;
     work.rest.clear();
-    search_leaf(simd, scene, leaf, [0.0; 2], (ray, work));
+    let slopes = ray.slopes(&scene.tree.oriented(leaf));
+    search_leaf(simd, scene, leaf, ([0.0; 2], slopes), (ray, work));
 }
 
-/// One leaf against one ray.
+/// One leaf against one ray, from a start in box coordinates and with what the box's rows say of
+/// the direction.
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
     index: u32,
-    start: [f32; 2],
+    (start, slopes): ([f32; 2], [f32; 3]),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let record = &scene.records[index as usize];
-    let piece = &scene.set.pieces()[record.piece as usize];
+    let leaf = &scene.leaves[index as usize];
+    let piece = &scene.set.pieces()[leaf.piece as usize];
     let error = piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude());
-    let certified = ray.is_certified(record, error);
-    if certified && ray.starts_in(record) {
+    let certified = is_certified(leaf, slopes, error);
+    if certified && ray.starts_in(leaf) {
         return; // the one root is the one the ray starts on
     }
-    let distances = Distances::new(simd, record, ray);
+    let distances = Distances::new(simd, leaf, ray);
     if certified {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
-            let (outcome, steps) = finish(simd, record, &piece.patch, ray, (near, WIDENED, error));
+            let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, WIDENED, error));
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
-                Outcome::Hit(found) => return keep(SingleHit { leaf: index, ..found }, ray, work),
+                Outcome::Hit(found) => {
+                    return keep(SingleHit { leaf: index, ..found }, ray, scene, work);
+                }
                 Outcome::Undecided => return work.rest.push(index),
                 Outcome::NotFound => {}
             }
         }
     }
     // Too flat an angle, or the one root is outside: the ray's own proof.
-    let Some(parts) = isolate(simd, distances, record, ray, error) else {
+    let Some(parts) = isolate(simd, distances, leaf, ray, error) else {
         work.rest.push(index);
         return;
     };
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
-        let (outcome, steps) =
-            finish(simd, record, &piece.patch, ray, (near, part.domain(), error));
+        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, part.domain(), error));
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}
-            Outcome::Hit(found) => keep(SingleHit { leaf: index, ..found }, ray, work),
+            Outcome::Hit(found) => keep(SingleHit { leaf: index, ..found }, ray, scene, work),
             Outcome::Undecided | Outcome::NotFound => {
                 work.rest.push(index);
                 return;
@@ -301,15 +313,35 @@ const WIDENED: [[f64; 2]; 2] = [[-1.0 - 2.0 * WIDENING, 1.0 + 2.0 * WIDENING]; 2
 
 /// Keeps a hit if it is the nearest so far.
 ///
-/// Of hits at the same place the leaf that comes first counts, whichever was searched first:
-/// so the order of the search does not matter.
-fn keep(found: SingleHit, ray: &mut SingleRay<'_>, work: &mut SingleWork) {
-    let nearer = work
-        .hit
-        .as_ref()
-        .is_none_or(|known| found.z < known.z || (found.z == known.z && found.leaf < known.leaf));
+/// Of hits at the same place the piece that comes first counts, and its first part, whichever was
+/// searched first: so the order of the search does not matter.
+fn keep(found: SingleHit, ray: &mut SingleRay<'_>, scene: &Scene<'_>, work: &mut SingleWork) {
+    let nearer = work.hit.as_ref().is_none_or(|known| {
+        found.z < known.z
+            || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))
+    });
     if nearer {
         ray.shorten(found.z);
         work.hit = Some(found);
     }
+}
+
+/// Whether a leaf comes before another one in the order of pieces and their parts.
+pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
+    let order = |leaf: u32| {
+        let leaf = &leaves[leaf as usize];
+        (leaf.piece, leaf.place())
+    };
+    order(leaf) < order(other)
+}
+
+/// Whether a leaf's certificate speaks of a ray with these slopes, and rounding is small against
+/// it.
+#[inline(always)]
+fn is_certified(leaf: &Leaf, [a, b, c]: [f32; 3], error: f64) -> bool {
+    let certificate = &leaf.certificate;
+    let [by_a, by_b, rounding] = certificate.turning();
+    !leaf.has_pole()
+        && c.abs() > by_a * a.abs() + by_b * b.abs() + rounding
+        && f64::from(c.abs()) > f64::from(certificate.steep_per_error()) * error
 }

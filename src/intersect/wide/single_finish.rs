@@ -9,11 +9,10 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec4};
 
-use super::record::SearchRecord;
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
-use crate::patch::TensorPatch;
+use crate::patch::{Leaf, TensorPatch};
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: u64 = 4;
@@ -45,7 +44,7 @@ pub(super) enum Outcome {
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    record: &SearchRecord,
+    leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
     task: ([f32; 2], [[f64; 2]; 2], f64),
@@ -53,13 +52,13 @@ pub(super) fn finish<S: Simd>(
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
     match patch.degree() {
-        [3, 3] => finish_of::<S, 3, 3, 4>(simd, record, patch, ray, task),
-        [2, 2] => finish_of::<S, 2, 2, 4>(simd, record, patch, ray, task),
-        [2, 1] => finish_of::<S, 2, 1, 4>(simd, record, patch, ray, task),
-        [1, 2] => finish_of::<S, 1, 2, 4>(simd, record, patch, ray, task),
-        [1, 1] => finish_of::<S, 1, 1, 4>(simd, record, patch, ray, task),
-        [p, q] if p.max(q) < 8 => finish_of::<S, 0, 0, 8>(simd, record, patch, ray, task),
-        _ => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }>(simd, record, patch, ray, task),
+        [3, 3] => finish_of::<S, 3, 3, 4>(simd, leaf, patch, ray, task),
+        [2, 2] => finish_of::<S, 2, 2, 4>(simd, leaf, patch, ray, task),
+        [2, 1] => finish_of::<S, 2, 1, 4>(simd, leaf, patch, ray, task),
+        [1, 2] => finish_of::<S, 1, 2, 4>(simd, leaf, patch, ray, task),
+        [1, 1] => finish_of::<S, 1, 1, 4>(simd, leaf, patch, ray, task),
+        [p, q] if p.max(q) < 8 => finish_of::<S, 0, 0, 8>(simd, leaf, patch, ray, task),
+        _ => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }>(simd, leaf, patch, ray, task),
     }
 }
 
@@ -67,19 +66,19 @@ pub(super) fn finish<S: Simd>(
 #[simd]
 fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     simd: S,
-    record: &SearchRecord,
+    leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
     (start, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
-    let [s_range, t_range] = record.rect();
+    let [s_range, t_range] = leaf.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
     let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
     let mut x = within(f64::from(start[0]), domain[0]);
     let mut y = within(f64::from(start[1]), domain[1]);
     let columns = columns(simd, ray);
     let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
-    let bend = f64::from(record.bend);
+    let bend = f64::from(leaf.fit_bend());
 
     for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);

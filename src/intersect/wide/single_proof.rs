@@ -2,7 +2,7 @@
 //!
 //! The certificate speaks of all rays that are steep enough. Of one ray more can be said, from
 //! the coefficients of its own two distances `f₁`, `f₂`: the true ones differ from them by no
-//! more than the bounds of [`FitError`](super::fit_error::FitError), and rounding by a few
+//! more than the bounds of [`FitError`](crate::patch::FitError), and rounding by a few
 //! units of f32 of the sum of their sizes. The leaf is halved into boxes until each is proved
 //! to hold no root, or one at most.
 //!
@@ -17,11 +17,10 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::record::SearchRecord;
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
-use crate::patch::LEAF_SLACK;
+use crate::patch::{LEAF_SLACK, Leaf};
 
 /// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
 /// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
@@ -94,19 +93,19 @@ impl UniqueParts {
 pub(super) fn isolate<S: Simd>(
     simd: S,
     distances: Distances<S>,
-    record: &SearchRecord,
+    leaf: &Leaf,
     ray: &SingleRay<'_>,
     error: f64,
 ) -> Option<UniqueParts> {
     let mut unique = UniqueParts::default();
-    let start = ray.start_in(record);
-    let lengths = record.side_lengths();
+    let start = ray.start_in(leaf);
+    let lengths = leaf.side_lengths();
     // Coefficients come from sums in which most may cancel, and a small box has the errors of
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
     // nothing is proved of leaves thinner than f32 can see.
-    let noise = ROUNDING * distances.terms(simd, record, ray);
+    let noise = ROUNDING * distances.terms(simd, leaf, ray);
     // A ray that passes within the error of a border meets it: closer is not missed.
-    let off_ray = record.fit_error + noise + rounding::f32_above(error);
+    let off_ray = leaf.fit_error() + noise + rounding::f32_above(error);
     let mut waiting = [Part::default(); MOST_BOXES];
     waiting[0] = Part { middle: [0.0; 2], half: [LEAF; 2] };
     let mut count = 1;
@@ -120,7 +119,7 @@ pub(super) fn isolate<S: Simd>(
         if local.is_missed(simd, off_ray) {
             continue;
         }
-        let slope_error = (record.slope_error + noise) * part.half[0].max(part.half[1]);
+        let slope_error = (leaf.slope_error() + noise) * part.half[0].max(part.half[1]);
         if local.is_unique(simd, slope_error, error as f32) {
             if start.is_some_and(|start| part.holds(start, START_REACH)) {
                 continue;

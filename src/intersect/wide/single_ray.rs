@@ -2,12 +2,9 @@
 
 use glam::DVec2;
 
-use super::record::SearchRecord;
-use super::search::CERTIFICATE_ROUNDING;
 use crate::intersect::Root;
-use crate::intersect::hierarchy::Hierarchy;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, SceneFrame, WIDENING};
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
@@ -70,10 +67,10 @@ impl<'a> SingleRay<'a> {
         frame: &'a RayFrame,
         from: Option<&'a Root>,
         wanted: Wanted,
-        hierarchy: &Hierarchy,
+        scene: &SceneFrame,
     ) -> Self {
-        let (center, scale) = hierarchy.frame();
-        let scaled = (frame.origin - center) * scale;
+        let scale = scene.scale;
+        let scaled = scene.scaled(frame.origin);
         let square = scaled.length_squared();
         let shift = if square > NEAR * NEAR { square.sqrt() - NEAR + 1.0 } else { 0.0 };
         let origin = (scaled + shift * frame.axis).as_vec3();
@@ -109,33 +106,28 @@ impl<'a> SingleRay<'a> {
         self.frame.magnitude
     }
 
-    /// Whether a leaf's certificate speaks of this ray, and rounding is small against it.
+    /// What the rows of a box say of the direction.
     #[inline(always)]
-    pub(super) fn is_certified(&self, record: &SearchRecord, error: f64) -> bool {
+    pub(super) fn slopes(&self, oriented: &OrientedBox) -> [f32; 3] {
         let [dx, dy, dz] = self.axis;
-        let along = |[x, y, z]: [f32; 3]| (x * dx + y * dy + z * dz).abs();
-        let cosine = along(record.normal);
-        let [a, b] = record.turning;
-        !record.has_pole()
-            && cosine > along(a) + along(b) + CERTIFICATE_ROUNDING
-            && cosine > record.cosine_per_error * (error * 1.000_001) as f32
+        oriented.rows.map(|[x, y, z, _]| x * dx + y * dy + z * dz)
     }
 
     /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.
     #[inline(always)]
-    pub(super) fn start_in(&self, record: &SearchRecord) -> Option<[f32; 2]> {
-        let root = self.from.filter(|root| root.piece == record.piece)?;
-        let [s, t] = record.rect();
+    pub(super) fn start_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
+        let root = self.from.filter(|root| root.piece == leaf.piece)?;
+        let [s, t] = leaf.rect();
         let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
         Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
     }
 
     /// Whether the ray starts on the one root it has with a leaf that is certified for it.
     #[inline(always)]
-    pub(super) fn starts_in(&self, record: &SearchRecord) -> bool {
+    pub(super) fn starts_in(&self, leaf: &Leaf) -> bool {
         // A little less than the certificate speaks of: in f32.
         let reach = 1.0 + 1.99 * WIDENING as f32;
-        self.start_in(record).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
+        self.start_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
     }
 
     /// How far from the ray's start a root may be and yet be the start itself, for the

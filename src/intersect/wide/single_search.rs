@@ -3,8 +3,8 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::record::SearchRecord;
 use super::single_ray::SingleRay;
+use crate::patch::Leaf;
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
 /// second 1e-4 or the fit's error.
@@ -25,9 +25,9 @@ impl<S: Simd> Distances<S> {
     /// The distances of the leaf's middle are found in f64; what is added to them in f32 is
     /// of the size of the leaf, so its rounding is small against the leaf.
     #[simd]
-    pub(super) fn new(simd: S, record: &SearchRecord, ray: &SingleRay<'_>) -> Self {
+    pub(super) fn new(simd: S, leaf: &Leaf, ray: &SingleRay<'_>) -> Self {
         let [n1, n2] = ray.frame.normals;
-        let offset = record.middle - ray.frame.origin;
+        let offset = leaf.middle - ray.frame.origin;
         let (e1, e2) = (n1.dot(offset) as f32, n2.dot(offset) as f32);
         let zero = f32x8::splat(simd, 0.0);
         let constants = f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
@@ -37,7 +37,7 @@ impl<S: Simd> Distances<S> {
             let n2 = f32x4::splat(simd, n2[axis] as f32);
             let normals = n1.combine(n2);
             for i in 0..4 {
-                let row = f32x4::from_slice(simd, &record.fit[axis][4 * i..4 * i + 4]);
+                let row = f32x4::from_slice(simd, &leaf.fit()[axis][4 * i..4 * i + 4]);
                 rows[i] = normals.mul_add(row.combine(row), rows[i]);
             }
         }
@@ -47,7 +47,7 @@ impl<S: Simd> Distances<S> {
     /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
     /// the two distances: what their rounding is measured by.
     #[simd]
-    pub(super) fn terms(self, simd: S, record: &SearchRecord, ray: &SingleRay<'_>) -> f32 {
+    pub(super) fn terms(self, simd: S, leaf: &Leaf, ray: &SingleRay<'_>) -> f32 {
         let [n1, n2] = ray.frame.normals;
         let mut total = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
@@ -55,7 +55,7 @@ impl<S: Simd> Distances<S> {
             let n2 = f32x4::splat(simd, n2[axis].abs() as f32);
             let normals = n1.combine(n2);
             for i in 0..4 {
-                let row = f32x4::from_slice(simd, &record.fit[axis][4 * i..4 * i + 4]).abs();
+                let row = f32x4::from_slice(simd, &leaf.fit()[axis][4 * i..4 * i + 4]).abs();
                 total = normals.mul_add(row.combine(row), total);
             }
         }

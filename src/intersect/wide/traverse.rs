@@ -1,21 +1,23 @@
 //! A packet's way through the wide hierarchy.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
+use glam::Vec3;
 
 use super::finish::{Target, finish};
 use super::load::{farthest, prepare};
 use super::packet::{Packet, PacketBounds};
 use super::search::{bits, certify, cross_box, search_fit, widen};
-use super::tree::{Child, WideNode, WideTree};
+use super::single::Scene;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
-use crate::patch::PatchSet;
+use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
+use crate::patch::OrientedBox;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Work {
-    stack: Vec<(f32, Child)>,
+    stack: Vec<(f32, ChildCode)>,
     /// Rays and leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
     /// One bit for each ray that has leaves left.
@@ -27,27 +29,24 @@ pub(in crate::intersect) struct Work {
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd>(
     simd: S,
-    tree: &WideTree,
-    set: &PatchSet,
+    scene: &Scene<'_>,
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    packet.scale = tree.scale;
-    prepare(simd, packet, tree.center);
+    let tree = scene.tree;
+    packet.scale = tree.frame.scale;
+    prepare(simd, packet, tree.frame.center);
     work.rest.clear();
     work.rest_rays = 0;
     work.stack.clear();
-    if tree.nodes.is_empty() {
-        return;
-    }
-    work.stack.push((f32::NEG_INFINITY, Child::Node(0)));
-    while let Some((entry, child)) = work.stack.pop() {
+    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
+    while let Some((entry, code)) = work.stack.pop() {
         if entry > packet.farthest {
             continue;
         }
-        match child {
-            Child::Leaf(leaf) => search(simd, tree, set, leaf, packet, work, statistics),
+        match code.child() {
+            Child::Block(index) => search_block(simd, scene, index, packet, work, statistics),
             Child::Node(index) => {
                 statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
@@ -55,7 +54,7 @@ pub(in crate::intersect) fn trace<S: Simd>(
                 let (entries, mut met) = enter(simd, node, &packet.bounds, packet.farthest);
                 while met != 0 {
                     let k = met.trailing_zeros() as usize;
-                    work.stack.push((entries[k], node.child(k)));
+                    work.stack.push((entries[k], node.child[k]));
                     met &= met - 1;
                 }
                 // The nearest child is popped first.
@@ -73,15 +72,17 @@ pub(in crate::intersect) fn trace<S: Simd>(
 #[simd]
 fn enter<S: Simd>(
     simd: S,
-    node: &WideNode,
+    node: &Node,
     bounds: &PacketBounds,
     farthest: f32,
 ) -> ([f32; LANES], u32) {
     let mut near = f32x16::splat(simd, f32::MIN);
     let mut far = f32x16::splat(simd, f32::MAX);
+    let mut filled = u32::MAX;
     for axis in 0..3 {
-        let low = f32x16::from_slice(simd, &node.min[axis]);
-        let high = f32x16::from_slice(simd, &node.max[axis]);
+        let low = f32x16::from_slice(simd, &node.planes[2 * axis]);
+        let high = f32x16::from_slice(simd, &node.planes[2 * axis + 1]);
+        filled &= bits(low.simd_le(high));
         let (a, b) = (
             f32x16::splat(simd, bounds.inverse_min[axis]),
             f32x16::splat(simd, bounds.inverse_max[axis]),
@@ -103,46 +104,128 @@ fn enter<S: Simd>(
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
         & far.simd_ge(-spare);
-    (near.into(), bits(met) & node.filled)
+    (near.into(), bits(met) & filled)
+}
+
+/// Where the packet may enter each of a block's boxes, and which it may meet at all.
+///
+/// Box coordinates of a ray are `at + z·slope`, both linear in origin and direction: over all rays
+/// of the packet each lies within the sum of the sizes of its terms from that of the middle ray.
+/// Rows whose slopes may vanish decide nothing.
+#[simd]
+fn enter_block<S: Simd>(
+    simd: S,
+    block: &LeafBlock,
+    bounds: &PacketBounds,
+    farthest: f32,
+) -> ([f32; LANES], u32) {
+    let (one, zero) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0));
+    let mut near = f32x16::splat(simd, f32::MIN);
+    let mut far = f32x16::splat(simd, f32::MAX);
+    let (origin, origin_reach) = middle_and_reach(bounds.origin_min, bounds.origin_max);
+    let (axis, axis_reach) = middle_and_reach(bounds.axis_min, bounds.axis_max);
+    for k in 0..3 {
+        let mut at = zero - f32x16::from_slice(simd, &block.rows[4 * k + 3]);
+        let (mut at_reach, mut slope, mut slope_reach) = (zero, zero, zero);
+        for i in 0..3 {
+            let row = f32x16::from_slice(simd, &block.rows[4 * k + i]);
+            at = row.mul_add(f32x16::splat(simd, origin[i]), at);
+            slope = row.mul_add(f32x16::splat(simd, axis[i]), slope);
+            let size = row.abs();
+            at_reach = size.mul_add(f32x16::splat(simd, origin_reach[i]), at_reach);
+            slope_reach = size.mul_add(f32x16::splat(simd, axis_reach[i]), slope_reach);
+        }
+        // Turned so that the slope is not negative.
+        let at = at * one.copysign(slope);
+        let (least, most) = (slope.abs() - slope_reach, slope.abs() + slope_reach);
+        let decided = least.simd_gt(f32x16::splat(simd, 1e-3) * most);
+        let (a, b) = (one / decided.select(least, one), one / most);
+        let to_near = zero - one - (at + at_reach);
+        let to_far = one - (at - at_reach);
+        near = decided.select(near.max((to_near * a).min(to_near * b)), near);
+        far = decided.select(far.min((to_far * a).max(to_far * b)), far);
+    }
+    // The spare covers f32 rounding of slabs at the distances a ray has inside the scene.
+    let spare = f32x16::splat(simd, 1e-5);
+    let met = near.simd_le(far + spare)
+        & near.simd_le(f32x16::splat(simd, farthest))
+        & far.simd_ge(-spare);
+    (near.into(), bits(met))
+}
+
+/// The middle of a range, and how far it reaches from there, with some roundings to spare.
+fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
+    let middle = 0.5 * (min + max);
+    (middle, 0.5 * (max - min) + 4.0 * f32::EPSILON * min.abs().max(max.abs()))
+}
+
+/// The leaves of a block, near ones first.
+#[simd]
+fn search_block<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    index: u32,
+    packet: &mut Packet,
+    work: &mut Work,
+    statistics: &mut Statistics,
+) {
+    let block = &scene.tree.blocks[index as usize];
+    let (first, count) = scene.tree.leaves(index);
+    let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
+    let mut met = met & ((1 << count) - 1);
+    while met != 0 {
+        let mut nearest = met.trailing_zeros() as usize;
+        let mut others = met & (met - 1);
+        while others != 0 {
+            let k = others.trailing_zeros() as usize;
+            if entries[k] < entries[nearest] {
+                nearest = k;
+            }
+            others &= others - 1;
+        }
+        met &= !(1 << nearest);
+        if entries[nearest] > packet.farthest {
+            return;
+        }
+        let oriented = block.oriented(nearest);
+        search(simd, scene, (first + nearest as u32, &oriented), packet, work, statistics);
+    }
 }
 
 /// One leaf against all rays of the packet.
 #[simd]
 fn search<S: Simd>(
     simd: S,
-    tree: &WideTree,
-    set: &PatchSet,
-    index: u32,
+    scene: &Scene<'_>,
+    (index, oriented): (u32, &OrientedBox),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    let record = &tree.records[index as usize];
     // The boxes of most leaves are missed by most rays: their data are only touched when they
     // are needed.
     let mut target = None;
     let mut found = false;
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
-        let crossing = cross_box(simd, record, packet, base);
+        let crossing = cross_box(simd, oriented, packet, base);
         let met = bits(crossing.met);
         if met == 0 {
             continue;
         }
-        let target = target.get_or_insert_with(|| Target::new(set, index));
+        let target = target.get_or_insert_with(|| Target::new(scene, oriented, index));
         let patch = &target.piece.patch;
         let factor = patch.residual_factor();
         statistics.leaf_tests += u64::from(met.count_ones());
 
         // The certificate, lane by lane.
-        let (single, cosine) = certify(simd, record, packet, base);
         let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
             .max(f32x16::splat(simd, patch.magnitude() as f32));
-        let per_error = f32x16::splat(simd, record.cosine_per_error * factor as f32);
-        let certain = met & bits(single & cosine.simd_gt(magnitude * per_error));
+        let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+        let certain = met & bits(certified);
         let mut rest = met & !certain;
         if certain != 0 {
             let start = (crossing.x, crossing.y);
-            let (x, y) = search_fit(simd, record, packet, base, start);
+            let (x, y) = search_fit(simd, target.leaf, packet, base, start);
             let (xs, ys) = (widen(x), widen(y));
             for half in 0..2 {
                 let lanes = u64::from(certain >> (8 * half)) & 0xff;

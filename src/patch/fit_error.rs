@@ -17,38 +17,33 @@
 //! each other by `2 E / r`. The best `r` makes it `2 √(2 E (M + M_Q))`.
 
 use glam::{DVec3, DVec4};
-use smallvec::SmallVec;
 
-use crate::math::bernstein;
-use crate::patch::{Leaf, Piece};
+use super::Piece;
+use super::fit::Fit;
+use super::part::Halving;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
-pub(super) const REACH: f64 = 1.2;
+const REACH: f64 = 1.2;
 
 /// Bounds of a bicubic approximation, in scene units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FitError {
+pub struct FitError {
     /// `E`.
-    pub(super) value: f64,
+    pub value: f64,
     /// Of either partial derivative.
-    pub(super) slope: f64,
+    pub slope: f64,
     /// `M`.
-    pub(super) bend: f64,
+    pub bend: f64,
 }
 
 impl FitError {
-    /// The bounds for a leaf and the coefficients of `xⁱ yʲ` at `4 i + j`, coordinate by
-    /// coordinate; infinite where nothing is known.
-    pub(super) fn new(leaf: &Leaf, piece: &Piece, middle: DVec3, fit: &[[f32; 16]; 3]) -> Self {
+    /// The bounds for a part of a piece and its approximation; infinite where nothing is known.
+    pub(super) fn new(halving: &Halving, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
         let unknown = Self { value: f64::INFINITY, slope: f64::INFINITY, bend: f64::INFINITY };
         let patch = &piece.patch;
         let degree = patch.degree();
-        let mut net: SmallVec<[DVec4; 16]> = patch.control().collect();
-        let [s, t] = leaf.rect.map(|[from, to]| {
-            let more = 0.5 * (REACH - 1.0) * (to - from);
-            [from - more, to + more]
-        });
-        bernstein::restrict_net(&mut net, degree, s, t);
+        let more = 0.5 * (REACH - 1.0);
+        let mut net = halving.grown(piece, [-more, 1.0 + more], [-more, 1.0 + more]);
         for c in &mut net {
             *c = (c.truncate() - c.w * middle).extend(c.w);
         }
@@ -62,17 +57,46 @@ impl FitError {
         let value = farthest(degree, &net, &in_bernstein_form(fit)) / least + noise;
         let bend = bend(degree, &net, least) + noise;
         let both = bend + fit_bend(fit);
-        let step = (2.0 * value / both).sqrt().min(REACH);
-        let slope = 2.0 * value / step + both * step;
+        let slope = slope(value, both);
         if value.is_finite() && slope.is_finite() { Self { value, slope, bend } } else { unknown }
     }
+}
+
+impl FitError {
+    /// The bounds for a polynomial that only differs from its approximation by rounding each
+    /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32.
+    pub(super) fn of_polynomial(coefficients: &[DVec3; 16], piece: &Piece) -> Self {
+        let (mut sum, mut bound) = (0.0, 0.0);
+        let mut weight_x = [1.0, 0.0, 0.0];
+        for i in 0..4 {
+            let mut weight = weight_x;
+            for j in 0..4 {
+                let power = (i + j) as f64;
+                let length = coefficients[4 * i + j].length();
+                sum += length * weight[0];
+                bound += 0.5 * length * power * (power - 1.0) * weight[2];
+                weight = [weight[0] * REACH, weight[0], weight[1]];
+            }
+            weight_x = [weight_x[0] * REACH, weight_x[0], weight_x[1]];
+        }
+        let rounding = 0.5 * f64::from(f32::EPSILON) * sum + 64.0 * f64::from(f32::MIN_POSITIVE);
+        let noise = 4.0 * piece.patch.residual_factor() * piece.patch.magnitude();
+        let (value, bend) = (rounding + noise, bound + noise);
+        Self { value, slope: slope(value, bend + bound), bend }
+    }
+}
+
+/// The bound of the slopes from `E` and `M + M_Q`.
+fn slope(value: f64, both: f64) -> f64 {
+    let step = (2.0 * value / both).sqrt().min(REACH);
+    2.0 * value / step + both * step
 }
 
 /// The Bernstein coefficients of the approximation over the widened rectangle.
 ///
 /// The coefficient `i` of `xᵏ` in the cubic form is the mean of all products of `k` out of
 /// three values, of which `i` are the upper end of the range and the others the lower.
-fn in_bernstein_form(fit: &[[f32; 16]; 3]) -> [[DVec3; 4]; 4] {
+fn in_bernstein_form(fit: &Fit) -> [[DVec3; 4]; 4] {
     let mut blossom = [[0.0; 4]; 4];
     for (i, row) in blossom.iter_mut().enumerate() {
         let end = |k: usize| if k < i { REACH } else { -REACH };
@@ -174,7 +198,7 @@ fn bend([p, q]: [usize; 2], net: &[DVec4], least: f64) -> f64 {
 }
 
 /// The bound `M_Q`.
-fn fit_bend(fit: &[[f32; 16]; 3]) -> f64 {
+fn fit_bend(fit: &Fit) -> f64 {
     let mut bound = 0.0;
     for k in 0..16 {
         let power = k / 4 + k % 4;
@@ -192,17 +216,24 @@ fn fit_bend(fit: &[[f32; 16]; 3]) -> f64 {
 mod tests {
     use glam::DVec2;
 
-    use super::super::record::SearchRecord;
     use super::*;
     use crate::geometry::shapes;
-    use crate::intersect::hierarchy::Hierarchy;
-    use crate::patch::{Jet, PatchSet};
+    use crate::patch::{Jet, Leaf, PatchSet, SceneFrame};
+
+    /// The leaves of a set.
+    fn leaves(set: &PatchSet, parts: &[crate::patch::Part]) -> Vec<Leaf> {
+        let frame = SceneFrame::around(&set.bounds());
+        let leaf = |part: &crate::patch::Part| {
+            Leaf::new(part, &set.pieces()[part.piece as usize], &frame).0
+        };
+        parts.iter().map(leaf).collect()
+    }
 
     /// The approximation and its first derivatives, relative to the leaf's middle.
-    fn approximation(record: &SearchRecord, x: f64, y: f64) -> Jet {
+    fn approximation(leaf: &Leaf, x: f64, y: f64) -> Jet {
         let mut jet = Jet { point: DVec3::ZERO, ds: DVec3::ZERO, dt: DVec3::ZERO };
         for k in 0..16 {
-            let at = |axis: usize| f64::from(record.fit[axis][k]);
+            let at = |axis: usize| f64::from(leaf.fit()[axis][k]);
             let (c, i, j) = (DVec3::new(at(0), at(1), at(2)), k as i32 / 4, k as i32 % 4);
             jet.point += c * x.powi(i) * y.powi(j);
             jet.ds += c * f64::from(i) * x.powi((i - 1).max(0)) * y.powi(j);
@@ -214,28 +245,27 @@ mod tests {
     #[test]
     fn bounds_hold_on_the_widened_leaves() {
         for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
-            let (set, boxes) = PatchSet::new(&[surface]).unwrap();
-            let records = SearchRecord::all(&set, &Hierarchy::new(&set, &boxes));
-            for (leaf, record) in set.leaves().iter().zip(&records).step_by(7) {
+            let (set, parts) = PatchSet::new(&[surface]).unwrap();
+            for leaf in leaves(&set, &parts).iter().step_by(7) {
                 let patch = &set.pieces()[leaf.piece as usize].patch;
-                let half = leaf.rect.map(|[from, to]| 0.5 * (to - from));
-                let middle = leaf.rect.map(|[from, to]| 0.5 * (from + to));
+                let half = leaf.rect().map(|[from, to]| 0.5 * (to - from));
+                let middle = leaf.rect().map(|[from, to]| 0.5 * (from + to));
                 let true_jet = |x: f64, y: f64| {
                     let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
                     let jet = patch.jet(st);
-                    let point = jet.point - record.middle;
+                    let point = jet.point - leaf.middle;
                     Jet { point, ds: jet.ds * half[0], dt: jet.dt * half[1] }
                 };
                 let bound = |value: f32| f64::from(value) + 1e-15;
                 for (x, y) in [(0.0, 0.0), (-1.2, 1.2), (1.1, 0.3), (0.4, -0.9)] {
-                    let (s, q) = (true_jet(x, y), approximation(record, x, y));
-                    assert!(s.point.distance(q.point) <= bound(record.fit_error));
-                    assert!(s.ds.distance(q.ds) <= bound(record.slope_error));
-                    assert!(s.dt.distance(q.dt) <= bound(record.slope_error));
+                    let (s, q) = (true_jet(x, y), approximation(leaf, x, y));
+                    assert!(s.point.distance(q.point) <= bound(leaf.fit_error()));
+                    assert!(s.ds.distance(q.ds) <= bound(leaf.slope_error()));
+                    assert!(s.dt.distance(q.dt) <= bound(leaf.slope_error()));
                     for step in [1.0, 0.1, 0.01] {
                         let (dx, dy) = (-step * x.signum(), 0.5 * step * y.signum());
                         let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
-                        assert!(left.length() <= bound(record.bend) * step * step);
+                        assert!(left.length() <= bound(leaf.fit_bend()) * step * step);
                     }
                 }
             }
@@ -245,9 +275,8 @@ mod tests {
     #[test]
     fn bounds_are_of_the_size_of_what_they_bound() {
         // A leaf of the sphere differs from a bicubic by some 1e-6 of the radius.
-        let (set, boxes) = PatchSet::new(&[shapes::sphere(1.0).unwrap()]).unwrap();
-        let records = SearchRecord::all(&set, &Hierarchy::new(&set, &boxes));
-        let mut errors: Vec<f32> = records.iter().map(|record| record.fit_error).collect();
+        let (set, parts) = PatchSet::new(&[shapes::sphere(1.0).unwrap()]).unwrap();
+        let mut errors: Vec<f32> = leaves(&set, &parts).iter().map(Leaf::fit_error).collect();
         errors.sort_by(f32::total_cmp);
         assert!((1e-8..1e-5).contains(&errors[errors.len() / 2]), "{errors:?}");
     }

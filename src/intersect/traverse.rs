@@ -1,0 +1,109 @@
+//! A ray's way through the tree: the readable specification.
+
+use glam::DVec3;
+
+use super::tree::{Child, ChildCode, Node, Tree};
+use crate::math::{RayFrame, rounding};
+use crate::patch::OrientedBox;
+
+impl Tree {
+    /// Visits the leaves whose boxes the ray may meet, nearer boxes first.
+    ///
+    /// `visit` is given a leaf and its oriented box, and returns how far along the ray, in scene
+    /// units, anything is still of interest. Every leaf is visited whose node begins before
+    /// that, and no node is entered later than the ray really does: so a result that is the
+    /// least of all does not depend on the tree. Returns the number of nodes looked at.
+    pub(super) fn traverse(
+        &self,
+        ray: &RayFrame,
+        stack: &mut Vec<(f64, ChildCode)>,
+        mut visit: impl FnMut(u32, &OrientedBox) -> f64,
+    ) -> u64 {
+        let slabs = Slabs::new(self, ray);
+        let mut limit = ray.z_range[1];
+        let mut visited = 0;
+        stack.clear();
+        stack.extend(self.root.map(|root| (f64::NEG_INFINITY, root)));
+        while let Some((entry, code)) = stack.pop() {
+            if entry > limit {
+                continue;
+            }
+            match code.child() {
+                Child::Node(index) => {
+                    visited += 1;
+                    let node = &self.nodes[index as usize];
+                    let bottom = stack.len();
+                    let met = node.filled().filter_map(|k| {
+                        let entry = slabs.entry(node, k)?;
+                        Some((entry, node.child[k]))
+                    });
+                    stack.extend(met);
+                    // The nearest child is popped first.
+                    stack[bottom..].sort_by(|a, b| b.0.total_cmp(&a.0));
+                }
+                Child::Block(index) => {
+                    let (first, count) = self.leaves(index);
+                    for lane in 0..count {
+                        let oriented = self.blocks[index as usize].oriented(lane);
+                        limit = limit.min(visit(first + lane as u32, &oriented));
+                    }
+                }
+            }
+        }
+        visited
+    }
+}
+
+/// A ray prepared for box tests in scaled coordinates.
+struct Slabs {
+    /// The origin, moved by the rounding error of the test towards either side.
+    origin_low: DVec3,
+    origin_high: DVec3,
+    inverse: DVec3,
+    /// Takes scaled lengths to scene units.
+    unscale: f64,
+    /// The range of `z`, in scaled units.
+    range: [f64; 2],
+}
+
+impl Slabs {
+    fn new(tree: &Tree, ray: &RayFrame) -> Self {
+        let frame = &tree.frame;
+        let origin = frame.scaled(ray.origin);
+        // Rounding of the subtraction, and of the surface's own points for this origin.
+        let center = frame.center.abs().max_element();
+        let error = 512.0
+            * rounding::UNIT_ROUNDOFF
+            * ((ray.magnitude + center) * frame.scale + origin.abs().max_element() + 1.0);
+        Self {
+            origin_low: origin + error,
+            origin_high: origin - error,
+            inverse: 1.0 / ray.axis,
+            unscale: 1.0 / frame.scale,
+            range: ray.z_range.map(|z| z * frame.scale),
+        }
+    }
+
+    /// Where the ray enters a child's box, in scene units and never too late; `None` for a miss.
+    ///
+    /// A direction component of zero gives an infinite inverse; a NaN arises only when the
+    /// widened origin lies exactly in a padded face, where nothing is, and `min` and `max`
+    /// pass over it.
+    fn entry(&self, node: &Node, k: usize) -> Option<f64> {
+        let plane = |side: usize| {
+            let at = |axis: usize| f64::from(node.planes[2 * axis + side][k]);
+            DVec3::new(at(0), at(1), at(2))
+        };
+        let low = (plane(0) - self.origin_low) * self.inverse;
+        let high = (plane(1) - self.origin_high) * self.inverse;
+        let mut near = self.range[0];
+        let mut far = self.range[1];
+        for k in 0..3 {
+            near = near.max(low[k].min(high[k]));
+            far = far.min(low[k].max(high[k]));
+        }
+        let rounded = 8.0 * f64::EPSILON * (near.abs().min(f64::MAX) + far.abs().min(f64::MAX));
+        let missed = near > far + rounded;
+        (!missed).then_some((near - rounded) * self.unscale)
+    }
+}

@@ -1,0 +1,58 @@
+//! Coordinates for work in f32.
+
+use glam::{DVec3, Vec3};
+
+use crate::math::{Aabb, rounding};
+
+/// Boxes are grown by this part of the scene's half size: some roundings of f32, and far
+/// more than any rounding of f64.
+const PADDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// Coordinates moved and scaled, by a power of two, so that a scene lies within `[−1, 1]³`:
+/// f32 is then as fine at 1e6 as at the origin.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneFrame {
+    /// The middle of the scene.
+    pub center: DVec3,
+    /// Scene units to scaled coordinates.
+    pub scale: f64,
+}
+
+/// An axis-parallel box in scaled coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaledBox {
+    /// The smallest coordinates.
+    pub min: Vec3,
+    /// The largest coordinates.
+    pub max: Vec3,
+}
+
+impl SceneFrame {
+    /// The frame of a scene inside a box; that of an empty scene does not matter.
+    pub fn around(bounds: &Aabb) -> Self {
+        if bounds.is_empty() {
+            return Self { center: DVec3::ZERO, scale: 1.0 };
+        }
+        let half = (0.5 * bounds.size()).max_element().max(f64::MIN_POSITIVE);
+        Self { center: bounds.center(), scale: power_of_two_below(1.0 / half) }
+    }
+
+    /// A point in scaled coordinates.
+    #[inline(always)]
+    pub fn scaled(&self, point: DVec3) -> DVec3 {
+        (point - self.center) * self.scale
+    }
+
+    /// A box in scaled coordinates, rounded outwards and padded.
+    pub fn scaled_box(&self, bounds: &Aabb) -> ScaledBox {
+        let (min, max) = (self.scaled(bounds.min) - PADDING, self.scaled(bounds.max) + PADDING);
+        let below = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_below));
+        let above = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_above));
+        ScaledBox { min: below(min), max: above(max) }
+    }
+}
+
+/// The largest power of two not above `x`, kept normal: scaling by it is exact.
+fn power_of_two_below(x: f64) -> f64 {
+    x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).log2().floor().exp2()
+}

@@ -1,0 +1,119 @@
+//! A chart of a surface in Bézier form: what all its pieces share.
+
+use glam::DVec4;
+
+use crate::geometry::{Chart, ChartMap, KnotVector};
+
+/// The control points of a chart cut into Bézier pieces, and where the pieces lie.
+#[derive(Debug)]
+pub(super) struct BezierNet {
+    pub(super) degree: [usize; 2],
+    /// Homogeneous, row by row.
+    pub(super) control: Vec<DVec4>,
+    /// The length of a row.
+    pub(super) stride: usize,
+    /// Whether the weights differ.
+    pub(super) rational: bool,
+    /// For each direction and each row, or column: what is to be known of the pieces that
+    /// begin there.
+    pub(super) spans: [Vec<PieceSpan>; 2],
+    /// Where the chart lies in the surface's parameters.
+    pub(super) map: ChartMap,
+}
+
+/// The part of a knot vector that pieces cover.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PieceSpan {
+    pub(super) domain: [f64; 2],
+    /// Whether the surface ends, or may jump, at either end.
+    pub(super) border: [bool; 2],
+    /// Whether something else begins at the far end.
+    pub(super) open_end: bool,
+}
+
+impl BezierNet {
+    /// The net of a chart; also returns the rows and the columns in which pieces begin.
+    pub(super) fn new(chart: &Chart<'_>) -> (Self, [Vec<u32>; 2]) {
+        let bezier = chart.surface.bezier_form();
+        let knots = [bezier.knots_u(), bezier.knots_v()];
+        let degree = knots.map(KnotVector::degree);
+        let firsts = knots
+            .map(|knots| knots.spans().map(|span| (span.index - knots.degree()) as u32).collect());
+        let [b0, b1, b2, b3] = chart.border;
+        let spans = [
+            piece_spans(knots[0], [b0, b1], chart.open_end[0]),
+            piece_spans(knots[1], [b2, b3], chart.open_end[1]),
+        ];
+        let (_, stride) = bezier.size();
+        let control = bezier.into_control();
+        let rational = is_rational(&control);
+        (Self { degree, control, stride, rational, spans, map: chart.map }, firsts)
+    }
+
+    /// The memory held, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
+        size_of::<Self>() + size_of_val(&self.control[..]) + spans.sum::<usize>()
+    }
+
+    /// A net of one piece, on the unit square.
+    #[cfg(test)]
+    pub(super) fn single(degree: [usize; 2], control: Vec<DVec4>) -> Self {
+        let span = PieceSpan { domain: [0.0, 1.0], border: [true; 2], open_end: false };
+        let rational = is_rational(&control);
+        let spans = [vec![span], vec![span]];
+        let map = ChartMap::Identity;
+        Self { degree, control, stride: degree[1] + 1, rational, spans, map }
+    }
+}
+
+fn is_rational(control: &[DVec4]) -> bool {
+    control.iter().any(|c| c.w != control[0].w)
+}
+
+/// What is to be known of pieces by the first point they have.
+fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<PieceSpan> {
+    let (start, end) = knots.domain();
+    let jumps = |t: f64| knots.multiplicity(t) > knots.degree();
+    let mut spans = vec![PieceSpan::default(); knots.point_count()];
+    for span in knots.spans() {
+        spans[span.index - knots.degree()] = PieceSpan {
+            domain: [span.start, span.end],
+            border: [
+                if span.start == start { border[0] } else { jumps(span.start) },
+                if span.end == end { border[1] } else { jumps(span.end) },
+            ],
+            open_end: if span.end == end { open_end } else { jumps(span.end) },
+        };
+    }
+    spans
+}
+
+/// A number not below zero, rounded up: the upper half of an f64, for its range in less room.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coarse(u32);
+
+impl Coarse {
+    pub(super) fn above(x: f64) -> Self {
+        let bits = x.to_bits();
+        let cut_off = bits & 0xffff_ffff != 0;
+        Self((bits >> 32) as u32 + u32::from(cut_off))
+    }
+
+    pub(super) fn value(self) -> f64 {
+        f64::from_bits(u64::from(self.0) << 32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coarse_numbers_are_not_below() {
+        for x in [0.0, 1.0, 0.1, 1.0 / 3.0, 1e70, 3e-70, 1.999_999_999, 5e-324] {
+            let coarse = Coarse::above(x).value();
+            assert!(x <= coarse && coarse <= x * (1.0 + 2e-6) + 1e-300, "{x}: {coarse}");
+        }
+    }
+}

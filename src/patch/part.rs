@@ -1,0 +1,172 @@
+//! Pieces halved until they are flat enough to search.
+
+use glam::{DVec3, DVec4};
+use smallvec::SmallVec;
+
+use super::tangents::CollapsedSide;
+use super::tensor::euclidean;
+use super::{ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
+use crate::math::{Aabb, bernstein};
+
+/// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
+/// for any surface worth drawing, and a cusp would never become flat.
+const MOST_HALVINGS: u32 = 16;
+
+/// A part of a piece that is flat enough to become a leaf.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Which piece.
+    pub piece: u32,
+    /// The part of the piece's unit square.
+    pub rect: DyadicRect,
+    /// Holds all points the leaf answers for.
+    pub bounds: Aabb,
+}
+
+/// A part of a piece and the control points over it, while it is being halved.
+#[derive(Clone, Debug)]
+pub(super) struct Halving {
+    rect: DyadicRect,
+    net: ControlNet,
+}
+
+impl Halving {
+    /// A whole piece.
+    pub(super) fn whole(piece: &Piece) -> Self {
+        Self { rect: DyadicRect::UNIT, net: piece.patch.control().collect() }
+    }
+
+    /// The part of a piece over a rectangle.
+    pub(super) fn over(piece: &Piece, rect: DyadicRect) -> Self {
+        let mut net: ControlNet = piece.patch.control().collect();
+        let [s, t] = rect.ranges();
+        bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
+        Self { rect, net }
+    }
+
+    /// Hands over the parts of this part that are flat to within `flatness`.
+    pub(super) fn flattened(self, piece: &Piece, flatness: f64, done: &mut impl FnMut(Self)) {
+        match self.direction_to_halve(piece, flatness) {
+            None => done(self),
+            Some(direction) => {
+                let [first, second] = self.halves(piece, direction);
+                second.flattened(piece, flatness, done);
+                first.flattened(piece, flatness, done);
+            }
+        }
+    }
+
+    /// Where the part bends most, if that is more than `flatness`.
+    ///
+    /// The measure of a direction is the largest second difference of the control points
+    /// along it, times the second derivative's factor, over the longest row's chord: half
+    /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
+    fn direction_to_halve(&self, piece: &Piece, flatness: f64) -> Option<usize> {
+        let [p, q] = piece.patch.degree();
+        let noise = noise(piece);
+        let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
+        if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
+            return None; // rounding is all there is left to see
+        }
+        let rows = [(p, q + 1, q, 1), (q, 1, p, q + 1)];
+        let [bend_s, bend_t] = rows.map(|(degree, step, others, other_step)| {
+            let row = |k: usize, i: usize| points[k * other_step + i * step];
+            let chord = (0..=others).map(|k| row(k, 0).distance(row(k, degree)));
+            let longest = chord.fold(noise, f64::max);
+            let turns = (0..=others).flat_map(|k| (1..degree).map(move |i| (k, i)));
+            let second = turns
+                .map(|(k, i)| (row(k, i - 1) - 2.0 * row(k, i) + row(k, i + 1)).length())
+                .fold(0.0, f64::max);
+            (second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / longest, longest)
+        });
+
+        let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
+        let twist = corner(0, 0) - corner(0, 1) - corner(1, 0) + corner(1, 1);
+        let normal = (corner(1, 1) - corner(0, 0)).cross(corner(0, 1) - corner(1, 0));
+        let out_of_plane = twist.dot(normal.normalize_or_zero()).abs();
+        let longest = bend_s.1.max(bend_t.1);
+        let twist = out_of_plane / longest;
+
+        // Two collapsed sides at the two ends of a direction need a leaf each.
+        let both_ends = |at: usize| {
+            piece.collapsed(2 * at).is_some()
+                && piece.collapsed(2 * at + 1).is_some()
+                && self.rect.halvings(at) == 0
+        };
+        let mut wanted = [bend_s.0.max(twist), bend_t.0.max(twist)];
+        for direction in 0..2 {
+            if both_ends(direction) {
+                wanted[direction] = f64::INFINITY;
+            }
+            if self.rect.halvings(direction) >= MOST_HALVINGS {
+                wanted[direction] = 0.0;
+            }
+        }
+        if twist > flatness && twist >= bend_s.0.max(bend_t.0) && wanted[0] == wanted[1] {
+            return Some(usize::from(bend_t.1 > bend_s.1));
+        }
+        let direction = usize::from(wanted[1] > wanted[0]);
+        (wanted[direction] > flatness).then_some(direction)
+    }
+
+    fn halves(self, piece: &Piece, direction: usize) -> [Self; 2] {
+        let degree = piece.patch.degree();
+        let half = |side: u32| {
+            let mut part = self.clone();
+            part.rect = self.rect.half(direction, side);
+            let from = 0.5 * f64::from(side);
+            let mut ranges = [[0.0, 1.0]; 2];
+            ranges[direction] = [from, from + 0.5];
+            bernstein::restrict_net(&mut part.net, degree, ranges[0], ranges[1]);
+            part
+        };
+        [half(0), half(1)]
+    }
+
+    /// What is kept of the part: where it is, and a box with sides along the axes that holds
+    /// every point its leaf answers for, but for rounding.
+    pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
+        let bounds = Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)));
+        Part { piece: index, rect: self.rect, bounds: bounds.grown(noise(piece)) }
+    }
+
+    /// The control points over the leaf and its slack, which ends with the piece.
+    pub(super) fn answered(&self, piece: &Piece) -> ControlNet {
+        let range = |[from, to]: [f64; 2]| {
+            let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
+            let high = if to == 1.0 { 1.0 } else { 1.0 + LEAF_SLACK };
+            [low, high]
+        };
+        let [s, t] = self.rect.ranges().map(range);
+        self.grown(piece, s, t)
+    }
+
+    /// The control points over the rectangle that the certificate speaks of: it ends at a
+    /// collapsed side.
+    pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> ControlNet {
+        let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
+        match collapsed {
+            Some(CollapsedSide::S(end)) => ranges[0][end] = end as f64,
+            Some(CollapsedSide::T(end)) => ranges[1][end] = end as f64,
+            None => {}
+        }
+        self.grown(piece, ranges[0], ranges[1])
+    }
+
+    /// The control points over a rectangle given in sides of the part.
+    pub(super) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> ControlNet {
+        let mut net = self.net.clone();
+        bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
+        net
+    }
+
+    /// The control points.
+    pub(super) fn net(&self) -> &[DVec4] {
+        &self.net
+    }
+}
+
+/// How far computed points of a piece may be from the true ones.
+pub(super) fn noise(piece: &Piece) -> f64 {
+    piece.patch.residual_factor() * piece.patch.magnitude()
+}
