@@ -103,3 +103,44 @@ impl SurfaceBvh {
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec4;
+
+    use super::*;
+    use crate::geometry::{KnotVector, NurbsSurface, shapes};
+
+    /// A bicubic sheet of hills, `spans` × `spans` pieces.
+    fn hills(spans: usize) -> NurbsSurface {
+        let points = spans + 3;
+        let knots = KnotVector::clamped_uniform(3, points).unwrap();
+        let point = |k: usize| {
+            let [x, y] = [k / points, k % points].map(|i| 10.0 * i as f64 / points as f64);
+            DVec4::new(x, y, 0.5 * (1.3 * x).sin() * (1.1 * y).cos(), 1.0)
+        };
+        let net: Vec<DVec4> = (0..points * points).map(point).collect();
+        NurbsSurface::from_homogeneous(knots.clone(), knots, net).unwrap()
+    }
+
+    fn built(surface: NurbsSurface) -> SurfaceBvh {
+        SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn memory_stays_small() {
+        // Dense splines: one leaf a span, and 288 bytes of its control points, are all there is.
+        for spans in [64, 200] {
+            let bvh = built(hills(spans));
+            let bytes = bvh.bytes() as f64 / (spans * spans) as f64;
+            assert!(bytes < 700.0, "{bytes} bytes a span of {spans}²");
+        }
+        // Curved surfaces: a leaf and its share of the tree, and no more of them than pay.
+        for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
+            let bvh = built(surface);
+            let (bytes, leaves) = (bvh.bytes(), bvh.leaves().len());
+            let each = bytes as f64 / leaves as f64;
+            assert!(bytes < 1_200_000 && each < 350.0, "{bytes} bytes, {each} a leaf");
+        }
+    }
+}

@@ -16,6 +16,10 @@ use rayon::prelude::*;
 
 use crate::patch::ScaledBox;
 
+/// Of trees over more boxes than this only the worst nodes are inserted again: it takes long, and
+/// gains little where boxes are many, small and alike.
+const MANY: usize = 1 << 17;
+
 /// A node: its box and what is in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
@@ -79,7 +83,8 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
         SortPrecision::U64,
         0,
     );
-    ReinsertionOptimizer::default().run(&mut tree, 0.15, None);
+    let passes = if boxes.len() > MANY { Some(vec![1.0, 1.0 / 3.0]) } else { None };
+    ReinsertionOptimizer::default().run(&mut tree, 0.15, passes);
     let node = |node: &obvhs::bvh2::node::Bvh2Node| {
         let bounds = node.aabb();
         let bounds = ScaledBox { min: bounds.min.into(), max: bounds.max.into() };

@@ -33,12 +33,12 @@ pub(super) struct Halving {
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        Self { rect: DyadicRect::UNIT, net: piece.patch.control().collect() }
+        Self { rect: DyadicRect::UNIT, net: copied(piece) }
     }
 
     /// The part of a piece over a rectangle.
     pub(super) fn over(piece: &Piece, rect: DyadicRect) -> Self {
-        let mut net: ControlNet = piece.patch.control().collect();
+        let mut net = copied(piece);
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         Self { rect, net }
@@ -126,7 +126,12 @@ impl Halving {
     /// What is kept of the part: where it is, and a box with sides along the axes that holds
     /// every point its leaf answers for, but for rounding.
     pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
-        let bounds = Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)));
+        let whole = self.rect == DyadicRect::UNIT;
+        let bounds = if whole {
+            Aabb::around(self.net.iter().map(|&c| euclidean(c)))
+        } else {
+            Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
+        };
         Part { piece: index, rect: self.rect, bounds: bounds.grown(noise(piece)) }
     }
 
@@ -164,6 +169,16 @@ impl Halving {
     pub(super) fn net(&self) -> &[DVec4] {
         &self.net
     }
+}
+
+/// The control points of a piece.
+fn copied(piece: &Piece) -> ControlNet {
+    let [p, q] = piece.patch.degree();
+    let mut net = ControlNet::with_capacity((p + 1) * (q + 1));
+    for row in piece.patch.rows() {
+        net.extend_from_slice(row);
+    }
+    net
 }
 
 /// How far computed points of a piece may be from the true ones.

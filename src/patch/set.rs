@@ -9,20 +9,23 @@ use thiserror::Error;
 
 use super::net::BezierNet;
 use super::part::Halving;
-use super::{Leaf, Part, Piece};
+use super::{Leaf, OrientedBox, Part, Piece};
 use crate::geometry::{Chart, Charts};
 use crate::math::Aabb;
 
-/// How flat leaves are tried to be, from coarse to fine: see `Part::direction_to_halve`.
+/// How flat leaves are tried to be, from coarse to fine: see `Halving::direction_to_halve`.
 ///
 /// Flatter leaves need fewer Newton steps, fit their boxes better and are certified for
 /// more rays; but there are more of them. Measured on sphere, teapot and height fields,
 /// the work a ray stops falling at about 0.06, and rises where leaves leave the cache.
-const FLATNESS: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
+const FLATNESS: [f64; 7] = [0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06];
 
 /// Finer leaves are made only while all of them take no more than this: about the size of
-/// a second-level cache.
-const WORTHWHILE_BYTES: usize = 4 << 20;
+/// a second-level cache, and a fraction of what triangles of like error would take.
+const WORTHWHILE_BYTES: usize = 1 << 20;
+
+/// What a leaf takes with its share of the tree: its box in a block that is four fifths full.
+const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 5 / 4;
 
 /// Why surfaces cannot be cut into pieces.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -145,7 +148,7 @@ fn parts(pieces: &[Piece]) -> Vec<Part> {
 /// The finest flatness whose leaves take no more room than is worthwhile.
 fn worthwhile_flatness(pieces: &[Piece]) -> f64 {
     let [mut finest, finer @ ..] = FLATNESS;
-    let most = WORTHWHILE_BYTES / size_of::<Leaf>();
+    let most = WORTHWHILE_BYTES / BYTES_A_LEAF;
     for flatness in finer {
         if pieces.len() > most {
             break;

@@ -1,6 +1,8 @@
 //! Rays into lanes: what [`RayFrame`](crate::math::RayFrame) holds of a ray, for all rays of
 //! a packet at once, and the same in f32.
 
+use std::ops::Range;
+
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
@@ -36,7 +38,7 @@ pub(super) fn prepare<S: Simd>(simd: S, packet: &mut Packet, center: DVec3) {
     }
     packet.leaf = [u32::MAX; PACKET];
     packet.near_border = 0;
-    packet.bounds = bounds(simd, packet);
+    packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
 }
 
@@ -148,14 +150,14 @@ fn narrow_lanes<S: Simd>(simd: S, lanes: &[f64; PACKET], base: usize) -> f32x16<
     simd.narrow_f64x8(low, high)
 }
 
-/// What all rays of the packet have in common. Idle lanes repeat a ray, so they do no harm.
+/// What some lanes' rays have in common. Idle lanes repeat a ray, so they do no harm.
 #[simd]
-fn bounds<S: Simd>(simd: S, packet: &Packet) -> PacketBounds {
+pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> PacketBounds {
     let mut bounds = PacketBounds::default();
-    let mut axis = load3(simd, &packet.axis_f, 0);
-    let mut origin = load3(simd, &packet.origin_f, 0);
+    let mut axis = load3(simd, &packet.axis_f, lanes.start);
+    let mut origin = load3(simd, &packet.origin_f, lanes.start);
     let (mut axis_max, mut origin_max) = (axis, origin);
-    for base in (LANES..PACKET).step_by(LANES) {
+    for base in lanes.step_by(LANES).skip(1) {
         let a = load3(simd, &packet.axis_f, base);
         let o = load3(simd, &packet.origin_f, base);
         for i in 0..3 {

@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::Vec3;
 
 use super::finish::{Target, finish};
-use super::load::{farthest, prepare};
+use super::load::{bounds, farthest, prepare};
 use super::packet::{Packet, PacketBounds};
 use super::search::{bits, certify, cross_box, search_fit, widen};
 use super::single::Scene;
@@ -20,6 +20,8 @@ pub(in crate::intersect) struct Work {
     stack: Vec<(f32, ChildCode)>,
     /// Rays and leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
+    /// What every sixteen rays have in common, once it was asked for.
+    groups: Option<[PacketBounds; PACKET / LANES]>,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
 }
@@ -39,6 +41,7 @@ pub(in crate::intersect) fn trace<S: Simd>(
     prepare(simd, packet, tree.frame.center);
     work.rest.clear();
     work.rest_rays = 0;
+    work.groups = None;
     work.stack.clear();
     work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
     while let Some((entry, code)) = work.stack.pop() {
@@ -159,6 +162,32 @@ fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
     (middle, 0.5 * (max - min) + 4.0 * f32::EPSILON * min.abs().max(max.abs()))
 }
 
+/// Of more leaves than this in one block every sixteen rays of a packet are told apart: leaves are
+/// then small against it, and most of the others would be tested for nothing.
+const FEW: u32 = 4;
+
+/// For every sixteen rays, which of a block's leaves they may meet.
+#[simd]
+fn told_apart<S: Simd>(
+    simd: S,
+    block: &LeafBlock,
+    met: u32,
+    packet: &Packet,
+    work: &mut Work,
+) -> [u32; PACKET / LANES] {
+    if met.count_ones() <= FEW {
+        return [met; PACKET / LANES];
+    }
+    let groups = work.groups.get_or_insert_with(|| {
+        std::array::from_fn(|k| bounds(simd, packet, LANES * k..LANES * (k + 1)))
+    });
+    let mut apart = [0; PACKET / LANES];
+    for (of_group, bounds) in apart.iter_mut().zip(groups) {
+        *of_group = met & enter_block(simd, block, bounds, packet.farthest).1;
+    }
+    apart
+}
+
 /// The leaves of a block, near ones first.
 #[simd]
 fn search_block<S: Simd>(
@@ -172,7 +201,8 @@ fn search_block<S: Simd>(
     let block = &scene.tree.blocks[index as usize];
     let (first, count) = scene.tree.leaves(index);
     let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
-    let mut met = met & ((1 << count) - 1);
+    let apart = told_apart(simd, block, met & ((1 << count) - 1), packet, work);
+    let mut met = apart.iter().fold(0, |all, met| all | met);
     while met != 0 {
         let mut nearest = met.trailing_zeros() as usize;
         let mut others = met & (met - 1);
@@ -188,16 +218,18 @@ fn search_block<S: Simd>(
             return;
         }
         let oriented = block.oriented(nearest);
-        search(simd, scene, (first + nearest as u32, &oriented), packet, work, statistics);
+        let groups = apart.map(|met| met >> nearest & 1 != 0);
+        let leaf = (first + nearest as u32, &oriented, groups);
+        search(simd, scene, leaf, packet, work, statistics);
     }
 }
 
-/// One leaf against all rays of the packet.
+/// One leaf against the rays of the packet, sixteen by sixteen, that may meet it.
 #[simd]
 fn search<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
-    (index, oriented): (u32, &OrientedBox),
+    (index, oriented, groups): (u32, &OrientedBox, [bool; PACKET / LANES]),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -207,6 +239,9 @@ fn search<S: Simd>(
     let mut target = None;
     let mut found = false;
     for base in (0..packet.count.min(PACKET)).step_by(LANES) {
+        if !groups[base / LANES] {
+            continue;
+        }
         let crossing = cross_box(simd, oriented, packet, base);
         let met = bits(crossing.met);
         if met == 0 {
