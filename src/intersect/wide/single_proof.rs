@@ -31,6 +31,10 @@ const ROUNDING: f32 = 2e-6;
 /// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
+/// Above it nothing is proved: sums of products of two lengths of a huge scene would not be
+/// numbers of f32, and their differences no numbers at all.
+const LARGEST: f32 = 1e18;
+
 /// How far the leaf and its slack reach.
 const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
@@ -103,7 +107,12 @@ pub(super) fn isolate<S: Simd>(
     // Coefficients come from sums in which most may cancel, and a small box has the errors of
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
     // nothing is proved of leaves thinner than f32 can see.
-    let noise = ROUNDING * distances.terms(simd, leaf, ray);
+    let terms = distances.terms(simd, leaf, ray);
+    let in_range = terms <= LARGEST; // false for NaN
+    if !in_range {
+        return None;
+    }
+    let noise = ROUNDING * terms;
     // A ray that passes within the error of a border meets it: closer is not missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(error);
     let mut waiting = [Part::default(); MOST_BOXES];
