@@ -3,6 +3,7 @@
 mod bench;
 mod compare;
 mod count;
+mod plot;
 mod values;
 
 use std::ffi::{OsStr, OsString};
@@ -18,6 +19,7 @@ use nurbray::scene::IntegratorKind;
 pub(crate) use bench::BenchArguments;
 pub(crate) use compare::{Against, CompareArguments};
 use count::count;
+pub(crate) use plot::PlotArguments;
 pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
@@ -58,6 +60,8 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
     Info(InfoArguments),
+    /// Draw curves, basis functions and constructions as figures
+    Plot(PlotArguments),
 }
 
 /// `nurbray render`.

@@ -15,6 +15,7 @@ mod failure;
 mod info;
 mod input;
 mod output;
+mod plot;
 mod progress;
 mod race;
 mod random;
@@ -55,5 +56,6 @@ fn dispatch(command: &Command) -> Result<ExitCode, Failure> {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Info(arguments) => info::run(arguments),
+        Command::Plot(arguments) => plot::run(arguments),
     }
 }

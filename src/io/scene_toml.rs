@@ -115,11 +115,13 @@
 //! ```
 //!
 #![doc = include_str!("scene_toml/from_curves.md")]
+#![doc = include_str!("scene_toml/plots.md")]
 
 mod constructions;
 mod curves;
 mod keys;
 mod kinds;
+mod plots;
 mod values;
 
 use std::path::Path;
@@ -190,6 +192,8 @@ impl Reader<'_, '_> {
             keys.material.into_iter().map(|keys| self.material(keys)).collect::<Result<_, _>>()?;
         let objects =
             keys.object.into_iter().map(|keys| self.object(keys)).collect::<Result<_, _>>()?;
+        let plots = keys.plot.into_iter().map(|keys| self.plot(keys)).collect::<Result<_, _>>()?;
+        let figure = self.figure(keys.figure)?;
         Ok(Scene {
             place: self.source.file().clone(),
             camera,
@@ -198,6 +202,8 @@ impl Reader<'_, '_> {
             objects,
             background: keys.background.map(|color| color.0),
             settings,
+            plots,
+            figure,
             notes: std::mem::take(&mut self.notes),
         })
     }

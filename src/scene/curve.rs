@@ -3,9 +3,9 @@
 use glam::{DAffine3, DVec3};
 
 use super::net::knot_vector;
-use super::{Knots, Place, Transform, TransformError, Written};
-use crate::geometry::shapes::circle_arc;
-use crate::geometry::{CurveError, NurbsCurve, with_repeated_ends};
+use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
+use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc};
+use crate::geometry::{CurveError, NurbsCurve, RationalBasis, with_repeated_ends};
 
 /// A curve as written, not yet checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +78,15 @@ pub enum CurveKind {
         /// How far it turns, in degrees, counterclockwise.
         degrees: f64,
     },
+    /// One of the source note's circles.
+    NoteCircle(NoteCircle),
+    /// A quarter of the unit circle of degree 4, the weights next to its ends chosen.
+    QuarticArc {
+        /// Which solution of the constraint.
+        arc: QuarticArc,
+        /// The weight.
+        w1: f64,
+    },
 }
 
 /// How a uniform B-spline begins and ends.
@@ -107,7 +116,7 @@ impl CurveSpec {
             | CurveKind::BSpline { points, .. }
             | CurveKind::CatmullRom { points, .. }
             | CurveKind::Hermite { points, .. } => points.len(),
-            CurveKind::Arc { .. } => 0,
+            CurveKind::Arc { .. } | CurveKind::NoteCircle(_) | CurveKind::QuarticArc { .. } => 0,
         }
     }
 
@@ -136,14 +145,45 @@ impl CurveSpec {
             }
             CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
+            CurveKind::NoteCircle(circle) => Ok(circle.curve()),
+            CurveKind::QuarticArc { arc, w1 } => {
+                QuarticConstants::solved(*arc, *w1).map(|constants| constants.curve())
+            }
         }
         .map_err(blame)?;
-        let mut placed = DAffine3::IDENTITY;
-        for step in &self.transform {
-            let affine = step.value.affine();
-            placed = affine.map_err(|e| CurveFault::Transform(step.place.clone(), e))? * placed;
-        }
-        let curve = curve.transformed(&placed).map_err(blame)?;
+        let curve = curve.transformed(&self.placed()?).map_err(blame)?;
         Ok(if self.reverse { curve.reversed() } else { curve })
+    }
+
+    /// All steps of its transform.
+    fn placed(&self) -> Result<DAffine3, CurveFault> {
+        self.transform.iter().try_fold(DAffine3::IDENTITY, |placed, step| {
+            let affine = step.value.affine();
+            Ok(affine.map_err(|e| CurveFault::Transform(step.place.clone(), e))? * placed)
+        })
+    }
+
+    /// The basis and the control points, in their place, of a NURBS curve with zeros among its
+    /// weights; other kinds of curves have none.
+    pub(super) fn weighted(&self) -> Result<(RationalBasis, Vec<DVec3>), CurveFault> {
+        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+        let CurveKind::Nurbs { degree, knots, points, weights: Some(weights) } = &self.kind else {
+            return Err(blame(CurveError::WeightCount { weights: 0, points: self.point_count() }));
+        };
+        let vector = knot_vector(*degree, &knots.value, points.len())
+            .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
+        if let Some(index) = points.iter().position(|point| !point.is_finite()) {
+            return Err(blame(CurveError::Point { index, point: points[index] }));
+        }
+        let placed = self.placed()?;
+        let mut points: Vec<_> = points.iter().map(|&p| placed.transform_point3(p)).collect();
+        let mut weights = weights.clone();
+        let mut vector = vector;
+        if self.reverse {
+            points.reverse();
+            weights.reverse();
+            vector = vector.reversed();
+        }
+        Ok((RationalBasis::new(vector, weights).map_err(blame)?, points))
     }
 }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{
-    Construction, Light, Material, NamedShape, Net, Place, RenderDefaults, Rgb, Transform, Written,
+    Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
+    Rgb, Transform, Written,
 };
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
@@ -27,6 +28,10 @@ pub struct Scene {
     pub background: Option<Rgb>,
     /// The picture asked for.
     pub settings: RenderDefaults,
+    /// What is to be plotted; [`PlotSpec::checked`] makes it ready.
+    pub plots: Vec<PlotSpec>,
+    /// How the plots lie in one picture.
+    pub figure: FigureSpec,
     /// What the files hold that is not shown, and why.
     pub notes: Vec<ImportNote>,
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::with_place;
-use super::{CameraError, ImportNote, PictureError, Place, TransformError, UnknownName};
+use super::{CameraError, ImportNote, PictureError, Place, PlotError, TransformError, UnknownName};
 use crate::geometry::SurfaceError;
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
@@ -131,6 +131,20 @@ pub enum SceneFault {
     /// There is no object.
     #[error("there is nothing to show: write an [[object]], with a shape such as \"sphere\"")]
     NoObjects,
+    /// There are plots, but no object to trace.
+    #[error(
+        "there is nothing to trace, only plots, which `nurbray plot` draws: write an [[object]], \
+         with a shape such as \"sphere\""
+    )]
+    OnlyPlots,
+    /// A plot that cannot be drawn.
+    #[error("plot {plot}: {error}")]
+    Plot {
+        /// Its title in quotes, or its number.
+        plot: String,
+        /// What is wrong with it.
+        error: PlotError,
+    },
     /// There is nothing to see in any object.
     #[error("there is no surface to show{}", not_imported(.notes))]
     Empty {

@@ -65,7 +65,12 @@ impl World {
         let fails = |fault| SceneError::new(scene.place.clone(), fault);
         scene.settings.check().map_err(|error| fails(SceneFault::Picture(error)))?;
         if scene.objects.is_empty() {
-            return Err(fails(SceneFault::NoObjects));
+            let only_plots = !scene.plots.is_empty();
+            return Err(fails(if only_plots {
+                SceneFault::OnlyPlots
+            } else {
+                SceneFault::NoObjects
+            }));
         }
         check_point_count(scene)?;
         let (surfaces, materials) = place_objects(scene)?;

@@ -7,7 +7,8 @@ use super::keys::TransformKeys;
 use super::kinds::OneOf;
 use super::values::{KnotList, Number, Point};
 use super::{LoadError, Reader};
-use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Written};
+use crate::geometry::shapes::QuarticArc;
+use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, UnknownName, Written};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,6 +22,8 @@ pub(super) struct CurveKeys {
     hermite: Option<HermiteKeys>,
     circle: Option<CircleKeys>,
     arc: Option<ArcKeys>,
+    note_circle: Option<Spanned<String>>,
+    quarter_circle_4: Option<QuarticKeys>,
     #[serde(default)]
     transform: Vec<OneOf<TransformKeys>>,
     #[serde(default)]
@@ -85,8 +88,16 @@ struct ArcKeys {
     degrees: Number,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct QuarticKeys {
+    solution: Spanned<u32>,
+    w1: Option<Number>,
+}
+
 /// What a curve can be, for messages.
-const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc";
+const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc, \
+                     note_circle, quarter_circle_4";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -115,6 +126,8 @@ impl Reader<'_, '_> {
             keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
             keys.arc
                 .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),
+            keys.note_circle.map(|name| self.note_circle(name)).transpose()?,
+            keys.quarter_circle_4.map(|keys| self.quartic(keys)).transpose()?,
         ];
         let mut given = kinds.into_iter().flatten();
         let (Some(kind), None) = (given.next(), given.next()) else {
@@ -140,6 +153,26 @@ impl Reader<'_, '_> {
         };
         let points = keys.points.into_iter().map(|point| point.0).collect();
         Ok(CurveKind::BSpline { points, degree: keys.degree.unwrap_or(CUBIC) as usize, ends })
+    }
+
+    fn note_circle(&self, name: Spanned<String>) -> Result<CurveKind, LoadError> {
+        let circle = name.get_ref().parse().map_err(|error: UnknownName| {
+            LoadError::malformed(self.source.place(name.span().start), error.to_string())
+        })?;
+        Ok(CurveKind::NoteCircle(circle))
+    }
+
+    fn quartic(&self, keys: QuarticKeys) -> Result<CurveKind, LoadError> {
+        let arc = match *keys.solution.get_ref() {
+            1 => QuarticArc::First,
+            2 => QuarticArc::Second,
+            other => {
+                let place = self.source.place(keys.solution.span().start);
+                let message = format!("found {other}, needed solution 1 or 2");
+                return Err(LoadError::malformed(place, message));
+            }
+        };
+        Ok(CurveKind::QuarticArc { arc, w1: keys.w1.map_or(1.0, |w1| w1.0) })
     }
 
     fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {

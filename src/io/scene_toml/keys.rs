@@ -9,6 +9,7 @@ use super::constructions::{
     RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
 };
 use super::kinds::{Kinds, OneOf};
+use super::plots::{FigureKeys, PlotKeys};
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -25,6 +26,10 @@ pub(super) struct SceneKeys {
     pub(super) material: Vec<Keyed<MaterialKeys>>,
     #[serde(default)]
     pub(super) object: Vec<Keyed<ObjectKeys>>,
+    #[serde(default)]
+    pub(super) figure: Keyed<FigureKeys>,
+    #[serde(default)]
+    pub(super) plot: Vec<Spanned<Keyed<PlotKeys>>>,
 }
 
 #[derive(Deserialize)]

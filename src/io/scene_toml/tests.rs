@@ -37,7 +37,9 @@ fn documented() -> Vec<String> {
     let mut block: Option<String> = None;
     let module = include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!"));
     let module = module.map(|l| l.trim_start_matches("//!").strip_prefix(' ').unwrap_or(""));
-    for line in module.chain(include_str!("from_curves.md").lines()) {
+    for line in
+        module.chain(include_str!("from_curves.md").lines()).chain(include_str!("plots.md").lines())
+    {
         match (&mut block, line) {
             (None, "```toml") => block = Some(String::new()),
             (Some(_), "```") => blocks.extend(block.take()),

@@ -1,0 +1,146 @@
+//! `nurbray plot`: curves, functions and constructions as figures.
+
+mod flatten;
+mod functions;
+mod panel;
+mod png;
+mod space;
+mod steps;
+mod svg;
+mod view;
+
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::anyhow;
+use nurbray::geometry::NurbsCurve;
+use nurbray::io::write_atomically;
+use nurbray::scene::{Plot, PlotKind, PlottedCurve, Scene};
+
+use super::args::PlotArguments;
+use super::failure::{Failure, OrFail};
+use super::{input, output};
+use panel::Panel;
+use svg::Unable;
+
+/// What `--help` says behind the options.
+pub(crate) const HELP: &str = "\
+A scene says with [[plot]] tables what to draw: curves with control polygons and knots, basis and
+blending functions, derivatives and curvature, knot insertion, de Casteljau's and de Boor's
+construction, corner cutting. It then needs no [[object]]. A scene without any [[plot]], or a bare
+model, gets the plots that suit it: the curves its surfaces are made from, and the basis functions
+over its surfaces' knots.
+
+The plots of one scene lie side by side in one picture; [figure] says how, and how large it is.
+Curves are drawn to within 0.1 pixel. The same input gives the same bytes.
+
+Example:
+  nurbray plot scenes/note_circles.toml -o circles.svg -o circles.png";
+
+/// The longest side of a picture in pixels: what image programs open, and what fits in memory.
+const MAX_SIDE: u32 = 8192;
+
+/// The size of one plot, if nothing is said.
+const PLOT_SIZE: [u32; 2] = [480, 400];
+
+/// Runs the subcommand.
+pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
+    let paths: Vec<&Path> = arguments.outputs.iter().map(AsRef::as_ref).collect();
+    let formats = paths.iter().map(|path| output::format(path, &["svg", "png"]));
+    let formats = formats.collect::<Result<Vec<_>, _>>()?;
+    output::check(&paths, &[&arguments.input])?;
+    let scene = input::read(&arguments.input)?;
+
+    let plots = plots(&scene)?;
+    let panels = plots.into_iter().map(panel).collect::<Result<Vec<_>, _>>()?;
+    let columns = match &scene.figure.columns {
+        Some(columns) => columns.value.min(panels.len()),
+        None => (1..).find(|side| side * side >= panels.len()).unwrap_or(1),
+    };
+    let size = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
+    let text = svg::svg(&panels, columns, size).map_err(|unable| refused(unable, size, &panels))?;
+
+    for (path, format) in paths.into_iter().zip(formats) {
+        match format {
+            "png" => png::write(path, &text, size).or_failed()?,
+            _ => write_atomically(path, |file| file.write_all(text.as_bytes())).or_failed()?,
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The plots a scene asks for.
+fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
+    let numbered = scene.plots.iter().enumerate();
+    numbered.map(|(index, plot)| plot.checked(index + 1).or_bad_input()).collect()
+}
+
+/// The size of the picture: the command line's, the scene's, or so much a plot.
+fn size(arguments: &PlotArguments, scene: &Scene, grid: [usize; 2]) -> Result<[u32; 2], Failure> {
+    let (size, place) = match (arguments.size, &scene.figure.size) {
+        (Some(size), _) => ([size.width, size.height], String::new()),
+        (None, Some(size)) => (size.value, format!("{}: ", size.place)),
+        (None, None) => {
+            let side =
+                |k: usize| PLOT_SIZE[k].saturating_mul(grid[k].try_into().unwrap_or(u32::MAX));
+            ([side(0), side(1)], String::new())
+        }
+    };
+    match size {
+        [..=MAX_SIDE, ..=MAX_SIDE] => Ok(size),
+        [width, height] => Err(Failure::input(format!(
+            "{place}{width} x {height} pixels: a picture of plots has at most {MAX_SIDE} each way"
+        ))),
+    }
+}
+
+fn refused(unable: Unable, size: [u32; 2], panels: &[Panel]) -> Failure {
+    match unable {
+        Unable::TooSmall([width, height]) => Failure::input(format!(
+            "{} x {} pixels are too few for {} plots: at least {width}x{height} are needed",
+            size[0],
+            size[1],
+            panels.len()
+        )),
+        Unable::NoExtent(index) => Failure::input(format!(
+            "plot \"{}\": it has no finite extent that could be drawn",
+            panels[index].title
+        )),
+        Unable::Drawing(error) => Failure::Work(error),
+    }
+}
+
+/// What is drawn of a plot.
+fn panel(plot: Plot) -> Result<Panel, Failure> {
+    let Plot { title, plane, show } = plot;
+    let panel = match show {
+        PlotKind::Curves(entries) => space::curves(title, plane, &entries),
+        PlotKind::Basis { basis, support } => {
+            functions::basis(title, &basis, support).or_bad_input()?
+        }
+        PlotKind::Blending(form) => functions::blending(title, form),
+        PlotKind::Derivatives(curve) => functions::derivatives(title, nurbs(&curve)?),
+        PlotKind::Curvature(curve) => functions::curvature(title, nurbs(&curve)?),
+        PlotKind::Comb { curve, teeth, scale } => {
+            steps::comb(title, plane, nurbs(&curve)?, (teeth, scale))
+        }
+        PlotKind::Insertion { curve, knots } => {
+            steps::insertion(title, plane, (nurbs(&curve)?, &knots)).or_bad_input()?
+        }
+        PlotKind::DeCasteljau { curve, t } => {
+            steps::de_casteljau(title, plane, (nurbs(&curve)?, t.value))
+        }
+        PlotKind::CornerCutting { polygon, scheme, ends, rounds } => {
+            steps::corner_cutting(title, plane, (scheme, ends), (&polygon, rounds))
+                .or_bad_input()?
+        }
+        other => return Err(Failure::Work(anyhow!("cannot draw {other:?}"))),
+    };
+    Ok(panel)
+}
+
+/// The curve with positive weights that a checked plot of this kind has.
+fn nurbs(curve: &PlottedCurve) -> Result<&NurbsCurve, Failure> {
+    curve.nurbs().ok_or_else(|| Failure::work("a weight of 0 came through the check"))
+}

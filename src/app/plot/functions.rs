@@ -1,0 +1,169 @@
+//! Functions of a parameter: bases, blending functions, derivatives, curvature.
+
+use glam::DVec2;
+use nurbray::geometry::{CurveError, KnotVector, MatrixForm, NurbsCurve, RationalBasis};
+
+use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
+use super::space::{indexed, pieces};
+
+/// More functions than this are told apart by their places, not by a legend.
+const MOST_NAMES: usize = 14;
+
+/// The functions of a basis; with `support`, off the domain, too.
+///
+/// # Errors
+/// When the knots off the domain cannot be made knots of a larger one.
+pub(super) fn basis(
+    title: Option<String>,
+    basis: &RationalBasis,
+    support: bool,
+) -> Result<Panel, CurveError> {
+    let weights = basis.weights();
+    let rational = weights.iter().any(|&weight| weight != weights[0]);
+    let letter = if rational { "R" } else { "N" };
+    let count = weights.len();
+    let title = title.unwrap_or_else(|| {
+        let kind = if rational { "Rational basis functions" } else { "Basis functions" };
+        format!("{kind} of degree {}", basis.knots().degree())
+    });
+
+    // Where functions are seen whole, others come in from outside: these are left out.
+    let (seen, skipped) = if support { widened(basis)? } else { (basis.clone(), 0) };
+    let mut panel = functions(
+        (title, "t"),
+        &pieces(seen.knots()),
+        (0..count).map(|index| {
+            let seen = seen.clone();
+            let value = move |t: f64| seen.values(t)[skipped + index];
+            (indexed(letter, index), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+        }),
+    );
+    let values = basis.knots().values();
+    let marks = values.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
+    panel.items.extend(knot_marks(marks, panel.scale));
+    panel.legend.push((Key::Point(Mark::Diamond, GREY), "knots".to_owned()));
+    Ok(panel)
+}
+
+/// The basis over so many more knots that its functions' supports are the domain, and how many
+/// functions come before the old ones. Each old function depends on its own knots only.
+fn widened(basis: &RationalBasis) -> Result<(RationalBasis, usize), CurveError> {
+    let knots = basis.knots();
+    let (p, values) = (knots.degree(), knots.values());
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let before = p + 1 - knots.multiplicity(first);
+    let after = p + 1 - knots.multiplicity(last);
+    let mut wide = vec![first; before];
+    wide.extend(values);
+    wide.extend(vec![last; after]);
+    // The sum of the weighted functions is 1 only on the domain: what is drawn are the
+    // polynomial functions times their weights.
+    let weights = vec![1.0; wide.len() - p - 1];
+    Ok((RationalBasis::new(KnotVector::new(p, wide)?, weights)?, before))
+}
+
+/// Knots on the axis, those on it several times with how often.
+fn knot_marks(knots: impl Iterator<Item = (f64, usize)>, scale: Scale) -> Vec<Item> {
+    let Scale::Function([start, end]) = scale else { return Vec::new() };
+    let mut items = Vec::new();
+    let mut points = Vec::new();
+    for (knot, times) in knots.filter(|(knot, _)| (start..=end).contains(knot)) {
+        let at = DVec2::new(knot, 0.0);
+        points.push(at);
+        if times > 1 {
+            // Within the plot at its ends.
+            let side = if knot == start {
+                1.0
+            } else if knot == end {
+                -1.0
+            } else {
+                0.0
+            };
+            let towards = DVec2::new(side, -1.0);
+            items.push(Item::Label { at, towards, text: format!("×{times}"), color: GREY });
+        }
+    }
+    items.push(Item::Marks { points, mark: Mark::Diamond, color: GREY });
+    items
+}
+
+/// Functions on the same pieces, each with its name.
+fn functions(
+    (title, parameter): (String, &str),
+    pieces: &[[f64; 2]],
+    named: impl Iterator<Item = (String, Box<dyn Fn(f64) -> f64>)>,
+) -> Panel {
+    let mut items = Vec::new();
+    let mut legend = Vec::new();
+    for (index, (name, value)) in named.enumerate() {
+        let stroke = Stroke::curve(color(index));
+        let at = Box::new(move |t: f64| DVec2::new(t, value(t)));
+        items.push(Item::Curve { path: Path { at, pieces: pieces.to_vec() }, stroke });
+        legend.push((Key::Line(stroke), name));
+    }
+    if let [first, .., last] = legend.as_slice()
+        && legend.len() > MOST_NAMES
+    {
+        legend = vec![(first.0, format!("{} … {}, in this order", first.1, last.1))];
+    }
+    let domain = [pieces.first().map_or(0.0, |p| p[0]), pieces.last().map_or(1.0, |p| p[1])];
+    let axes = [parameter.to_owned(), String::new()];
+    Panel { title, axes, scale: Scale::Function(domain), items, legend }
+}
+
+/// The blending functions of a matrix form.
+pub(super) fn blending(title: Option<String>, form: MatrixForm) -> Panel {
+    let (name, letters) = match form {
+        MatrixForm::Bezier => ("Bézier (Bernstein)", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
+        MatrixForm::BSpline => ("Uniform B-spline", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
+        MatrixForm::Hermite => ("Hermite", ["B₀: P₀", "B₁: P₁", "B₂: P₀′", "B₃: P₁′"]),
+        MatrixForm::CatmullRom => ("Catmull–Rom", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
+    };
+    let title = title.unwrap_or_else(|| format!("{name} blending functions"));
+    functions(
+        (title, "t"),
+        &[[0.0, 1.0]],
+        letters.into_iter().enumerate().map(|(index, name)| {
+            let value = move |t: f64| form.blending(t)[index];
+            (name.to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+        }),
+    )
+}
+
+/// The coordinates of the first derivative that are not zero all along, and the speed.
+pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
+    let coordinates = [("x′", 0), ("y′", 1), ("z′", 2)].into_iter().filter(|&(_, axis)| {
+        let first = curve.point(0)[axis];
+        (1..curve.control().len()).any(|index| curve.point(index)[axis] != first)
+    });
+    let values = coordinates.map(|(name, axis)| {
+        let curve = curve.clone();
+        let value = move |t: f64| curve.derivatives(t).first[axis];
+        (name.to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+    });
+    let other = curve.clone();
+    let speed = move |t: f64| other.derivatives(t).first.length();
+    let values = values.chain([("|C′|".to_owned(), Box::new(speed) as _)]);
+    let title = title.unwrap_or_else(|| "First derivative".to_owned());
+    with_knots(functions((title, "t"), &pieces(curve.knots()), values), curve)
+}
+
+/// The curvature.
+pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
+    let bent = curve.clone();
+    let value = move |t: f64| bent.derivatives(t).curvature().unwrap_or(f64::NAN);
+    let title = title.unwrap_or_else(|| "Curvature".to_owned());
+    let values = [("κ".to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)];
+    with_knots(functions((title, "t"), &pieces(curve.knots()), values.into_iter()), curve)
+}
+
+/// The panel with the curve's inner knots as marks on the axis.
+fn with_knots(mut panel: Panel, curve: &NurbsCurve) -> Panel {
+    let inner = curve.knots().spans().skip(1).map(|span| span.start);
+    let knots: Vec<_> = inner.map(|t| (t, curve.knots().multiplicity(t))).collect();
+    if !knots.is_empty() {
+        panel.items.extend(knot_marks(knots.into_iter(), panel.scale));
+        panel.legend.push((Key::Point(Mark::Diamond, GREY), "inner knots".to_owned()));
+    }
+    panel
+}

@@ -1,0 +1,108 @@
+//! What a plot is made of, in the coordinates of its axes.
+
+use glam::DVec2;
+use plotters::style::RGBColor;
+
+/// Colours of curves, one after the other: those of Okabe and Ito (2008), which people with any
+/// colour vision can tell apart; their yellow is too pale for lines.
+pub(super) const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(60, 60, 60),
+];
+
+/// Control polygons and points: there, but behind the curves.
+pub(super) const GREY: RGBColor = RGBColor(130, 130, 130);
+
+/// The colour of the curve of this number.
+pub(super) fn color(index: usize) -> RGBColor {
+    COLORS[index % COLORS.len()]
+}
+
+/// One plot.
+pub(super) struct Panel {
+    /// What stands above it.
+    pub(super) title: String,
+    /// What the axes are called.
+    pub(super) axes: [String; 2],
+    /// What the axes measure.
+    pub(super) scale: Scale,
+    /// What is drawn, from back to front.
+    pub(super) items: Vec<Item>,
+    /// What the legend says.
+    pub(super) legend: Vec<(Key, String)>,
+}
+
+/// What the axes of a plot measure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Scale {
+    /// Both lengths in space: a circle is round.
+    Space,
+    /// Values over a parameter, which runs through this range.
+    Function([f64; 2]),
+}
+
+/// Something to draw.
+pub(super) enum Item {
+    /// A curve.
+    Curve { path: Path, stroke: Stroke },
+    /// Straight lines from point to point.
+    Line { points: Vec<DVec2>, stroke: Stroke },
+    /// Points.
+    Marks { points: Vec<DVec2>, mark: Mark, color: RGBColor },
+    /// Words beside a point, on the side of it that `towards` points to.
+    Label { at: DVec2, towards: DVec2, text: String, color: RGBColor },
+}
+
+/// A curve as a function of a parameter, smooth on each of its pieces.
+pub(super) struct Path {
+    /// The point at a parameter; not finite where there is none.
+    pub(super) at: Box<dyn Fn(f64) -> DVec2>,
+    /// The pieces from first to last: at a parameter they share, the later one holds.
+    pub(super) pieces: Vec<[f64; 2]>,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stroke {
+    /// Its colour.
+    pub(super) color: RGBColor,
+    /// Its width in pixels.
+    pub(super) width: f64,
+}
+
+/// How a point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mark {
+    /// A ring: control points.
+    Ring,
+    /// A disc: points that are constructed.
+    Dot,
+    /// A square on its corner: knots.
+    Diamond,
+}
+
+/// What a line of the legend shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Key {
+    /// A line.
+    Line(Stroke),
+    /// A point.
+    Point(Mark, RGBColor),
+}
+
+impl Stroke {
+    /// That of a curve: what the plot is about.
+    pub(super) fn curve(color: RGBColor) -> Self {
+        Self { color, width: 2.2 }
+    }
+
+    /// That of a polygon and other lines to be guided by.
+    pub(super) fn thin(color: RGBColor) -> Self {
+        Self { color, width: 1.0 }
+    }
+}

@@ -1,0 +1,244 @@
+//! Constructions step by step: de Casteljau, knot insertion, corner cutting, curvature combs.
+
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
+use nurbray::scene::{Plane, PlottedCurve, Written};
+
+use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
+use super::space::{Projection, entry, path, pieces, polygon, short};
+
+/// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
+/// does not say how long a tooth is.
+const COMB_REACH: f64 = 0.3;
+
+fn projected(curve: &NurbsCurve, plane: Option<Plane>) -> (Projection, Vec<DVec2>, Vec<f64>) {
+    let curve = PlottedCurve::from(curve.clone());
+    let projection = Projection::new(plane, curve.points().into_iter());
+    let points = curve.points().into_iter().map(|point| projection.of(point)).collect();
+    (projection, points, curve.weights())
+}
+
+/// The rounds of de Boor's algorithm at `t`, the control points of its span first: on a Bézier
+/// curve they are de Casteljau's. In each, neighbours are mixed in the ratio in which `t`
+/// divides the knots they share (de Boor 1972).
+fn rounds(curve: &NurbsCurve, t: f64) -> Vec<Vec<DVec4>> {
+    let (p, knots) = (curve.knots().degree(), curve.knots().values());
+    let span = curve.knots().span(t);
+    let mut rounds = vec![curve.control()[span - p..=span].to_vec()];
+    for round in 1..=p {
+        let before = &rounds[round - 1];
+        let mixed = (0..=p - round).map(|k| {
+            let j = k + round;
+            let (left, right) = (knots[span - p + j], knots[span + 1 + j - round]);
+            let share = (t - left) / (right - left);
+            (1.0 - share) * before[k] + share * before[k + 1]
+        });
+        let mixed = mixed.collect();
+        rounds.push(mixed);
+    }
+    rounds
+}
+
+/// The construction of a point.
+pub(super) fn de_casteljau(
+    title: Option<String>,
+    plane: Option<Plane>,
+    (curve, t): (&NurbsCurve, f64),
+) -> Panel {
+    let (projection, points, weights) = projected(curve, plane);
+    let mut items = polygon(&points, &weights, "P");
+    let drawn = Stroke { width: 1.6, ..Stroke::curve(GREY) };
+    items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
+    let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
+    let rounds = rounds(curve, t);
+    for (round, control) in rounds.iter().enumerate().skip(1) {
+        let shade = color(round - 1);
+        let points: Vec<DVec2> =
+            control.iter().map(|point| projection.of(point.xyz() / point.w)).collect();
+        let last = round + 1 == rounds.len();
+        let name = match (last, points.len()) {
+            (true, _) => format!("C({})", short(t)),
+            (false, 1..) => format!("round {round}"),
+            _ => String::new(),
+        };
+        if points.len() > 1 {
+            let stroke = Stroke { color: shade, width: 1.5 };
+            items.push(Item::Line { points: points.clone(), stroke });
+            legend.push(entry(shade, &name));
+        } else {
+            legend.push((Key::Point(Mark::Dot, shade), name));
+        }
+        items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
+    }
+    let name = if curve.knots().spans().count() > 1 { "De Boor" } else { "De Casteljau" };
+    let title = title.unwrap_or_else(|| format!("{name}’s algorithm at t = {}", short(t)));
+    Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
+}
+
+/// The control polygons of a curve while knots come in.
+///
+/// # Errors
+/// When a knot cannot be inserted.
+pub(super) fn insertion(
+    title: Option<String>,
+    plane: Option<Plane>,
+    (curve, knots): (&NurbsCurve, &[Written<f64>]),
+) -> Result<Panel, CurveError> {
+    let (projection, points, weights) = projected(curve, plane);
+    let mut items = polygon(&points, &weights, "P");
+    let drawn = Stroke { width: 1.6, ..Stroke::curve(GREY) };
+    items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
+    let mut legend = vec![
+        (Key::Line(drawn), "curve".to_owned()),
+        (Key::Point(Mark::Ring, GREY), "P".to_owned()),
+    ];
+    let mut curve = curve.clone();
+    for (index, knot) in knots.iter().enumerate() {
+        let old: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
+        curve = curve.insert_knot(knot.value, 1)?;
+        let all: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
+        let new: Vec<DVec2> = all
+            .iter()
+            .filter(|point| !old.contains(point))
+            .map(|&point| projection.of(point))
+            .collect();
+        let shade = color(index);
+        let points = all.iter().map(|&point| projection.of(point)).collect();
+        items.push(Item::Line { points, stroke: Stroke { color: shade, width: 1.5 } });
+        items.push(Item::Marks { points: new, mark: Mark::Dot, color: shade });
+        legend.push(entry(shade, &format!("with the knot {}", short(knot.value))));
+    }
+    let title = title.unwrap_or_else(|| "Knot insertion".to_owned());
+    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+}
+
+/// Polygons with their corners cut again and again, and the limit.
+///
+/// # Errors
+/// When the polygon has too few corners.
+pub(super) fn corner_cutting(
+    title: Option<String>,
+    plane: Option<Plane>,
+    (scheme, ends): (CornerCutting, PolygonEnds),
+    (corners, rounds): (&[DVec3], usize),
+) -> Result<Panel, CurveError> {
+    let projection = Projection::new(plane, corners.iter().copied());
+    let outline = |corners: &[DVec3]| -> Vec<DVec2> {
+        let closing = (ends == PolygonEnds::Closed).then(|| corners.first()).flatten();
+        corners.iter().chain(closing).map(|&corner| projection.of(corner)).collect()
+    };
+    let limit = scheme.limit(corners, ends)?;
+    let stroke = Stroke::curve(color(rounds));
+    let mut items = vec![Item::Line { points: outline(corners), stroke: Stroke::thin(GREY) }];
+    let ringed = corners.iter().map(|&corner| projection.of(corner)).collect();
+    items.push(Item::Marks { points: ringed, mark: Mark::Ring, color: GREY });
+    items.push(Item::Curve { path: path(&limit.into(), projection), stroke });
+    let mut legend = vec![(Key::Point(Mark::Ring, GREY), "polygon".to_owned())];
+    let mut polygon = corners.to_vec();
+    for round in 0..rounds {
+        polygon = scheme.cut(&polygon, ends)?;
+        let shade = color(round);
+        items.push(Item::Line {
+            points: outline(&polygon),
+            stroke: Stroke { color: shade, width: 1.2 },
+        });
+        let points = polygon.iter().map(|&corner| projection.of(corner)).collect();
+        items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
+        legend.push(entry(shade, &format!("cut {}", times(round + 1))));
+    }
+    legend.push((Key::Line(stroke), "limit".to_owned()));
+    let title = title.unwrap_or_else(|| match scheme {
+        CornerCutting::Chaikin => "Chaikin’s corner cutting".to_owned(),
+        CornerCutting::Cubic => "Cubic corner cutting".to_owned(),
+    });
+    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+}
+
+fn times(number: usize) -> String {
+    match number {
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        more => format!("{more} times"),
+    }
+}
+
+/// A curve with teeth as long as it bends, on its outer side.
+pub(super) fn comb(
+    title: Option<String>,
+    plane: Option<Plane>,
+    curve: &NurbsCurve,
+    (teeth, scale): (usize, Option<f64>),
+) -> Panel {
+    let (projection, points, weights) = projected(curve, plane);
+    let mut items = polygon(&points, &weights, "P");
+
+    // The feet of the teeth, and how far each tip is from its foot at scale 1.
+    let mut spans: Vec<Vec<(DVec3, DVec3)>> = Vec::new();
+    for [start, end] in pieces(curve.knots()) {
+        let last = end.next_down(); // of this span, not the first of the next
+        let feet = (0..=teeth).filter_map(|k| {
+            let t = (start + k as f64 / teeth as f64 * (end - start)).min(last);
+            let at = curve.derivatives(t);
+            at.curvature_vector().map(|bend| (at.point, -bend))
+        });
+        spans.push(feet.collect());
+    }
+    let longest = spans.iter().flatten().map(|(_, bend)| bend.length()).fold(0.0, f64::max);
+    let size = points
+        .iter()
+        .fold(None, |around: Option<(DVec2, DVec2)>, &p| {
+            let (low, high) = around.unwrap_or((p, p));
+            Some((low.min(p), high.max(p)))
+        })
+        .map_or(0.0, |(low, high)| (high - low).max_element());
+    let fitting = if longest > 0.0 { COMB_REACH * size / longest } else { 0.0 };
+    let scale = scale.unwrap_or(fitting);
+
+    let shade = color(1);
+    for span in &spans {
+        let tip = |&(foot, bend): &(DVec3, DVec3)| projection.of(foot + scale * bend);
+        for tooth in span {
+            let points = vec![projection.of(tooth.0), tip(tooth)];
+            items.push(Item::Line { points, stroke: Stroke { color: shade, width: 0.7 } });
+        }
+        let points = span.iter().map(tip).collect();
+        items.push(Item::Line { points, stroke: Stroke { color: shade, width: 1.3 } });
+    }
+    let stroke = Stroke::curve(color(0));
+    items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke });
+    let legend = vec![
+        entry(color(0), "curve"),
+        entry(shade, &format!("curvature × {}", short(scale))),
+        (Key::Point(Mark::Ring, GREY), "control points".to_owned()),
+    ];
+    let title = title.unwrap_or_else(|| "Curvature comb".to_owned());
+    Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::space::indexed;
+    use super::*;
+    use nurbray::geometry::shapes::{circle_cubic, half_circle_cubic};
+
+    #[test]
+    fn the_last_round_is_the_point_and_the_first_the_control_points() {
+        for curve in [half_circle_cubic(), circle_cubic()] {
+            for t in [0.0, 0.2, 0.5, 0.8, 1.0] {
+                let rounds = rounds(&curve, t);
+                assert_eq!(rounds.len(), 4);
+                for (round, points) in rounds.iter().enumerate() {
+                    assert_eq!(points.len(), 4 - round);
+                }
+                let last = rounds[3][0];
+                assert!((last.xyz() / last.w).distance(curve.point_at(t)) < 1e-15, "{t}");
+            }
+        }
+    }
+
+    #[test]
+    fn names() {
+        assert_eq!(indexed("P", 12), "P₁₂");
+        assert_eq!([0.25, 1.0 / 3.0, -2.0, 1e-9].map(short), ["0.25", "0.333", "−2", "1.00e−9"]);
+    }
+}

@@ -1,0 +1,307 @@
+//! Panels as an SVG picture.
+
+use std::ops::Range;
+
+use anyhow::{Error, anyhow};
+use glam::DVec2;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::flatten::flatten;
+use super::panel::{Item, Key, Mark, Panel, Stroke};
+use super::view::{Ticks, View};
+
+/// Plotters counts in whole pixels. It is given a picture so many times as large, which the
+/// first line of the file makes small again.
+pub(crate) const SUBPIXELS: u32 = 32;
+
+/// Curves are drawn to within so much of a pixel: a tenth of the width of a thin line.
+pub(super) const TOLERANCE: f64 = 0.1;
+
+/// What stands around a plot, in pixels.
+const LEFT: f64 = 54.0;
+const RIGHT: f64 = 18.0;
+const TITLE: f64 = 34.0;
+const NUMBERS: f64 = 24.0;
+const AXIS_NAME: f64 = 16.0;
+const LEGEND_LINE: f64 = 18.0;
+const BOTTOM: f64 = 10.0;
+
+/// Sizes of letters in pixels.
+const TITLE_SIZE: f64 = 15.0;
+const TEXT_SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 11.0;
+
+/// A letter is about so wide, in shares of its size: legends are laid out by it.
+const LETTER: f64 = 0.56;
+
+/// A smaller plot shows nothing: pixels each way.
+const LEAST: f64 = 60.0;
+
+const INK: RGBColor = RGBColor(40, 40, 40);
+const GRID: RGBColor = RGBColor(232, 232, 232);
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis<'a>, Axis<'a>>>;
+
+/// An axis with our own numbers beside it.
+struct Axis<'a> {
+    low: f64,
+    high: f64,
+    ticks: &'a Ticks,
+}
+
+impl Ranged for Axis<'_> {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        let share = (value - self.low) / (self.high - self.low);
+        from + (share * f64::from(to - from)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.values.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+/// Why panels cannot be drawn.
+pub(super) enum Unable {
+    /// The picture is too small: the least width and height that would do.
+    TooSmall([u32; 2]),
+    /// A panel, counted from 0, has nothing in it or reaches beyond numbers.
+    NoExtent(usize),
+    /// Plotters fails.
+    Drawing(Error),
+}
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Unable {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self::Drawing(anyhow!("cannot draw: {error}"))
+    }
+}
+
+/// The panels in rows of so many columns, as the text of an SVG file.
+pub(super) fn svg(panels: &[Panel], columns: usize, size: [u32; 2]) -> Result<String, Unable> {
+    let columns = columns.clamp(1, panels.len().max(1));
+    let rows = panels.len().div_ceil(columns).max(1);
+    let cell = DVec2::new(f64::from(size[0]) / columns as f64, f64::from(size[1]) / rows as f64);
+    let needed = panels.iter().map(|panel| DVec2::splat(LEAST) + around(panel, cell.x));
+    let needed = needed.fold(DVec2::ZERO, DVec2::max).ceil();
+    if !cell.cmpge(needed).all() {
+        let least = [needed.x as u32 * columns as u32, needed.y as u32 * rows as u32];
+        return Err(Unable::TooSmall(least));
+    }
+
+    let large = size.map(|side| side * SUBPIXELS);
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, large.into()).into_drawing_area();
+        root.fill(&WHITE)?;
+        let cells = root.split_evenly((rows, columns));
+        for (index, (panel, area)) in panels.iter().zip(&cells).enumerate() {
+            let plot = cell - around(panel, cell.x);
+            let view = View::of(panel, plot).ok_or(Unable::NoExtent(index))?;
+            Drawing { area, panel, view, cell }.draw()?;
+        }
+        root.present()?;
+    }
+    let [width, height] = large;
+    let shown = format!("<svg width=\"{}\" height=\"{}\"", size[0], size[1]);
+    Ok(text.replacen(&format!("<svg width=\"{width}\" height=\"{height}\""), &shown, 1))
+}
+
+/// What stands around the plot of a panel in a cell of this width.
+fn around(panel: &Panel, width: f64) -> DVec2 {
+    let legend = legend_lines(panel, width - LEFT - RIGHT).len() as f64 * LEGEND_LINE;
+    DVec2::new(LEFT + RIGHT, TITLE + NUMBERS + AXIS_NAME + legend + BOTTOM)
+}
+
+/// A length in pixels as plotters counts it.
+fn sub(pixels: f64) -> i32 {
+    (pixels * f64::from(SUBPIXELS)).round() as i32
+}
+
+fn style(stroke: Stroke) -> ShapeStyle {
+    stroke.color.stroke_width(sub(stroke.width).unsigned_abs())
+}
+
+fn font(size: f64, color: RGBColor, pos: Pos) -> TextStyle<'static> {
+    // Plotters takes sizes for the height of a line, of which letters have 1/1.24.
+    let size = size * 1.24 * f64::from(SUBPIXELS);
+    let mut style = TextStyle::from(("sans-serif", size).into_font()).pos(pos);
+    style.color = color.to_backend_color();
+    style
+}
+
+/// The entries of a legend line by line, each with where it begins.
+fn legend_lines(panel: &Panel, width: f64) -> Vec<Vec<(f64, usize)>> {
+    const KEY: f64 = 26.0;
+    const BETWEEN: f64 = 16.0;
+    let mut lines: Vec<Vec<(f64, usize)>> = Vec::new();
+    let mut x = f64::INFINITY;
+    for (index, (_, text)) in panel.legend.iter().enumerate() {
+        let long = KEY + LETTER * TEXT_SIZE * text.chars().count() as f64;
+        if x + long > width {
+            lines.push(Vec::new());
+            x = 0.0;
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push((x, index));
+        }
+        x += long + BETWEEN;
+    }
+    lines
+}
+
+/// One panel in its cell.
+struct Drawing<'a, 'b> {
+    area: &'a Area<'b>,
+    panel: &'a Panel,
+    view: View,
+    cell: DVec2,
+}
+
+impl Drawing<'_, '_> {
+    fn draw(&self) -> Result<(), Unable> {
+        let panel = self.panel;
+        let (low, high) = (self.view.low, self.view.high);
+        let below = self.cell.y - TITLE - self.view.pixels.y - NUMBERS;
+        let plot = self.area.margin(sub(TITLE), sub(below), 0, sub(RIGHT));
+        let [x_ticks, y_ticks] = self.view.ticks(panel.scale);
+        let mut chart = ChartBuilder::on(&plot)
+            .x_label_area_size(sub(NUMBERS))
+            .y_label_area_size(sub(LEFT))
+            .build_cartesian_2d(
+                Axis { low: low.x, high: high.x, ticks: &x_ticks },
+                Axis { low: low.y, high: high.y, ticks: &y_ticks },
+            )?;
+        let numbers = font(LABEL_SIZE, INK, Pos::new(HPos::Center, VPos::Top));
+        chart
+            .configure_mesh()
+            .bold_line_style(GRID.stroke_width(SUBPIXELS))
+            .light_line_style(TRANSPARENT)
+            .axis_style(INK.stroke_width(SUBPIXELS))
+            .set_all_tick_mark_size(sub(4.0))
+            .label_style(numbers)
+            .x_label_formatter(&|&value| x_ticks.text(value))
+            .y_label_formatter(&|&value| y_ticks.text(value))
+            .draw()?;
+        for item in &panel.items {
+            self.item(&mut chart, item)?;
+        }
+        self.words()
+    }
+
+    /// Draws one item into the chart.
+    fn item(&self, chart: &mut Chart<'_, '_>, item: &Item) -> Result<(), Unable> {
+        match item {
+            Item::Curve { path, stroke } => {
+                let pixels = |t| self.view.to_pixels((path.at)(t));
+                for line in flatten(pixels, &path.pieces, TOLERANCE) {
+                    let line: Vec<(f64, f64)> =
+                        line.into_iter().map(|at| self.view.from_pixels(at).into()).collect();
+                    chart.draw_series([PathElement::new(line, style(*stroke))])?;
+                }
+            }
+            Item::Line { points, stroke } => {
+                let line: Vec<(f64, f64)> = points.iter().map(|&point| point.into()).collect();
+                chart.draw_series([PathElement::new(line, style(*stroke))])?;
+            }
+            Item::Marks { points, mark, color } => {
+                for &point in points {
+                    let at = EmptyElement::at(point.into());
+                    match mark {
+                        Mark::Ring => chart.draw_series([at
+                            + Circle::new((0, 0), sub(3.6), WHITE.filled())
+                            + Circle::new(
+                                (0, 0),
+                                sub(3.6),
+                                color.stroke_width(sub(1.3) as u32),
+                            )])?,
+                        Mark::Dot => chart
+                            .draw_series([at + Circle::new((0, 0), sub(3.2), color.filled())])?,
+                        Mark::Diamond => {
+                            chart.draw_series([at + Polygon::new(diamond(), color.filled())])?
+                        }
+                    };
+                }
+            }
+            Item::Label { at, towards, text, color } => {
+                // Pixels count downwards.
+                let away = towards.normalize_or(DVec2::Y) * 9.0;
+                let side = |along: f64| match along {
+                    along if along > 3.0 => HPos::Left,
+                    along if along < -3.0 => HPos::Right,
+                    _ => HPos::Center,
+                };
+                let pos = Pos::new(side(away.x), VPos::Center);
+                let offset = (sub(away.x), sub(-1.25 * away.y));
+                chart.draw_series([EmptyElement::at((*at).into())
+                    + Text::new(text.clone(), offset, font(LABEL_SIZE, *color, pos))])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Title, names of the axes, legend.
+    fn words(&self) -> Result<(), Unable> {
+        let (panel, plot) = (self.panel, self.view.pixels);
+        let middle = LEFT + 0.5 * plot.x;
+        let write = |text: &str, at: [f64; 2], style: TextStyle<'_>| {
+            self.area.draw(&Text::new(text.to_owned(), (sub(at[0]), sub(at[1])), style))
+        };
+        let bottom = Pos::new(HPos::Center, VPos::Bottom);
+        write(&panel.title, [middle, TITLE - 9.0], font(TITLE_SIZE, INK, bottom))?;
+        let right = Pos::new(HPos::Right, VPos::Bottom);
+        let [across, up] = &panel.axes;
+        write(up, [LEFT - 8.0, TITLE - 3.0], font(TEXT_SIZE, INK, right))?;
+        let below = TITLE + plot.y + NUMBERS;
+        let top = Pos::new(HPos::Center, VPos::Top);
+        write(across, [middle, below], font(TEXT_SIZE, INK, top))?;
+
+        for (row, line) in legend_lines(panel, plot.x).into_iter().enumerate() {
+            let y = below + AXIS_NAME + (row as f64 + 0.6) * LEGEND_LINE;
+            for (x, index) in line {
+                let (key, text) = &panel.legend[index];
+                self.key(*key, [LEFT + x, y])?;
+                let left = Pos::new(HPos::Left, VPos::Center);
+                write(text, [LEFT + x + 24.0, y], font(TEXT_SIZE, INK, left))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn key(&self, key: Key, [x, y]: [f64; 2]) -> Result<(), Unable> {
+        let middle = (sub(x + 9.0), sub(y));
+        match key {
+            Key::Line(stroke) => {
+                let ends = [(sub(x), sub(y)), (sub(x + 18.0), sub(y))];
+                self.area.draw(&PathElement::new(ends, style(stroke)))?;
+            }
+            Key::Point(Mark::Ring, color) => {
+                let style = color.stroke_width(sub(1.3) as u32);
+                self.area.draw(&Circle::new(middle, sub(3.6), style))?;
+            }
+            Key::Point(Mark::Dot, color) => {
+                self.area.draw(&Circle::new(middle, sub(3.2), color.filled()))?;
+            }
+            Key::Point(Mark::Diamond, color) => {
+                let moved = diamond().into_iter().map(|(dx, dy)| (middle.0 + dx, middle.1 + dy));
+                self.area.draw(&Polygon::new(moved.collect::<Vec<_>>(), color.filled()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn diamond() -> Vec<(i32, i32)> {
+    let r = sub(4.2);
+    vec![(-r, 0), (0, -r), (r, 0), (0, r)]
+}

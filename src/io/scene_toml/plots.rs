@@ -1,0 +1,243 @@
+//! Plots in a scene file, as `plots.md` shows them.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::super::keyed::Keyed;
+use super::curves::CurveKeys;
+use super::kinds::{Kinds, OneOf};
+use super::values::{Exactly, KnotList, Number, Point};
+use super::{LoadError, Reader};
+use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
+use crate::scene::{
+    BasisSpec, CurveEntry, CurveSpec, FigureSpec, Knots, Plane, PlotKind, PlotSpec, RenderDefaults,
+    SceneError, SceneFault, Written,
+};
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FigureKeys {
+    size: Option<Spanned<Exactly<u32, 2>>>,
+    columns: Option<Spanned<u32>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlotKeys {
+    title: Option<Spanned<String>>,
+    plane: Option<PlaneKey>,
+    show: Spanned<OneOf<ShowKeys>>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum PlaneKey {
+    Xy,
+    Xz,
+    Yz,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ShowKeys {
+    Curves(Vec<Keyed<EntryKeys>>),
+    Basis(Spanned<Keyed<BasisKeys>>),
+    Blending(FormKey),
+    Derivatives(Keyed<OneCurveKeys>),
+    Curvature(Keyed<OneCurveKeys>),
+    Comb(Keyed<CombKeys>),
+    Insertion(Keyed<InsertionKeys>),
+    DeCasteljau(Keyed<DeCasteljauKeys>),
+    CornerCutting(Keyed<CornerCuttingKeys>),
+}
+
+impl Kinds for ShowKeys {
+    const EXAMPLE: &'static str = "what to plot, as in { blending = \"bspline\" }";
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EntryKeys {
+    curve: Spanned<CurveKeys>,
+    label: Option<Spanned<String>>,
+    #[serde(default = "yes")]
+    polygon: bool,
+    #[serde(default = "yes")]
+    knots: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BasisKeys {
+    degree: u32,
+    knots: Option<Spanned<KnotList>>,
+    count: Option<u32>,
+    weights: Option<Spanned<Vec<Number>>>,
+    #[serde(default)]
+    support: bool,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FormKey {
+    Bezier,
+    Bspline,
+    Hermite,
+    CatmullRom,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OneCurveKeys {
+    curve: Spanned<CurveKeys>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CombKeys {
+    curve: Spanned<CurveKeys>,
+    teeth: Option<u32>,
+    scale: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InsertionKeys {
+    curve: Spanned<CurveKeys>,
+    knots: Vec<Spanned<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeCasteljauKeys {
+    curve: Spanned<CurveKeys>,
+    t: Spanned<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CornerCuttingKeys {
+    polygon: Vec<Point>,
+    scheme: SchemeKey,
+    rounds: Option<u32>,
+    #[serde(default)]
+    closed: bool,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum SchemeKey {
+    Chaikin,
+    Cubic,
+}
+
+/// How many teeth a span's comb has, if nothing else is said: enough to read as a surface.
+const TEETH: usize = 24;
+
+/// How often corners are cut, if nothing else is said: the polygon then looks like its limit.
+const ROUNDS: usize = 3;
+
+impl Reader<'_, '_> {
+    pub(super) fn figure(&self, Keyed(keys): Keyed<FigureKeys>) -> Result<FigureSpec, LoadError> {
+        if let Some(columns) = &keys.columns
+            && *columns.get_ref() == 0
+        {
+            let place = self.source.place(columns.span().start);
+            return Err(LoadError::malformed(
+                place,
+                "found 0, needed a number of columns from 1 on",
+            ));
+        }
+        let size = keys.size.map(|size| self.written(size, |size| size.0));
+        if let Some(Written { value: [width, height], place }) = &size {
+            RenderDefaults::check_size((*width, *height))
+                .map_err(|error| SceneError::new(place.clone(), SceneFault::Picture(error)))?;
+        }
+        let columns = keys.columns.map(|columns| self.written(columns, |columns| columns as usize));
+        Ok(FigureSpec { size, columns })
+    }
+
+    pub(super) fn plot(&self, keys: Spanned<Keyed<PlotKeys>>) -> Result<PlotSpec, LoadError> {
+        let Keyed(keys) = keys.into_inner();
+        let place = self.source.place(keys.show.span().start);
+        let title = keys.title.map(|title| self.name(title)).transpose()?;
+        let plane = keys.plane.map(|plane| match plane {
+            PlaneKey::Xy => Plane::Xy,
+            PlaneKey::Xz => Plane::Xz,
+            PlaneKey::Yz => Plane::Yz,
+        });
+        let OneOf(show) = keys.show.into_inner();
+        let show = self.show(show)?;
+        Ok(PlotSpec { place, title: title.map(|title| title.value), plane, show })
+    }
+
+    fn show(&self, keys: ShowKeys) -> Result<PlotKind<CurveSpec, BasisSpec>, LoadError> {
+        Ok(match keys {
+            ShowKeys::Curves(entries) => {
+                let entries = entries.into_iter().map(|Keyed(keys)| self.entry(keys));
+                PlotKind::Curves(entries.collect::<Result<_, _>>()?)
+            }
+            ShowKeys::Basis(keys) => {
+                let place = self.source.place(keys.span().start);
+                let Keyed(keys) = keys.into_inner();
+                let knots = match keys.knots {
+                    Some(knots) => self.written(knots, |knots| knots.0),
+                    None => Written::new(Knots::ClampedUniform, place),
+                };
+                let weights = |list: Vec<Number>| list.into_iter().map(|weight| weight.0).collect();
+                let basis = BasisSpec {
+                    degree: keys.degree as usize,
+                    knots,
+                    count: keys.count.map(|count| count as usize),
+                    weights: keys.weights.map(|list| self.written(list, weights)),
+                };
+                PlotKind::Basis { basis, support: keys.support }
+            }
+            ShowKeys::Blending(form) => PlotKind::Blending(match form {
+                FormKey::Bezier => MatrixForm::Bezier,
+                FormKey::Bspline => MatrixForm::BSpline,
+                FormKey::Hermite => MatrixForm::Hermite,
+                FormKey::CatmullRom => MatrixForm::CatmullRom,
+            }),
+            ShowKeys::Derivatives(Keyed(keys)) => PlotKind::Derivatives(self.curve(keys.curve)?),
+            ShowKeys::Curvature(Keyed(keys)) => PlotKind::Curvature(self.curve(keys.curve)?),
+            ShowKeys::Comb(Keyed(keys)) => PlotKind::Comb {
+                curve: self.curve(keys.curve)?,
+                teeth: keys.teeth.map_or(TEETH, |teeth| teeth as usize),
+                scale: keys.scale.map(|scale| scale.0),
+            },
+            ShowKeys::Insertion(Keyed(keys)) => {
+                let knots = keys.knots.into_iter();
+                let knots = knots.map(|knot| self.written(knot, |knot| knot.0)).collect();
+                PlotKind::Insertion { curve: self.curve(keys.curve)?, knots }
+            }
+            ShowKeys::DeCasteljau(Keyed(keys)) => PlotKind::DeCasteljau {
+                curve: self.curve(keys.curve)?,
+                t: self.written(keys.t, |t| t.0),
+            },
+            ShowKeys::CornerCutting(Keyed(keys)) => PlotKind::CornerCutting {
+                polygon: keys.polygon.into_iter().map(|point| point.0).collect(),
+                scheme: match keys.scheme {
+                    SchemeKey::Chaikin => CornerCutting::Chaikin,
+                    SchemeKey::Cubic => CornerCutting::Cubic,
+                },
+                ends: if keys.closed { PolygonEnds::Closed } else { PolygonEnds::Open },
+                rounds: keys.rounds.map_or(ROUNDS, |rounds| rounds as usize),
+            },
+        })
+    }
+
+    fn entry(&self, keys: EntryKeys) -> Result<CurveEntry<CurveSpec>, LoadError> {
+        let label = keys.label.map(|label| self.name(label)).transpose()?;
+        Ok(CurveEntry {
+            curve: self.curve(keys.curve)?,
+            label: label.map(|label| label.value),
+            polygon: keys.polygon,
+            knots: keys.knots,
+        })
+    }
+}

@@ -1,0 +1,361 @@
+//! Plots as written, and checked.
+
+use glam::DVec3;
+
+use super::curve::CurveFault;
+use super::net::knot_vector;
+use super::{CurveKind, CurveSpec, Knots, Place, PlotError, SceneError, SceneFault, Written};
+use crate::geometry::{
+    CornerCutting, CurveError, KnotVector, MatrixForm, NurbsCurve, PolygonEnds, RationalBasis,
+};
+
+/// How the plots of a scene lie in one picture, as far as the author says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FigureSpec {
+    /// Width and height of the picture in pixels.
+    pub size: Option<Written<[u32; 2]>>,
+    /// How many plots lie side by side.
+    pub columns: Option<Written<usize>>,
+}
+
+/// A plot as written, not yet checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlotSpec {
+    /// Where it was written.
+    pub place: Place,
+    /// What stands above it.
+    pub title: Option<String>,
+    /// The coordinates of space that are shown; those its curves vary most in if not given.
+    pub plane: Option<Plane>,
+    /// What is drawn.
+    pub show: PlotKind<CurveSpec, BasisSpec>,
+}
+
+/// A plot of things known to be what they say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// What stands above it.
+    pub title: Option<String>,
+    /// The coordinates of space that are shown; those its curves vary most in if not given.
+    pub plane: Option<Plane>,
+    /// What is drawn.
+    pub show: PlotKind<PlottedCurve, RationalBasis>,
+}
+
+/// Two coordinates of space: the one to the right and the one upwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// x and y.
+    Xy,
+    /// x and z.
+    Xz,
+    /// y and z.
+    Yz,
+}
+
+/// What a plot can show of curves `C` and basis functions `B`, as written or checked.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlotKind<C, B> {
+    /// Curves in space.
+    Curves(Vec<CurveEntry<C>>),
+    /// The basis functions over a knot vector.
+    Basis {
+        /// The knots and the weights.
+        basis: B,
+        /// Whether functions are drawn off the domain, too, wherever they do not vanish.
+        support: bool,
+    },
+    /// The functions that blend the four vectors of a matrix form, on `[0, 1]`.
+    Blending(MatrixForm),
+    /// The coordinates of a curve's first derivative, and the speed, over the parameter.
+    Derivatives(C),
+    /// The curvature of a curve over the parameter.
+    Curvature(C),
+    /// A curve with teeth of the length of its curvature across it.
+    Comb {
+        /// The curve.
+        curve: C,
+        /// How many teeth each of its spans has.
+        teeth: usize,
+        /// The length of a tooth for curvature 1; chosen to fit if not given.
+        scale: Option<f64>,
+    },
+    /// The control polygons of a curve while knots are inserted.
+    Insertion {
+        /// The curve.
+        curve: C,
+        /// The knots, one after the other.
+        knots: Vec<Written<f64>>,
+    },
+    /// The points of de Casteljau's algorithm, or of de Boor's where the curve has several
+    /// pieces.
+    DeCasteljau {
+        /// The curve.
+        curve: C,
+        /// The parameter of the point that is constructed.
+        t: Written<f64>,
+    },
+    /// Polygons whose corners are cut, with the limit.
+    CornerCutting {
+        /// The polygon.
+        polygon: Vec<DVec3>,
+        /// The rule.
+        scheme: CornerCutting,
+        /// Whether it closes.
+        ends: PolygonEnds,
+        /// How often corners are cut.
+        rounds: usize,
+    },
+}
+
+/// One of several curves in a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveEntry<C> {
+    /// The curve.
+    pub curve: C,
+    /// What the legend calls it.
+    pub label: Option<String>,
+    /// Whether its control polygon is drawn.
+    pub polygon: bool,
+    /// Whether its knots are marked.
+    pub knots: bool,
+}
+
+/// Basis functions as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasisSpec {
+    /// The degree.
+    pub degree: usize,
+    /// The knots.
+    pub knots: Written<Knots>,
+    /// The number of functions, where neither knots nor weights say it.
+    pub count: Option<usize>,
+    /// The weights; all 1 if not given.
+    pub weights: Option<Written<Vec<f64>>>,
+}
+
+/// A curve to plot, whose weights may be zero.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlottedCurve {
+    /// A NURBS curve.
+    Nurbs(NurbsCurve),
+    /// One that some control points have no influence on.
+    Weighted {
+        /// The basis with its weights.
+        basis: RationalBasis,
+        /// The control points.
+        points: Vec<DVec3>,
+    },
+}
+
+impl From<NurbsCurve> for PlottedCurve {
+    fn from(curve: NurbsCurve) -> Self {
+        Self::Nurbs(curve)
+    }
+}
+
+impl PlottedCurve {
+    /// The knots.
+    pub fn knots(&self) -> &KnotVector {
+        match self {
+            Self::Nurbs(curve) => curve.knots(),
+            Self::Weighted { basis, .. } => basis.knots(),
+        }
+    }
+
+    /// The control points in space.
+    pub fn points(&self) -> Vec<DVec3> {
+        match self {
+            Self::Nurbs(curve) => {
+                (0..curve.control().len()).map(|index| curve.point(index)).collect()
+            }
+            Self::Weighted { points, .. } => points.clone(),
+        }
+    }
+
+    /// The weights of the control points.
+    pub fn weights(&self) -> Vec<f64> {
+        match self {
+            Self::Nurbs(curve) => curve.control().iter().map(|point| point.w).collect(),
+            Self::Weighted { basis, .. } => basis.weights().to_vec(),
+        }
+    }
+
+    /// The point at a parameter of the domain.
+    pub fn point_at(&self, t: f64) -> DVec3 {
+        match self {
+            Self::Nurbs(curve) => curve.point_at(t),
+            // There are as many points as weights: `None` does not come.
+            Self::Weighted { basis, points } => basis.point(points, t).unwrap_or(DVec3::NAN),
+        }
+    }
+
+    /// The curve, if all its weights are positive.
+    pub fn nurbs(&self) -> Option<&NurbsCurve> {
+        match self {
+            Self::Nurbs(curve) => Some(curve),
+            Self::Weighted { .. } => None,
+        }
+    }
+}
+
+/// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows
+/// another.
+pub(super) const MAX_ROUNDS: usize = 10;
+
+/// The most teeth a span's comb may have: more stand closer than any screen shows.
+pub(super) const MAX_TEETH: usize = 1000;
+
+/// Checks one plot: knows what errors should call it.
+struct Checker<'a> {
+    name: String,
+    spec: &'a PlotSpec,
+}
+
+impl PlotSpec {
+    /// The plot, if its numbers make sense. Errors call it by its title or `number`, counted
+    /// from 1.
+    ///
+    /// # Errors
+    /// When a curve, a knot vector, a weight or a parameter is none.
+    pub fn checked(&self, number: usize) -> Result<Plot, SceneError> {
+        let name = match &self.title {
+            Some(title) => format!("\"{title}\""),
+            None => number.to_string(),
+        };
+        let show = Checker { name, spec: self }.kind()?;
+        Ok(Plot { title: self.title.clone(), plane: self.plane, show })
+    }
+}
+
+impl Checker<'_> {
+    fn kind(&self) -> Result<PlotKind<PlottedCurve, RationalBasis>, SceneError> {
+        let place = &self.spec.place;
+        Ok(match &self.spec.show {
+            PlotKind::Curves(entries) => {
+                if entries.is_empty() {
+                    return Err(self.error(place, PlotError::NoCurves));
+                }
+                let checked = entries.iter().enumerate().map(|(index, entry)| {
+                    let curve = self.curve(&format!("curve {index}"), &entry.curve)?;
+                    let label = entry.label.clone();
+                    Ok(CurveEntry { curve, label, polygon: entry.polygon, knots: entry.knots })
+                });
+                PlotKind::Curves(checked.collect::<Result<_, SceneError>>()?)
+            }
+            PlotKind::Basis { basis, support } => {
+                PlotKind::Basis { basis: self.basis(basis)?, support: *support }
+            }
+            PlotKind::Blending(form) => PlotKind::Blending(*form),
+            PlotKind::Derivatives(curve) => PlotKind::Derivatives(self.nurbs(curve)?),
+            PlotKind::Curvature(curve) => PlotKind::Curvature(self.nurbs(curve)?),
+            PlotKind::Comb { curve, teeth, scale } => {
+                if !(1..=MAX_TEETH).contains(teeth) {
+                    return Err(self.error(place, PlotError::Teeth { found: *teeth }));
+                }
+                PlotKind::Comb { curve: self.nurbs(curve)?, teeth: *teeth, scale: *scale }
+            }
+            PlotKind::Insertion { curve, knots } => {
+                let curve = self.nurbs(curve)?;
+                if let PlottedCurve::Nurbs(nurbs) = &curve {
+                    self.insert(nurbs, knots)?;
+                }
+                PlotKind::Insertion { curve, knots: knots.clone() }
+            }
+            PlotKind::DeCasteljau { curve, t } => {
+                let curve = self.nurbs(curve)?;
+                let (start, end) = curve.knots().domain();
+                if !(start..=end).contains(&t.value) {
+                    let error = CurveError::Parameter { t: t.value, start, end };
+                    return Err(self.error(&t.place, PlotError::At(error)));
+                }
+                PlotKind::DeCasteljau { curve, t: t.clone() }
+            }
+            PlotKind::CornerCutting { polygon, scheme, ends, rounds } => {
+                if *rounds > MAX_ROUNDS {
+                    return Err(self.error(place, PlotError::Rounds { found: *rounds }));
+                }
+                let limit = scheme.limit(polygon, *ends);
+                limit.map_err(|error| self.error(place, PlotError::Polygon(error)))?;
+                PlotKind::CornerCutting {
+                    polygon: polygon.clone(),
+                    scheme: *scheme,
+                    ends: *ends,
+                    rounds: *rounds,
+                }
+            }
+        })
+    }
+
+    fn error(&self, place: &Place, error: PlotError) -> SceneError {
+        SceneError::new(place.clone(), SceneFault::Plot { plot: self.name.clone(), error })
+    }
+
+    /// Inserts the knots for trial.
+    fn insert(&self, curve: &NurbsCurve, knots: &[Written<f64>]) -> Result<(), SceneError> {
+        if knots.is_empty() {
+            return Err(self.error(&self.spec.place, PlotError::NoKnots));
+        }
+        let mut curve = curve.clone();
+        for knot in knots {
+            let inserted = curve.insert_knot(knot.value, 1);
+            curve = inserted.map_err(|error| self.error(&knot.place, PlotError::At(error)))?;
+        }
+        Ok(())
+    }
+
+    fn curve(&self, which: &str, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
+        let zero = match &spec.kind {
+            CurveKind::Nurbs { weights: Some(weights), .. } => weights.contains(&0.0),
+            _ => false,
+        };
+        let made = if zero {
+            spec.weighted().map(|(basis, points)| PlottedCurve::Weighted { basis, points })
+        } else {
+            spec.curve().map(PlottedCurve::Nurbs)
+        };
+        made.map_err(|fault| self.blame(which, fault))
+    }
+
+    /// A curve whose weights must be positive: the only one of its plot.
+    fn nurbs(&self, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
+        spec.curve().map(PlottedCurve::Nurbs).map_err(|fault| self.blame("curve", fault))
+    }
+
+    fn blame(&self, which: &str, fault: CurveFault) -> SceneError {
+        let which = which.to_owned();
+        match fault {
+            CurveFault::Curve(place, error) => {
+                self.error(&place, PlotError::Curve { which, error })
+            }
+            CurveFault::Transform(place, error) => {
+                self.error(&place, PlotError::Transform { which, error })
+            }
+        }
+    }
+
+    fn basis(&self, spec: &BasisSpec) -> Result<RationalBasis, SceneError> {
+        let (degree, knots) = (spec.degree, &spec.knots);
+        let given = spec.weights.as_ref().map(|weights| weights.value.len()).or(spec.count);
+        let listed = match &knots.value {
+            Knots::ClampedUniform => None,
+            Knots::Values(values) => Some(values.len()),
+            Knots::Multiplicities(pairs) => {
+                Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
+            }
+        };
+        let count = given.or(listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))));
+        let Some(count) = count else {
+            return Err(self.error(&knots.place, PlotError::NoCount));
+        };
+        let vector = knot_vector(degree, &knots.value, count)
+            .map_err(|error| self.error(&knots.place, PlotError::Basis(error.into())))?;
+        let (weights, place) = match &spec.weights {
+            Some(weights) => (weights.value.clone(), &weights.place),
+            None => (vec![1.0; count], &knots.place),
+        };
+        RationalBasis::new(vector, weights)
+            .map_err(|error| self.error(place, PlotError::Basis(error)))
+    }
+}

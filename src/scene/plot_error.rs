@@ -1,0 +1,59 @@
+//! Why a plot cannot be drawn.
+
+use thiserror::Error;
+
+use super::TransformError;
+use super::plot::{MAX_ROUNDS, MAX_TEETH};
+use crate::geometry::CurveError;
+
+/// Why a plot cannot be drawn.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// Numbers that are no curve.
+    #[error("{which}: {error}")]
+    Curve {
+        /// Which of its curves.
+        which: String,
+        /// What is wrong with it.
+        error: CurveError,
+    },
+    /// A curve's transform that is none.
+    #[error("{which}: {error}")]
+    Transform {
+        /// Which of its curves.
+        which: String,
+        /// What is wrong with its transform.
+        error: TransformError,
+    },
+    /// Numbers that are no knots or weights of a basis.
+    #[error("basis: {0}")]
+    Basis(CurveError),
+    /// A parameter that the curve does not have.
+    #[error("{0}")]
+    At(CurveError),
+    /// Numbers that are no polygon.
+    #[error("polygon: {0}")]
+    Polygon(CurveError),
+    /// Neither knots nor weights nor a number says how many functions there are.
+    #[error("basis: it is not known how many functions: give knots, weights, or count = …")]
+    NoCount,
+    /// There is no curve.
+    #[error("there are no curves to draw: give at least one")]
+    NoCurves,
+    /// There is no knot to insert.
+    #[error("insertion: there are no knots to insert: give at least one")]
+    NoKnots,
+    /// Too many teeth, or none.
+    #[error("comb: {found} teeth a span: needed are 1 to {MAX_TEETH}")]
+    Teeth {
+        /// How many were asked for.
+        found: usize,
+    },
+    /// Too many rounds.
+    #[error("corner_cutting: {found} rounds: at most {MAX_ROUNDS} can be told apart")]
+    Rounds {
+        /// How many were asked for.
+        found: usize,
+    },
+}
