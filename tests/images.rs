@@ -36,6 +36,17 @@ fn stems(name: &str, extension: &str) -> BTreeSet<String> {
         .collect()
 }
 
+/// The scenes that are traced, and those that only hold plots, whose figures `nurbray plot`
+/// draws and its tests check.
+fn scenes() -> [BTreeSet<String>; 2] {
+    let all = stems("scenes", "toml").into_iter();
+    let (plots, traced) = all.partition(|stem| {
+        let scene = load_input(&scene(stem)).unwrap();
+        scene.objects.is_empty() && !scene.plots.is_empty()
+    });
+    [traced, plots]
+}
+
 fn scene(stem: &str) -> PathBuf {
     folder("scenes").join(stem).with_extension("toml")
 }
@@ -69,12 +80,14 @@ fn differing(strip: &RgbImage, y0: u32, whole: &RgbImage) -> usize {
 
 #[test]
 fn every_scene_has_its_picture_and_no_picture_is_alone() {
-    let scenes = stems("scenes", "toml");
-    assert!(scenes.len() >= 10, "only {} scenes found: is this the right folder?", scenes.len());
-    assert_eq!(scenes, stems("renders", "png"));
-    for stem in scenes {
-        let size = fs::metadata(picture(&stem)).unwrap().len();
-        assert!(size < LARGEST_PICTURE, "renders/{stem}.png has {size} bytes");
+    let [traced, plots] = scenes();
+    assert!(traced.len() >= 10, "only {} scenes found: is this the right folder?", traced.len());
+    assert_eq!(traced, stems("renders", "png"));
+    assert_eq!(plots, stems("renders", "svg"));
+    let figure = |stem: &String| picture(stem).with_extension("svg");
+    for path in traced.iter().map(|stem| picture(stem)).chain(plots.iter().map(figure)) {
+        let size = fs::metadata(&path).unwrap().len();
+        assert!(size < LARGEST_PICTURE, "{} has {size} bytes", path.display());
     }
 }
 
@@ -89,7 +102,8 @@ fn every_scene_says_what_to_look_at() {
 
 #[test]
 fn pictures_are_what_their_scenes_show() {
-    for stem in stems("scenes", "toml") {
+    let [traced, _] = scenes();
+    for stem in traced {
         let world = World::new(&load_input(&scene(&stem)).unwrap()).unwrap();
         let whole = image::open(picture(&stem)).unwrap().into_rgb8();
         let settings = settings(&world);

@@ -15,13 +15,14 @@ const README: &str = include_str!("../README.md");
 const CALLS: [&str; 2] = ["cargo run --release -- ", "nurbray "];
 
 /// What is put in place of what a command says, to be quick; added where it says nothing.
-const SMALLER: [(&str, &[(&str, &str)]); 6] = [
+const SMALLER: [(&str, &[(&str, &str)]); 7] = [
     ("render", &[("--size", "16x12"), ("--spp", "1")]),
     ("bench", &[("--size", "16"), ("--seconds", "0.01")]),
     ("audit", &[("--rays", "2000")]),
     ("compare", &[("--size", "16x12"), ("--seconds", "0.01")]),
     ("cast", &[]),
     ("info", &[]),
+    ("plot", &[]),
 ];
 
 /// What is left out of `bench`: not everybody has the rival, and other tests measure with it.

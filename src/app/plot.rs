@@ -1,7 +1,9 @@
 //! `nurbray plot`: curves, functions and constructions as figures.
 
+mod defaults;
 mod flatten;
 mod functions;
+mod labels;
 mod panel;
 mod png;
 mod space;
@@ -20,7 +22,8 @@ use nurbray::scene::{Plot, PlotKind, PlottedCurve, Scene};
 
 use super::args::PlotArguments;
 use super::failure::{Failure, OrFail};
-use super::{input, output};
+use super::table::count;
+use super::{console, input, output};
 use panel::Panel;
 use svg::Unable;
 
@@ -41,6 +44,9 @@ Example:
 /// The longest side of a picture in pixels: what image programs open, and what fits in memory.
 const MAX_SIDE: u32 = 8192;
 
+/// The most plots that are chosen for a scene which asks for none.
+const MOST_CHOSEN: usize = 24;
+
 /// The size of one plot, if nothing is said.
 const PLOT_SIZE: [u32; 2] = [480, 400];
 
@@ -59,7 +65,8 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
         None => (1..).find(|side| side * side >= panels.len()).unwrap_or(1),
     };
     let size = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
-    let text = svg::svg(&panels, columns, size).map_err(|unable| refused(unable, size, &panels))?;
+    let text = svg::svg(&panels, columns, size)
+        .map_err(|unable| refused(unable, size, (&scene, &panels)))?;
 
     for (path, format) in paths.into_iter().zip(formats) {
         match format {
@@ -70,8 +77,23 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The plots a scene asks for.
+/// The plots a scene asks for, or those that suit it.
 fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
+    if scene.plots.is_empty() {
+        let mut plots = defaults::plots(scene)?;
+        if plots.is_empty() {
+            return Err(Failure::input("there is nothing to plot: no curve, no knot vector"));
+        }
+        if plots.len() > MOST_CHOSEN {
+            let (shown, all) = (MOST_CHOSEN, plots.len());
+            console::warning(&format!(
+                "plotted are the first {shown} of {all} curves and knot vectors; [[plot]] tables \
+                 choose others"
+            ));
+            plots.truncate(MOST_CHOSEN);
+        }
+        return Ok(plots);
+    }
     let numbered = scene.plots.iter().enumerate();
     numbered.map(|(index, plot)| plot.checked(index + 1).or_bad_input()).collect()
 }
@@ -95,18 +117,22 @@ fn size(arguments: &PlotArguments, scene: &Scene, grid: [usize; 2]) -> Result<[u
     }
 }
 
-fn refused(unable: Unable, size: [u32; 2], panels: &[Panel]) -> Failure {
+fn refused(unable: Unable, size: [u32; 2], (scene, panels): (&Scene, &[Panel])) -> Failure {
     match unable {
         Unable::TooSmall([width, height]) => Failure::input(format!(
-            "{} x {} pixels are too few for {} plots: at least {width}x{height} are needed",
+            "{} x {} pixels are too few for {}: at least {width}x{height} are needed",
             size[0],
             size[1],
-            panels.len()
+            count(panels.len() as u64, "plot"),
         )),
-        Unable::NoExtent(index) => Failure::input(format!(
-            "plot \"{}\": it has no finite extent that could be drawn",
-            panels[index].title
-        )),
+        Unable::NoExtent(index) => {
+            let place = scene.plots.get(index).map(|plot| format!("{}: ", plot.place));
+            Failure::input(format!(
+                "{}plot \"{}\": it has no finite extent that could be drawn",
+                place.unwrap_or_default(),
+                panels[index].title
+            ))
+        }
         Unable::Drawing(error) => Failure::Work(error),
     }
 }

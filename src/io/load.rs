@@ -225,7 +225,12 @@ mod tests {
             assert!(text.lines().count() <= 80, "{}", path.display());
             let scene = load_input(&path).unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.notes.is_empty(), "{}", path.display());
-            World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            for (index, plot) in scene.plots.iter().enumerate() {
+                plot.checked(index + 1).unwrap_or_else(|error| panic!("{error}"));
+            }
+            if !scene.objects.is_empty() || scene.plots.is_empty() {
+                World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            }
             scenes += 1;
         }
         assert!(scenes >= 8, "{scenes} scenes");

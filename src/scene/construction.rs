@@ -114,21 +114,32 @@ impl Construction {
 
     /// The number of control points of its curves.
     pub fn point_count(&self) -> usize {
-        self.curves().into_iter().map(CurveSpec::point_count).fold(0, usize::saturating_add)
+        let counts = self.curves().into_iter().map(|(_, curve)| curve.point_count());
+        counts.fold(0, usize::saturating_add)
     }
 
-    fn curves(&self) -> Vec<&CurveSpec> {
-        match self {
-            Self::Revolution { profile, .. } | Self::Extrusion { profile, .. } => vec![profile],
-            Self::Ruled { from, to } => vec![from, to],
-            Self::Coons(borders) => borders.iter().collect(),
-            Self::Loft { sections, .. } => sections.iter().collect(),
-            Self::Sweep { profile, path, .. } => vec![profile, path],
+    /// Its curves with what errors call them.
+    pub fn curves(&self) -> Vec<(String, &CurveSpec)> {
+        let curves = match self {
+            Self::Revolution { profile, .. } | Self::Extrusion { profile, .. } => {
+                vec![("profile", profile)]
+            }
+            Self::Ruled { from, to } => vec![("from", from), ("to", to)],
+            Self::Coons(borders) => {
+                let names = ["border u0", "border u1", "border v0", "border v1"];
+                names.into_iter().zip(borders.iter()).collect()
+            }
+            Self::Loft { sections, .. } => {
+                let numbered = sections.iter().enumerate();
+                return numbered.map(|(k, curve)| (format!("section {k}"), curve)).collect();
+            }
+            Self::Sweep { profile, path, .. } => vec![("profile", profile), ("path", path)],
             Self::Tube { curve, .. } | Self::Ribbon { curve, .. } | Self::Polygon { curve, .. } => {
-                vec![curve]
+                vec![("curve", curve)]
             }
             Self::Net { .. } | Self::IsoCurves { .. } => Vec::new(),
-        }
+        };
+        curves.into_iter().map(|(name, curve)| (name.to_owned(), curve)).collect()
     }
 
     /// The name of the object whose surfaces it draws, if it draws another's.

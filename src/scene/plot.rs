@@ -245,6 +245,9 @@ impl Checker<'_> {
                 PlotKind::Curves(checked.collect::<Result<_, SceneError>>()?)
             }
             PlotKind::Basis { basis, support } => {
+                if *support && let Some(weights) = &basis.weights {
+                    return Err(self.error(&weights.place, PlotError::WeightedSupport));
+                }
                 PlotKind::Basis { basis: self.basis(basis)?, support: *support }
             }
             PlotKind::Blending(form) => PlotKind::Blending(*form),
@@ -310,33 +313,26 @@ impl Checker<'_> {
             CurveKind::Nurbs { weights: Some(weights), .. } => weights.contains(&0.0),
             _ => false,
         };
-        let made = if zero {
-            spec.weighted().map(|(basis, points)| PlottedCurve::Weighted { basis, points })
-        } else {
-            spec.curve().map(PlottedCurve::Nurbs)
-        };
-        made.map_err(|fault| self.blame(which, fault))
+        if !zero {
+            return spec.curve().map(PlottedCurve::Nurbs).map_err(|e| blame(&self.name, which, e));
+        }
+        let (basis, points) = spec.weighted().map_err(|fault| blame(&self.name, which, fault))?;
+        Ok(PlottedCurve::Weighted { basis, points })
     }
 
     /// A curve whose weights must be positive: the only one of its plot.
     fn nurbs(&self, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
-        spec.curve().map(PlottedCurve::Nurbs).map_err(|fault| self.blame("curve", fault))
-    }
-
-    fn blame(&self, which: &str, fault: CurveFault) -> SceneError {
-        let which = which.to_owned();
-        match fault {
-            CurveFault::Curve(place, error) => {
-                self.error(&place, PlotError::Curve { which, error })
-            }
-            CurveFault::Transform(place, error) => {
-                self.error(&place, PlotError::Transform { which, error })
-            }
-        }
+        spec.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(&self.name, "curve", fault))
     }
 
     fn basis(&self, spec: &BasisSpec) -> Result<RationalBasis, SceneError> {
         let (degree, knots) = (spec.degree, &spec.knots);
+        if let (Some(count), Some(weights)) = (spec.count, &spec.weights)
+            && weights.value.len() != count
+        {
+            let error = PlotError::Count { count, weights: weights.value.len() };
+            return Err(self.error(&weights.place, error));
+        }
         let given = spec.weights.as_ref().map(|weights| weights.value.len()).or(spec.count);
         let listed = match &knots.value {
             Knots::ClampedUniform => None,
@@ -357,5 +353,24 @@ impl Checker<'_> {
         };
         RationalBasis::new(vector, weights)
             .map_err(|error| self.error(place, PlotError::Basis(error)))
+    }
+}
+
+fn blame(plot: &str, which: &str, fault: CurveFault) -> SceneError {
+    let (plot, which) = (plot.to_owned(), which.to_owned());
+    let (place, error) = match fault {
+        CurveFault::Curve(place, error) => (place, PlotError::Curve { which, error }),
+        CurveFault::Transform(place, error) => (place, PlotError::Transform { which, error }),
+    };
+    SceneError::new(place, SceneFault::Plot { plot, error })
+}
+
+impl CurveSpec {
+    /// The curve for a plot that errors call so.
+    ///
+    /// # Errors
+    /// When its numbers are no curve.
+    pub fn plotted(&self, plot: &str) -> Result<PlottedCurve, SceneError> {
+        self.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(plot, "curve", fault))
     }
 }

@@ -38,6 +38,17 @@ pub enum PlotError {
     /// Neither knots nor weights nor a number says how many functions there are.
     #[error("basis: it is not known how many functions: give knots, weights, or count = …")]
     NoCount,
+    /// Two numbers of functions.
+    #[error("basis: {weights} weights for count = {count}: each function has one")]
+    Count {
+        /// The number that is given.
+        count: usize,
+        /// The number of weights.
+        weights: usize,
+    },
+    /// Rational functions off the domain.
+    #[error("basis: rational functions end with the domain: support = true goes without weights")]
+    WeightedSupport,
     /// There is no curve.
     #[error("there are no curves to draw: give at least one")]
     NoCurves,

@@ -6,6 +6,7 @@ mod bench;
 mod cast;
 mod compare;
 mod info;
+mod plot;
 mod render;
 mod sandbox;
 mod usage;

@@ -4,7 +4,7 @@ use std::process::Stdio;
 
 use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
-const SUBCOMMANDS: [&str; 6] = ["render", "cast", "bench", "audit", "compare", "info"];
+const SUBCOMMANDS: [&str; 7] = ["render", "cast", "bench", "audit", "compare", "info", "plot"];
 
 #[test]
 fn help_is_an_answer_and_lists_what_works() {
@@ -99,6 +99,7 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
         "compare INPUT --against embree -o report",
         "compare INPUT --against povray -o report",
         "info INPUT",
+        "plot INPUT -o a.svg",
     ];
     for line in lines {
         let run = |input| sandbox.run(&line.replace("INPUT", input));

@@ -63,7 +63,7 @@ fn halve(
 }
 
 /// The distance of a point from a chord.
-pub(super) fn distance(point: DVec2, from: DVec2, to: DVec2) -> f64 {
+fn distance(point: DVec2, from: DVec2, to: DVec2) -> f64 {
     let chord = to - from;
     let along = (point - from).dot(chord) / chord.length_squared();
     let along = if along.is_nan() { 0.0 } else { along.clamp(0.0, 1.0) };

@@ -6,6 +6,9 @@ use nurbray::geometry::{CurveError, KnotVector, MatrixForm, NurbsCurve, Rational
 use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 use super::space::{indexed, pieces};
 
+/// Of more knots than this only the outermost say how often they are there.
+const MOST_MULTIPLICITIES: usize = 24;
+
 /// More functions than this are told apart by their places, not by a legend.
 const MOST_NAMES: usize = 14;
 
@@ -29,13 +32,27 @@ pub(super) fn basis(
 
     // Where functions are seen whole, others come in from outside: these are left out.
     let (seen, skipped) = if support { widened(basis)? } else { (basis.clone(), 0) };
+    let (p, all) = (basis.knots().degree(), basis.knots().values());
+    let spans = pieces(seen.knots());
     let mut panel = functions(
-        (title, "t"),
-        &pieces(seen.knots()),
+        (title, letter),
+        &spans,
         (0..count).map(|index| {
             let seen = seen.clone();
             let value = move |t: f64| seen.values(t)[skipped + index];
-            (indexed(letter, index), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+            // Where it vanishes nothing is drawn: the others are seen there.
+            let lives = |span: &&[f64; 2]| {
+                weights[index] > 0.0 && all[index] <= span[0] && span[1] <= all[index + p + 1]
+            };
+            let name = match weights[index] {
+                0.0 => format!("{} = 0", indexed(letter, index)),
+                _ => indexed(letter, index),
+            };
+            Function {
+                name,
+                value: Box::new(value),
+                pieces: spans.iter().filter(lives).copied().collect(),
+            }
         }),
     );
     let values = basis.knots().values();
@@ -56,8 +73,8 @@ fn widened(basis: &RationalBasis) -> Result<(RationalBasis, usize), CurveError> 
     let mut wide = vec![first; before];
     wide.extend(values);
     wide.extend(vec![last; after]);
-    // The sum of the weighted functions is 1 only on the domain: what is drawn are the
-    // polynomial functions times their weights.
+    // A basis with weights is never asked for this: what its sum is off the domain, and with it
+    // the functions, depends on points that are not there.
     let weights = vec![1.0; wide.len() - p - 1];
     Ok((RationalBasis::new(KnotVector::new(p, wide)?, weights)?, before))
 }
@@ -67,10 +84,12 @@ fn knot_marks(knots: impl Iterator<Item = (f64, usize)>, scale: Scale) -> Vec<It
     let Scale::Function([start, end]) = scale else { return Vec::new() };
     let mut items = Vec::new();
     let mut points = Vec::new();
-    for (knot, times) in knots.filter(|(knot, _)| (start..=end).contains(knot)) {
+    let knots: Vec<_> = knots.collect();
+    let few = knots.len() <= MOST_MULTIPLICITIES;
+    for (knot, times) in knots.into_iter().filter(|(knot, _)| (start..=end).contains(knot)) {
         let at = DVec2::new(knot, 0.0);
         points.push(at);
-        if times > 1 {
+        if times > 1 && (few || knot == start || knot == end) {
             // Within the plot at its ends.
             let side = if knot == start {
                 1.0
@@ -87,18 +106,34 @@ fn knot_marks(knots: impl Iterator<Item = (f64, usize)>, scale: Scale) -> Vec<It
     items
 }
 
-/// Functions on the same pieces, each with its name.
+/// A function to draw.
+struct Function {
+    name: String,
+    value: Box<dyn Fn(f64) -> f64>,
+    /// Where it is drawn.
+    pieces: Vec<[f64; 2]>,
+}
+
+impl Function {
+    fn new(name: &str, pieces: &[[f64; 2]], value: impl Fn(f64) -> f64 + 'static) -> Self {
+        Self { name: name.to_owned(), value: Box::new(value), pieces: pieces.to_vec() }
+    }
+}
+
+/// Functions over a parameter that runs through these pieces.
 fn functions(
-    (title, parameter): (String, &str),
+    (title, value): (String, &str),
     pieces: &[[f64; 2]],
-    named: impl Iterator<Item = (String, Box<dyn Fn(f64) -> f64>)>,
+    named: impl Iterator<Item = Function>,
 ) -> Panel {
-    let mut items = Vec::new();
+    let domain = [pieces.first().map_or(0.0, |p| p[0]), pieces.last().map_or(1.0, |p| p[1])];
+    let zero = domain.map(|t| DVec2::new(t, 0.0)).to_vec();
+    let mut items = vec![Item::Line { points: zero, stroke: Stroke::thin(GREY) }];
     let mut legend = Vec::new();
-    for (index, (name, value)) in named.enumerate() {
+    for (index, Function { name, value, pieces }) in named.enumerate() {
         let stroke = Stroke::curve(color(index));
         let at = Box::new(move |t: f64| DVec2::new(t, value(t)));
-        items.push(Item::Curve { path: Path { at, pieces: pieces.to_vec() }, stroke });
+        items.push(Item::Curve { path: Path { at, pieces }, stroke });
         legend.push((Key::Line(stroke), name));
     }
     if let [first, .., last] = legend.as_slice()
@@ -106,26 +141,28 @@ fn functions(
     {
         legend = vec![(first.0, format!("{} … {}, in this order", first.1, last.1))];
     }
-    let domain = [pieces.first().map_or(0.0, |p| p[0]), pieces.last().map_or(1.0, |p| p[1])];
-    let axes = [parameter.to_owned(), String::new()];
+    let axes = ["t", value].map(str::to_owned);
     Panel { title, axes, scale: Scale::Function(domain), items, legend }
 }
 
 /// The blending functions of a matrix form.
 pub(super) fn blending(title: Option<String>, form: MatrixForm) -> Panel {
     let (name, letters) = match form {
-        MatrixForm::Bezier => ("Bézier (Bernstein)", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
-        MatrixForm::BSpline => ("Uniform B-spline", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
-        MatrixForm::Hermite => ("Hermite", ["B₀: P₀", "B₁: P₁", "B₂: P₀′", "B₃: P₁′"]),
-        MatrixForm::CatmullRom => ("Catmull–Rom", ["B₀: P₀", "B₁: P₁", "B₂: P₂", "B₃: P₃"]),
+        MatrixForm::Bezier => {
+            ("Bézier (Bernstein)", ["B₀ of P₀", "B₁ of P₁", "B₂ of P₂", "B₃ of P₃"])
+        }
+        MatrixForm::BSpline => {
+            ("Uniform B-spline", ["B₀ of P₀", "B₁ of P₁", "B₂ of P₂", "B₃ of P₃"])
+        }
+        MatrixForm::Hermite => ("Hermite", ["B₀ of P₀", "B₁ of P₁", "B₂ of P₀′", "B₃ of P₁′"]),
+        MatrixForm::CatmullRom => ("Catmull–Rom", ["B₀ of P₀", "B₁ of P₁", "B₂ of P₂", "B₃ of P₃"]),
     };
     let title = title.unwrap_or_else(|| format!("{name} blending functions"));
     functions(
-        (title, "t"),
+        (title, "B"),
         &[[0.0, 1.0]],
         letters.into_iter().enumerate().map(|(index, name)| {
-            let value = move |t: f64| form.blending(t)[index];
-            (name.to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+            Function::new(name, &[[0.0, 1.0]], move |t| form.blending(t)[index])
         }),
     )
 }
@@ -138,23 +175,22 @@ pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
     });
     let values = coordinates.map(|(name, axis)| {
         let curve = curve.clone();
-        let value = move |t: f64| curve.derivatives(t).first[axis];
-        (name.to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)
+        Function::new(name, &pieces(curve.knots()), move |t| curve.derivatives(t).first[axis])
     });
-    let other = curve.clone();
-    let speed = move |t: f64| other.derivatives(t).first.length();
-    let values = values.chain([("|C′|".to_owned(), Box::new(speed) as _)]);
+    let (moving, spans) = (curve.clone(), pieces(curve.knots()));
+    let speed = Function::new("|C′|", &spans, move |t| moving.derivatives(t).first.length());
     let title = title.unwrap_or_else(|| "First derivative".to_owned());
-    with_knots(functions((title, "t"), &pieces(curve.knots()), values), curve)
+    with_knots(functions((title, "C′"), &spans, values.chain([speed])), curve)
 }
 
 /// The curvature.
 pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
-    let bent = curve.clone();
-    let value = move |t: f64| bent.derivatives(t).curvature().unwrap_or(f64::NAN);
+    let (bent, spans) = (curve.clone(), pieces(curve.knots()));
+    let curvature = Function::new("curvature", &spans, move |t| {
+        bent.derivatives(t).curvature().unwrap_or(f64::NAN)
+    });
     let title = title.unwrap_or_else(|| "Curvature".to_owned());
-    let values = [("κ".to_owned(), Box::new(value) as Box<dyn Fn(f64) -> f64>)];
-    with_knots(functions((title, "t"), &pieces(curve.knots()), values.into_iter()), curve)
+    with_knots(functions((title, "κ"), &spans, [curvature].into_iter()), curve)
 }
 
 /// The panel with the curve's inner knots as marks on the axis.

@@ -99,18 +99,23 @@ fn joined(points: &[DVec2], texts: impl Iterator<Item = String>) -> Vec<(DVec2, 
     labels
 }
 
-/// A control polygon with its points, named and, if they differ, with their weights.
-pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
-    let mut items = vec![
+/// A control polygon with its points.
+pub(super) fn bare_polygon(points: &[DVec2]) -> Vec<Item> {
+    vec![
         Item::Line { points: points.to_vec(), stroke: Stroke::thin(GREY) },
         Item::Marks { points: points.to_vec(), mark: Mark::Ring, color: GREY },
-    ];
+    ]
+}
+
+/// A control polygon with its points, named and, if they differ, with their weights.
+pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
+    let mut items = bare_polygon(points);
     if points.len() > MOST_LABELS {
         return items;
     }
     let rational = weights.iter().any(|&weight| weight != weights[0]);
     let texts = weights.iter().enumerate().map(|(index, &weight)| match rational {
-        true => format!("{}: {}", indexed(letter, index), short(weight)),
+        true => format!("{}, w = {}", indexed(letter, index), short(weight)),
         false => indexed(letter, index),
     });
     let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;

@@ -3,13 +3,17 @@
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 use nurbray::scene::{Plane, PlottedCurve, Written};
+use plotters::style::RGBColor;
 
 use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
-use super::space::{Projection, entry, path, pieces, polygon, short};
+use super::space::{Projection, bare_polygon, entry, path, pieces, polygon, short};
 
 /// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
 /// does not say how long a tooth is.
 const COMB_REACH: f64 = 0.3;
+
+/// The curve that is constructed; what constructs it is coloured.
+const CURVE: RGBColor = RGBColor(60, 60, 60);
 
 fn projected(curve: &NurbsCurve, plane: Option<Plane>) -> (Projection, Vec<DVec2>, Vec<f64>) {
     let curve = PlottedCurve::from(curve.clone());
@@ -47,7 +51,7 @@ pub(super) fn de_casteljau(
 ) -> Panel {
     let (projection, points, weights) = projected(curve, plane);
     let mut items = polygon(&points, &weights, "P");
-    let drawn = Stroke { width: 1.6, ..Stroke::curve(GREY) };
+    let drawn = Stroke::curve(CURVE);
     items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
     let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let rounds = rounds(curve, t);
@@ -86,27 +90,28 @@ pub(super) fn insertion(
 ) -> Result<Panel, CurveError> {
     let (projection, points, weights) = projected(curve, plane);
     let mut items = polygon(&points, &weights, "P");
-    let drawn = Stroke { width: 1.6, ..Stroke::curve(GREY) };
+    let drawn = Stroke::curve(CURVE);
     items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
-    let mut legend = vec![
-        (Key::Line(drawn), "curve".to_owned()),
-        (Key::Point(Mark::Ring, GREY), "P".to_owned()),
-    ];
+    let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let mut curve = curve.clone();
     for (index, knot) in knots.iter().enumerate() {
         let old: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
         curve = curve.insert_knot(knot.value, 1)?;
         let all: Vec<DVec3> = (0..curve.control().len()).map(|k| curve.point(k)).collect();
-        let new: Vec<DVec2> = all
-            .iter()
-            .filter(|point| !old.contains(point))
-            .map(|&point| projection.of(point))
-            .collect();
-        let shade = color(index);
-        let points = all.iter().map(|&point| projection.of(point)).collect();
-        items.push(Item::Line { points, stroke: Stroke { color: shade, width: 1.5 } });
-        items.push(Item::Marks { points: new, mark: Mark::Dot, color: shade });
-        legend.push(entry(shade, &format!("with the knot {}", short(knot.value))));
+        let (shade, is_new) = (color(index), |point: &DVec3| !old.contains(point));
+        let seen = |points: &[DVec3]| points.iter().map(|&p| projection.of(p)).collect();
+
+        // Most of the polygon stays: drawn is what changes.
+        for edge in all.windows(2).filter(|edge| edge.iter().any(is_new)) {
+            items.push(Item::Line {
+                points: seen(edge),
+                stroke: Stroke { color: shade, width: 1.5 },
+            });
+        }
+        let new: Vec<DVec3> = all.iter().copied().filter(|point| is_new(point)).collect();
+        items.push(Item::Marks { points: seen(&new), mark: Mark::Dot, color: shade });
+        let before = knots[..index].iter().filter(|other| other.value == knot.value).count();
+        legend.push(entry(shade, &format!("{} inserted {}", short(knot.value), times(before + 1))));
     }
     let title = title.unwrap_or_else(|| "Knot insertion".to_owned());
     Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
@@ -128,24 +133,22 @@ pub(super) fn corner_cutting(
         corners.iter().chain(closing).map(|&corner| projection.of(corner)).collect()
     };
     let limit = scheme.limit(corners, ends)?;
-    let stroke = Stroke::curve(color(rounds));
     let mut items = vec![Item::Line { points: outline(corners), stroke: Stroke::thin(GREY) }];
     let ringed = corners.iter().map(|&corner| projection.of(corner)).collect();
     items.push(Item::Marks { points: ringed, mark: Mark::Ring, color: GREY });
-    items.push(Item::Curve { path: path(&limit.into(), projection), stroke });
     let mut legend = vec![(Key::Point(Mark::Ring, GREY), "polygon".to_owned())];
     let mut polygon = corners.to_vec();
     for round in 0..rounds {
         polygon = scheme.cut(&polygon, ends)?;
         let shade = color(round);
-        items.push(Item::Line {
-            points: outline(&polygon),
-            stroke: Stroke { color: shade, width: 1.2 },
-        });
+        let stroke = Stroke { color: shade, width: 1.4 };
+        items.push(Item::Line { points: outline(&polygon), stroke });
         let points = polygon.iter().map(|&corner| projection.of(corner)).collect();
         items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
         legend.push(entry(shade, &format!("cut {}", times(round + 1))));
     }
+    let stroke = Stroke::curve(CURVE);
+    items.push(Item::Curve { path: path(&limit.into(), projection), stroke });
     legend.push((Key::Line(stroke), "limit".to_owned()));
     let title = title.unwrap_or_else(|| match scheme {
         CornerCutting::Chaikin => "Chaikin’s corner cutting".to_owned(),
@@ -169,8 +172,8 @@ pub(super) fn comb(
     curve: &NurbsCurve,
     (teeth, scale): (usize, Option<f64>),
 ) -> Panel {
-    let (projection, points, weights) = projected(curve, plane);
-    let mut items = polygon(&points, &weights, "P");
+    let (projection, points, _) = projected(curve, plane);
+    let mut items = bare_polygon(&points);
 
     // The feet of the teeth, and how far each tip is from its foot at scale 1.
     let mut spans: Vec<Vec<(DVec3, DVec3)>> = Vec::new();

@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::flatten::flatten;
+use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
 use super::view::{Ticks, View};
 
@@ -196,7 +197,26 @@ impl Drawing<'_, '_> {
         for item in &panel.items {
             self.item(&mut chart, item)?;
         }
+        self.labels()?;
         self.words()
+    }
+
+    fn labels(&self) -> Result<(), Unable> {
+        let size = |text: &str| {
+            let letters = text.chars().count() as f64;
+            DVec2::new(LETTER * LABEL_SIZE * letters + 2.0, 1.2 * LABEL_SIZE)
+        };
+        let labels = self.panel.items.iter().filter_map(|item| match item {
+            Item::Label { text, color, .. } => Some((text, *color)),
+            _ => None,
+        });
+        let places = placed(self.panel, self.view, size);
+        for ((text, color), place) in labels.zip(places) {
+            let [x, y] = [place.middle.x + LEFT, TITLE + self.view.pixels.y - place.middle.y];
+            let middle = font(LABEL_SIZE, color, Pos::new(HPos::Center, VPos::Center));
+            self.area.draw(&Text::new(text.clone(), (sub(x), sub(y)), middle))?;
+        }
+        Ok(())
     }
 
     /// Draws one item into the chart.
@@ -233,19 +253,7 @@ impl Drawing<'_, '_> {
                     };
                 }
             }
-            Item::Label { at, towards, text, color } => {
-                // Pixels count downwards.
-                let away = towards.normalize_or(DVec2::Y) * 9.0;
-                let side = |along: f64| match along {
-                    along if along > 3.0 => HPos::Left,
-                    along if along < -3.0 => HPos::Right,
-                    _ => HPos::Center,
-                };
-                let pos = Pos::new(side(away.x), VPos::Center);
-                let offset = (sub(away.x), sub(-1.25 * away.y));
-                chart.draw_series([EmptyElement::at((*at).into())
-                    + Text::new(text.clone(), offset, font(LABEL_SIZE, *color, pos))])?;
-            }
+            Item::Label { .. } => {} // placed when all else is drawn
         }
         Ok(())
     }
@@ -258,10 +266,12 @@ impl Drawing<'_, '_> {
             self.area.draw(&Text::new(text.to_owned(), (sub(at[0]), sub(at[1])), style))
         };
         let bottom = Pos::new(HPos::Center, VPos::Bottom);
-        write(&panel.title, [middle, TITLE - 9.0], font(TITLE_SIZE, INK, bottom))?;
+        let letters = panel.title.chars().count().max(1) as f64;
+        let fitting = TITLE_SIZE.min(plot.x / (LETTER * letters));
+        write(&panel.title, [middle, TITLE - 9.0], font(fitting, INK, bottom))?;
         let right = Pos::new(HPos::Right, VPos::Bottom);
         let [across, up] = &panel.axes;
-        write(up, [LEFT - 8.0, TITLE - 3.0], font(TEXT_SIZE, INK, right))?;
+        write(up, [LEFT - 8.0, TITLE - 7.0], font(TEXT_SIZE, INK, right))?;
         let below = TITLE + plot.y + NUMBERS;
         let top = Pos::new(HPos::Center, VPos::Top);
         write(across, [middle, below], font(TEXT_SIZE, INK, top))?;

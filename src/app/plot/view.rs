@@ -7,6 +7,11 @@ use super::panel::{Item, Panel, Scale};
 /// What is left free around the things shown: this share of the plot's width and height.
 const ROOM: f64 = 0.07;
 
+/// Where points of space have labels, so many pixels are left free for these; at most so large
+/// a share of the plot.
+const LABEL_ROOM: DVec2 = DVec2::new(48.0, 18.0);
+const MOST_LABEL_ROOM: f64 = 0.16;
+
 /// Curves are looked at this often a piece to find how far they reach: what is between stays
 /// within [`ROOM`].
 const LOOKS: u32 = 64;
@@ -35,11 +40,17 @@ impl View {
         for item in &panel.items {
             match item {
                 Item::Curve { path, .. } => {
+                    let mut found = path.pieces.is_empty();
                     for &[start, end] in &path.pieces {
                         for k in 0..=LOOKS {
                             let t = start + f64::from(k) / f64::from(LOOKS) * (end - start);
-                            include((path.at)(t.min(end)));
+                            let point = (path.at)(t.min(end));
+                            found |= point.is_finite();
+                            include(point);
                         }
+                    }
+                    if !found {
+                        return None;
                     }
                 }
                 Item::Line { points, .. } | Item::Marks { points, .. } => {
@@ -59,7 +70,7 @@ impl View {
         // What has no extent, as a straight line along an axis, still needs a plot.
         let size = extent.max_element();
         let least = if size > 0.0 { 1e-3 * size } else { low.abs().max_element().max(1.0) };
-        let room = 1.0 - 2.0 * ROOM;
+        let room = 1.0 - 2.0 * room(panel, pixels);
         let (shown, middle) = match panel.scale {
             Scale::Space => {
                 let unit = (extent / (room * pixels)).max_element().max(least / pixels.x);
@@ -67,7 +78,7 @@ impl View {
             }
             Scale::Function(_) => {
                 let flat = 1e-9 * low.abs().max(high.abs()).y.max(f64::MIN_POSITIVE);
-                let height = if extent.y > flat { extent.y / room } else { 2.0 * flat.max(1.0) };
+                let height = if extent.y > flat { extent.y / room.y } else { 2.0 * flat.max(1.0) };
                 (DVec2::new(extent.x, height), 0.5 * low + 0.5 * high)
             }
         };
@@ -94,6 +105,17 @@ impl View {
             Scale::Function(_) => [round_step(unit.x), round_step(0.7 * unit.y)],
         };
         [Ticks::new(self.low.x, self.high.x, step[0]), Ticks::new(self.low.y, self.high.y, step[1])]
+    }
+}
+
+/// What is left free on each side, in shares of the plot.
+fn room(panel: &Panel, pixels: DVec2) -> DVec2 {
+    let labelled = panel.items.iter().any(|item| matches!(item, Item::Label { .. }));
+    match panel.scale {
+        Scale::Space if labelled => {
+            (LABEL_ROOM / pixels).clamp(DVec2::splat(ROOM), DVec2::splat(MOST_LABEL_ROOM))
+        }
+        _ => DVec2::splat(ROOM),
     }
 }
 
@@ -186,7 +208,7 @@ mod tests {
             DVec2::new(400.0, 300.0),
         );
         let flat = flat.unwrap();
-        assert!((flat.low.y, flat.high.y) == (0.0, 2.0), "{flat:?}");
+        assert!((flat.low.y.abs() + (flat.high.y - 2.0).abs()) < 1e-12, "{flat:?}");
     }
 
     #[test]

@@ -53,7 +53,7 @@ fn documented() -> Vec<String> {
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 6);
+    assert_eq!(blocks.len(), 7);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {
@@ -63,6 +63,13 @@ fn what_the_documentation_shows_can_be_read() {
             Ok(Model { parts: vec![part], notes: Vec::new() })
         });
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
+        for (index, plot) in scene.plots.iter().enumerate() {
+            plot.checked(index + 1).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        }
+        assert_eq!(scene.plots.len(), text.matches("[[plot]]").count());
+        if scene.objects.is_empty() {
+            continue;
+        }
         let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert!(world.surfaces.len() >= text.matches("[[object]]").count());
         assert_eq!(asked.into_inner().len(), text.matches("{ file =").count());
@@ -75,7 +82,7 @@ fn what_cannot_be_made_from_curves_is_told() {
     assert_eq!(
         shape("revolution]\nprofile = {}"),
         "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, through, \
-         bspline, catmull_rom, hermite, circle, arc"
+         bspline, catmull_rom, hermite, circle, arc, note_circle, quarter_circle_4"
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),

@@ -1,0 +1,449 @@
+//! `nurbray plot`: what is drawn is where the closed forms say, and the gallery's figures are
+//! what their scenes say.
+
+use std::fs;
+use std::path::Path;
+
+use crate::sandbox::{SPHERE, SQUARE, Sandbox};
+
+/// The picture's own units in a pixel.
+const SUBPIXELS: f64 = 32.0;
+
+/// How far a vertex may be from its place: rounding to the picture's units, both ways.
+const ROUNDING: f64 = 0.71 / SUBPIXELS;
+
+/// How far a curve may be from its polyline, in pixels, as `--help` says.
+const TOLERANCE: f64 = 0.1;
+
+/// The values of an attribute in the elements of a kind.
+fn attributes<'a>(svg: &'a str, element: &str, name: &str) -> Vec<&'a str> {
+    let (open, attribute) = (format!("<{element} "), format!(" {name}=\""));
+    let elements = svg.split(open.as_str()).skip(1).map(|rest| rest.split('>').next().unwrap());
+    elements.filter_map(|text| text.split(attribute.as_str()).nth(1)?.split('"').next()).collect()
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split([',', ' '])
+        .filter(|word| !word.is_empty())
+        .map(|word| word.parse().unwrap())
+        .collect()
+}
+
+/// The polylines of a colour, in pixels.
+fn polylines(svg: &str, color: &str, width: f64) -> Vec<Vec<[f64; 2]>> {
+    let points = attributes(svg, "polyline", "points");
+    let colors = attributes(svg, "polyline", "stroke");
+    let widths = attributes(svg, "polyline", "stroke-width");
+    assert!(points.len() == colors.len() && points.len() == widths.len());
+    let drawn = points.iter().zip(colors.iter().zip(&widths)).filter(|(_, (found, wide))| {
+        let wide = wide.parse::<f64>().unwrap() / SUBPIXELS;
+        **found == color && (wide - width).abs() < 0.05
+    });
+    drawn
+        .map(|(points, _)| {
+            numbers(points).chunks(2).map(|at| [at[0] / SUBPIXELS, at[1] / SUBPIXELS]).collect()
+        })
+        .collect()
+}
+
+const BLUE: &str = "#0072B2";
+const RED: &str = "#D55E00";
+const GREEN: &str = "#009E73";
+const GREY: &str = "#828282";
+const CURVE: f64 = 2.2;
+
+/// The map from pixels back to a plot's coordinates, from two points known in both.
+struct Axes {
+    pixel: [f64; 2],
+    point: [f64; 2],
+    /// Pixels a unit; upwards counts as positive.
+    unit: [f64; 2],
+}
+
+impl Axes {
+    fn new(pixels: [[f64; 2]; 2], points: [[f64; 2]; 2]) -> Self {
+        let unit = |k: usize| {
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            sign * (pixels[1][k] - pixels[0][k]) / (points[1][k] - points[0][k])
+        };
+        Self { pixel: pixels[0], point: points[0], unit: [unit(0), unit(1)] }
+    }
+
+    fn point(&self, pixel: [f64; 2]) -> [f64; 2] {
+        [
+            self.point[0] + (pixel[0] - self.pixel[0]) / self.unit[0],
+            self.point[1] - (pixel[1] - self.pixel[1]) / self.unit[1],
+        ]
+    }
+}
+
+fn scene(name: &str) -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// Plots a scene and reads the picture.
+fn plotted(scene: &str, options: &str) -> String {
+    let sandbox = Sandbox::with(&[("s.toml", scene)]);
+    let run = sandbox.run(&format!("plot s.toml -o p.svg {options}")).succeeded();
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    assert_eq!(sandbox.files(), ["p.svg", "s.toml"]);
+    String::from_utf8(sandbox.bytes("p.svg")).unwrap()
+}
+
+/// Every vertex of each circle's polyline is on the circle, and no chord is far inside.
+#[test]
+fn circles_are_round() {
+    // A circle, how much of it, and a point of its control polygon by its number.
+    let quarter = (0.25, [1.0, 0.0], (usize::MAX, [0.0, 1.0]));
+    let (half, full) = ((0.5, [0.0, 1.0], (3, [0.0, -1.0])), (1.0, [0.0, 1.0], (3, [0.0, -1.0])));
+    for (circle, (share, start, (number, other))) in [
+        ("note_circle = \"quarter_2\"", quarter),
+        ("note_circle = \"quarter_2_symmetric\"", quarter),
+        ("quarter_circle_4 = { solution = 1 }", quarter),
+        ("quarter_circle_4 = { solution = 2 }", quarter),
+        ("quarter_circle_4 = { solution = 1, w1 = 0.8 }", quarter),
+        ("quarter_circle_4 = { solution = 2, w1 = 3 }", quarter),
+        ("note_circle = \"half_3\"", half),
+        ("note_circle = \"full_3\"", full),
+    ] {
+        let text = format!("[[plot]]\nshow = {{ curves = [{{ curve = {{ {circle} }} }}] }}\n");
+        let svg = plotted(&text, "--size 900x700");
+
+        // Two points of the polygon are known; a unit is as long both ways.
+        let polygon = &polylines(&svg, GREY, 1.0)[0];
+        let known = polygon[number.min(polygon.len() - 1)];
+        let unit = (known[1] - polygon[0][1]) / (start[1] - other[1]);
+        let axes = Axes { pixel: polygon[0], point: start, unit: [unit; 2] };
+        if start[0] != other[0] {
+            let across = (known[0] - polygon[0][0]) / (other[0] - start[0]);
+            assert!((across - unit).abs() <= 2.0 * ROUNDING, "{circle}: {across} and {unit}");
+        }
+
+        let curve = &polylines(&svg, BLUE, CURVE)[0];
+        let points: Vec<_> = curve.iter().map(|&pixel| axes.point(pixel)).collect();
+        for point in &points {
+            let off = (point[0].hypot(point[1]) - 1.0).abs() * unit;
+            assert!(off <= 3.0 * ROUNDING, "{circle}: {point:?} is {off} pixels off");
+        }
+        let mut length = 0.0;
+        for chord in points.windows(2) {
+            let middle = [0, 1].map(|k| 0.5 * (chord[0][k] + chord[1][k]));
+            let inside = (1.0 - middle[0].hypot(middle[1])) * unit;
+            assert!(inside <= TOLERANCE + 3.0 * ROUNDING, "{circle}: a chord is {inside} inside");
+            length += (chord[1][0] - chord[0][0]).hypot(chord[1][1] - chord[0][1]);
+        }
+        let expected = std::f64::consts::TAU * share;
+        assert!((length / expected - 1.0).abs() < 2e-3, "{circle}: {length}");
+    }
+}
+
+/// Rogers' figure 4.1: his formulas on 1 ≤ t < 2, at every vertex of R₂ and R₃ (ours R₁ and R₂).
+#[test]
+fn rogers_basis_functions_are_his() {
+    for (h3, weight) in [(0.0, "0"), (0.25, "0.25"), (5.0, "5")] {
+        let text = format!(
+            "[[plot]]\n[plot.show.basis]\ndegree = 2\nknots = [0, 0, 0, 1, 2, 3, 3, 3]\n\
+             weights = [1, 1, {weight}, 1, 1]\n"
+        );
+        let svg = plotted(&text, "--size 640x480");
+        let zero = &polylines(&svg, GREY, 1.0)[0];
+        let first = &polylines(&svg, BLUE, CURVE)[0]; // R₀ begins at (0, 1)
+        let axes = Axes::new([first[0], zero[1]], [[0.0, 1.0], [3.0, 0.0]]);
+        let unit = axes.unit[1];
+
+        let n2 = |t: f64| t * (2.0 - t) / 2.0 + (3.0 - t) * (t - 1.0) / 2.0;
+        let sum = |t: f64| (2.0 - t).powi(2) / 2.0 + h3 * n2(t) + (t - 1.0).powi(2) / 2.0;
+        let r1 = |t: f64| (2.0 - t).powi(2) / 2.0 / sum(t);
+        let r2 = |t: f64| h3 * n2(t) / sum(t);
+        let mut seen = 0;
+        for (color, function) in [(RED, &r1 as &dyn Fn(f64) -> f64), (GREEN, &r2)] {
+            // The legend has a line of the colour, too: it comes last.
+            let drawn = polylines(&svg, color, CURVE);
+            assert_eq!(drawn.len(), if h3 == 0.0 && color == GREEN { 1 } else { 2 }, "{h3}");
+            for &pixel in drawn[..drawn.len() - 1].iter().flatten() {
+                let [t, value] = axes.point(pixel);
+                if (1.0..2.0).contains(&t) {
+                    // A vertex is off sideways, too, and the function has a slope.
+                    let slope = (function(t + 1e-6) - function(t - 1e-6)) / 2e-6;
+                    let slack = 3.0 * ROUNDING * (1.0 + slope.abs() * unit / axes.unit[0]);
+                    let off = (value - function(t)).abs() * unit;
+                    assert!(off <= slack, "{h3}, t = {t}: {value} is {off} pixels off");
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 15, "{h3}: only {seen} vertices");
+    }
+}
+
+/// Rogers' figure 4.2: all four curves pass x = 5/2 where he says, weight 0 included.
+#[test]
+fn rogers_curves_pass_his_points() {
+    let svg = plotted(&scene("rogers_curves.toml"), "");
+    let polygon = &polylines(&svg, GREY, 1.0)[0];
+    let axes = Axes::new([polygon[0], polygon[3]], [[0.0, 0.0], [4.0, 2.0]]);
+    assert!((axes.unit[0] / axes.unit[1] - 1.0).abs() < 1e-3, "{:?}", axes.unit);
+    for (color, y) in [(BLUE, 2.0), (RED, 8.0 / 7.0), (GREEN, 0.5), ("#CC79A7", 0.125)] {
+        let curve: Vec<_> =
+            polylines(&svg, color, CURVE)[0].iter().map(|&pixel| axes.point(pixel)).collect();
+        let chord = curve.windows(2).find(|chord| chord[0][0] <= 2.5 && 2.5 <= chord[1][0]);
+        let [[x0, y0], [x1, y1]] = [chord.unwrap()[0], chord.unwrap()[1]];
+        let found = y0 + (2.5 - x0) / (x1 - x0) * (y1 - y0);
+        let off = (found - y).abs() * axes.unit[1];
+        assert!(off <= TOLERANCE + 3.0 * ROUNDING, "{color}: {found} is {off} pixels from {y}");
+    }
+}
+
+/// The lecture's polynomials, B₁ = (3t³ − 6t² + 4)/6 and B₀ = (1 − t)³/6.
+#[test]
+fn blending_functions_are_the_lecture_s() {
+    let svg = plotted("[[plot]]\nshow = { blending = \"bspline\" }\n", "--size 500x500");
+    let zero = &polylines(&svg, GREY, 1.0)[0];
+    let b0 = &polylines(&svg, BLUE, CURVE)[0];
+    let axes = Axes::new([b0[0], zero[1]], [[0.0, 1.0 / 6.0], [1.0, 0.0]]);
+    let functions: [(&str, fn(f64) -> f64); 2] = [
+        (BLUE, |t| (1.0 - t).powi(3) / 6.0),
+        (RED, |t| (3.0 * t.powi(3) - 6.0 * t * t + 4.0) / 6.0),
+    ];
+    for (color, function) in functions {
+        let curve = &polylines(&svg, color, CURVE)[0];
+        assert!(curve.len() > 8);
+        for &pixel in curve {
+            let [t, value] = axes.point(pixel);
+            let off = (value - function(t)).abs() * axes.unit[1];
+            assert!(off < 0.25, "{color} at {t}: {off} pixels off");
+        }
+    }
+}
+
+/// De Casteljau's construction on the deck's numbers: each round divides in the ratio 2 : 3.
+#[test]
+fn de_casteljau_divides_evenly() {
+    let corners = [[0.0, 0.0], [1.0, 3.0], [4.0, 3.4], [5.0, 0.5]];
+    let text = "[[plot]]\n[plot.show.de_casteljau]\nt = 0.4\n\
+                curve = { bezier = [[0, 0], [1, 3], [4, 3.4], [5, 0.5]] }\n";
+    let svg = plotted(text, "--size 700x600");
+    let polygon = &polylines(&svg, GREY, 1.0)[0];
+    let axes = Axes::new([polygon[0], polygon[2]], [corners[0], corners[2]]);
+    let mut round = corners.to_vec();
+    for color in [BLUE, RED] {
+        round = round.windows(2).map(|w| [0, 1].map(|k| 0.6 * w[0][k] + 0.4 * w[1][k])).collect();
+        let drawn = &polylines(&svg, color, 1.5)[0];
+        assert_eq!(drawn.len(), round.len());
+        for (&pixel, expected) in drawn.iter().zip(&round) {
+            let found = axes.point(pixel);
+            let off = (found[0] - expected[0]).hypot(found[1] - expected[1]) * axes.unit[0];
+            assert!(off <= 3.0 * ROUNDING, "{color}: {found:?} for {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_and_a_png_is_the_same_picture() {
+    let sandbox = Sandbox::with(&[("s.toml", &scene("note_circles.toml"))]);
+    for run in ["a", "b"] {
+        sandbox.run(&format!("plot s.toml -o {run}.svg -o {run}.png --size 900x700")).succeeded();
+    }
+    assert_eq!(sandbox.bytes("a.svg"), sandbox.bytes("b.svg"));
+    assert_eq!(sandbox.bytes("a.png"), sandbox.bytes("b.png"));
+
+    let svg = String::from_utf8(sandbox.bytes("a.svg")).unwrap();
+    assert!(svg.starts_with("<svg width=\"900\" height=\"700\" viewBox=\"0 0 28800 22400\""));
+    for word in ["Half, degree 3", "P₁, w = 0.333", "t = 0.5 (×3)", "control points", "knots"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+
+    // Where the SVG has a curve the PNG is blue, and where it has words there is ink.
+    let picture = image::open(sandbox.path("a.png")).unwrap().into_rgb8();
+    assert_eq!(picture.dimensions(), (900, 700));
+    let drawn = polylines(&svg, BLUE, CURVE);
+    let curves = drawn.iter().filter(|line| line.len() > 2); // those of the legend have ends only
+    for &[x, y] in curves.flat_map(|line| &line[1..line.len() - 1]) {
+        let [r, g, b] = picture.get_pixel(x as u32, y as u32).0;
+        assert!(r < 200 && r <= g && g <= b, "({x}, {y}) is {r}, {g}, {b}");
+    }
+    let title = picture.enumerate_pixels().filter(|(_, y, pixel)| *y < 28 && pixel.0[0] < 128);
+    assert!(title.count() > 500, "the titles are missing");
+}
+
+#[test]
+fn scenes_without_plots_get_those_that_suit_them() {
+    let sandbox = Sandbox::with(&[
+        ("ball.toml", SPHERE),
+        ("square.json", SQUARE),
+        (
+            "vase.toml",
+            "[[object]]\nname = \"vase\"\n[object.shape.revolution]\n\
+             profile = { bezier = [[1, 0, 0], [2, 0, 1], [0.5, 0, 2]] }\n",
+        ),
+    ]);
+    let svg = |input: &str| {
+        sandbox.run(&format!("plot {input} -o p.svg")).succeeded();
+        String::from_utf8(sandbox.bytes("p.svg")).unwrap()
+    };
+    let ball = svg("ball.toml");
+    assert!(ball.contains("Degree 3: ball, u") && ball.contains("Degree 3: ball, v"));
+    assert!(svg("square.json").contains("Degree 1: square, u and 1 more"));
+    // The profile lies in y = 0: x and z are shown.
+    let vase = svg("vase.toml");
+    for word in ["vase: profile", "\nx\n", "\nz\n", "Degree 2: vase, u"] {
+        assert!(vase.contains(word), "{word}");
+    }
+    assert!(!vase.contains("\ny\n"));
+}
+
+#[test]
+fn wrong_use_is_refused_before_anything_is_written() {
+    let plot = "[[plot]]\nshow = { blending = \"bezier\" }\n";
+    let huge = format!("[figure]\nsize = [9000, 100]\n{plot}");
+    let sandbox = Sandbox::with(&[("s.toml", plot), ("huge.toml", &huge)]);
+    let known = "known are .svg and .png";
+    sandbox
+        .run("plot s.toml -o p.pdf")
+        .failed(2, &format!("p.pdf: cannot write .pdf files; {known}"));
+    sandbox.run("plot s.toml -o p.svg -o p.svg").failed(2, "\"p.svg\" is given twice as output");
+    sandbox.run("plot s.toml").misused("the following required arguments were not provided:");
+    sandbox
+        .run("plot s.toml -o p.svg --size 100x100")
+        .failed(2, "100 x 100 pixels are too few for 1 plot: at least 132x216 are needed");
+    sandbox.run("plot huge.toml -o p.svg").failed(
+        2,
+        "huge.toml:2:8: 9000 x 100 pixels: a picture of plots has at most 8192 each way",
+    );
+    sandbox.run("render s.toml -o p.png").failed(
+        2,
+        "s.toml: there is nothing to trace, only plots, which `nurbray plot` draws: write an \
+         [[object]], with a shape such as \"sphere\"",
+    );
+    assert_eq!(sandbox.files(), ["huge.toml", "s.toml"]);
+}
+
+#[test]
+fn what_cannot_be_plotted_is_told_with_its_place() {
+    let bezier = "curve = { bezier = [[0, 0], [1, 2], [2, 0]] }";
+    for (show, place, message) in [
+        ("{ blendin = 1 }", "3:10", "unknown plot \"blendin\"; did you mean \"blending\"?"),
+        ("{ blending = \"bsplin\" }", "3:21", "unknown name \"bsplin\"; did you mean \"bspline\"?"),
+        ("{ curves = [] }", "3:8", "plot \"A\": there are no curves to draw: give at least one"),
+        (
+            "{ curves = [{ curve = { bezier = [[0, 0]] } }] }",
+            "3:30",
+            "plot \"A\": curve 0: degree 0: degrees from 1 to 32 are supported",
+        ),
+        (
+            "{ curves = [{ curve = { note_circle = \"half\" } }] }",
+            "3:46",
+            "unknown circle \"half\"; did you mean \"half_3\"?",
+        ),
+        (
+            "{ curves = [{ curve = { quarter_circle_4 = { solution = 3 } } }] }",
+            "3:64",
+            "found 3, needed solution 1 or 2",
+        ),
+        (
+            "{ basis = { degree = 2 } }",
+            "3:18",
+            "plot \"A\": basis: it is not known how many functions: give knots, weights, or count = …",
+        ),
+        (
+            "{ basis = { degree = 2, knots = [0, 0, 0, 1, 1] } }",
+            "3:40",
+            "plot \"A\": basis: 2 points of degree 2: at least 3 are needed",
+        ),
+        (
+            "{ basis = { degree = 1, weights = [1, 0, 0, 1] } }",
+            "3:42",
+            "plot \"A\": basis: the weights of all control points that matter at t = 0.3333333333333333 are 0: one must be positive",
+        ),
+        (
+            "{ basis = { degree = 1, weights = [1, 2], support = true } }",
+            "3:42",
+            "plot \"A\": basis: rational functions end with the domain: support = true goes without weights",
+        ),
+        (
+            "{ basis = { degree = 2, count = 4, weights = [1, 1, 1] } }",
+            "3:53",
+            "plot \"A\": basis: 3 weights for count = 4: each function has one",
+        ),
+        (
+            "{ curves = [{ curve = { bezier = [[0, 0], [1e308, 0], [-1e308, 1]] } }] }",
+            "3:8",
+            "plot \"A\": it has no finite extent that could be drawn",
+        ),
+        (
+            "{ curvature = { curve = { bezier = [[1, 2], [1, 2]] } } }",
+            "3:8",
+            "plot \"A\": it has no finite extent that could be drawn",
+        ),
+        (
+            &format!("{{ de_casteljau = {{ t = 1.5, {bezier} }} }}"),
+            "3:31",
+            "plot \"A\": the parameter 1.5 does not lie inside the domain from 0 to 1",
+        ),
+        (
+            &format!("{{ insertion = {{ knots = [0.5, 0.5, 0.5, 0.5], {bezier} }} }}"),
+            "3:48",
+            "plot \"A\": knot 0.5 is repeated 4 times: degree 2 allows up to 3",
+        ),
+        (
+            &format!("{{ comb = {{ teeth = 0, {bezier} }} }}"),
+            "3:8",
+            "plot \"A\": comb: 0 teeth a span: needed are 1 to 1000",
+        ),
+        (
+            "{ corner_cutting = { scheme = \"chaikin\", polygon = [[0, 0], [1, 1]] } }",
+            "3:8",
+            "plot \"A\": polygon: 2 points: at least 3 are needed",
+        ),
+    ] {
+        let text = format!("[[plot]]\ntitle = \"A\"\nshow = {show}\n");
+        let sandbox = Sandbox::with(&[("s.toml", &text)]);
+        let run = sandbox.run("plot s.toml -o p.svg");
+        assert_eq!(run.stderr, format!("error: s.toml:{place}: {message}\n"));
+        assert_eq!(run.code, 2);
+    }
+    // What a file says of no [[plot]] at all is what every subcommand says.
+    let sandbox = Sandbox::with(&[("empty.toml", "")]);
+    let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";
+    sandbox.run("plot empty.toml -o p.svg").failed(2, &format!("empty.toml: {hint}"));
+}
+
+/// An SVG's words and numbers.
+fn tokens(svg: &str) -> Vec<Result<f64, &str>> {
+    let breaks = |c: char| c.is_whitespace() || "\",=<>()".contains(c);
+    let words = svg.split(breaks).filter(|word| !word.is_empty());
+    words.map(|word| word.parse().map_err(|_| word)).collect()
+}
+
+/// The figures in `renders/` are those of `scenes/`, drawn again. Cosines and the like are the
+/// system library's: a number may be off by one unit, a 32nd of a pixel.
+#[test]
+fn the_gallery_s_figures_are_their_scenes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let sandbox = Sandbox::new();
+    let mut figures = 0;
+    for entry in fs::read_dir(root.join("renders")).unwrap() {
+        let figure = entry.unwrap().path();
+        if figure.extension().is_none_or(|extension| extension != "svg") {
+            continue;
+        }
+        let stem = figure.file_stem().unwrap().to_str().unwrap().to_owned();
+        let scene = root.join("scenes").join(&stem).with_extension("toml");
+        sandbox.run(&format!("plot {} -o p.svg", scene.display())).succeeded();
+        let (old, new) = (fs::read_to_string(&figure).unwrap(), sandbox.bytes("p.svg"));
+        let (old, new) = (tokens(&old), tokens(std::str::from_utf8(&new).unwrap()));
+        let same = |pair: (&Result<f64, &str>, &Result<f64, &str>)| match pair {
+            (Ok(a), Ok(b)) => (a - b).abs() <= 1.0,
+            (a, b) => a == b,
+        };
+        assert!(
+            old.len() == new.len() && old.iter().zip(&new).all(same),
+            "renders/{stem}.svg is another picture; if the change is meant, draw it again:\n  \
+             cargo run --release -- plot scenes/{stem}.toml -o renders/{stem}.svg"
+        );
+        figures += 1;
+    }
+    assert!(figures >= 8, "only {figures} figures");
+}
