@@ -31,7 +31,8 @@ pub(super) fn flatten(
         for k in 0..FIRST_PARTS {
             let (a, b) = (parameter(k), parameter(k + 1));
             let (p, q) = (at(a), at(b));
-            if line.last().is_none_or(|before| !(before.distance(p) <= tolerance)) {
+            let joined = line.last().is_some_and(|before| before.distance(p) <= tolerance);
+            if !joined {
                 lines.push(std::mem::take(&mut line));
                 line.push(p);
             }
@@ -105,7 +106,7 @@ mod tests {
             let lines = flatten(wave, &[[0.0, 5.0]], tolerance);
             assert!(worst(wave, [0.0, 5.0], &lines[0]) <= 1.05 * tolerance);
         }
-        assert_eq!(flatten(|t| DVec2::splat(t), &[[0.0, 1.0]], 0.1)[0].len(), 9, "a line");
+        assert_eq!(flatten(DVec2::splat, &[[0.0, 1.0]], 0.1)[0].len(), 9, "a line");
     }
 
     #[test]

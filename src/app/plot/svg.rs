@@ -226,7 +226,7 @@ impl Drawing<'_, '_> {
                 let pixels = |t| self.view.to_pixels((path.at)(t));
                 for line in flatten(pixels, &path.pieces, TOLERANCE) {
                     let line: Vec<(f64, f64)> =
-                        line.into_iter().map(|at| self.view.from_pixels(at).into()).collect();
+                        line.into_iter().map(|at| self.view.point_at(at).into()).collect();
                     chart.draw_series([PathElement::new(line, style(*stroke))])?;
                 }
             }

@@ -92,7 +92,7 @@ impl View {
     }
 
     /// The point of the plane at a pixel.
-    pub(super) fn from_pixels(self, pixel: DVec2) -> DVec2 {
+    pub(super) fn point_at(self, pixel: DVec2) -> DVec2 {
         self.low + pixel / self.pixels * (self.high - self.low)
     }
 
@@ -147,7 +147,7 @@ impl Ticks {
         let decimals = -self.step.log10().floor();
         let zero = if value.abs() < 0.5 * self.step { 0.0 } else { value };
         let text = match decimals {
-            d if d > 5.0 || d < -5.0 => {
+            d if d.abs() > 5.0 => {
                 let digits = (zero.abs().log10().floor() + decimals).clamp(0.0, 15.0);
                 if zero == 0.0 { "0".into() } else { format!("{zero:.0$e}", digits as usize) }
             }
@@ -184,7 +184,7 @@ mod tests {
             for point in points {
                 let at = view.to_pixels(point.into());
                 assert!(at.cmpge(DVec2::ZERO).all() && at.cmple(pixels).all(), "{at}");
-                assert!(view.from_pixels(at).distance(point.into()) <= 1e-13 * view.high.length());
+                assert!(view.point_at(at).distance(point.into()) <= 1e-13 * view.high.length());
             }
             let [x, y] = view.ticks(Scale::Space);
             assert_eq!(x.step, y.step);
