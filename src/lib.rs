@@ -19,7 +19,7 @@
 //! | floor | what it holds |
 //! |---|---|
 //! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, what rounding costs |
-//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), and what is made from curves ([`construct`](geometry::construct)) |
+//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), what is made from curves ([`construct`](geometry::construct)), and what is cut from surfaces ([`trim`](geometry::trim)) |
 //! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
 //! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once, a [`Tracer`](intersect::Tracer) a thread asks it for the first [`Hit`](intersect::Hit), any hit, or all of them |
 //! | [`scene`] | what is seen: a [`Scene`](scene::Scene) is as its author wrote it, a [`World`](scene::World) is checked and ready to trace |
@@ -91,6 +91,8 @@
 //! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`.
 //! - Domains are closed: a ray that passes within `C ε M` of a border meets it, and the hit
 //!   is marked [`BORDER`](intersect::HitFlags::BORDER).
+//! - What trims keep of a surface is closed, too: a root that may lie on a trim edge, as far as
+//!   rounding lets one know, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
 //! - Answers depend on the ray and the surfaces only, pictures on the scene and its settings
 //!   only: not on threads, tiles or crops.
 //! - The library never prints, exits or panics on what it is given: bad input is an error

@@ -7,8 +7,9 @@
     reason = "a failing test is a panic, also in its helpers"
 )]
 
-use glam::{DAffine3, DVec3};
-use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use glam::{DAffine3, DVec2, DVec3};
+use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+use nurbray::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
 use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::{Ray, rounding};
 
@@ -47,8 +48,28 @@ fn sheet(degree: (usize, usize), points: usize, rational: bool) -> NurbsSurface 
     NurbsSurface::new(knots(degree.0), knots(degree.1), net.collect(), weights).unwrap()
 }
 
-fn models() -> Vec<(String, Vec<NurbsSurface>)> {
-    let mut models = vec![
+/// A surface cut by a polygon, an island in it, a circle beyond the border, and a hole across
+/// what may be a seam.
+fn trimmed(surface: NurbsSurface) -> TrimmedSurface {
+    let domain = TrimDomain::with_seams_of(&surface).unwrap();
+    let [u, v] = domain.range();
+    let at = |a: f64, b: f64| DVec2::new(u[0] + a * (u[1] - u[0]), v[0] + b * (v[1] - v[0]));
+    let polygon = |corners: &[(f64, f64)]| {
+        let corners: Vec<DVec2> = corners.iter().map(|&(a, b)| at(a, b)).collect();
+        TrimLoop::polygon(&corners).unwrap()
+    };
+    let radius = 0.1 * (u[1] - u[0]).min(v[1] - v[0]);
+    let loops = [
+        polygon(&[(0.3, 0.2), (0.7, 0.3), (0.8, 0.6), (0.5, 0.5), (0.3, 0.75)]),
+        polygon(&[(0.4, 0.35), (0.55, 0.4), (0.45, 0.45)]),
+        TrimLoop::circle(at(0.5, 1.0), radius).unwrap(),
+        polygon(&[(-0.05, 0.3), (0.05, 0.4), (-0.05, 0.6)]),
+    ];
+    TrimmedSurface::new(surface, Trims::new(domain, Kept::Even, &loops).unwrap()).unwrap()
+}
+
+fn models() -> Vec<(String, Vec<Surface>)> {
+    let mut models: Vec<(String, Vec<NurbsSurface>)> = vec![
         ("sphere".into(), vec![shapes::sphere(1.0).unwrap()]),
         ("biquadratic sphere".into(), vec![shapes::sphere_biquadratic(1.0).unwrap()]),
         ("torus".into(), vec![shapes::torus(1.0, 0.4).unwrap()]),
@@ -70,12 +91,23 @@ fn models() -> Vec<(String, Vec<NurbsSurface>)> {
         models
             .push((format!("sheet {degree:?} {rational}"), vec![sheet(degree, points, rational)]));
     }
+    let whole = |surfaces: Vec<NurbsSurface>| surfaces.into_iter().map(Surface::from).collect();
+    let mut models: Vec<(String, Vec<Surface>)> =
+        models.into_iter().map(|(name, surfaces)| (name, whole(surfaces))).collect();
+    for (name, surface) in [
+        ("trimmed sphere", shapes::sphere(1.0).unwrap()),
+        ("trimmed torus", shapes::torus(1.0, 0.4).unwrap()),
+        ("trimmed plane", shapes::plane(2.0, 2.0).unwrap()),
+        ("trimmed sheet", sheet((3, 2), 8, true)),
+    ] {
+        models.push((name.into(), vec![trimmed(surface).into()]));
+    }
     models
 }
 
 /// Rays from one eye through a grid, rays from everywhere, and rays at corners, knot lines,
 /// poles and along axes.
-fn rays(surfaces: &[NurbsSurface], center: DVec3, radius: f64, random: &mut Random) -> Vec<Query> {
+fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -> Vec<Query> {
     let mut rays = Vec::new();
     let eye = center + 2.5 * radius * random.direction();
     let forward = (center - eye).normalize();
@@ -95,7 +127,7 @@ fn rays(surfaces: &[NurbsSurface], center: DVec3, radius: f64, random: &mut Rand
             let grid = |random: &mut Random| (random.next() * 9.0).floor() / 8.0;
             let (a, b) =
                 (grid(random), if random.next() < 0.5 { grid(random) } else { random.next() });
-            let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+            let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
             let origin = target + 3.0 * radius * random.direction();
             rays.push((origin, target - origin));
         }

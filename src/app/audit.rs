@@ -3,6 +3,7 @@
 mod check;
 mod class;
 mod judge;
+mod outlines;
 mod rays;
 mod report;
 mod sites;
@@ -39,6 +40,7 @@ Rays are made from the model's own surfaces, by class:
   seam-planes  in the plane of three points of a border
   axes         parallel to an axis, in faces of bounding boxes too
   chords       through two points of one iso-parameter line: rulings
+  trim-edges   through points of the edges that trims cut (if the model has any)
   grazing-k    past a silhouette at 1 - 10^-k and 1 + 10^-k radii of curvature
   tangents     in the tangent plane of a point, through it
   origins      starting on a surface, to within rounding
@@ -51,8 +53,9 @@ Columns, for each class:
   misses       the fast path has no hit and no doubt, but there is a certain hit
   wrong        the fast path's hit lies behind a certain hit by more than the bound of t
                (JSON: wrong_roots)
-  false        the fast path's hit has a residual above the bound or lies outside the ray's
-               range, or the exact solver, without doubt, has no root there (JSON: false_hits)
+  false        the fast path's hit has a residual above the bound, lies outside the ray's range
+               or in what trims have cut off, or the exact solver, without doubt, has no root
+               there (JSON: false_hits)
   doubtful     rays whose answer the fast path flags; they are not judged
   undecided    rays for which the exact solver could not decide everything; its certain hits
                still count
@@ -61,7 +64,10 @@ Columns, for each class:
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
 Certain is a hit of the exact solver without doubt, unless it lies within the bound of an end of
 the ray's range, or the ray passes a border on its outside by more than a quarter of the bound;
-and the point a ray was aimed at, if |N.d| >= 0.01 or the point lies on a border.
+and the point a ray was aimed at, if |N.d| >= 0.01 or the point lies on a border, and trims have
+not cut it off. What trims keep is judged by even-odd against polylines within 1/1000 of the domain
+of the trim curves, which the tracer does not know; within twice that of one both sides pass, but
+points of class trim-edges are on the curves, and owed.
 M is the largest coordinate magnitude of the ray's origin and the surface. The bound of the
 residual, for degrees p and q and e = 2^-53, is b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|):
 the promise 4 (p + q + 4) e M twice, for the hit and for checking it, and the rounding of u and v.

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use nurbray::geometry::trim::{Coverage, UvBox};
 use nurbray::geometry::{Chart, KnotVector, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
@@ -29,6 +30,17 @@ impl Border {
     pub(crate) fn of(chart: &Chart<'_>) -> impl Iterator<Item = Self> + use<> {
         let sides = Self::all(&chart.surface).into_iter().zip(chart.border);
         sides.filter_map(|(side, is_border)| is_border.then_some(side))
+    }
+
+    /// Whether trims leave some of it, as far as is known.
+    pub(crate) fn is_kept(&self, chart: &Chart<'_>) -> bool {
+        let (start, end) = self.knots(&chart.surface).domain();
+        let ends = [start, end].map(|t| {
+            let (u, v) = self.uv(t);
+            DVec2::new(u, v)
+        });
+        let line = UvBox { min: ends[0], max: ends[1] };
+        chart.trims.as_ref().is_none_or(|trims| trims.classify(&line) != Coverage::Outside)
     }
 
     /// The surface parameters where the running one is `t`.

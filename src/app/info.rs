@@ -8,6 +8,7 @@ mod text;
 
 use std::process::ExitCode;
 
+use nurbray::geometry::trim::Kept;
 use serde_json::{Value, json};
 
 use super::args::InfoArguments;
@@ -23,10 +24,12 @@ on every other border is found by Newton's method. Two borders run side by side 
 quarter of the points of one lie within 1e-3 of the model's size (and 1/20 of the shorter border's
 length) of the other. They meet if none of these points is farther off than rounding,
 4 (p + q + 4) 2^-53 M for each surface; else the largest distance is listed as a gap, through
-which rays may pass. Gaps narrower than the samples are long may be missed.
+which rays may pass. Gaps narrower than the samples are long may be missed. What trims cut off a
+border does not count; the edges they cut are not compared.
 
 Bounds: the boxes the surfaces themselves just fit in, not their control points or leaves, to
-1e-12 of their size (1e-9 where a surface touches its box along a curve askew to u and v).
+1e-12 of their size (1e-9 where a surface touches its box along a curve askew to u and v). Those of
+a trimmed surface hold its leaves, of which the ones at an edge reach a little beyond it.
 
 With --json one object:
   input, build_seconds
@@ -34,7 +37,8 @@ With --json one object:
                  rational, size [nu, nv] (control points), domain [[u0, u1], [v0, v1]], pieces,
                  leaves, bytes (of its pieces and leaves), bounds [min, max],
                  collapsed_edges (a list: edge, point), deviation (how far it may be from what
-                 the scene asks for: 0, or measured where a sweep is approximated)
+                 the scene asks for: 0, or measured where a sweep is approximated), trims (null,
+                 or keep, loops, segments, bytes, mixed_leaves: those at an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the hierarchy), bounds
   borders        total, collapsed, meeting, nearly_meeting, free
   gaps           a list, the widest first: surfaces [i, j], edges, width, relative (to the size
@@ -110,6 +114,16 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
         "bounds": bounds_json(surface.bounds),
         "collapsed_edges": collapsed.collect::<Value>(),
         "deviation": surface.deviation,
+        "trims": surface.trims.map(|trims| json!({
+            "keep": match trims.kept {
+                Kept::Odd => "inside",
+                Kept::Even => "outside",
+            },
+            "loops": trims.loops,
+            "segments": trims.segments,
+            "bytes": trims.bytes,
+            "mixed_leaves": trims.mixed,
+        })),
     })
 }
 

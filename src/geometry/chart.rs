@@ -1,10 +1,12 @@
 //! What is traced, as one or several NURBS surfaces in their places.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use glam::DVec2;
 
 use super::NurbsSurface;
+use super::trim::Trims;
 
 /// A part of a surface that is a NURBS surface itself, and its place in the whole.
 ///
@@ -21,6 +23,8 @@ pub struct Chart<'a> {
     /// Whether the last u, and the last v, belong to another chart, that begins there with
     /// something else: (u, v) of points there are the last numbers before it.
     pub open_end: [bool; 2],
+    /// Which part of it is there, on its own domain; all of it without trims.
+    pub trims: Option<Arc<Trims>>,
 }
 
 /// Where a chart lies in the parameters of the whole surface.
@@ -54,6 +58,7 @@ impl<'a> Chart<'a> {
             map: ChartMap::Identity,
             border: [true; 4],
             open_end: [false; 2],
+            trims: None,
         }
     }
 }

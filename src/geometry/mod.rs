@@ -50,6 +50,7 @@ mod surface_error;
 mod triangle;
 mod triangle_error;
 pub mod trim;
+mod trimmed;
 mod uniform;
 
 pub use any_surface::Surface;
@@ -72,6 +73,7 @@ pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};
 pub use surface_error::{Direction, SurfaceError};
 pub use triangle::{TrianglePatch, TriangleQuarter, TriangleSide};
 pub use triangle_error::TriangleError;
+pub use trimmed::TrimmedSurface;
 pub use uniform::{MAX_REPEATED, with_repeated_ends};
 
 #[cfg(test)]

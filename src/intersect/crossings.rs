@@ -6,7 +6,7 @@ use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
-/// or on borders of two surfaces. Stretches inside a surface that overlap become one.
+/// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
 pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
     let place = |m: &Meeting| (m.surface, m.piece);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
@@ -57,6 +57,9 @@ fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
         return apart <= reach;
     }
     let at_side = |m: &Meeting| {
+        if m.flags.contains(HitFlags::TRIM_EDGE) {
+            return true;
+        }
         let distances = pieces[m.piece as usize].side_distances(m.st, &m.jet);
         distances.into_iter().any(|distance| distance <= reach)
     };

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
 use super::newton::{Grounds, Newton, newton, project};
 use super::{HitFlags, Occlusion, Root, Statistics};
+use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, OrientedBox, Passage, PatchSet, Piece, WIDENING};
 
@@ -274,6 +275,19 @@ fn accept(
         z_error = 4.0 * error + END / STRETCH * (to - from).abs();
     }
 
+    // What trims cut off is not there; their edges are.
+    match trim_side(leaf, piece, st, &jet, z_error) {
+        Side::Inside => {}
+        Side::Edge { .. } => flags.insert(HitFlags::TRIM_EDGE),
+        Side::Outside => {
+            // The ray may run on inside the surface to where that is kept.
+            if matches!(solution.proof, Proof::Stretch(_)) {
+                findings.doubt_at(z.max(ray.z_range[0]) * ray.t_from_z);
+            }
+            return;
+        }
+    }
+
     // The root the ray starts on is not met again.
     if let Some((root, start)) = question.start_on(piece.surface) {
         let reach = z_error + root.error;
@@ -369,6 +383,34 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
         nearest = next;
     }
     nearest
+}
+
+/// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
+/// edge itself is on a surface known to rounding, and the edge it is shared with on another.
+const TRIM_REACH: f64 = 4.0;
+
+/// Whether a root of a leaf is kept by the trims of its surface, if it may be off by `error` in
+/// space.
+fn trim_side(leaf: &Leaf, piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> Side {
+    // A border's point that is nearest to the ray may be off the leaf.
+    let known = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);
+    if piece.trims().is_none() || known() {
+        return Side::Inside;
+    }
+    piece.side(st, trim_reach(jet, error))
+}
+
+/// How near a trim edge must be, in each parameter, for a root that may be off by `error` in
+/// space to be at it.
+///
+/// A step in `s` alone moves the point by `|S_s|`; among steps in `s` and `t` the part of `s` is
+/// at most the distance over `|S_s| sin θ`, with `θ` the angle between the tangents. At a pole
+/// one tangent vanishes, and its parameter may be anything.
+pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
+    let lengths = DVec2::new(jet.ds.length(), jet.dt.length());
+    let sine = jet.ds.cross(jet.dt).length() / (lengths.x * lengths.y);
+    let sine = if sine > 0.0 { sine } else { 1.0 }; // also where it is not a number
+    TRIM_REACH * error / (lengths * sine)
 }
 
 impl Solution {

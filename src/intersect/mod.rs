@@ -12,7 +12,9 @@
 //!    gives up.
 //! 3. Otherwise (near silhouettes, in pole points, where leaves are folded) *the exact
 //!    solver* finds all roots by subdivision and proof, independently of Newton.
-//! 4. Where rounding has the last word, as in tangency to within the last bits, the answer
+//! 4. A root on a leaf that a trim curve passes through is asked for its side of the curve; what
+//!    is cut off is no hit, and the search goes on.
+//! 5. Where rounding has the last word, as in tangency to within the last bits, the answer
 //!    says so: [`Answer::doubtful`].
 //!
 //! A [`Kernel`] is a way to do the first two steps. The scalar one is the readable

@@ -30,20 +30,26 @@
 //! | key | |
 //! |---|---|
 //! | `name` | names the surface; others are called by their index in `data` |
-//! | `trims` | not supported yet: the whole surface is shown, and a note says so |
+//! | `trims` | cut the surface, see below |
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
 //! | `order` | must begin with `v fastest`, else an error |
 //! | `delta`, `count`, `dimension`, `rational`, `id` and unknown keys | ignored: they do not change a surface |
+//!
+//! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
+//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, what a
+//! loop goes around is cut off, or is what is kept if the loop is `reversed`; without such loops
+//! the whole domain is. Loops must lie in each other so that holes are in what is kept, and
+//! islands in holes.
 //!
 //! Curves, volumes, free-form point lists and points of two coordinates are no surfaces in
 //! space: each is left out with a note.
 
 mod points;
+mod trims;
 
 use std::sync::Arc;
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
 use self::points::Points;
@@ -227,8 +233,9 @@ impl<'a> Reader<'a> {
         }
         let Some(net) = self.net(&entry)? else { return Ok(()) };
         self.note_ignored(&entry);
+        let trims = self.trims(&entry)?;
         let shape = Shape::Net(Arc::new(net));
-        self.model.parts.push(Part { name: part_name, place: entry.place, shape });
+        self.model.parts.push(Part { name: part_name, place: entry.place, shape, trims });
         Ok(())
     }
 
@@ -298,12 +305,6 @@ impl<'a> Reader<'a> {
 
     /// Notes what the file says of a surface that is not done.
     fn note_ignored(&mut self, entry: &Entry<'a>) {
-        let trims = entry.item.trims.map_or(0, |raw| count(raw.get()));
-        if trims > 0 {
-            let curves = if trims == 1 { "1 trim curve" } else { &format!("{trims} trim curves") };
-            let why = format!("{curves} left out: trimming is not supported yet");
-            self.note(entry, "surface", why);
-        }
         let sense = entry.item.reversed.map_or("false", RawValue::get);
         if !["false", "0", "0.0"].contains(&sense) {
             let why = "\"reversed\" left out: (u, v) and the normal stay as written; \
@@ -361,18 +362,6 @@ fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
     }
     let free_form = item.points.is_some() && item.control_points.is_none();
     free_form.then_some(("free-form points", "points alone are no surface"))
-}
-
-/// How many trim curves there are: `{"count": …, "data": […]}` or a list of them.
-fn count(trims: &str) -> usize {
-    #[derive(Deserialize)]
-    struct Trims {
-        data: Vec<IgnoredAny>,
-    }
-    match serde_json::from_str::<Trims>(trims) {
-        Ok(trims) => trims.data.len(),
-        Err(_) => serde_json::from_str(trims).map_or(1, |list: Vec<IgnoredAny>| list.len()),
-    }
 }
 
 /// The byte at which an error was noticed.

@@ -4,11 +4,12 @@ use crate::math::Shown;
 use crate::scene::UnknownName;
 
 /// Kinds of things known by name, told apart by one of the names.
-const KINDS: [(&str, &str); 4] = [
+const KINDS: [(&str, &str); 5] = [
     ("sphere", "shape"),
     ("directional", "light"),
     ("translate", "transform"),
     ("blending", "plot"),
+    ("circle", "loop"),
 ];
 
 /// Keys that are looked for in the wrong table: the key, one that the table does have, and

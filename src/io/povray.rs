@@ -53,6 +53,9 @@ pub enum PovrayGap {
         /// The degree in v.
         v: usize,
     },
+    /// A part of it is cut off.
+    #[error("it is trimmed, and POV-Ray has no words for a part of a patch")]
+    Trimmed,
     /// The patches would have to be split too often.
     #[error("to be so flat its patches need {halvings} halvings each way, {limit} at most")]
     TooFine {
@@ -87,6 +90,7 @@ pub fn povray_scene(
     for (index, (instance, (object, part))) in world.surfaces.iter().zip(parts).enumerate() {
         let exact = primitives::primitive(&part.shape, &object.transform);
         let body = match exact {
+            _ if part.trims.is_some() => Err(PovrayGap::Trimmed),
             Some(body) => Ok(body),
             None => patches::patches(&instance.surface, flatness),
         };

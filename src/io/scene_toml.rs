@@ -116,12 +116,15 @@
 //!
 #![doc = include_str!("scene_toml/from_curves.md")]
 #![doc = include_str!("scene_toml/plots.md")]
+//!
+#![doc = include_str!("scene_toml/trims.md")]
 
 mod constructions;
 mod curves;
 mod keys;
 mod kinds;
 mod plots;
+mod trims;
 mod values;
 
 use std::path::Path;
@@ -349,7 +352,10 @@ impl Reader<'_, '_> {
         let place = self.source.place(keys.shape.span().start);
         let called = name.as_ref().map(|name| name.value.as_str());
         let OneOf(shape) = keys.shape.into_inner();
-        let (default_name, parts) = self.shape(called, place, shape)?;
+        let (default_name, mut parts) = self.shape(called, place, shape)?;
+        if let Some(trims) = keys.trims {
+            self.trim(trims, &mut parts)?;
+        }
         let reverse = keys.reverse;
         Ok(Object { name, default_name, parts, transform, material, reverse })
     }
@@ -375,7 +381,7 @@ impl Reader<'_, '_> {
         place: Place,
         shape: ShapeKeys,
     ) -> Result<(String, Vec<Part>), LoadError> {
-        let only = |shape| vec![Part { name: String::new(), place, shape }];
+        let only = |shape| vec![Part { name: String::new(), place, shape, trims: None }];
         match shape.source() {
             ShapeSource::Named(named, measures) => {
                 let place = |(name, offset)| Written::new(name, self.source.place(offset));
@@ -465,3 +471,5 @@ fn flat<T>(grid: &Grid<T>) -> impl Iterator<Item = &T> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod trims_tests;

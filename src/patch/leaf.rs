@@ -41,6 +41,7 @@ pub struct Leaf {
     fit_error: Up16,
     slope_error: Up16,
     fit_bend: Up16,
+    trimmed: bool,
 }
 
 impl Leaf {
@@ -70,6 +71,7 @@ impl Leaf {
             fit_error: Up16::above(error.value),
             slope_error: Up16::above(error.slope),
             fit_bend: Up16::above(error.bend),
+            trimmed: part.trimmed,
         };
         (leaf, oriented)
     }
@@ -109,6 +111,13 @@ impl Leaf {
     pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
         let side = self.collapsed(piece)?;
         piece.collapsed_sides().find(|&(other, _)| other == side).map(|(_, point)| point)
+    }
+
+    /// Whether a trim curve passes through, so that hits must be asked for their side of it;
+    /// else all of what the leaf answers for is there.
+    #[inline(always)]
+    pub fn is_trimmed(&self) -> bool {
+        self.trimmed
     }
 
     /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.

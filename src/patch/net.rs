@@ -1,7 +1,10 @@
 //! A chart of a surface in Bézier form: what all its pieces share.
 
+use std::sync::Arc;
+
 use glam::DVec4;
 
+use crate::geometry::trim::Trims;
 use crate::geometry::{Chart, ChartMap, KnotVector};
 
 /// The control points of a chart cut into Bézier pieces, and where the pieces lie.
@@ -19,6 +22,8 @@ pub(super) struct BezierNet {
     pub(super) spans: [Vec<PieceSpan>; 2],
     /// Where the chart lies in the surface's parameters.
     pub(super) map: ChartMap,
+    /// Which part of the chart is there; all of it without trims.
+    pub(super) trims: Option<Arc<Trims>>,
 }
 
 /// The part of a knot vector that pieces cover.
@@ -47,13 +52,15 @@ impl BezierNet {
         let (_, stride) = bezier.size();
         let control = bezier.into_control();
         let rational = is_rational(&control);
-        (Self { degree, control, stride, rational, spans, map: chart.map }, firsts)
+        let (map, trims) = (chart.map, chart.trims.clone());
+        (Self { degree, control, stride, rational, spans, map, trims }, firsts)
     }
 
     /// The memory held, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
-        size_of::<Self>() + size_of_val(&self.control[..]) + spans.sum::<usize>()
+        let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
+        size_of::<Self>() + size_of_val(&self.control[..]) + spans.sum::<usize>() + trims
     }
 
     /// A net of one piece, on the unit square.
@@ -63,7 +70,7 @@ impl BezierNet {
         let rational = is_rational(&control);
         let spans = [vec![span], vec![span]];
         let map = ChartMap::Identity;
-        Self { degree, control, stride: degree[1] + 1, rational, spans, map }
+        Self { degree, control, stride: degree[1] + 1, rational, spans, map, trims: None }
     }
 }
 

@@ -1,16 +1,31 @@
 //! Pieces halved until they are flat enough to search.
 
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
+use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.
 const MOST_HALVINGS: u32 = 16;
+
+/// A trim curve that stays so near the border of a part, in sides, is not worth halving for: the
+/// parts on that side would all be as mixed as before.
+const RIM: f64 = 1.0 / 16.0;
+
+/// How finely pieces are cut into leaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fineness {
+    /// How flat leaves are.
+    pub(super) flatness: f64,
+    /// How often a flat part that a trim curve passes through is halved for it: hits on what is
+    /// off the curve then need no test.
+    pub(super) cuts: u32,
+}
 
 /// A part of a piece that is flat enough to become a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +36,8 @@ pub struct Part {
     pub rect: DyadicRect,
     /// Holds all points the leaf answers for.
     pub bounds: Aabb,
+    /// Whether a trim curve passes through it.
+    pub trimmed: bool,
 }
 
 /// A part of a piece and the control points over it, while it is being halved.
@@ -28,12 +45,16 @@ pub struct Part {
 pub(super) struct Halving {
     rect: DyadicRect,
     net: ControlNet,
+    /// How often it was halved for the sake of trim curves.
+    cuts: u32,
+    /// Whether a trim curve passes through it, as far as was asked.
+    trimmed: bool,
 }
 
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        Self { rect: DyadicRect::UNIT, net: copied(piece) }
+        Self { rect: DyadicRect::UNIT, net: copied(piece), cuts: 0, trimmed: false }
     }
 
     /// The part of a piece over a rectangle.
@@ -41,7 +62,7 @@ impl Halving {
         let mut net = copied(piece);
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-        Self { rect, net }
+        Self { rect, net, cuts: 0, trimmed: false }
     }
 
     /// Hands over the parts of this part that are flat to within `flatness`.
@@ -54,6 +75,64 @@ impl Halving {
                 first.flattened(piece, flatness, done);
             }
         }
+    }
+
+    /// Hands over the parts of this part that are flat and are not cut off by trims.
+    pub(super) fn kept(mut self, piece: &Piece, fineness: Fineness, done: &mut impl FnMut(Self)) {
+        let Fineness { flatness, cuts: most_cuts } = fineness;
+        let Some(trims) = piece.trims() else {
+            return self.flattened(piece, flatness, done);
+        };
+        // Roots are known to far less than the widening where a certificate holds.
+        match trims.classify(&piece.uv_box(self.on_piece(WIDENING))) {
+            Coverage::Outside => {}
+            Coverage::Inside => self.flattened(piece, flatness, done),
+            Coverage::Mixed => {
+                let mut cuts = self.cuts;
+                let bend = self.direction_to_halve(piece, flatness);
+                let direction = bend.or_else(|| {
+                    cuts += 1;
+                    self.direction_to_cut(piece, trims).filter(|_| cuts <= most_cuts)
+                });
+                let Some(direction) = direction else {
+                    self.trimmed = true;
+                    return done(self);
+                };
+                let [mut first, mut second] = self.halves(piece, direction);
+                (first.cuts, second.cuts) = (cuts, cuts);
+                second.kept(piece, fineness, done);
+                first.kept(piece, fineness, done);
+            }
+        }
+    }
+
+    /// The part's rectangle with `part` of its sides added on each side, as far as the piece
+    /// goes.
+    fn on_piece(&self, part: f64) -> [[f64; 2]; 2] {
+        self.rect.ranges().map(|[from, to]| {
+            let more = part * (to - from);
+            [(from - more).max(0.0), (to + more).min(1.0)]
+        })
+    }
+
+    /// Across which side to halve a flat part that a trim curve passes through, if that is
+    /// worthwhile: the longer one.
+    fn direction_to_cut(&self, piece: &Piece, trims: &Trims) -> Option<usize> {
+        let middle = piece.uv_box(self.on_piece(-RIM));
+        if trims.classify(&middle) != Coverage::Mixed {
+            return None;
+        }
+        let chords = self.chords(piece).map(DVec3::length);
+        let longer = usize::from(chords[1] > chords[0]);
+        [longer, 1 - longer].into_iter().find(|&k| self.rect.halvings(k) < MOST_HALVINGS)
+    }
+
+    /// The vectors across the middle of the part, in `s` and in `t`.
+    fn chords(&self, piece: &Piece) -> [DVec3; 2] {
+        let [s, t] = self.rect.ranges();
+        let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
+        let at = |s: f64, t: f64| piece.patch.point(DVec2::new(s, t));
+        [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
     }
 
     /// Where the part bends most, if that is more than `flatness`.
@@ -132,7 +211,8 @@ impl Halving {
         } else {
             Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
         };
-        Part { piece: index, rect: self.rect, bounds: bounds.grown(noise(piece)) }
+        let bounds = bounds.grown(noise(piece));
+        Part { piece: index, rect: self.rect, bounds, trimmed: self.trimmed }
     }
 
     /// The control points over the leaf and its slack, which ends with the piece.

@@ -8,6 +8,7 @@ use super::net::BezierNet;
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{Jet, TensorPatch};
+use crate::geometry::trim::{Side, Trims, UvBox};
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -55,13 +56,48 @@ impl Piece {
     /// The surface parameters of a point of the unit square; exact at its corners, but at an
     /// open end: there it is the last number before the knot.
     pub fn uv(&self, st: DVec2) -> DVec2 {
+        self.patch.net.map.uv(self.chart_uv(st))
+    }
+
+    /// The same in the parameters of its chart.
+    fn chart_uv(&self, st: DVec2) -> DVec2 {
         let domain = self.domain();
         let at = |k: usize| {
             let [from, to] = domain[k];
             let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
             if self.open_end >> k & 1 != 0 && u >= to { to.next_down() } else { u }
         };
-        self.patch.net.map.uv(DVec2::new(at(0), at(1)))
+        DVec2::new(at(0), at(1))
+    }
+
+    /// The trims that say which part of its chart is there.
+    pub fn trims(&self) -> Option<&Trims> {
+        self.patch.net.trims.as_deref()
+    }
+
+    /// Whether a point of the unit square is kept, if it is known to `reach` in each parameter;
+    /// an edge wherever the answer may depend on that, or on the rounding of [`Self::uv`].
+    pub fn side(&self, st: DVec2, reach: DVec2) -> Side {
+        let Some(trims) = self.trims() else { return Side::Inside };
+        let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
+        let reach = reach * lengths + self.uv_rounding();
+        // What is not a number is not known.
+        let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
+        trims.contains_within(self.chart_uv(st), reach)
+    }
+
+    /// The chart's parameters of a part of the unit square, with all that rounding may make of
+    /// them.
+    pub(super) fn uv_box(&self, rect: [[f64; 2]; 2]) -> UvBox {
+        let at = |k: usize| self.chart_uv(DVec2::new(rect[0][k], rect[1][k]));
+        UvBox { min: at(0), max: at(1) }.grown(self.uv_rounding())
+    }
+
+    /// How far computed parameters may be from the true ones: a product, two sums, and the
+    /// length of the domain, each rounded, at an open end one number more.
+    fn uv_rounding(&self) -> DVec2 {
+        let largest = self.domain().map(|[from, to]| from.abs().max(to.abs()));
+        4.0 * f64::EPSILON * DVec2::from_array(largest)
     }
 
     /// The point a side is collapsed to; sides are counted as in [`Self::is_border`].

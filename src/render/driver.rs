@@ -53,7 +53,7 @@ pub enum RenderError {
 /// use nurbray::scene::{NamedShape, Object, Part, Scene, Shape, World};
 ///
 /// let shape = Shape::Named(NamedShape::Sphere { radius: 1.0 }, Vec::new());
-/// let part = Part { name: String::new(), place: Default::default(), shape };
+/// let part = Part { name: String::new(), place: Default::default(), shape, trims: None };
 /// let objects = vec![Object { parts: vec![part], ..Default::default() }];
 /// let scene = Scene { objects, ..Default::default() };
 /// let world = World::new(&scene)?;

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{
     Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
-    Rgb, Transform, Written,
+    Rgb, Transform, TrimSpec, Written,
 };
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
@@ -62,7 +62,11 @@ impl Scene {
 impl Object {
     /// The number of control points of all its surfaces.
     pub fn point_count(&self) -> usize {
-        self.parts.iter().map(|part| part.shape.point_count()).fold(0, usize::saturating_add)
+        let count = |part: &Part| {
+            let trims = part.trims.as_ref().map_or(0, TrimSpec::point_count);
+            part.shape.point_count().saturating_add(trims)
+        };
+        self.parts.iter().map(count).fold(0, usize::saturating_add)
     }
 }
 
@@ -86,6 +90,8 @@ pub struct Part {
     pub place: Place,
     /// Its geometry.
     pub shape: Shape,
+    /// Which part of it is kept, if not all: then the shape is one surface.
+    pub trims: Option<TrimSpec>,
 }
 
 /// The geometry of a surface.

@@ -5,10 +5,14 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::with_place;
-use super::{CameraError, ImportNote, PictureError, Place, PlotError, TransformError, UnknownName};
+use super::{
+    CameraError, ImportNote, LoopSense, PictureError, Place, PlotError, TransformError,
+    TrimCurveFault, UnknownName,
+};
 use crate::geometry::SurfaceError;
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
+use crate::geometry::trim::TrimError;
 use crate::intersect::BuildError;
 
 /// Why a scene cannot be shown, and where its author wrote what is at fault.
@@ -69,6 +73,56 @@ pub enum SceneFault {
         surface: String,
         /// What is wrong with it.
         error: ShapeError,
+    },
+    /// Loops that cannot trim a surface.
+    #[error("surface \"{surface}\": trims: {error}")]
+    Trims {
+        /// The surface's name.
+        surface: String,
+        /// What is wrong with them.
+        error: TrimError,
+    },
+    /// A curve of a loop that is none.
+    #[error("surface \"{surface}\": trims: loop {trim_loop}, curve {curve}: {error}")]
+    TrimCurve {
+        /// The surface's name.
+        surface: String,
+        /// Which loop, counted from 0.
+        trim_loop: usize,
+        /// Which of its curves, counted from 0.
+        curve: usize,
+        /// What is wrong with it.
+        error: TrimCurveFault,
+    },
+    /// A loop that is not what its file says it is.
+    #[error(
+        "surface \"{surface}\": trims: loop {trim_loop} is written as {said}, but with {around} others around it it would be {found}"
+    )]
+    TrimSense {
+        /// The surface's name.
+        surface: String,
+        /// Which loop, counted from 0.
+        trim_loop: usize,
+        /// What it is said to be.
+        said: LoopSense,
+        /// What it is.
+        found: LoopSense,
+        /// How many loops lie around it.
+        around: usize,
+    },
+    /// Trims that leave nothing.
+    #[error("surface \"{surface}\": trims: they keep no part of the surface")]
+    NothingKept {
+        /// The surface's name.
+        surface: String,
+    },
+    /// Trims for several surfaces at once.
+    #[error("object \"{object}\": trims cut one surface, and here are {count}")]
+    TrimsOfSeveral {
+        /// The object's name.
+        object: String,
+        /// How many surfaces it has.
+        count: usize,
     },
     /// A step of a transform that is none.
     #[error("object \"{object}\": {error}")]

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
-use crate::geometry::{Charts, KnotVector, NurbsSurface, Surface};
+use crate::geometry::trim::Side;
+use crate::geometry::{Chart, Charts, KnotVector, Surface};
 
 /// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
@@ -36,8 +37,8 @@ impl BoundingSphere {
     pub(super) fn of<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Option<Self> {
         let across = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
         let across = across.min(MOST_SAMPLES);
-        let points: Vec<DVec3> =
-            surfaces.flat_map(|surface| all_samples(surface, across)).collect();
+        let points = surfaces.flat_map(|surface| all_samples(surface, across));
+        let points: Vec<DVec3> = points.collect();
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
@@ -50,14 +51,24 @@ impl BoundingSphere {
 fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
     let charts = surface.charts();
     let across = (across as f64 / (charts.len() as f64).sqrt()).ceil() as usize;
-    charts.iter().flat_map(|chart| samples(&chart.surface, across)).collect()
+    let kept: Vec<DVec3> = charts.iter().flat_map(|chart| samples(chart, across)).collect();
+    if kept.is_empty() {
+        // What trims keep may lie between the samples.
+        let whole = charts.into_iter().map(|chart| Chart { trims: None, ..chart });
+        return whole.flat_map(|chart| samples(&chart, across)).collect();
+    }
+    kept
 }
 
-/// Points on a chart: a grid with every knot in it.
-fn samples(surface: &NurbsSurface, across: usize) -> Vec<DVec3> {
+/// Points on a chart: those of a grid with every knot in it that its trims keep.
+fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
+    let surface = &chart.surface;
     let us = parameters(surface.knots_u(), across);
     let vs = parameters(surface.knots_v(), across);
-    us.iter().flat_map(|&u| vs.iter().map(move |&v| surface.point_at(u, v))).collect()
+    let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
+    let kept =
+        |uv: &DVec2| chart.trims.as_ref().is_none_or(|trims| trims.contains(*uv) != Side::Outside);
+    grid.filter(kept).map(|uv| surface.point_at(uv.x, uv.y)).collect()
 }
 
 /// The ends of all spans, and between them as many parameters as make up `across`.

@@ -22,6 +22,7 @@ mod plot_error;
 mod settings;
 mod shape;
 mod transform;
+mod trims;
 mod workshop;
 mod world;
 
@@ -41,4 +42,5 @@ pub use plot_error::PlotError;
 pub use settings::{IntegratorKind, PictureError, RenderDefaults};
 pub use shape::NamedShape;
 pub use transform::{Transform, TransformError};
+pub use trims::{LoopKind, LoopSense, LoopSpec, TrimCurveFault, TrimSpec};
 pub use world::{Instance, World};

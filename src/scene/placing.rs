@@ -3,7 +3,7 @@
 use glam::DAffine3;
 
 use super::workshop::{Made, Workshop};
-use super::{Object, Part, Scene, SceneError, SceneFault, Shape, UnknownName, Written};
+use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, UnknownName, Written};
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{NurbsSurface, Surface};
 
@@ -32,6 +32,9 @@ impl Placer<'_> {
         (object, world_from_object): (&Object, &DAffine3),
     ) -> Result<Vec<Made>, SceneError> {
         let mut made = self.make(name, part)?;
+        if let Some(trims) = &part.trims {
+            made = trimmed(name, trims, made)?;
+        }
         if *world_from_object == DAffine3::IDENTITY {
             return Ok(made); // bit for bit as authored
         }
@@ -102,6 +105,25 @@ impl Placer<'_> {
         }
         Ok(surfaces)
     }
+}
+
+/// What was made with its trims, if that is one surface.
+fn trimmed(name: &str, trims: &TrimSpec, made: Vec<Made>) -> Result<Vec<Made>, SceneError> {
+    let count = made.len();
+    let mut trimmed = Vec::new();
+    for one in made {
+        match (count, one.surface) {
+            (1, Surface::Nurbs(surface)) => {
+                let surface = trims.trimmed(name, surface)?.into();
+                trimmed.push(Made { surface, ..one });
+            }
+            _ => {
+                let fault = SceneFault::TrimsOfSeveral { object: name.to_owned(), count };
+                return Err(SceneError::new(trims.place.clone(), fault));
+            }
+        }
+    }
+    Ok(trimmed)
 }
 
 /// By how much a map lengthens distances at most: the root of the sum of its squares is a

@@ -241,7 +241,7 @@ mod tests {
 
     fn part(shape: NamedShape) -> Part {
         let shape = Shape::Named(shape, Vec::new());
-        Part { name: String::new(), place: Place::file("s.toml").at_line(3, 4), shape }
+        Part { name: String::new(), place: Place::file("s.toml").at_line(3, 4), shape, trims: None }
     }
 
     fn object(shape: NamedShape) -> Object {

@@ -1,6 +1,6 @@
 //! `nurbray audit`.
 
-use crate::sandbox::{SPHERE, SQUARE, Sandbox};
+use crate::sandbox::{SPHERE, SQUARE, Sandbox, TRIMMED};
 
 fn sandbox() -> Sandbox {
     Sandbox::with(&[("sphere.toml", SPHERE), ("square.json", SQUARE)])
@@ -91,4 +91,15 @@ fn wrong_outputs_are_refused_first() {
              such as 64, 1_000 or 1e3",
     );
     assert_eq!(sandbox.bytes("sphere.toml"), SPHERE.as_bytes());
+}
+
+#[test]
+fn trim_edges_are_a_class_of_their_own() {
+    let sandbox = Sandbox::with(&[("sheet.toml", TRIMMED)]);
+    let json = sandbox.run("audit sheet.toml --rays 5e3 --json").succeeded().json();
+    let classes = json["classes"].as_array().unwrap();
+    let edges = classes.iter().find(|class| class["class"] == "trim-edges").unwrap();
+    // An edge belongs to what is kept.
+    assert!(edges["rays"].as_u64().unwrap() > 200 && edges["hits"] == edges["rays"], "{edges}");
+    assert_eq!(json["total"]["misses"], 0);
 }

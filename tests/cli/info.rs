@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::sandbox::{SHEETS_WITH_A_GAP, SPHERE, Sandbox, trimmed_square};
+use crate::sandbox::{SHEETS_WITH_A_GAP, SPHERE, Sandbox, TRIMMED, turned_square};
 
 #[test]
 fn a_sphere_is_closed_and_has_two_poles() {
@@ -60,14 +60,34 @@ fn gaps_are_listed_with_their_width() {
 
 #[test]
 fn what_is_not_imported_is_listed_with_its_place() {
-    let sandbox = Sandbox::with(&[("square.json", &trimmed_square())]);
+    let sandbox = Sandbox::with(&[("square.json", &turned_square())]);
     let run = sandbox.run("info square.json").succeeded();
     assert!(run.stdout.contains("\n1 thing not imported:\n  square.json:"), "{}", run.stdout);
     let json = sandbox.run("info square.json --json").succeeded().json();
     let note = &json["not_imported"][0];
     assert_eq!(note["file"], "square.json");
     assert!(note["line"].as_u64().unwrap() > 1 && note["column"].as_u64().is_some());
-    assert!(note["what"].is_string() && note["why"].as_str().unwrap().contains("trim"), "{note}");
+    assert!(
+        note["what"].is_string() && note["why"].as_str().unwrap().contains("reversed"),
+        "{note}"
+    );
+}
+
+#[test]
+fn trims_are_listed() {
+    let sandbox = Sandbox::with(&[("sheet.toml", TRIMMED), ("sphere.toml", SPHERE)]);
+    let text = sandbox.run("info sheet.toml").succeeded().stdout;
+    let line = "\n1 trimmed surface:\n  0 sheet  kept outside 2 loops  of ";
+    assert!(text.contains(line), "{text}");
+    let json = sandbox.run("info sheet.toml --json").succeeded().json();
+    let trims = &json["surfaces"][0]["trims"];
+    assert_eq!((&trims["keep"], &trims["loops"]), (&json!("outside"), &json!(2)));
+    assert!(trims["segments"].as_u64().unwrap() >= 7 && trims["bytes"].as_u64().unwrap() > 0);
+    let (mixed, all) = (&trims["mixed_leaves"], &json["surfaces"][0]["leaves"]);
+    assert!(0 < mixed.as_u64().unwrap() && mixed.as_u64() < all.as_u64(), "{mixed} {all}");
+    assert_eq!(json["surfaces"][0]["bounds"], json!([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]));
+    let whole = sandbox.run("info sphere.toml --json").succeeded().json();
+    assert!(whole["surfaces"][0]["trims"].is_null());
 }
 
 #[test]

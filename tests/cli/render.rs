@@ -2,7 +2,7 @@
 
 use exr::prelude::read_first_flat_layer_from_file;
 
-use crate::sandbox::{SPHERE, Sandbox, trimmed_square};
+use crate::sandbox::{SPHERE, Sandbox, turned_square};
 
 fn sandbox() -> Sandbox {
     Sandbox::with(&[("sphere.toml", SPHERE)])
@@ -78,7 +78,7 @@ fn a_png_that_cannot_hold_what_is_asked_for_warns() {
 
 #[test]
 fn what_is_not_shown_warns() {
-    let sandbox = Sandbox::with(&[("square.json", &trimmed_square())]);
+    let sandbox = Sandbox::with(&[("square.json", &turned_square())]);
     sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]]);
     for line in [
         "render square.json -o a.png --size 8x8 --quiet",
@@ -87,8 +87,8 @@ fn what_is_not_shown_warns() {
     ] {
         assert_eq!(
             sandbox.run(line).succeeded().stderr,
-            "warning: not imported: square.json:5:7: surface \"square\": 1 trim curve left out: \
-             trimming is not supported yet\n"
+            "warning: not imported: square.json:5:7: surface \"square\": \"reversed\" left \
+             out: (u, v) and the normal stay as written; reverse = true in a scene turns it\n"
         );
     }
 }

@@ -46,11 +46,23 @@ pub(crate) const SQUARE: &str = r#"{
 }
 "#;
 
-/// The same with a trim curve nothing is done about.
-pub(crate) fn trimmed_square() -> String {
-    let trims = "[1, 1, 0]] },\n        \"trims\": { \"data\": [ { \"type\": \"spline\" } ] }";
-    SQUARE.replace("[1, 1, 0]] }", trims)
+/// The same with a sense nothing is done about.
+pub(crate) fn turned_square() -> String {
+    SQUARE.replace("[1, 1, 0]] }", "[1, 1, 0]] },\n        \"reversed\": true")
 }
+
+/// A square with a hole, and a triangle in it.
+pub(crate) const TRIMMED: &str = r#"
+[[object]]
+name = "sheet"
+shape = { plane = { width = 2, height = 2 } }
+[object.trims]
+keep = "outside"
+loops = [
+    { circle = { center = [0.5, 0.5], radius = 0.3 } },
+    { polygon = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]] },
+]
+"#;
 
 /// The folder.
 pub(crate) struct Sandbox {

@@ -1,20 +1,25 @@
 //! Surfaces to trace.
 
-use glam::{DAffine3, DVec3};
-use nurbray::geometry::NurbsSurface;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec2, DVec3};
+use nurbray::geometry::trim::{Side, Trims};
+use nurbray::geometry::{NurbsSurface, Surface, TrimmedSurface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
 
 /// Surfaces, and what is known of them.
 pub(crate) struct Model {
     pub(crate) name: String,
     pub(crate) surfaces: Vec<NurbsSurface>,
+    /// Which part of the first surface is there, if not all of it.
+    pub(crate) trims: Option<Arc<Trims>>,
     /// Whether they enclose a volume, with all normals pointing out of it.
     pub(crate) closed: bool,
 }
 
 impl Model {
     pub(crate) fn new(name: impl Into<String>, surface: NurbsSurface) -> Self {
-        Self { name: name.into(), surfaces: vec![surface], closed: false }
+        Self { name: name.into(), surfaces: vec![surface], trims: None, closed: false }
     }
 
     pub(crate) fn closed(name: impl Into<String>, surface: NurbsSurface) -> Self {
@@ -22,7 +27,18 @@ impl Model {
     }
 
     pub(crate) fn bvh(&self) -> SurfaceBvh {
-        SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).unwrap()
+        let mut surfaces: Vec<Surface> = self.surfaces.iter().cloned().map(Into::into).collect();
+        if let Some(trims) = &self.trims {
+            let cut = TrimmedSurface::new(self.surfaces[0].clone(), Arc::clone(trims));
+            surfaces[0] = cut.unwrap().into();
+        }
+        SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap()
+    }
+
+    /// Whether a place on a surface is surely there.
+    pub(crate) fn keeps(&self, surface: usize, uv: DVec2) -> bool {
+        let trims = self.trims.as_ref().filter(|_| surface == 0);
+        trims.is_none_or(|trims| trims.contains(uv) == Side::Inside)
     }
 
     /// The same model, scaled about the origin, then moved.
@@ -30,7 +46,8 @@ impl Model {
         let map = DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
         let surfaces = self.surfaces.iter().map(|surface| surface.transformed(&map).unwrap());
         let name = format!("{} × {scale:e} + {:e}", self.name, shift.x);
-        Self { name, surfaces: surfaces.collect(), closed: self.closed }
+        let surfaces = surfaces.collect();
+        Self { name, surfaces, trims: self.trims.clone(), closed: self.closed }
     }
 
     /// The smallest and largest coordinates of the control points.

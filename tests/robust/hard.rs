@@ -50,6 +50,10 @@ fn curved() -> Vec<(Model, u64)> {
         (models::bezier([24, 3], true, 3), 10),
     ];
     all.extend(models::lecture().into_iter().map(|model| (model, 50)));
+    all.push((models::trimmed(models::torus()), 50));
+    all.push((models::trimmed(models::sphere_biquadratic()), 50));
+    all.push((models::trimmed(models::wavy_sheet()), 50));
+    all.push((models::trimmed(models::random_rational(5)), 50));
     all.extend((0..12).map(|seed| (models::random_rational(seed), 50)));
     all
 }
@@ -63,6 +67,8 @@ fn ruled() -> Vec<(Model, u64)> {
         models::plane(),
         models::saddle(),
         models::twisted(),
+        models::trimmed(models::plane()),
+        models::trimmed(models::cylinder()),
     ];
     all.map(|model| (model, 50)).into()
 }

@@ -1,6 +1,6 @@
 //! What may be said against an answer.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::NurbsSurface;
 use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Tracer};
 use nurbray::math::Ray;
@@ -192,6 +192,9 @@ impl<'a> Judge<'a> {
     /// The place a ray surely crosses, its `t`, and how far that may be off.
     fn target(&self, shot: &Shot) -> Option<(Site, f64, f64)> {
         let (site, t) = shot.target?;
+        if !self.model.keeps(site.surface, DVec2::new(site.u, site.v)) {
+            return None;
+        }
         let measure = self.measure_at(&shot.ray, site, t);
         let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
         (measure.incidence >= STEEP).then_some((site, t, slack))

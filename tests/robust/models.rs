@@ -1,8 +1,10 @@
 //! Surfaces that are hard in different ways.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use nurbray::geometry::trim::{Kept, TrimCurve, TrimDomain, TrimLoop, Trims};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::io::load_input;
 use nurbray::scene::World;
@@ -132,7 +134,33 @@ pub(crate) fn teapot() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&load_input(&path).unwrap()).unwrap();
     let surfaces = world.surfaces.iter().filter_map(|one| one.surface.nurbs().cloned());
-    Model { name: "teapot".into(), surfaces: surfaces.collect(), closed: false }
+    Model { name: "teapot".into(), surfaces: surfaces.collect(), trims: None, closed: false }
+}
+
+/// A model cut by a curved loop, an island in it, a circle beyond the border, and a hole across
+/// what may be a seam.
+pub(crate) fn trimmed(mut model: Model) -> Model {
+    let domain = TrimDomain::with_seams_of(&model.surfaces[0]).unwrap();
+    let [u, v] = domain.range();
+    let at = |a: f64, b: f64| DVec2::new(u[0] + a * (u[1] - u[0]), v[0] + b * (v[1] - v[0]));
+    let polygon = |corners: &[[f64; 2]]| {
+        let corners: Vec<DVec2> = corners.iter().map(|&[a, b]| at(a, b)).collect();
+        TrimLoop::polygon(&corners).unwrap()
+    };
+    let bent = [at(0.7, 0.3), at(0.9, 0.7), at(0.4, 0.4), at(0.3, 0.8)];
+    let bent = TrimCurve::bezier(&bent, Some(&[1.0, 2.0, 0.5, 1.0])).unwrap();
+    let straight = TrimCurve::polyline(&[at(0.3, 0.8), at(0.25, 0.2), at(0.7, 0.3)]).unwrap();
+    let radius = 0.1 * (u[1] - u[0]).min(v[1] - v[0]);
+    let loops = [
+        TrimLoop::new(&[bent, straight]).unwrap(),
+        polygon(&[[0.4, 0.35], [0.5, 0.38], [0.42, 0.45]]),
+        TrimLoop::circle(at(0.5, 1.0), radius).unwrap(),
+        polygon(&[[-0.05, 0.3], [0.05, 0.4], [-0.05, 0.6]]),
+    ];
+    model.name = format!("trimmed {}", model.name);
+    model.trims = Some(Arc::new(Trims::new(domain, Kept::Even, &loops).unwrap()));
+    model.closed = false;
+    model
 }
 
 /// How the knots of a random surface are made.

@@ -31,6 +31,8 @@ pub(crate) enum Class {
     Origins,
     /// Leaving a hit, as secondary rays do.
     Leaving,
+    /// Through the edges that trims cut.
+    TrimEdges,
     /// As `Aimed`, from a million sizes away.
     Far,
 }
@@ -80,6 +82,7 @@ impl Class {
             Self::SeamPlanes,
             Self::Axes,
             Self::Chords,
+            Self::TrimEdges,
         ];
         let after = [Self::Tangents, Self::Origins, Self::Leaving, Self::Far];
         let grazing = (1..=GRAZING_STEPS).map(Self::Grazing);
@@ -103,6 +106,7 @@ impl Class {
             Self::Tangents => "tangents",
             Self::Origins => "origins",
             Self::Leaving => "leaving",
+            Self::TrimEdges => "trim-edges",
             Self::Far => "far",
         }
         .into()
@@ -122,7 +126,7 @@ impl Class {
     pub(crate) fn parts(self) -> u64 {
         match self {
             Self::Random | Self::Aimed | Self::Leaving => 4,
-            Self::Borders | Self::Lines | Self::Corners | Self::Poles => 2,
+            Self::Borders | Self::Lines | Self::Corners | Self::Poles | Self::TrimEdges => 2,
             Self::SeamPlanes | Self::Axes | Self::Origins => 2,
             Self::Lengths | Self::Chords | Self::Grazing(_) | Self::Tangents | Self::Far => 1,
         }
@@ -146,6 +150,7 @@ impl Class {
             Self::Origins => 11,
             Self::Leaving => 12,
             Self::Far => 13,
+            Self::TrimEdges => 14,
             Self::Grazing(k) => 100 + u64::from(k),
         }
     }

@@ -6,6 +6,7 @@ use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
 use super::super::border::magnitude;
+use super::outlines::Outlines;
 use super::rays::Shot;
 use super::sites::{Site, Sites};
 
@@ -18,7 +19,8 @@ pub(crate) enum Fault {
     /// The fast path's hit lies behind a certain hit, by more than the error bound of `t`.
     WrongRoot,
     /// The fast path's hit is not on the surface and the ray to within the error bound, or not
-    /// in the ray's range, or no root of the exact solver lies there.
+    /// in the ray's range, or in a part that trims have cut off, or no root of the exact solver
+    /// lies there.
     FalseHit,
 }
 
@@ -74,6 +76,8 @@ const SURE_INCIDENCE: f64 = 0.01;
 pub(crate) struct Judge<'a> {
     surfaces: &'a [Surface],
     magnitudes: Vec<f64>,
+    /// What trims keep, found without the tracer's own test.
+    outlines: Vec<Option<Outlines>>,
     radius: f64,
 }
 
@@ -83,6 +87,7 @@ impl<'a> Judge<'a> {
         Self {
             surfaces,
             magnitudes: surfaces.iter().map(largest).collect(),
+            outlines: surfaces.iter().map(Outlines::of).collect(),
             radius: Sites::new(surfaces).map_or(0.0, |sites| sites.radius()),
         }
     }
@@ -114,7 +119,7 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         let on_both = measure.residual <= measure.bound; // false for NaN
-        if !(in_range && on_both) {
+        if !(in_range && on_both) || self.cut_off(hit) {
             return Some(Fault::FalseHit);
         }
         let same = |root: &Hit| self.same_root(ray, (hit, measure), root);
@@ -129,11 +134,24 @@ impl<'a> Judge<'a> {
         (!known && !excused).then_some(Fault::FalseHit)
     }
 
+    /// Whether a hit is surely in a part that trims have cut off.
+    fn cut_off(&self, hit: &Hit) -> bool {
+        let outlines = self.outlines.get(hit.surface as usize).and_then(Option::as_ref);
+        outlines.is_some_and(|outlines| outlines.keeps(hit.uv) == Some(false))
+    }
+
     /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
-    /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface.
-    /// On a border it need not cross: whatever passes within rounding has to be reported.
+    /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface, or if
+    /// trims may have cut the point off. On a border or a trim edge it need not cross: whatever
+    /// passes within rounding has to be reported.
     fn target(&self, shot: &Shot) -> Option<f64> {
         let (site, t) = shot.target?;
+        let outlines = self.outlines[site.surface].as_ref();
+        let on_edge = outlines.is_some_and(|outlines| outlines.is_joint(site.uv));
+        let kept = outlines.is_none_or(|outlines| outlines.keeps(site.uv) == Some(true));
+        if !(kept || on_edge) {
+            return None;
+        }
         let ray = &shot.query.ray;
         let length = ray.direction().length();
         let surface = &self.surfaces[site.surface];
@@ -142,7 +160,7 @@ impl<'a> Judge<'a> {
         let [u, v] = surface.domain();
         let on_border = [u.0, u.1].contains(&site.uv.x) || [v.0, v.1].contains(&site.uv.y);
         let bound = self.at(ray, site, t).bound;
-        let due = on_border || incidence >= SURE_INCIDENCE;
+        let due = on_border || on_edge || incidence >= SURE_INCIDENCE;
         due.then(|| t + self.slack(bound, incidence) / length)
     }
 

@@ -45,12 +45,13 @@ impl<'a> RaySource<'a> {
         Some(Self { sites: Sites::new(surfaces)?, seed })
     }
 
-    /// The classes this model has rays of: without a collapsed edge there are no poles, and
-    /// without a border no seams.
+    /// The classes this model has rays of: without a collapsed edge there are no poles, without
+    /// a border no seams, and without trims no edges of theirs.
     pub(crate) fn classes(&self) -> Vec<Class> {
         let exists = |class: &Class| match class {
             Class::Poles => self.sites.has_poles(),
             Class::Borders | Class::SeamPlanes => self.sites.has_borders(),
+            Class::TrimEdges => self.sites.has_trim_edges(),
             _ => true,
         };
         Class::all().filter(exists).collect()
@@ -80,6 +81,7 @@ impl<'a> RaySource<'a> {
                 return self.through(sites.on_border(random, border), random);
             }
             Class::Lines => return self.through(sites.on_line(random), random),
+            Class::TrimEdges => return self.through(sites.on_trim_edge(random)?, random),
             Class::Corners => return self.through(sites.on_corner(random), random),
             Class::Poles => return self.through(sites.on_pole(random)?, random),
             Class::Far => return self.far_away(random),

@@ -5,6 +5,7 @@ use nurbray::geometry::{Chart, Charts, Surface, SurfaceDerivatives};
 
 use super::super::border::Border;
 use super::super::random::Random;
+use super::outlines::Outlines;
 
 /// A point of a surface, by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub(crate) struct Sites<'a> {
     /// The borders of surfaces, and those that are collapsed, with their charts.
     borders: Vec<(usize, Border)>,
     poles: Vec<(usize, Border)>,
+    /// Points on the edges that trims cut.
+    trim_edges: Vec<Site>,
     centre: DVec3,
     half_extent: DVec3,
 }
@@ -55,13 +58,17 @@ impl<'a> Sites<'a> {
         let (low, high) = bounds(&charts);
         let all = charts.iter().enumerate();
         let borders: Vec<_> = all
-            .flat_map(|(k, (_, chart))| Border::of(chart).map(move |border| (k, border)))
+            .flat_map(|(k, (_, chart))| {
+                let kept = Border::of(chart).filter(|border| border.is_kept(chart));
+                kept.map(move |border| (k, border)).collect::<Vec<_>>()
+            })
             .collect();
         let is_pole = |(k, border): &&(usize, Border)| border.pole(&charts[*k].1.surface).is_some();
         Some(Self {
             surfaces,
             poles: borders.iter().filter(is_pole).copied().collect(),
             borders,
+            trim_edges: trim_edges(surfaces),
             charts,
             spans,
             centre: 0.5 * (low + high),
@@ -115,6 +122,16 @@ impl<'a> Sites<'a> {
     /// Whether some surface has a border.
     pub(crate) fn has_borders(&self) -> bool {
         !self.borders.is_empty()
+    }
+
+    /// Whether some surface is trimmed within its domain.
+    pub(crate) fn has_trim_edges(&self) -> bool {
+        !self.trim_edges.is_empty()
+    }
+
+    /// A point of an edge that trims cut; `None` if there is none.
+    pub(crate) fn on_trim_edge(&self, random: &mut Random) -> Option<Site> {
+        self.trim_edges.get(random.below(self.trim_edges.len().max(1))).copied()
     }
 
     /// A point of a border.
@@ -191,6 +208,15 @@ impl<'a> Sites<'a> {
             share => start + share * (end - start),
         }
     }
+}
+
+/// Points on the edges that trims cut from surfaces.
+fn trim_edges(surfaces: &[Surface]) -> Vec<Site> {
+    let outlines = surfaces.iter().enumerate().filter_map(|(k, s)| Some((k, Outlines::of(s)?)));
+    let sites = outlines.flat_map(|(surface, outlines)| {
+        outlines.joints().map(|uv| Site { surface, uv }).collect::<Vec<_>>()
+    });
+    sites.collect()
 }
 
 /// Anywhere in one of these spans, each as often as the others.

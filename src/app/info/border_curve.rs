@@ -1,7 +1,8 @@
 //! A border curve, sampled, and how far points are from it.
 
-use glam::DVec3;
-use nurbray::geometry::NurbsSurface;
+use glam::{DVec2, DVec3};
+use nurbray::geometry::trim::{Side, Trims};
+use nurbray::geometry::{Chart, NurbsSurface};
 use nurbray::math::Aabb;
 
 use super::super::border::Border;
@@ -17,6 +18,7 @@ const STEPS: usize = 16;
 #[derive(Debug)]
 pub(crate) struct BorderCurve<'a> {
     surface: &'a NurbsSurface,
+    trims: Option<&'a Trims>,
     border: Border,
     /// Parameters and points, from end to end.
     samples: Vec<(f64, DVec3)>,
@@ -28,7 +30,8 @@ pub(crate) struct BorderCurve<'a> {
 
 impl<'a> BorderCurve<'a> {
     /// Samples a border.
-    pub(crate) fn new(surface: &'a NurbsSurface, border: Border) -> Self {
+    pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Self {
+        let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
         let knots = border.knots(surface);
         let per_span = INTERVALS.div_ceil(knots.spans().count());
         let within = knots.spans().flat_map(|span| {
@@ -43,7 +46,7 @@ impl<'a> BorderCurve<'a> {
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
         let sag = samples.windows(3).map(bulge).fold(0.0, f64::max);
         let bounds = Aabb::around(samples.iter().map(|sample| sample.1)).grown(sag);
-        Self { surface, border, samples, bounds, length, sag }
+        Self { surface, trims, border, samples, bounds, length, sag }
     }
 
     /// Holds the curve.
@@ -56,13 +59,19 @@ impl<'a> BorderCurve<'a> {
         self.length
     }
 
-    /// Points on it, from end to end.
-    pub(crate) fn points(&self) -> impl ExactSizeIterator<Item = DVec3> {
-        self.samples.iter().map(|sample| sample.1)
+    /// Points on it, from end to end, but for those that trims have cut off.
+    pub(crate) fn points(&self) -> Vec<DVec3> {
+        let kept = self.samples.iter().filter(|(t, _)| self.keeps(*t));
+        kept.map(|sample| sample.1).collect()
+    }
+
+    fn keeps(&self, t: f64) -> bool {
+        let (u, v) = self.border.uv(t);
+        self.trims.is_none_or(|trims| trims.contains(DVec2::new(u, v)) != Side::Outside)
     }
 
     /// The distance of a point from the curve; `None` if that is more than `near`, or if the
-    /// nearest point is an end of the curve that the point lies beyond.
+    /// nearest point is an end of the curve that the point lies beyond, or cut off by trims.
     pub(crate) fn distance(&self, point: DVec3, near: f64) -> Option<f64> {
         let reach = near + self.sag;
         let grown = self.bounds.grown(near);
@@ -80,18 +89,19 @@ impl<'a> BorderCurve<'a> {
         if coarse > reach {
             return None;
         }
-        let (distance, beyond) = self.refined(point, start);
-        (distance <= near && beyond <= distance.max(near) * BEYOND).then_some(distance)
+        let (distance, beyond, t) = self.refined(point, start);
+        let there = distance <= near && beyond <= distance.max(near) * BEYOND;
+        (there && self.keeps(t)).then_some(distance)
     }
 
-    /// The distance from the point of the curve nearest to `point`, searched from `t` on, and
-    /// how far `point` lies beyond an end, along the curve.
+    /// The distance from the point of the curve nearest to `point`, searched from `t` on, how
+    /// far `point` lies beyond an end, along the curve, and where that nearest point is.
     ///
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
-    fn refined(&self, point: DVec3, mut t: f64) -> (f64, f64) {
+    fn refined(&self, point: DVec3, mut t: f64) -> (f64, f64, f64) {
         let (start, end) = self.border.knots(self.surface).domain();
-        let mut best = (f64::INFINITY, 0.0);
+        let mut best = (f64::INFINITY, 0.0, t);
         for _ in 0..STEPS {
             let (on_curve, speed) = self.border.tangent(self.surface, t);
             let step = (point - on_curve).dot(speed) / speed.length_squared();
@@ -101,7 +111,7 @@ impl<'a> BorderCurve<'a> {
             };
             let distance = point.distance(on_curve);
             if distance < best.0 {
-                best = (distance, beyond);
+                best = (distance, beyond, t);
             }
             let next = (t + step).clamp(start, end);
             if next == t || next.is_nan() {
@@ -134,12 +144,13 @@ mod tests {
     #[test]
     fn distances_from_a_circle_are_exact() {
         let cylinder = shapes::cylinder(1.0, 2.0).unwrap();
+        let whole = Chart::whole(&cylinder);
         let rim = Border::all(&cylinder)
             .into_iter()
-            .map(|border| BorderCurve::new(&cylinder, border))
+            .map(|border| BorderCurve::new(&whole, border))
             .find(|curve| (curve.length() - std::f64::consts::TAU).abs() < 0.05)
             .unwrap();
-        let z = rim.points().next().unwrap().z;
+        let z = rim.points()[0].z;
         for k in 0..50 {
             let (sin, cos) = (0.123 * f64::from(k)).sin_cos();
             for offset in [0.0, 1e-9, 1e-3] {
@@ -155,8 +166,9 @@ mod tests {
     #[test]
     fn points_beyond_an_end_are_not_beside_the_curve() {
         let plane = shapes::plane(1.0, 1.0).unwrap();
-        let curve = BorderCurve::new(&plane, Border::all(&plane)[0]);
-        let points: Vec<DVec3> = curve.points().collect();
+        let whole = Chart::whole(&plane);
+        let curve = BorderCurve::new(&whole, Border::all(&plane)[0]);
+        let points: Vec<DVec3> = curve.points();
         let (first, last) = (points[0], points[points.len() - 1]);
         let along = (last - first).normalize();
         assert_eq!(curve.distance(last, 0.01), Some(0.0));

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::halves;
 use nurbray::math::Aabb;
+use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
 
 /// How near to the truth the sides of a box are, as a share of the control points' box. A
@@ -29,11 +30,19 @@ const MOST_HALVINGS: usize = 100_000;
 /// For each side, the parts that may reach farthest are halved until none can reach farther
 /// than a point known to be on the surface: the Euclidean control points of a part hold it
 /// in their hull, as weights are positive, and its corners lie on it.
-pub(super) fn extent<'a>(pieces: impl Iterator<Item = &'a TensorPatch> + Clone) -> Aabb {
-    let controls = pieces.clone().flat_map(TensorPatch::control).map(|c| c.truncate() / c.w);
+pub(super) fn extent<'a>(pieces: impl Iterator<Item = &'a TensorPatch>) -> Aabb {
+    extent_of_parts(pieces.map(|piece| (piece, [[0.0, 1.0]; 2])))
+}
+
+/// The same for parts of pieces: rectangles of their unit squares.
+pub(super) fn extent_of_parts<'a>(
+    parts: impl Iterator<Item = (&'a TensorPatch, [[f64; 2]; 2])>,
+) -> Aabb {
+    let nets: Vec<Net> = parts.map(|(piece, rect)| Net::new(piece, rect)).collect();
+    let controls = nets.iter().flat_map(|net| &net.control).map(|c| c.truncate() / c.w);
     let hull = Aabb::around(controls);
     let tolerance = f64::max(TIGHTNESS * hull.size().max_element(), ROUNDINGS * hull.magnitude());
-    let side = |axis: DVec3| farthest(pieces.clone(), axis, tolerance);
+    let side = |axis: DVec3| farthest(&nets, axis, tolerance);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     Aabb {
         min: DVec3::from_array(axes.map(|axis| 0.0 - side(-axis))), // no −0
@@ -42,15 +51,12 @@ pub(super) fn extent<'a>(pieces: impl Iterator<Item = &'a TensorPatch> + Clone) 
 }
 
 /// How far the pieces reach along an axis.
-fn farthest<'a>(
-    pieces: impl Iterator<Item = &'a TensorPatch> + Clone,
-    axis: DVec3,
-    tolerance: f64,
-) -> f64 {
-    let parts = pieces.clone().map(|piece| Part::of(piece, axis));
+fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {
+    let parts = nets.iter().map(|net| Part::of(net, axis));
     let mut reached = parts.map(|part| part.reached()).fold(f64::NEG_INFINITY, f64::max);
-    let mut open: BinaryHeap<Part> = pieces
-        .map(|piece| Part::of(piece, axis))
+    let mut open: BinaryHeap<Part> = nets
+        .iter()
+        .map(|net| Part::of(net, axis))
         .filter(|part| part.limit > reached + tolerance)
         .collect();
     for _ in 0..MOST_HALVINGS {
@@ -68,6 +74,24 @@ fn farthest<'a>(
     open.peek().map_or(reached, |part| part.limit.max(reached))
 }
 
+/// A part of a piece in Bernstein form.
+struct Net {
+    /// `(w x, w y, w z, w)`, second index fastest.
+    control: Vec<DVec4>,
+    /// Control points along the second parameter.
+    columns: usize,
+}
+
+impl Net {
+    fn new(piece: &TensorPatch, [s, t]: [[f64; 2]; 2]) -> Self {
+        let mut control: Vec<DVec4> = piece.control().collect();
+        if [s, t] != [[0.0, 1.0]; 2] {
+            restrict_net(&mut control, piece.degree(), s, t);
+        }
+        Self { control, columns: piece.degree()[1] + 1 }
+    }
+}
+
 /// One coordinate of a part of a piece, as a rational function in Bernstein form.
 #[derive(Clone, Debug)]
 struct Part {
@@ -80,9 +104,9 @@ struct Part {
 }
 
 impl Part {
-    fn of(piece: &TensorPatch, axis: DVec3) -> Self {
-        let along = |c: DVec4| DVec2::new(axis.dot(c.truncate()), c.w);
-        Self::new(piece.control().map(along).collect(), piece.degree()[1] + 1)
+    fn of(net: &Net, axis: DVec3) -> Self {
+        let along = |c: &DVec4| DVec2::new(axis.dot(c.truncate()), c.w);
+        Self::new(net.control.iter().map(along).collect(), net.columns)
     }
 
     fn new(net: Vec<DVec2>, columns: usize) -> Self {

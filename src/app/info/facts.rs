@@ -2,13 +2,14 @@
 
 use glam::{DVec3, DVec4};
 use nurbray::geometry::Charts;
+use nurbray::geometry::trim::Kept;
 use nurbray::math::Aabb;
 use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
 use rayon::prelude::*;
 
 use super::super::border::Border;
-use super::extent::extent;
+use super::extent::{extent, extent_of_parts};
 
 /// What is known of all surfaces.
 #[derive(Clone, Debug)]
@@ -44,6 +45,22 @@ pub(super) struct SurfaceFacts {
     pub(super) collapsed: Vec<(Border, DVec3)>,
     /// How far it may be from what the scene asks for.
     pub(super) deviation: f64,
+    /// What is known of its trims, if it has any.
+    pub(super) trims: Option<TrimFacts>,
+}
+
+/// What is known of a surface's trims.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrimFacts {
+    /// Which side of the loops stays.
+    pub(super) kept: Kept,
+    /// Loops, copies by periods included.
+    pub(super) loops: usize,
+    /// Monotone segments of all loops.
+    pub(super) segments: usize,
+    pub(super) bytes: usize,
+    /// Leaves that a trim curve passes through.
+    pub(super) mixed: usize,
 }
 
 impl Facts {
@@ -62,10 +79,24 @@ impl Facts {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();
+            if let Some(trims) = surface.trims.as_mut().filter(|_| leaf.is_trimmed()) {
+                trims.mixed += 1;
+            }
         }
         surfaces.par_iter_mut().for_each(|surface| {
-            let pieces = &patches.pieces()[patches.pieces_of(surface.index)];
-            surface.bounds = extent(pieces.iter().map(|piece| &piece.patch));
+            let range = patches.pieces_of(surface.index);
+            let pieces = &patches.pieces()[range.clone()];
+            surface.bounds =
+                match surface.trims {
+                    None => extent(pieces.iter().map(|piece| &piece.patch)),
+                    Some(_) => {
+                        let own = |leaf: &&Leaf| range.contains(&(leaf.piece as usize));
+                        let leaves = world.bvh.leaves().iter().filter(own);
+                        extent_of_parts(leaves.map(|leaf| {
+                            (&patches.pieces()[leaf.piece as usize].patch, leaf.rect())
+                        }))
+                    }
+                };
         });
         let bounds = surfaces.iter().map(|surface| surface.bounds);
         let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
@@ -117,5 +148,15 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
         bounds: Aabb::EMPTY,
         collapsed: collapsed.collect(),
         deviation: instance.deviation,
+        trims: surface.trimmed().map(|trimmed| {
+            let trims = trimmed.trims();
+            TrimFacts {
+                kept: trims.kept(),
+                loops: trims.loop_count(),
+                segments: trims.segment_count(),
+                bytes: trims.bytes(),
+                mixed: 0,
+            }
+        }),
     }
 }

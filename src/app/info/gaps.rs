@@ -66,14 +66,15 @@ pub(crate) fn fit(surfaces: &[impl Charts], size: f64) -> Fit {
     for (surface, one) in surfaces.iter().enumerate() {
         for chart in one.charts() {
             let index = charts.len();
-            edges.extend(Border::of(&chart).map(|border| Edge { surface, chart: index, border }));
+            let there = Border::of(&chart).filter(|border| border.is_kept(&chart));
+            edges.extend(there.map(|border| Edge { surface, chart: index, border }));
             charts.push(chart);
         }
     }
     let curve = |edge: &Edge| {
         let surface = &*charts[edge.chart].surface;
         let extended = edge.border.pole(surface).is_none();
-        extended.then(|| (*edge, BorderCurve::new(surface, edge.border)))
+        extended.then(|| (*edge, BorderCurve::new(&charts[edge.chart], edge.border)))
     };
     let curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
 
@@ -115,9 +116,10 @@ fn side_by_side(a: &BorderCurve<'_>, b: &BorderCurve<'_>, size: f64) -> Option<(
     let near = (NEAR * size).min(NEAR_LENGTH * a.length().min(b.length()));
     // One may run along a part of the other only: then not all points of the longer are near.
     let one_way = |from: &BorderCurve<'_>, to: &BorderCurve<'_>| {
-        let distances = from.points().filter_map(|point| Some((to.distance(point, near)?, point)));
-        let distances: Vec<(f64, DVec3)> = distances.collect();
-        let enough = distances.len() as f64 >= SIDE_BY_SIDE * from.points().len() as f64;
+        let points = from.points();
+        let distance = |&point: &DVec3| Some((to.distance(point, near)?, point));
+        let distances: Vec<(f64, DVec3)> = points.iter().filter_map(distance).collect();
+        let enough = distances.len() as f64 >= SIDE_BY_SIDE * points.len() as f64;
         let widest = distances.into_iter().max_by(|x, y| x.0.total_cmp(&y.0));
         widest.filter(|_| enough)
     };

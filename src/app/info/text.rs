@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use glam::DVec3;
+use nurbray::geometry::trim::Kept;
 use nurbray::math::Aabb;
 use nurbray::scene::ImportNote;
 
@@ -25,6 +26,7 @@ pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) 
         bounds(facts.bounds),
     );
     text += &surfaces(&facts.surfaces);
+    text += &trimmed(&facts.surfaces);
     text += &collapsed(&facts.surfaces);
     text += &approximated(&facts.surfaces);
     text += &borders(fit, facts);
@@ -54,6 +56,34 @@ fn surfaces(surfaces: &[SurfaceFacts]) -> String {
         ]
     }));
     table(&rows, &[1, 3, 8, 9, 10])
+}
+
+/// The surfaces of which a part is cut off, if there are any.
+fn trimmed(surfaces: &[SurfaceFacts]) -> String {
+    let rows: Vec<Vec<String>> = surfaces
+        .iter()
+        .filter_map(|surface| {
+            let trims = surface.trims?;
+            let kept = match trims.kept {
+                Kept::Odd => "inside",
+                Kept::Even => "outside",
+            };
+            Some(vec![
+                format!("  {} {}", surface.index, surface.name),
+                format!("kept {kept} {}", count(trims.loops as u64, "loop")),
+                format!("of {}", count(trims.segments as u64, "monotone segment")),
+                short_bytes(trims.bytes),
+                format!("{} of {} leaves at an edge", trims.mixed, surface.leaves),
+            ])
+        })
+        .collect();
+    match rows.len() {
+        0 => String::new(),
+        number => {
+            let heading = count(number as u64, "trimmed surface");
+            format!("\n{heading}:\n") + &table(&rows, &[0, 1, 2, 4])
+        }
+    }
 }
 
 fn collapsed(surfaces: &[SurfaceFacts]) -> String {

@@ -194,7 +194,7 @@ impl Strand<'_> {
         let point = self.segments[index].directed_at(along);
         let own = &self.segments[index];
         let mut clear = true;
-        let crossings = self.other.crossings(point, |other| {
+        let crossings = self.other.crossings(point, &UvBox { min: point, max: point }, |other| {
             if self.itself && other == index {
                 return 0;
             }

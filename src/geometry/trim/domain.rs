@@ -47,10 +47,31 @@ impl TrimDomain {
         Self::new([u.0, u.1], [v.0, v.1])
     }
 
+    /// The domain of a surface, periodic where the surface
+    /// [closes on itself](NurbsSurface::closes).
+    ///
+    /// # Errors
+    /// When the surface's parameters go beyond 10¹⁰⁰.
+    pub fn with_seams_of(surface: &NurbsSurface) -> Result<Self, TrimError> {
+        let mut domain = Self::of(surface)?;
+        for direction in [Direction::U, Direction::V] {
+            if surface.closes(direction) {
+                domain = domain.periodic_in(direction);
+            }
+        }
+        Ok(domain)
+    }
+
     /// The same domain, closing on itself in a direction.
     #[must_use]
     pub fn periodic_in(mut self, direction: Direction) -> Self {
         self.periodic[direction as usize] = true;
+        self
+    }
+
+    /// The domain with another range in u, which is as good as the one it has.
+    pub(super) fn with_range_u(mut self, range: [f64; 2]) -> Self {
+        self.range[0] = range;
         self
     }
 

@@ -92,7 +92,7 @@ pub enum TrimLoopError {
     Empty,
     /// A curve does not begin where the one before it ends.
     #[error(
-        "the loop is open: curve {curve} ends at ({}, {}), but curve {next} begins ({:e}, {:e}) away from there; at most ({:e}, {:e}) is taken for rounding",
+        "the loop is open: curve {curve} ends at ({}, {}), but curve {next} begins ({:.3e}, {:.3e}) away from there; at most ({:.1e}, {:.1e}) is taken for rounding",
         .end.x, .end.y, .gap.x, .gap.y, .tolerance.x, .tolerance.y
     )]
     Open {
@@ -132,6 +132,18 @@ pub enum TrimError {
         start: f64,
         /// Where it ends.
         end: f64,
+    },
+    /// The trims are made for another domain than the surface's.
+    #[error(
+        "the trims are made for the domain ({}, {}) to ({}, {}), but the surface's is ({}, {}) to ({}, {})",
+        .trims[0].x, .trims[0].y, .trims[1].x, .trims[1].y,
+        .surface[0].x, .surface[0].y, .surface[1].x, .surface[1].y
+    )]
+    OtherDomain {
+        /// The smallest and largest parameters of the trims' domain.
+        trims: [DVec2; 2],
+        /// Those of the surface's.
+        surface: [DVec2; 2],
     },
     /// There is no loop.
     #[error("there are no loops: a surface that is not trimmed needs no trims")]

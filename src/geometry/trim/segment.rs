@@ -28,7 +28,7 @@ fn reach_factor(degree: usize) -> f64 {
 
 /// A piece of a curve along which u and v never turn around, held so that v does not
 /// decrease, and for horizontal ones u does not.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Segment {
     ends: [DVec2; 2],
     /// `C(p, i)` times the homogeneous control points; none for a straight line.
@@ -285,6 +285,23 @@ impl Segment {
         };
         let crossing = i32::from(left) * if self.forward { 1 } else { -1 };
         (passing == Some(Passing::Meets), crossing)
+    }
+
+    /// The segment mirrored in u, so that a range of it run backwards becomes another as long;
+    /// `None` if rounding makes it a point. Its ends are still shared with its neighbours bit
+    /// for bit.
+    pub(super) fn mirrored_u(&self, range: [f64; 2], new: [f64; 2]) -> Option<Self> {
+        let mirror = |u: f64| if u == range[0] { new[1] } else { new[0] + (range[1] - u) };
+        let ends = self.directed_ends().map(|end| DVec2::new(mirror(end.x), end.y));
+        let mirrored = |c: &DVec3| DVec3::new(c.z * (new[0] + range[1]) - c.x, c.y, c.z);
+        let mut control: Vec<DVec3> = self.control.iter().map(mirrored).collect();
+        if !self.forward {
+            control.reverse();
+        }
+        let largest = self.control.iter().map(|c| (c.x / c.z).abs());
+        let largest = largest.chain(self.ends.map(|end| end.x.abs())).fold(0.0, f64::max);
+        let rounding = 4.0 * UNIT_ROUNDOFF * (new[0].abs() + range[1].abs() + largest);
+        Self::held(ends, control, self.reach + DVec2::new(rounding, 0.0))
     }
 
     /// The curve it stands for may be farther away by so much.

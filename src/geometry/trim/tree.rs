@@ -15,7 +15,7 @@ const INNER: u32 = u32::MAX;
 /// rectangle a horizontal ray crosses a chain upwards as often as downwards if its two ends
 /// lie on one side of the ray, else once more; so no chain is entered that is not near the
 /// point. Loops are closed chains.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     /// Holds the segments, grown by their reach.
     bounds: UvBox,
@@ -28,7 +28,7 @@ struct Node {
 }
 
 /// The nodes in the order in which they are visited, each before those below it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
 }
@@ -99,17 +99,22 @@ impl Tree {
     }
 
     /// How often a ray from `point` towards larger u crosses the curves: upwards less
-    /// downwards, `crosses` being asked about the segments whose grown rectangle holds the
-    /// point. Odd or even, it is the number of all crossings.
+    /// downwards, `crosses` being asked about the segments whose grown rectangle meets the
+    /// target around the point. Odd or even, it is the number of all crossings.
     #[inline]
-    pub(super) fn crossings(&self, point: DVec2, mut crosses: impl FnMut(usize) -> i32) -> i32 {
+    pub(super) fn crossings(
+        &self,
+        point: DVec2,
+        target: &UvBox,
+        mut crosses: impl FnMut(usize) -> i32,
+    ) -> i32 {
         let mut sum = 0;
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             let UvBox { min, max } = node.bounds;
-            if point.y < min.y || point.y > max.y || point.x > max.x {
+            if target.max.y < min.y || target.min.y > max.y || target.min.x > max.x {
                 at = node.next as usize;
-            } else if point.x < min.x {
+            } else if target.max.x < min.x {
                 sum += i32::from(node.ends[0] <= point.y) - i32::from(node.ends[1] <= point.y);
                 at = node.next as usize;
             } else {

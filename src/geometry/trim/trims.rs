@@ -90,7 +90,7 @@ pub enum Coverage {
 /// that is kept is closed, as a surface is at its border. It is flagged as a hit at a trim
 /// edge if it is an [`Side::Edge`] or if the edge is [near](Trims::near) for what is known
 /// of the point in space.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
     kept: Kept,
@@ -153,15 +153,22 @@ impl Trims {
     /// Points outside the domain are answered for as if the loops went on: the caller knows
     /// where the surface ends.
     pub fn contains(&self, uv: DVec2) -> Side {
+        self.contains_within(uv, DVec2::ZERO)
+    }
+
+    /// Where a point of the domain lies that is known to `reach.x` in u and `reach.y` in v
+    /// only: an [`Side::Edge`] wherever the edge is [near](Self::near), both in one search.
+    pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
         if uv.is_nan() {
             return Side::Outside;
         }
         let mut distance: Option<DVec2> = None;
-        let crossings = self.tree.crossings(uv, |index| {
+        let crossings = self.tree.crossings(uv, &UvBox::about(uv, reach), |index| {
             let segment = &self.segments[index];
-            let (meets, crossing) = segment.seen_from(uv, segment.reach());
+            let reach = segment.reach() + reach;
+            let (meets, crossing) = segment.seen_from(uv, reach);
             if meets {
-                distance = Some(distance.map_or(segment.reach(), |d| d.max(segment.reach())));
+                distance = Some(distance.map_or(reach, |d| d.max(reach)));
             }
             crossing
         });
@@ -207,6 +214,28 @@ impl Trims {
             let target = target.grown(segment.reach());
             segment.bounds().meets(&target) && segment.passing(&target) == Passing::Meets
         })
+    }
+
+    /// The same loops on a domain run backwards in u: `new` is where that goes then, which is
+    /// as long.
+    #[must_use]
+    pub(in crate::geometry) fn reversed_u(&self, new: [f64; 2]) -> Self {
+        let [range, _] = self.domain.range();
+        let (mut segments, mut loops) = (Vec::with_capacity(self.segments.len()), Vec::new());
+        for segments_of_loop in self.loop_segments() {
+            let first = segments.len();
+            segments.extend(segments_of_loop.iter().filter_map(|one| one.mirrored_u(range, new)));
+            if segments.len() > first {
+                loops.push(first..segments.len());
+            }
+        }
+        let tree = Tree::new(&segments, &loops);
+        Self { domain: self.domain.with_range_u(new), kept: self.kept, segments, loops, tree }
+    }
+
+    /// The ends of all monotone segments, which lie on the loops.
+    pub fn joints(&self) -> impl Iterator<Item = DVec2> {
+        self.segments.iter().map(|segment| segment.directed_ends()[0])
     }
 
     /// The number of loops, copies by periods included.

@@ -3,11 +3,13 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::packet::Packet;
 use super::search::{dot_d, load3d};
 use super::single::{Scene, comes_first};
+use super::trimmed::trim_side;
+use crate::geometry::trim::Side;
 use crate::intersect::leaf_search;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::math::bernstein::MAX_DEGREE;
@@ -220,7 +222,7 @@ pub(super) fn finish<S: Simd>(
     let z_max = f64x8::from_slice(simd, &packet.z_max[base..base + 8]);
     let clear = (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
         & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
-    let judged = found & (!on_piece | !clear);
+    let mut judged = found & (!on_piece | !clear);
     // Of hits at the same place the piece that comes first counts, and its first part, whichever
     // was searched first: so the order of the search does not matter.
     let acceptable = found & !judged & z.simd_gt(z_min);
@@ -234,6 +236,13 @@ pub(super) fn finish<S: Simd>(
             earlier |= u64::from(first) << k;
         }
         hit |= tie & mask64x8::from_bitmask(simd, earlier);
+    }
+    if target.leaf.is_trimmed() {
+        // Also what is as near as the nearest, as far as can be known: it may be an edge.
+        let asked = acceptable & z.simd_le(best + near_end);
+        let sides = trim_sides(target, asked, (root_s, root_t), z_error);
+        hit &= mask64x8::from_bitmask(simd, sides.inside);
+        judged |= mask64x8::from_bitmask(simd, sides.edge);
     }
 
     let any = hit.any_true();
@@ -269,6 +278,35 @@ pub(super) fn finish<S: Simd>(
         }
     }
     Done { left: (left | open | judged).to_bitmask(), found: any, steps }
+}
+
+/// Lanes by their side of the trims.
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    inside: u64,
+    edge: u64,
+}
+
+/// The sides of the lanes that are asked for.
+#[inline(always)]
+fn trim_sides<S: Simd>(
+    target: &Target<'_>,
+    asked: mask64x8<S>,
+    (s, t): (f64x8<S>, f64x8<S>),
+    z_error: f64x8<S>,
+) -> Sides {
+    let mut sides = Sides::default();
+    let mut lanes = asked.to_bitmask();
+    while lanes != 0 {
+        let k = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        match trim_side(target.piece, DVec2::new(s[k], t[k]), z_error[k]) {
+            Side::Inside => sides.inside |= 1 << k,
+            Side::Outside => {}
+            Side::Edge { .. } => sides.edge |= 1 << k,
+        }
+    }
+    sides
 }
 
 #[simd]

@@ -24,6 +24,7 @@ mod single_proof;
 mod single_ray;
 mod single_search;
 mod traverse;
+mod trimmed;
 
 pub(super) use packet::{LaneHit, Packet};
 pub(super) use single::{Scene, SingleWork, search_single, trace_single};

@@ -20,6 +20,8 @@ use super::single_finish::{Outcome, finish};
 use super::single_proof::isolate;
 use super::single_ray::{SingleHit, SingleRay};
 use super::single_search::Distances;
+use super::trimmed::trim_side;
+use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
 use crate::intersect::tree::{Child, ChildCode, LANES, LeafBlock, Node, Tree};
 use crate::patch::{Leaf, PatchSet, WIDENING};
@@ -311,11 +313,23 @@ fn search_leaf<S: Simd>(
 /// The rectangle that certificates speak of, in box coordinates.
 const WIDENED: [[f64; 2]; 2] = [[-1.0 - 2.0 * WIDENING, 1.0 + 2.0 * WIDENING]; 2];
 
-/// Keeps a hit if it is the nearest so far.
+/// Keeps a hit if it is the nearest so far, and trims keep it. Near an edge of the trims the
+/// scalar search must judge it.
 ///
 /// Of hits at the same place the piece that comes first counts, and its first part, whichever was
 /// searched first: so the order of the search does not matter.
 fn keep(found: SingleHit, ray: &mut SingleRay<'_>, scene: &Scene<'_>, work: &mut SingleWork) {
+    let leaf = &scene.leaves[found.leaf as usize];
+    // What is not nearer than the nearest by more than it may be off need not be judged.
+    let beyond = |known: &SingleHit| found.z > known.z + 2.0 * found.z_error;
+    if leaf.is_trimmed() && !work.hit.as_ref().is_some_and(beyond) {
+        let piece = &scene.set.pieces()[leaf.piece as usize];
+        match trim_side(piece, found.st, found.z_error) {
+            Side::Inside => {}
+            Side::Outside => return,
+            Side::Edge { .. } => return work.rest.push(found.leaf),
+        }
+    }
     let nearer = work.hit.as_ref().is_none_or(|known| {
         found.z < known.z
             || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))

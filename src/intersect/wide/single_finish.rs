@@ -149,7 +149,8 @@ fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
         a[0] * b[1] - a[1] * b[0],
     ];
     let size = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
-    let reach = ray.start_reach(error * size / cross[2].abs());
+    let z_error = error * size / cross[2].abs();
+    let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
@@ -163,7 +164,7 @@ fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    Outcome::Hit(SingleHit { leaf: 0, z, st: *st })
+    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st: *st })
 }
 
 /// The columns of the matrix that takes a vector to the ray's coordinates.

@@ -34,6 +34,8 @@ pub(in crate::intersect) enum Wanted {
 pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) leaf: u32,
     pub(in crate::intersect) z: f64,
+    /// How far `z` may be off.
+    pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) st: DVec2,
 }
 

@@ -92,10 +92,7 @@ fn what_is_left_out_is_noted() {
         "[[0, 0, 0], [0, 1, 1], [0, 2, 0], [1, 0, 0], [1, 1, 1], [1, 2, 0.5]]",
         "[[0, 1], [2, 3]]",
     );
-    let trimmed = SURFACE.replace(
-        "\"degree_u\"",
-        "\"trims\": {\"count\": 2, \"data\": [{}, {}]}, \"reversed\": 1, \"degree_u\"",
-    );
+    let trimmed = SURFACE.replace("\"degree_u\"", "\"reversed\": 1, \"degree_u\"");
     let text = format!(
         "{{\"shape\": {{\"data\": [{curve},\n{volume},\n{points},\n{plane},\n{trimmed}]}}}}"
     );
@@ -109,7 +106,6 @@ fn what_is_left_out_is_noted() {
             "m.json:3:1: volume \"m/1\": volumes are not supported",
             "m.json:4:1: free-form points \"m/2\": points alone are no surface",
             "m.json:5:1: surface \"m/lid\": its points have 2 coordinates, surfaces in space need 3",
-            "m.json:14:1: surface \"m/lid\": 2 trim curves left out: trimming is not supported yet",
             "m.json:14:1: surface \"m/lid\": \"reversed\" left out: (u, v) and the normal stay as \
              written; reverse = true in a scene turns it",
         ]
@@ -244,4 +240,86 @@ fn deep_nesting_is_an_error_not_a_stack_overflow() {
     assert!(error(&deep).starts_with("m.json:1:"), "{}", error(&deep));
     let closed = format!("{{\"surfaces\": {}{}}}", "[".repeat(100_000), "]".repeat(100_000));
     assert!(error(&closed).starts_with("m.json:1:"), "{}", error(&closed));
+}
+
+/// The surface above with trims.
+fn trimmed(trims: &str) -> String {
+    changed("\"degree_u\"", &format!("\"trims\": {trims},\n  \"degree_u\""))
+}
+
+/// What the exporter of geomdl writes: a rational circle as a spline, a polygon as free-form
+/// points, a container of two curves; the last one keeps what it goes around.
+const CIRCLE: &str = r#"{"type": "spline", "rational": true, "dimension": 2, "degree": 2,
+    "knotvector": [0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1],
+    "control_points": {
+      "points": [[0.7, 0.5], [0.7, 0.7], [0.5, 0.7], [0.3, 0.7], [0.3, 0.5], [0.3, 0.3],
+                 [0.5, 0.3], [0.7, 0.3], [0.7, 0.5]],
+      "weights": [1, 0.7071067811865476, 1, 0.7071067811865476, 1, 0.7071067811865476, 1,
+                  0.7071067811865476, 1]},
+    "delta": 0.01, "reversed": 0}"#;
+const SQUARE: &str = r#"{"type": "freeform", "dimension": 2, "name": "",
+    "points": [[0.1, 0.1], [0.2, 0.1], [0.2, 0.2], [0.1, 0.2]]}"#;
+const OUTLINE: &str = r#"{"type": "container", "count": 2, "reversed": true, "data": [
+    {"type": "freeform", "dimension": 2, "points": [[0.05, 0.05], [0.95, 0.05], [0.95, 0.95]]},
+    {"type": "spline", "rational": false, "dimension": 2, "degree": 1, "knotvector": [0, 0, 0.5, 1, 1],
+     "control_points": {"points": [[0.95, 0.95], [0.05, 0.95], [0.05, 0.05]]}}]}"#;
+
+fn world(text: &str) -> World {
+    let parts = model(text).parts;
+    let object = Object { default_name: "m".into(), parts, ..Object::default() };
+    World::new(&Scene { objects: vec![object], ..Scene::default() }).unwrap()
+}
+
+#[test]
+fn trims_cut_as_in_geomdl() {
+    use glam::DVec2;
+    let places = [(0.5, 0.5), (0.15, 0.15), (0.3, 0.8), (0.01, 0.5)];
+    for (trims, kept) in [
+        (format!("{{\"count\": 2, \"data\": [{CIRCLE}, {SQUARE}]}}"), [false, false, true, true]),
+        (format!("[{CIRCLE}, {OUTLINE}, {SQUARE}]"), [false, false, true, false]),
+        (format!("[{}]", CIRCLE.replace("\"reversed\": 0", "\"reversed\": 1")), {
+            [true, false, false, false]
+        }),
+    ] {
+        let world = world(&trimmed(&trims));
+        let surface = world.surfaces[0].surface.trimmed().unwrap();
+        let found = places.map(|(u, v)| surface.keeps(DVec2::new(u, v)));
+        assert_eq!(found, kept, "{trims}");
+    }
+    let none = world(&trimmed("{\"count\": 0, \"data\": []}"));
+    assert!(none.surfaces[0].surface.trimmed().is_none());
+}
+
+#[test]
+fn trims_that_cannot_be_are_named() {
+    let inner = SQUARE.replace("0.1", "0.45").replace("0.2", "0.55");
+    for (trims, message) in [
+        (
+            format!("[{CIRCLE}, {inner}]"),
+            "m.json:10:36: surface \"m/lid\": trims: loop 1 is written as a hole, but with 1 others \
+             around it it would be an outline",
+        ),
+        (
+            format!("[{}]", CIRCLE.replace("[0.7, 0.5]],", "[0.6, 0.5]],").replace("\n", " ")),
+            "m.json:3:28: surface \"m/lid\": trims: loop 0: the loop is open: curve 0 ends at \
+             (0.6, 0.5), but curve 0 begins (1.000e-1, 0.000e0)",
+        ),
+        (
+            "[{\"type\": \"spline\"}]".to_owned(),
+            "m.json:3:28: surface \"m/lid\": trims: curve 0 is neither a spline (degree, knotvector, \
+             control_points), nor points, nor a container (data)",
+        ),
+        (
+            "{\"count\": 1}".to_owned(),
+            "m.json:3:27: surface \"m/lid\": trims: missing key \"data\"",
+        ),
+        (
+            "[{\"points\": [[0, 0, 1]]}]".to_owned(),
+            "m.json:3:39: surface \"m/lid\": trims: a point has 3 coordinates, but trim curves lie \
+             in (u, v) and need 2",
+        ),
+    ] {
+        let found = error(&trimmed(&trims));
+        assert!(found.starts_with(message), "{found}\n{message}");
+    }
 }

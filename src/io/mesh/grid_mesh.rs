@@ -35,6 +35,14 @@ pub enum MeshError {
     /// A surface cannot be cut at its creases.
     #[error("cutting at a crease: {0}")]
     Cut(#[from] SurfaceError),
+    /// Triangles would fill what trims cut off.
+    #[error(
+        "surface {surface} is trimmed: grids of triangles cannot have holes, and would be something else than it"
+    )]
+    Trimmed {
+        /// Which surface, counted from 0.
+        surface: usize,
+    },
     /// The tolerance asked for is not a positive number.
     #[error("a tolerance of {tolerance}: a positive fraction of the model's diagonal is needed")]
     Tolerance {

@@ -34,9 +34,15 @@ impl Piece {
     ///
     /// Cut there, neighbours have the border's control points in common, and so its vertices
     /// bit for bit; but each has its own normals.
-    pub(super) fn all(surface: &impl Charts) -> Result<Vec<Self>, MeshError> {
+    ///
+    /// # Errors
+    /// When a surface cannot be cut there, or is trimmed: `number` is its place among all.
+    pub(super) fn all(surface: &impl Charts, number: usize) -> Result<Vec<Self>, MeshError> {
         let mut pieces = Vec::new();
-        for Chart { surface, map, .. } in surface.charts() {
+        for Chart { surface, map, trims, .. } in surface.charts() {
+            if trims.is_some() {
+                return Err(MeshError::Trimmed { surface: number });
+            }
             for strip in cut(surface.into_owned(), Direction::U)? {
                 let cut = cut(strip, Direction::V)?.into_iter();
                 pieces.extend(cut.map(|surface| Self { surface, map }));

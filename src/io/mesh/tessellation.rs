@@ -149,7 +149,7 @@ fn plans(
 ) -> Result<Vec<(usize, Plan)>, MeshError> {
     let mut plans = Vec::new();
     for (number, surface) in surfaces.iter().enumerate() {
-        let pieces = Piece::all(surface)?;
+        let pieces = Piece::all(surface, number)?;
         plans.extend(pieces.into_iter().map(|piece| (number, Plan::new(piece, &cells))));
     }
     Ok(plans)

@@ -119,3 +119,14 @@ fn patches_that_would_be_split_without_end_are_refused() {
     assert!(message.starts_with("to be so flat its patches need 2"), "{message}");
     assert!(message.ends_with(" halvings each way, 10 at most"), "{message}");
 }
+
+#[test]
+fn trimmed_surfaces_are_left_out() {
+    let trims = "trims = { loops = [{ circle = { center = [0.5, 0.5], radius = 0.2 } }] }\n";
+    let scene = written(&format!("{PLANE}{trims}"));
+    assert!(scene.written.is_empty());
+    assert_eq!(
+        scene.skipped[0].to_string(),
+        "surface \"table\" is left out: it is trimmed, and POV-Ray has no words for a part of a patch"
+    );
+}

@@ -10,6 +10,7 @@ use super::constructions::{
 };
 use super::kinds::{Kinds, OneOf};
 use super::plots::{FigureKeys, PlotKeys};
+use super::trims::TrimKeys;
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
 use crate::scene::NamedShape;
 
@@ -152,6 +153,7 @@ fn light_and_dark() -> Exactly<Color, 2> {
 pub(super) struct ObjectKeys {
     pub(super) name: Option<Spanned<String>>,
     pub(super) shape: Spanned<OneOf<ShapeKeys>>,
+    pub(super) trims: Option<Spanned<Keyed<TrimKeys>>>,
     pub(super) material: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) transform: Vec<OneOf<TransformKeys>>,

@@ -37,9 +37,7 @@ fn documented() -> Vec<String> {
     let mut block: Option<String> = None;
     let module = include_str!("../scene_toml.rs").lines().take_while(|l| l.starts_with("//!"));
     let module = module.map(|l| l.trim_start_matches("//!").strip_prefix(' ').unwrap_or(""));
-    for line in
-        module.chain(include_str!("from_curves.md").lines()).chain(include_str!("plots.md").lines())
-    {
+    for line in module.chain(DOCUMENTS.iter().flat_map(|text| text.lines())) {
         match (&mut block, line) {
             (None, "```toml") => block = Some(String::new()),
             (Some(_), "```") => blocks.extend(block.take()),
@@ -50,16 +48,20 @@ fn documented() -> Vec<String> {
     blocks
 }
 
+/// What the documentation is made of besides the module's own.
+const DOCUMENTS: [&str; 3] =
+    [include_str!("from_curves.md"), include_str!("plots.md"), include_str!("trims.md")];
+
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 7);
+    assert_eq!(blocks.len(), 8);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {
             asked.borrow_mut().push(file.display().to_string());
             let shape = Shape::Named(crate::scene::NamedShape::DeckPatch, Vec::new());
-            let part = Part { name: "0".into(), place: Place::default(), shape };
+            let part = Part { name: "0".into(), place: Place::default(), shape, trims: None };
             Ok(Model { parts: vec![part], notes: Vec::new() })
         });
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));

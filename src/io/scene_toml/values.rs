@@ -3,7 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
@@ -21,6 +21,10 @@ pub(super) struct Vector(pub(super) DVec3);
 /// A point of a curve: `[x, y, z]`, or `[x, y]` in the plane `z = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point(pub(super) DVec3);
+
+/// A place in the plane of (u, v): two numbers, `[u, v]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pair(pub(super) DVec2);
 
 /// One number for all three axes, or `[x, y, z]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +143,7 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, Point, Factors, Axis, Color, PerDirection, KnotEntry);
+read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, PerDirection, KnotEntry);
 
 impl Loose {
     /// What was found instead of what is needed.
@@ -193,6 +197,19 @@ impl TryFrom<Loose> for Point {
             _ => None,
         };
         point.map(Self).ok_or_else(|| value.but_needed("[x, y, z], or [x, y]"))
+    }
+}
+
+impl TryFrom<Loose> for Pair {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        let pair = match &value {
+            Loose::List(list) => <[f64; 2]>::try_from(list.as_slice()).ok(),
+            _ => None,
+        };
+        let pair = pair.map(DVec2::from_array).map(Self);
+        pair.ok_or_else(|| value.but_needed("two numbers, [u, v]"))
     }
 }
 

@@ -1,0 +1,100 @@
+//! Which part of a surface is kept, found anew: by even–odd against polylines.
+
+use glam::DVec2;
+use nurbray::geometry::Surface;
+use nurbray::geometry::trim::Kept;
+
+/// How far polylines may be from their curves, as a share of the domain's shorter side.
+const TOLERANCE: f64 = 1e-3;
+
+/// The loops of a surface's trims as closed polylines; for a check on what the tracer says, which
+/// asks the curves.
+#[derive(Clone, Debug)]
+pub(crate) struct Outlines {
+    lines: Vec<Vec<DVec2>>,
+    kept: Kept,
+    /// How far a curve may be from its polyline.
+    tolerance: f64,
+    domain: [(f64, f64); 2],
+}
+
+impl Outlines {
+    /// The loops of a surface; none if it is whole, or so large beside its trims that no
+    /// polyline is fine enough.
+    pub(crate) fn of(surface: &Surface) -> Option<Self> {
+        let trims = surface.trimmed()?.trims();
+        let domain = surface.domain();
+        let shorter = domain.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
+        let tolerance = TOLERANCE * shorter;
+        let lines = trims.outlines(tolerance).ok()?;
+        Some(Self { lines, kept: trims.kept(), tolerance, domain })
+    }
+
+    /// Whether a point is kept; `None` where a curve may pass on its other side.
+    pub(crate) fn keeps(&self, uv: DVec2) -> Option<bool> {
+        let mut odd = false;
+        for pair in self.sides() {
+            let [a, b] = pair;
+            if distance(uv, a, b) <= 2.0 * self.tolerance {
+                return None;
+            }
+            if (a.y <= uv.y) != (b.y <= uv.y) {
+                let at = a.x + (uv.y - a.y) / (b.y - a.y) * (b.x - a.x);
+                odd ^= at > uv.x;
+            }
+        }
+        Some(odd == (self.kept == Kept::Odd))
+    }
+
+    /// Whether a point is one of those of [`Self::joints`].
+    pub(crate) fn is_joint(&self, uv: DVec2) -> bool {
+        self.lines.iter().flatten().any(|&joint| joint == uv)
+    }
+
+    /// The corners of the polylines within the domain, which lie on the curves to rounding.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = DVec2> {
+        let [u, v] = self.domain;
+        let within = move |p: &&DVec2| (u.0..=u.1).contains(&p.x) && (v.0..=v.1).contains(&p.y);
+        self.lines.iter().flatten().filter(within).copied()
+    }
+
+    fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        self.lines.iter().flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]))
+    }
+}
+
+/// The distance of a point from a line segment.
+fn distance(point: DVec2, from: DVec2, to: DVec2) -> f64 {
+    let (along, offset) = (to - from, point - from);
+    let share = (offset.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    let share = if share.is_nan() { 0.0 } else { share };
+    (offset - share * along).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::trim::{TrimDomain, TrimLoop, Trims};
+    use nurbray::geometry::{TrimmedSurface, shapes};
+
+    use super::*;
+
+    #[test]
+    fn a_ring_is_kept_between_its_circles() {
+        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let circle = |radius| TrimLoop::circle(DVec2::splat(0.5), radius).unwrap();
+        let domain = TrimDomain::of(&plane).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[circle(0.4), circle(0.2)]).unwrap();
+        let ring = TrimmedSurface::new(plane.clone(), trims).unwrap().into();
+        let outlines = Outlines::of(&ring).unwrap();
+        for (u, kept) in [(0.5, false), (0.65, false), (0.75, true), (0.95, false)] {
+            assert_eq!(outlines.keeps(DVec2::new(u, 0.5)), Some(kept), "{u}");
+        }
+        assert_eq!(outlines.keeps(DVec2::new(0.9005, 0.5)), None);
+        for joint in outlines.joints() {
+            let radius = joint.distance(DVec2::splat(0.5));
+            assert!((radius - 0.4).abs().min((radius - 0.2).abs()) < 1e-15, "{joint}");
+            assert!(outlines.is_joint(joint));
+        }
+        assert!(Outlines::of(&plane.into()).is_none());
+    }
+}

@@ -1,0 +1,18 @@
+//! Which hits of a leaf its surface's trims keep.
+
+use glam::DVec2;
+
+use crate::geometry::trim::Side;
+use crate::intersect::leaf_search::trim_reach;
+use crate::patch::Piece;
+
+/// The scalar search's root and the one found here are both off by no more than the error: what is
+/// near an edge there is within this much of that reach here.
+const SPARE: f64 = 2.0;
+
+/// Whether a root of a leaf that a trim curve passes through is kept, if it may be off by
+/// `error` along the ray; an edge where the scalar search must judge it.
+#[inline(never)]
+pub(super) fn trim_side(piece: &Piece, st: DVec2, error: f64) -> Side {
+    piece.side(st, SPARE * trim_reach(&piece.patch.jet(st), error))
+}

@@ -1,0 +1,117 @@
+//! What trims cut, and what is said of broken ones.
+
+use glam::DVec2;
+
+use crate::io::read_scene;
+use crate::scene::{Scene, World};
+
+fn scene(text: &str) -> Result<Scene, String> {
+    read_scene(text, "s.toml", &mut |_, _, _| unreachable!()).map_err(|error| error.to_string())
+}
+
+/// A plane, `0 ≤ u, v ≤ 1`, with trims.
+fn plane(trims: &str) -> String {
+    format!("[[object]]\nname = 'sheet'\nshape = 'plane'\n[object.trims]\n{trims}\n")
+}
+
+fn error(text: &str) -> String {
+    let made = scene(text)
+        .and_then(|scene| World::new(&scene).map(drop).map_err(|error| error.to_string()));
+    made.unwrap_err()
+}
+
+#[test]
+fn loops_of_every_kind_cut() {
+    let hole = "{ circle = { center = [0.5, 0.5], radius = 0.2 } }";
+    let square = "{ polygon = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]] }";
+    let ring = "{ curves = [
+        { arc = { radius = 0.2, degrees = 180 }, transform = [{ translate = [0.5, 0.5, 0] }] },
+        { polyline = [[0.3, 0.5], [0.3, 0.4]] },
+        { bezier = [[0.3, 0.4], [0.5, 0.2], [0.7, 0.4]] },
+        { nurbs = { degree = 1, points = [[0.7, 0.4], [0.7, 0.5]] } },
+    ] }";
+    for (loops, keep, middle) in [
+        (hole.to_owned(), "outside", false),
+        (hole.to_owned(), "inside", true),
+        (square.to_owned(), "outside", false),
+        (ring.to_owned(), "outside", false),
+        (format!("{square}, {hole}"), "inside", false),
+        (format!("{square}, {hole}"), "outside", true),
+    ] {
+        let text = plane(&format!("keep = '{keep}'\nloops = [{loops}]"));
+        let world = World::new(&scene(&text).unwrap()).unwrap();
+        let sheet = world.surfaces[0].surface.trimmed().unwrap();
+        assert_eq!(sheet.keeps(DVec2::splat(0.5)), middle, "{text}");
+        assert_eq!(sheet.keeps(DVec2::splat(0.1)), keep == "outside", "{text}");
+    }
+}
+
+#[test]
+fn trims_that_cannot_be_are_named() {
+    for (trims, message) in [
+        ("keep = 'inside'", "4:1: missing key \"loops\""),
+        (
+            "loops = []",
+            "4:1: surface \"sheet\": trims: there are no loops: a surface that is not trimmed needs no trims",
+        ),
+        ("keep = 'both'\nloops = []", "5:8: unknown name \"both\"; known: inside, outside"),
+        (
+            "loops = [\n  { circle = { center = [0.5, 0.5], radius = 0.2 } },\n  { circle = { center = [0.6, 0.5], radius = 0.2 } },\n]",
+            "7:3: surface \"sheet\": trims: loops 0 and 1 cross at (u, v) = (0.5",
+        ),
+        (
+            "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] },\n  { polyline = [[0.9, 0.8], [0.1, 0.1]] },\n] }]",
+            "7:3: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 1 begins (0.000e0, -1.000e-1) away",
+        ),
+        (
+            "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1]] },\n  { bezier = [[0.9, 0.1]] },\n] }]",
+            "7:3: surface \"sheet\": trims: loop 0, curve 1: degree 0: degrees from 1 to 32 are supported",
+        ),
+        (
+            "loops = [{ curves = [{ polyline = [[0, 0, 0], [1, 0, 2]] }] }]",
+            "5:22: surface \"sheet\": trims: loop 0, curve 0: control point 1 has z = 2: a trim curve lies in the plane z = 0",
+        ),
+        (
+            "loops = [{ polygon = [[0, 0], [1, 1], [1, 0], [0, 1]] }]",
+            "5:10: surface \"sheet\": trims: loop 0 crosses itself at (u, v) = (0.5, 0.5)",
+        ),
+        (
+            "loops = [{ circle = { center = [5, 5], radius = 1 } }]",
+            "5:10: surface \"sheet\": trims: loop 0 lies on (4, 4) to (6, 6), outside the domain (0, 0) to (1, 1)",
+        ),
+        (
+            "loops = [{ polygon = [[-1, -1], [2, -1], [2, 2], [-1, 2]] }]\nkeep = 'outside'",
+            "4:1: surface \"sheet\": trims: they keep no part of the surface",
+        ),
+        (
+            "loops = [{ polygon = [[0, 0, 0]] }]",
+            "5:23: found a list of 3 numbers, needed two numbers, [u, v]",
+        ),
+        ("loops = [{ ring = 1 }]", "5:12: unknown loop \"ring\"; known: polygon, circle, curves"),
+        ("loops = [{ circle = { radius = 1 } }]", "5:21: missing key \"center\""),
+    ] {
+        let found = error(&plane(trims));
+        assert!(found.starts_with(&format!("s.toml:{message}")), "{found}\ns.toml:{message}");
+    }
+}
+
+#[test]
+fn trims_cut_one_surface() {
+    let tube = "shape = { tube = { curve = { polyline = [[0, 0, 0], [1, 0, 0]] }, radius = 0.1 } }";
+    let trims = "trims = { loops = [{ circle = { center = [0.5, 0.5], radius = 0.2 } }] }";
+    assert_eq!(
+        error(&format!("[[object]]\nname = 'rod'\n{tube}\n{trims}")),
+        "s.toml:4:9: object \"rod\": trims cut one surface, and here are 3"
+    );
+}
+
+#[test]
+fn a_seam_is_found() {
+    let text = "[[object]]\nshape = 'cylinder'\n[object.trims]\nkeep = 'outside'\n\
+                loops = [{ polygon = [[-0.1, 0.2], [0.1, 0.2], [0.1, 0.8], [-0.1, 0.8]] }]\n";
+    let world = World::new(&scene(text).unwrap()).unwrap();
+    let side = world.surfaces[0].surface.trimmed().unwrap();
+    for (u, kept) in [(0.0, false), (0.05, false), (0.95, false), (1.0, false), (0.5, true)] {
+        assert_eq!(side.keeps(DVec2::new(u, 0.5)), kept, "{u}");
+    }
+}

@@ -1,0 +1,221 @@
+//! Trims as written: loops of curves in a surface's (u, v).
+
+use std::fmt;
+
+use glam::DVec2;
+use thiserror::Error;
+
+use super::curve::CurveFault;
+use super::{CurveSpec, Place, SceneError, SceneFault};
+use crate::geometry::trim::{
+    Coverage, Kept, Side, TrimCurve, TrimCurveError, TrimDomain, TrimError, TrimLoop,
+    TrimLoopError, Trims,
+};
+use crate::geometry::{CurveError, NurbsSurface, TrimmedSurface};
+
+/// Which part of a surface is kept, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrimSpec {
+    /// Where it was written.
+    pub place: Place,
+    /// Which side of the loops stays.
+    pub kept: Kept,
+    /// The loops.
+    pub loops: Vec<LoopSpec>,
+}
+
+/// A closed loop as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopSpec {
+    /// Where it was written.
+    pub place: Place,
+    /// What it is.
+    pub kind: LoopKind,
+    /// What its file says of it, which the loops around it must agree with.
+    pub sense: Option<LoopSense>,
+}
+
+/// What a loop is said to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoopSense {
+    /// What it goes around is kept.
+    Outline,
+    /// What it goes around is cut off.
+    Hole,
+}
+
+impl fmt::Display for LoopSense {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Outline => "an outline",
+            Self::Hole => "a hole",
+        })
+    }
+}
+
+/// The kinds of loops an author can write.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LoopKind {
+    /// Straight lines from corner to corner, and back to the first.
+    Polygon(Vec<DVec2>),
+    /// A circle in (u, v).
+    Circle {
+        /// Its middle.
+        center: DVec2,
+        /// Its radius.
+        radius: f64,
+    },
+    /// Curves in the plane z = 0, whose x and y are u and v, each from where the one before it
+    /// ends, the last one to where the first begins.
+    Curves(Vec<CurveSpec>),
+}
+
+/// Why a curve of a loop cannot trim.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TrimCurveFault {
+    /// It is no curve.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+    /// It is no curve in (u, v).
+    #[error(transparent)]
+    Trim(#[from] TrimCurveError),
+}
+
+impl TrimSpec {
+    /// The number of control points written.
+    pub fn point_count(&self) -> usize {
+        let count = |one: &LoopSpec| match &one.kind {
+            LoopKind::Polygon(corners) => corners.len(),
+            LoopKind::Circle { .. } => 0,
+            LoopKind::Curves(curves) => {
+                curves.iter().map(CurveSpec::point_count).fold(0, usize::saturating_add)
+            }
+        };
+        self.loops.iter().map(count).fold(0, usize::saturating_add)
+    }
+
+    /// The surface with these trims; errors call it `name`.
+    pub(super) fn trimmed(
+        &self,
+        name: &str,
+        surface: NurbsSurface,
+    ) -> Result<TrimmedSurface, SceneError> {
+        let fails = |error| {
+            let fault = SceneFault::Trims { surface: name.to_owned(), error };
+            SceneError::new(self.place.clone(), fault)
+        };
+        let domain = TrimDomain::with_seams_of(&surface).map_err(fails)?;
+        let loops = self.loops.iter().enumerate();
+        let loops = loops.map(|(index, one)| one.trim_loop(name, index));
+        let loops = loops.collect::<Result<Vec<_>, _>>()?;
+        let trims = Trims::new(domain, self.kept, &loops).map_err(|error| {
+            let place = self.place_of(&error).clone();
+            SceneError::new(place, SceneFault::Trims { surface: name.to_owned(), error })
+        })?;
+        self.check_senses(name, domain, &loops)?;
+        if trims.classify(&domain.bounds()) == Coverage::Outside {
+            let fault = SceneFault::NothingKept { surface: name.to_owned() };
+            return Err(SceneError::new(self.place.clone(), fault));
+        }
+        TrimmedSurface::new(surface, trims).map_err(fails)
+    }
+
+    /// Whether loops are what they are said to be, given how many others lie around each.
+    fn check_senses(
+        &self,
+        name: &str,
+        domain: TrimDomain,
+        loops: &[TrimLoop],
+    ) -> Result<(), SceneError> {
+        if self.loops.iter().all(|one| one.sense.is_none()) {
+            return Ok(());
+        }
+        let alone =
+            loops.iter().map(|one| Trims::new(domain, Kept::Odd, std::slice::from_ref(one)));
+        let Ok(alone) = alone.collect::<Result<Vec<Trims>, _>>() else { return Ok(()) };
+        for (index, (one, trims)) in self.loops.iter().zip(&alone).enumerate() {
+            let points: Vec<DVec2> = trims.joints().collect();
+            // Loops may touch: a point clear of the other one decides.
+            let lies_in = |other: &Trims| {
+                let sides = points.iter().map(|&point| other.contains(point));
+                sides.into_iter().find_map(|side| match side {
+                    Side::Inside => Some(true),
+                    Side::Outside => Some(false),
+                    Side::Edge { .. } => None,
+                })
+            };
+            let others = alone.iter().enumerate().filter(|(other, _)| *other != index);
+            let around = others.filter(|(_, other)| lies_in(other) == Some(true)).count();
+            let outlines = (around % 2 == 0) == (self.kept == Kept::Odd);
+            let found = if outlines { LoopSense::Outline } else { LoopSense::Hole };
+            if let Some(said) = one.sense.filter(|said| *said != found) {
+                let (surface, trim_loop) = (name.to_owned(), index);
+                let fault = SceneFault::TrimSense { surface, trim_loop, said, found, around };
+                return Err(SceneError::new(one.place.clone(), fault));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the loop was written that an error speaks of; of two, the later one.
+    fn place_of(&self, error: &TrimError) -> &Place {
+        let index = match error {
+            TrimError::Loop { index, .. }
+            | TrimError::OutsideDomain { index, .. }
+            | TrimError::TooManyPeriods { index, .. }
+            | TrimError::SelfCrossing { index, .. } => Some(*index),
+            TrimError::Crossing { loops, .. } | TrimError::Coincident { loops } => {
+                loops.iter().copied().max()
+            }
+            _ => None,
+        };
+        index.and_then(|index| self.loops.get(index)).map_or(&self.place, |one| &one.place)
+    }
+}
+
+impl LoopSpec {
+    fn trim_loop(&self, name: &str, index: usize) -> Result<TrimLoop, SceneError> {
+        let made = match &self.kind {
+            LoopKind::Polygon(corners) => TrimLoop::polygon(corners),
+            LoopKind::Circle { center, radius } => TrimLoop::circle(*center, *radius),
+            LoopKind::Curves(curves) => {
+                let made = curves.iter().enumerate();
+                let made = made.map(|(at, curve)| trim_curve(name, [index, at], curve));
+                TrimLoop::new(&made.collect::<Result<Vec<_>, _>>()?)
+            }
+        };
+        made.map_err(|error| {
+            let place = match (&error, &self.kind) {
+                (TrimLoopError::Open { next, .. }, LoopKind::Curves(curves)) => {
+                    curves.get(*next).map_or(&self.place, |curve| &curve.place)
+                }
+                _ => &self.place,
+            };
+            let (surface, error) = (name.to_owned(), TrimError::Loop { index, error });
+            SceneError::new(place.clone(), SceneFault::Trims { surface, error })
+        })
+    }
+}
+
+/// Curve `at` of loop `index`.
+fn trim_curve(
+    name: &str,
+    [index, at]: [usize; 2],
+    curve: &CurveSpec,
+) -> Result<TrimCurve, SceneError> {
+    let fails = |place: &Place, error| {
+        let (surface, trim_loop, curve) = (name.to_owned(), index, at);
+        let fault = SceneFault::TrimCurve { surface, trim_loop, curve, error };
+        SceneError::new(place.clone(), fault)
+    };
+    let made = curve.curve().map_err(|fault| match fault {
+        CurveFault::Curve(place, error) => fails(&place, error.into()),
+        CurveFault::Transform(place, error) => {
+            let object = format!("{name}, loop {index}, curve {at}");
+            SceneError::new(place, SceneFault::Transform { object, error })
+        }
+    })?;
+    TrimCurve::nurbs(&made).map_err(|error| fails(&curve.place, error.into()))
+}
