@@ -16,6 +16,10 @@ mod double;
 mod forms;
 #[path = "common/model.rs"]
 mod model;
+#[path = "analytic/octants.rs"]
+mod octants;
+#[path = "common/patches.rs"]
+mod patches;
 #[path = "analytic/polynomial.rs"]
 mod polynomial;
 #[path = "common/random.rs"]

@@ -17,6 +17,8 @@ mod judge;
 mod model;
 #[path = "robust/models.rs"]
 mod models;
+#[path = "common/patches.rs"]
+mod patches;
 #[path = "independent/program.rs"]
 mod program;
 #[path = "common/random.rs"]

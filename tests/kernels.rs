@@ -9,9 +9,12 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
-use nurbray::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
+use nurbray::geometry::{Charts, KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
 use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::{Ray, rounding};
+
+#[path = "common/patches.rs"]
+mod patches;
 
 /// Reproducible numbers in `[0, 1)` (xorshift64*, Vigna 2016).
 struct Random(u64);
@@ -69,7 +72,7 @@ fn trimmed(surface: NurbsSurface) -> TrimmedSurface {
 }
 
 fn models() -> Vec<(String, Vec<Surface>)> {
-    let mut models: Vec<(String, Vec<NurbsSurface>)> = vec![
+    let nurbs: Vec<(String, Vec<NurbsSurface>)> = vec![
         ("sphere".into(), vec![shapes::sphere(1.0).unwrap()]),
         ("biquadratic sphere".into(), vec![shapes::sphere_biquadratic(1.0).unwrap()]),
         ("torus".into(), vec![shapes::torus(1.0, 0.4).unwrap()]),
@@ -81,6 +84,10 @@ fn models() -> Vec<(String, Vec<Surface>)> {
         ("plane".into(), vec![shapes::plane(2.0, 2.0).unwrap()]),
         ("lecture patch".into(), vec![shapes::lecture_patch_3()]),
     ];
+    let mut models: Vec<(String, Vec<Surface>)> = nurbs
+        .into_iter()
+        .map(|(name, surfaces)| (name, surfaces.into_iter().map(Surface::from).collect()))
+        .collect();
     for (degree, points, rational) in [
         ((3, 3), 12, false),
         ((2, 3), 9, true),
@@ -88,12 +95,11 @@ fn models() -> Vec<(String, Vec<Surface>)> {
         ((7, 1), 9, true),
         ((24, 3), 25, false),
     ] {
-        models
-            .push((format!("sheet {degree:?} {rational}"), vec![sheet(degree, points, rational)]));
+        models.push((
+            format!("sheet {degree:?} {rational}"),
+            vec![sheet(degree, points, rational).into()],
+        ));
     }
-    let whole = |surfaces: Vec<NurbsSurface>| surfaces.into_iter().map(Surface::from).collect();
-    let mut models: Vec<(String, Vec<Surface>)> =
-        models.into_iter().map(|(name, surfaces)| (name, whole(surfaces))).collect();
     for (name, surface) in [
         ("trimmed sphere", shapes::sphere(1.0).unwrap()),
         ("trimmed torus", shapes::torus(1.0, 0.4).unwrap()),
@@ -102,6 +108,11 @@ fn models() -> Vec<(String, Vec<Surface>)> {
     ] {
         models.push((name.into(), vec![trimmed(surface).into()]));
     }
+    models.push(("octant sphere".into(), patches::octants()));
+    models.push(("body".into(), vec![patches::catmull_clark()]));
+    models.push(("creased body, 1)".into(), vec![patches::creased()]));
+    models.push(("Doo–Sabin body".into(), vec![patches::doo_sabin()]));
+    models.push(("creased sheet, 1)".into(), vec![patches::creased_sheet()]));
     models
 }
 
@@ -121,16 +132,16 @@ fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -
         let origin = center + 1.5 * radius * random.direction();
         rays.push((origin, center + radius * random.next() * random.direction() - origin));
     }
-    for surface in surfaces {
+    let charts: Vec<_> = surfaces.iter().flat_map(Surface::charts).collect();
+    for k in 0..600 * surfaces.len() {
+        // The charts in turn, and neighbours not one after the other.
+        let surface = &charts[k * 7919 % charts.len()].surface;
         let [(u0, u1), (v0, v1)] = surface.domain();
-        for _ in 0..600 {
-            let grid = |random: &mut Random| (random.next() * 9.0).floor() / 8.0;
-            let (a, b) =
-                (grid(random), if random.next() < 0.5 { grid(random) } else { random.next() });
-            let target = surface.point_at(DVec2::new(u0 + a * (u1 - u0), v0 + b * (v1 - v0)));
-            let origin = target + 3.0 * radius * random.direction();
-            rays.push((origin, target - origin));
-        }
+        let grid = |random: &mut Random| (random.next() * 9.0).floor() / 8.0;
+        let (a, b) = (grid(random), if random.next() < 0.5 { grid(random) } else { random.next() });
+        let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+        let origin = target + 3.0 * radius * random.direction();
+        rays.push((origin, target - origin));
     }
     for k in 0..150 {
         let axis = [DVec3::X, DVec3::Y, -DVec3::Z][k % 3];

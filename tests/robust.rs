@@ -8,6 +8,8 @@
     reason = "tests, and the functions they share, of which each uses some"
 )]
 
+#[path = "robust/bodies.rs"]
+mod bodies;
 #[path = "robust/halving.rs"]
 mod halving;
 #[path = "robust/hard.rs"]
@@ -24,6 +26,8 @@ mod model;
 mod models;
 #[path = "robust/near.rs"]
 mod near;
+#[path = "common/patches.rs"]
+mod patches;
 #[path = "common/random.rs"]
 mod random;
 #[path = "robust/ranges.rs"]

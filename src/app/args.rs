@@ -34,7 +34,7 @@ const MAX_THREADS: i64 = 1024;
     about = "Ray traces NURBS surfaces directly: no tessellation, exact silhouettes, f64 hits",
     arg_required_else_help = true,
     max_term_width = 100,
-    after_help = "INPUT is a scene (.toml) or a bare model file (geomdl .json), which is framed and \
+    after_help = "INPUT is a scene (.toml) or a bare model file (geomdl .json, cage .obj), which is framed and \
                   lit by default.\n\
                   Exit codes: 0 done, 1 failed, 2 wrong use or bad input.\n\n\
                   Example:\n  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png"
@@ -68,7 +68,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = super::render::HELP)]
 pub(crate) struct RenderArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// Picture to write; may be given several times. The extension says how: .exr holds linear
@@ -217,7 +217,7 @@ With --json one object on stdout: rays, hits, doubtful (rays), build_seconds, tr
 Example:
   nurbray cast model.json --rays rays.npy -o hits.npy --json")]
 pub(crate) struct CastArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// Rays to trace, a NumPy file
@@ -249,7 +249,7 @@ pub(crate) struct CastArguments {
 #[derive(Debug, Args)]
 #[command(after_help = super::audit::HELP)]
 pub(crate) struct AuditArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// How many rays, of all classes together
@@ -278,7 +278,7 @@ pub(crate) struct AuditArguments {
 #[derive(Debug, Args)]
 #[command(after_help = super::info::HELP)]
 pub(crate) struct InfoArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// Print one JSON object instead of tables

@@ -1,8 +1,14 @@
 //! A surface of any kind.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::{Chart, Charts, NurbsSurface, SurfaceDerivatives, SurfaceError, TrimmedSurface};
+use super::construct::ControlNet;
+use super::{
+    Chart, Charts, LimitSurface, NurbsSurface, SurfaceDerivatives, SurfaceError, TrianglePatch,
+    TrimmedSurface,
+};
 
 /// A surface of any kind that can be traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +18,10 @@ pub enum Surface {
     Nurbs(NurbsSurface),
     /// A part of a NURBS surface.
     Trimmed(TrimmedSurface),
+    /// A triangular patch; its (u, v) are barycentric.
+    Triangle(TrianglePatch),
+    /// The limit surface of a cage: Catmull–Clark's or Doo–Sabin's.
+    Limit(Arc<LimitSurface>),
 }
 
 impl From<NurbsSurface> for Surface {
@@ -26,11 +36,25 @@ impl From<TrimmedSurface> for Surface {
     }
 }
 
+impl From<TrianglePatch> for Surface {
+    fn from(patch: TrianglePatch) -> Self {
+        Self::Triangle(patch)
+    }
+}
+
+impl From<LimitSurface> for Surface {
+    fn from(surface: LimitSurface) -> Self {
+        Self::Limit(Arc::new(surface))
+    }
+}
+
 impl Charts for Surface {
     fn charts(&self) -> Vec<Chart<'_>> {
         match self {
             Self::Nurbs(surface) => surface.charts(),
             Self::Trimmed(surface) => surface.charts(),
+            Self::Triangle(patch) => patch.charts(),
+            Self::Limit(surface) => surface.charts(),
         }
     }
 }
@@ -41,6 +65,7 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => Some(surface),
             Self::Trimmed(trimmed) => Some(trimmed.surface()),
+            _ => None,
         }
     }
 
@@ -48,7 +73,27 @@ impl Surface {
     pub fn trimmed(&self) -> Option<&TrimmedSurface> {
         match self {
             Self::Trimmed(trimmed) => Some(trimmed),
-            Self::Nurbs(_) => None,
+            _ => None,
+        }
+    }
+
+    /// What kind of surface it is, for messages.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Nurbs(_) => "a NURBS surface",
+            Self::Trimmed(_) => "a trimmed NURBS surface",
+            Self::Triangle(_) => "a triangular patch",
+            Self::Limit(_) => "a subdivision surface",
+        }
+    }
+
+    /// Its control points, and lines between neighbours.
+    pub fn control_net(&self) -> ControlNet {
+        match self {
+            Self::Nurbs(surface) => surface.into(),
+            Self::Trimmed(trimmed) => trimmed.surface().into(),
+            Self::Triangle(patch) => patch.into(),
+            Self::Limit(surface) => surface.cage_net().clone(),
         }
     }
 
@@ -60,14 +105,20 @@ impl Surface {
                 let surface = trimmed.surface();
                 [surface.knots_u().degree(), surface.knots_v().degree()]
             }
+            Self::Triangle(patch) => [patch.degree(); 2],
+            Self::Limit(surface) => [surface.degree(); 2],
         }
     }
 
-    /// The number of control points.
+    /// The number of control points, those of all patches of a limit surface.
     pub fn point_count(&self) -> usize {
         match self {
             Self::Nurbs(surface) => surface.control().len(),
             Self::Trimmed(trimmed) => trimmed.surface().control().len(),
+            Self::Triangle(patch) => patch.control().len(),
+            Self::Limit(surface) => {
+                surface.patches().len() * (surface.degree() + 1) * (surface.degree() + 1)
+            }
         }
     }
 
@@ -76,6 +127,8 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.is_rational(),
             Self::Trimmed(trimmed) => trimmed.surface().is_rational(),
+            Self::Triangle(patch) => patch.is_rational(),
+            Self::Limit(_) => false,
         }
     }
 
@@ -84,6 +137,36 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.domain(),
             Self::Trimmed(trimmed) => trimmed.surface().domain(),
+            Self::Triangle(_) => [(0.0, 1.0); 2],
+            Self::Limit(surface) => [(0.0, surface.unit_count() as f64), (0.0, 1.0)],
+        }
+    }
+
+    /// The rectangle of parameters around a place that a texture is spread over: the domain,
+    /// of a limit surface the unit square.
+    pub fn tile(&self, uv: DVec2) -> [(f64, f64); 2] {
+        match self {
+            Self::Limit(surface) => {
+                let last = surface.unit_count().saturating_sub(1) as f64;
+                let unit = uv.x.floor().clamp(0.0, last);
+                [(unit, unit + 1.0), (0.0, 1.0)]
+            }
+            _ => self.domain(),
+        }
+    }
+
+    /// Whether a place is on a border, but for the rounding of its parameters.
+    pub fn on_border(&self, uv: DVec2) -> bool {
+        match self {
+            Self::Nurbs(_) | Self::Trimmed(_) => {
+                let [u, v] = self.domain();
+                [u.0, u.1].contains(&uv.x) || [v.0, v.1].contains(&uv.y)
+            }
+            Self::Triangle(_) => {
+                let w = 1.0 - uv.x - uv.y;
+                uv.min_element() <= 0.0 || w <= 2.0 * f64::EPSILON
+            }
+            Self::Limit(surface) => surface.on_border(uv),
         }
     }
 
@@ -92,6 +175,8 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.derivatives(uv.x, uv.y),
             Self::Trimmed(trimmed) => trimmed.surface().derivatives(uv.x, uv.y),
+            Self::Triangle(patch) => patch.derivatives(uv.x, uv.y),
+            Self::Limit(surface) => surface.derivatives(uv),
         }
     }
 
@@ -100,6 +185,8 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.point_at(uv.x, uv.y),
             Self::Trimmed(trimmed) => trimmed.surface().point_at(uv.x, uv.y),
+            Self::Triangle(patch) => patch.point_at(uv.x, uv.y),
+            Self::Limit(surface) => surface.point_at(uv),
         }
     }
 
@@ -108,6 +195,8 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.normal(uv.x, uv.y),
             Self::Trimmed(trimmed) => trimmed.surface().normal(uv.x, uv.y),
+            Self::Triangle(patch) => patch.normal(uv.x, uv.y),
+            Self::Limit(surface) => surface.normal(uv),
         }
     }
 
@@ -117,6 +206,8 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.reversed_u().into(),
             Self::Trimmed(trimmed) => trimmed.reversed_u().into(),
+            Self::Triangle(patch) => patch.swapped().into(),
+            Self::Limit(surface) => surface.reversed().into(),
         }
     }
 
@@ -128,6 +219,10 @@ impl Surface {
         match self {
             Self::Nurbs(surface) => surface.transformed(map).map(Self::from),
             Self::Trimmed(trimmed) => trimmed.transformed(map).map(Self::from),
+            Self::Triangle(patch) => {
+                patch.transformed(map).map(Self::from).map_err(SurfaceError::Triangle)
+            }
+            Self::Limit(surface) => surface.transformed(map).map(Self::from),
         }
     }
 }

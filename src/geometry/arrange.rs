@@ -37,14 +37,23 @@ impl NurbsSurface {
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.
     pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
-        let determinant = map.matrix3.determinant();
-        let invertible = map.is_finite() && determinant.is_normal();
-        if !invertible {
-            return Err(SurfaceError::Transform { determinant });
-        }
+        check_invertible(map)?;
         let moved =
             |point: &DVec4| (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w);
         let control = self.control().iter().map(moved).collect();
         Self::from_homogeneous(self.knots_u().clone(), self.knots_v().clone(), control)
     }
+}
+
+/// Refuses a map that is not finite, or flattens space.
+pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
+    let determinant = map.matrix3.determinant();
+    let invertible = map.is_finite() && determinant.is_normal();
+    if invertible { Ok(()) } else { Err(SurfaceError::Transform { determinant }) }
+}
+
+/// By how much a map lengthens distances at most: the root of the sum of its squares is a
+/// bound of the largest singular value, and no more than √3 times it.
+pub(crate) fn stretch(map: &DAffine3) -> f64 {
+    map.matrix3.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }

@@ -51,6 +51,15 @@ impl ChartMap {
 }
 
 impl<'a> Chart<'a> {
+    /// The whole's parameters of a place on the chart; at an [open end](Self::open_end) the
+    /// last numbers before it.
+    pub fn uv(&self, at: DVec2) -> DVec2 {
+        let [u, v] = self.surface.domain();
+        let inside = |t: f64, end: f64, open| if open && t >= end { end.next_down() } else { t };
+        let [open_u, open_v] = self.open_end;
+        self.map.uv(DVec2::new(inside(at.x, u.1, open_u), inside(at.y, v.1, open_v)))
+    }
+
     /// A whole surface as its only chart.
     pub fn whole(surface: &'a NurbsSurface) -> Self {
         Self {

@@ -48,12 +48,14 @@ pub mod shapes;
 mod surface;
 mod surface_error;
 mod triangle;
+mod triangle_charts;
 mod triangle_error;
 pub mod trim;
 mod trimmed;
 mod uniform;
 
 pub use any_surface::Surface;
+pub(crate) use arrange::stretch;
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
 pub use cage::{

@@ -86,8 +86,8 @@ impl NurbsSurface {
             }
         }
         let surface = Self::assembled([knots_u, knots_v], control);
-        let size = surface.check_extent()?;
-        if size < MIN_MAGNITUDE { Err(SurfaceError::TooSmall { size }) } else { Ok(surface) }
+        surface.extent().checked()?;
+        Ok(surface)
     }
 
     /// Whether a number can be the weight of a control point.
@@ -105,30 +105,12 @@ impl NurbsSurface {
     /// Refuses a surface whose control points all coincide, or lie on one line as far as rounding
     /// can tell; else says how far they span.
     pub(super) fn check_extent(&self) -> Result<f64, SurfaceError> {
-        let euclidean = |point: &DVec4| point.xyz() / point.w;
-        let first = euclidean(&self.control[0]);
-        let (mut low, mut high) = (first, first);
-        for point in self.control.iter().map(euclidean) {
-            low = low.min(point);
-            high = high.max(point);
-        }
-        let magnitude = low.abs().max(high.abs()).max_element();
-        let size = (high - low).max_element();
-        let extended = size > SAME_POINT * magnitude;
-        if !extended {
-            return Err(SurfaceError::NoExtent { point: first });
-        }
-        // A ray could only meet a line by chance of rounding.
-        let points = || self.control.iter().map(euclidean);
-        let distance = |point: &DVec3| point.distance_squared(first);
-        let farther = |a: &DVec3, b: &DVec3| distance(a).total_cmp(&distance(b));
-        let last = points().max_by(farther).unwrap_or(first);
-        let along = (last - first).normalize_or_zero();
-        let off_line = |point: DVec3| (point - first).cross(along).length();
-        let widest = points().map(off_line).fold(0.0, f64::max);
-        let [p, q] = [0, 1].map(|k| self.knots[k].degree());
-        let wide = widest > rounding::residual_factor(p, q) * magnitude;
-        if wide { Ok(size) } else { Err(SurfaceError::NoArea { from: first, to: last }) }
+        self.extent().wide()
+    }
+
+    fn extent(&self) -> Extent {
+        let points = || self.control.iter().map(|point| point.xyz() / point.w);
+        extent(points, [0, 1].map(|k| self.knots[k].degree()))
     }
 
     /// The knots in u.
@@ -188,6 +170,61 @@ impl NurbsSurface {
     pub fn domain(&self) -> [(f64, f64); 2] {
         [self.knots[0].domain(), self.knots[1].domain()]
     }
+}
+
+/// What homogeneous control points span, as far as rounding can tell.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Extent {
+    /// Nothing: all are one point.
+    Point(DVec3),
+    /// A line, which a ray could only meet by chance of rounding.
+    Line { from: DVec3, to: DVec3 },
+    /// More than that, so far along the longest axis.
+    Wide { size: f64 },
+}
+
+impl Extent {
+    /// How far along the longest axis, if a ray can meet it.
+    pub(super) fn wide(self) -> Result<f64, SurfaceError> {
+        match self {
+            Self::Wide { size } => Ok(size),
+            Self::Line { from, to } => Err(SurfaceError::NoArea { from, to }),
+            Self::Point(point) => Err(SurfaceError::NoExtent { point }),
+        }
+    }
+
+    /// As [`Extent::wide`], and large enough to reckon with.
+    pub(super) fn checked(self) -> Result<f64, SurfaceError> {
+        let size = self.wide()?;
+        if size < MIN_MAGNITUDE { Err(SurfaceError::TooSmall { size }) } else { Ok(size) }
+    }
+}
+
+/// How far the control points of a surface of these degrees span.
+pub(super) fn extent<I: Iterator<Item = DVec3>>(
+    points: impl Fn() -> I,
+    [p, q]: [usize; 2],
+) -> Extent {
+    let first = points().next().unwrap_or_default();
+    let (mut low, mut high) = (first, first);
+    for point in points() {
+        low = low.min(point);
+        high = high.max(point);
+    }
+    let magnitude = low.abs().max(high.abs()).max_element();
+    let size = (high - low).max_element();
+    let extended = size > SAME_POINT * magnitude;
+    if !extended {
+        return Extent::Point(first);
+    }
+    let distance = |point: &DVec3| point.distance_squared(first);
+    let farther = |a: &DVec3, b: &DVec3| distance(a).total_cmp(&distance(b));
+    let last = points().max_by(farther).unwrap_or(first);
+    let along = (last - first).normalize_or_zero();
+    let off_line = |point: DVec3| (point - first).cross(along).length();
+    let widest = points().map(off_line).fold(0.0, f64::max);
+    let wide = widest > rounding::residual_factor(p, q) * magnitude;
+    if wide { Extent::Wide { size } } else { Extent::Line { from: first, to: last } }
 }
 
 /// Derivatives are sizes over lengths of domains, and their squares must be finite.

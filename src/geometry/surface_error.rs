@@ -5,8 +5,8 @@ use std::fmt;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::KnotError;
 use super::surface::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+use super::{CageError, KnotError, TriangleError};
 use crate::math::{Shown, ShownVector};
 
 /// One of the two parameters of a surface.
@@ -144,6 +144,12 @@ pub enum SurfaceError {
         /// Where the domain ends.
         end: f64,
     },
+    /// A triangular patch would not be valid.
+    #[error("{0}")]
+    Triangle(TriangleError),
+    /// The cage of a subdivision surface would not be valid.
+    #[error("{0}")]
+    Cage(CageError),
     /// A transform that is not finite, or flattens space.
     #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {

@@ -3,8 +3,11 @@
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::shapes::unit_knots;
+use super::surface::{Extent, extent};
 use super::triangle_error::TriangleError;
-use super::{MAX_DEGREE, NurbsCurve, SurfaceDerivatives};
+use super::{
+    MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve, NurbsSurface, SurfaceDerivatives,
+};
 
 /// A triangular rational Bézier patch of degree `n`,
 /// `S(u, v) = Σ B_ijk w_ijk P_ijk / Σ B_ijk w_ijk` with `B_ijk = n!/(i! j! k!) uⁱ vʲ wᵏ`,
@@ -17,8 +20,10 @@ use super::{MAX_DEGREE, NurbsCurve, SurfaceDerivatives};
 ///
 /// # Invariants, checked once on construction
 /// - `1 ≤ n ≤` [`MAX_DEGREE`], and there are `(n + 1)(n + 2)/2` control points;
-/// - all coordinates are finite, all weights positive, finite and not subnormal;
-/// - the control points are not all the same (within rounding).
+/// - no coordinate is larger than [`MAX_MAGNITUDE`], and weights are from [`MIN_MAGNITUDE`]
+///   to [`MAX_MAGNITUDE`];
+/// - the control points are not all on one line (within rounding), and span at least
+///   [`MIN_MAGNITUDE`] along an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrianglePatch {
     degree: usize,
@@ -46,7 +51,7 @@ pub struct TriangleQuarter {
 }
 
 /// Barycentric coordinates `[u, v, w]`.
-type Barycentric = [f64; 3];
+pub(super) type Barycentric = [f64; 3];
 
 /// The number of control points of a degree.
 fn count(degree: usize) -> usize {
@@ -66,7 +71,7 @@ fn exponents(degree: usize) -> impl Iterator<Item = (usize, usize)> {
 /// One round of de Casteljau's algorithm: from the points of a degree to those of the next
 /// lower one, mixed in the ratio of the coordinates, in place. The order of the sum does not
 /// matter where one coordinate is zero: sides depend on their own control points only.
-fn mix(points: &mut Vec<DVec4>, degree: usize, [u, v, w]: Barycentric) {
+pub(super) fn mix(points: &mut Vec<DVec4>, degree: usize, [u, v, w]: Barycentric) {
     let lower = degree - 1;
     let mixed = exponents(lower).map(|(i, j)| {
         let at = |i, j| points[index(degree, i, j)];
@@ -110,12 +115,12 @@ impl TrianglePatch {
         for ((i, j), point) in exponents(degree).zip(&control) {
             let exponents = [i, j, degree - i - j];
             let weight = point.w;
-            let usable = weight.is_normal() && weight > 0.0;
-            if !usable {
+            if !NurbsSurface::usable_weight(weight) {
                 return Err(TriangleError::Weight { exponents, weight });
             }
             let euclidean = point.xyz() / weight;
-            if !point.is_finite() || !euclidean.is_finite() {
+            let usable = euclidean.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all(); // NaN is not
+            if !usable {
                 return Err(TriangleError::Point { exponents, point: euclidean });
             }
         }
@@ -126,16 +131,13 @@ impl TrianglePatch {
 
     /// As for tensor-product surfaces: points that differ by rounding only are one.
     fn check_extent(&self) -> Result<(), TriangleError> {
-        let euclidean = |point: &DVec4| point.xyz() / point.w;
-        let first = euclidean(&self.control[0]);
-        let (low, high) = self
-            .control
-            .iter()
-            .map(euclidean)
-            .fold((first, first), |(a, b), p| (a.min(p), b.max(p)));
-        let magnitude = low.abs().max(high.abs()).max_element();
-        let extended = (high - low).max_element() > 4.0 * f64::EPSILON * magnitude;
-        if extended { Ok(()) } else { Err(TriangleError::NoExtent { point: first }) }
+        let points = || self.control.iter().map(|point| point.xyz() / point.w);
+        match extent(points, [self.degree; 2]) {
+            Extent::Wide { size } if size >= MIN_MAGNITUDE => Ok(()),
+            Extent::Wide { size } => Err(TriangleError::TooSmall { size }),
+            Extent::Line { from, to } => Err(TriangleError::NoArea { from, to }),
+            Extent::Point(point) => Err(TriangleError::NoExtent { point }),
+        }
     }
 
     /// The degree `n`.

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::MAX_DEGREE;
+use super::{MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE};
+use crate::math::{Shown, ShownVector};
 
 /// Why numbers cannot be a triangular patch: what was found and what is needed.
 ///
@@ -35,10 +36,10 @@ pub enum TriangleError {
         /// The number of control points.
         points: usize,
     },
-    /// A control point is NaN or infinite.
+    /// A coordinate of a control point is NaN, infinite, or beyond [`MAX_MAGNITUDE`].
     #[error(
-        "control point {exponents:?} is ({}, {}, {}): it must be finite",
-        .point.x, .point.y, .point.z
+        "control point {} is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
+        named(.exponents), ShownVector(*.point)
     )]
     Point {
         /// Its exponents.
@@ -46,9 +47,11 @@ pub enum TriangleError {
         /// Its coordinates; where weights were given, possibly multiplied by its weight.
         point: DVec3,
     },
-    /// A weight is not a positive, finite number.
+    /// A weight is not a number from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`].
     #[error(
-        "the weight of control point {exponents:?} is {weight}: it must be positive and finite"
+        "the weight of control point {} is {}: \
+         it must be positive and finite (from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e})",
+        named(.exponents), Shown(*.weight)
     )]
     Weight {
         /// The control point's exponents.
@@ -57,18 +60,39 @@ pub enum TriangleError {
         weight: f64,
     },
     /// All control points coincide.
-    #[error(
-        "all control points are ({}, {}, {}): the patch has no extent",
-        .point.x, .point.y, .point.z
-    )]
+    #[error("all control points are {}: the patch has no extent", ShownVector(*.point))]
     NoExtent {
         /// Where they are.
         point: DVec3,
     },
+    /// All control points lie on one line, to within rounding.
+    #[error(
+        "all control points lie on the line from {} to {}, to within rounding: the patch has \
+         no area",
+        ShownVector(*.from),
+        ShownVector(*.to)
+    )]
+    NoArea {
+        /// One of them.
+        from: DVec3,
+        /// The one farthest from that.
+        to: DVec3,
+    },
+    /// The control points span less than [`MIN_MAGNITUDE`].
+    #[error("the control points span {}: at least {MIN_MAGNITUDE:e} is needed", Shown(*size))]
+    TooSmall {
+        /// How far they span along the longest axis.
+        size: f64,
+    },
     /// A transform that is not finite, or flattens space.
-    #[error("the transform is not invertible: its determinant is {determinant}")]
+    #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.
         determinant: f64,
     },
+}
+
+/// Exponents as messages write them.
+fn named([i, j, k]: &[usize; 3]) -> String {
+    format!("({i}, {j}, {k})")
 }

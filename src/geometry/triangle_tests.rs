@@ -245,7 +245,7 @@ fn what_is_no_triangle() {
     );
     assert_eq!(
         message(TrianglePatch::new(1, points.clone(), Some(vec![1.0, 0.0, 1.0]))),
-        "the weight of control point [0, 1, 0] is 0: it must be positive and finite"
+        "the weight of control point (0, 1, 0) is 0: it must be positive and finite (from 1e-70 to 1e70)"
     );
     assert_eq!(
         message(TrianglePatch::new(1, vec![DVec3::ONE; 3], None)),
@@ -253,18 +253,27 @@ fn what_is_no_triangle() {
     );
     assert_eq!(
         message(TrianglePatch::new(1, vec![DVec3::NAN; 3], None)),
-        "control point [0, 0, 1] is (NaN, NaN, NaN): it must be finite"
+        "control point (0, 0, 1) is (NaN, NaN, NaN): coordinates must be finite (up to 1e70)"
     );
     assert_eq!(
         message(TrianglePatch::new(33, Vec::new(), None)),
         "degree 33: degrees from 1 to 32 are supported"
     );
     assert!(TrianglePatch::new(1, points.clone(), Some(vec![1.0])).is_err());
+    assert_eq!(
+        message(TrianglePatch::new(1, vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::X], None)),
+        "all control points lie on the line from (0, 0, 0) to (2, 0, 0), to within rounding: the \
+         patch has no area"
+    );
+    assert_eq!(
+        message(TrianglePatch::new(1, points.iter().map(|p| 1e-80 * p).collect(), None)),
+        "the control points span 1e-80: at least 1e-70 is needed"
+    );
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
     let patch = TrianglePatch::new(1, points, None).unwrap();
     assert_eq!(
         message(patch.transformed(&flat)),
-        "the transform is not invertible: its determinant is 0"
+        "the transform's determinant is 0: it must be neither 0 nor infinite"
     );
     // w = 1 at the origin, v = 1 at x, u = 1 at y.
     assert_eq!(patch.normal(1.0, 0.0), Some(DVec3::NEG_Z));

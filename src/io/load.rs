@@ -4,24 +4,25 @@ use std::collections::HashMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::geomdl::{Model, read_geomdl};
 use super::load_error::{LoadError, LoadFault};
+use super::obj::{CageModel, read_obj_cage};
 use super::scene_toml::read_scene;
-use crate::scene::{Object, Place, Scene, nearest};
+use crate::scene::{Object, Part, Place, Scene, Scheme, Shape, Subdivision, nearest};
 
 /// The largest file that is read: 1 GiB, ten times the largest model ever met. Its text,
 /// its numbers and the surfaces made of them are in memory together for a while.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Model files known by their endings but not read yet.
-const NOT_READ: [(&str, &str); 12] = [
+const NOT_READ: [(&str, &str); 11] = [
     ("step", "STEP is not read yet"),
     ("stp", "STEP is not read yet"),
     ("iges", "IGES is not read yet"),
     ("igs", "IGES is not read yet"),
     ("3dm", "3dm is not read yet"),
-    ("obj", "OBJ is not read yet"),
     ("brep", "BREP is not read yet"),
     ("rib", "RIB is not read"),
     ("bpt", "BPT is not read yet"),
@@ -30,8 +31,9 @@ const NOT_READ: [(&str, &str); 12] = [
     ("npy", "it holds rays or hits, not surfaces"),
 ];
 
-/// Reads a scene (`.toml`) or a bare model (geomdl `.json`), which is then framed and lit
-/// by default. A file of no telling ending is a model if it begins with a brace.
+/// Reads a scene (`.toml`) or a bare model, which is then framed and lit by default: geomdl
+/// JSON (`.json`), or a cage (`.obj`), whose Catmull–Clark surface is shown. A file of no
+/// telling ending is a geomdl model if it begins with a brace.
 ///
 /// # Errors
 /// When the file, or one that the scene mentions, cannot be read or understood.
@@ -52,6 +54,7 @@ pub fn load_input(path: &Path) -> Result<Scene, LoadError> {
             let model = read_geomdl(&read_text(path, &nowhere)?, &label, &stem(path))?;
             Ok(scene_of(model, path))
         }
+        FileType::Cage => Ok(scene_of(read_cage(&read_text(path, &nowhere)?, &label)?, path)),
     }
 }
 
@@ -61,6 +64,16 @@ fn scene_of(model: Model, path: &Path) -> Scene {
     let object = Object { default_name, parts: model.parts, ..Object::default() };
     let place = Place::file(&path.display().to_string());
     Scene { place, objects: vec![object], notes: model.notes, ..Scene::default() }
+}
+
+/// A cage as a model: its Catmull–Clark surface.
+fn read_cage(text: &str, label: &str) -> Result<Model, LoadError> {
+    let CageModel { cage, notes } = read_obj_cage(text, label)?;
+    let scheme = Scheme::CatmullClark;
+    let shape = Subdivision { cage: Arc::new(cage), scheme, tolerance: None };
+    let shape = Shape::Subdivision(Arc::new(shape));
+    let part = Part { name: String::new(), place: Place::file(label), shape, trims: None };
+    Ok(Model { parts: vec![part], notes })
 }
 
 /// What a file is called without its folder and ending.
@@ -77,12 +90,15 @@ fn cached_model(
     if let Some(model) = models.get(&path) {
         return Ok(Model { parts: model.parts.clone(), notes: Vec::new() });
     }
-    if file_type(&path, place)? == FileType::Scene {
-        let what = "a scene cannot be the shape of an object";
-        return Err(LoadError::new(place.clone(), LoadFault::UnknownType { path, what }));
-    }
     let label = path.display().to_string();
-    let model = read_geomdl(&read_text(&path, place)?, &label, called)?;
+    let model = match file_type(&path, place)? {
+        FileType::Scene => {
+            let what = "a scene cannot be the shape of an object";
+            return Err(LoadError::new(place.clone(), LoadFault::UnknownType { path, what }));
+        }
+        FileType::Model => read_geomdl(&read_text(&path, place)?, &label, called)?,
+        FileType::Cage => read_cage(&read_text(&path, place)?, &label)?,
+    };
     models.insert(path, model.clone());
     Ok(model)
 }
@@ -91,6 +107,7 @@ fn cached_model(
 enum FileType {
     Scene,
     Model,
+    Cage,
 }
 
 /// Tells by the ending, else by the beginning, what a file is. `mentioned` is where a scene
@@ -101,6 +118,7 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
     match ending.as_str() {
         "toml" => return Ok(FileType::Scene),
         "json" => return Ok(FileType::Model),
+        "obj" => return Ok(FileType::Cage),
         _ => {}
     }
     let known = NOT_READ.iter().find(|(other, _)| *other == ending);
@@ -271,8 +289,33 @@ mod tests {
     }
 
     #[test]
+    fn a_bare_cage_shows_its_catmull_clark_surface_a_scene_either() {
+        let cage = b"v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\n\
+            f 1 2 4\nf 1 3 2\nf 1 4 3\nf 2 3 4\nusemtl red\n";
+        let scene = load(&[("box.obj", cage)]).1.unwrap();
+        assert_eq!(scene.notes.len(), 1);
+        let world = World::new(&scene).unwrap();
+        assert_eq!((world.surfaces.len(), world.surfaces[0].name.as_str()), (1, "box"));
+        assert_eq!(world.surfaces[0].surface.degree(), [3, 3]);
+        let both = b"[[object]]\nshape = { file = 'box.obj' }\n\
+            [[object]]\nname = 'round'\nshape = { doo_sabin = { file = 'box.obj' } }\n";
+        let scene = load(&[("s.toml", both), ("box.obj", cage)]).1.unwrap();
+        assert_eq!(scene.notes.len(), 1);
+        let world = World::new(&scene).unwrap();
+        let found: Vec<_> =
+            world.surfaces.iter().map(|one| (one.name.as_str(), one.surface.degree()[0])).collect();
+        assert_eq!(found, [("box", 3), ("round", 2)]);
+        let other = b"[[object]]\nshape = { doo_sabin = { file = 'roof.json' } }\n";
+        assert_eq!(
+            error(&[("s.toml", other), ("roof.json", SURFACE.as_bytes())]),
+            "s.toml:2:32: doo_sabin needs a cage (.obj): this file has surfaces"
+        );
+    }
+
+    #[test]
     fn other_types_are_refused_by_name() {
-        let known = "; what can be read are scenes (.toml) and geomdl JSON models (.json)";
+        let known = "; what can be read are scenes (.toml), geomdl JSON models (.json) \
+             and cages (.obj)";
         assert_eq!(
             error(&[("part.STP", b"ISO-10303-21;")]),
             format!("cannot read \"part.STP\": STEP is not read yet{known}")

@@ -124,8 +124,8 @@ impl fmt::Display for LoadFault {
             Self::UnknownType { path, what } => {
                 write!(
                     f,
-                    "cannot read {}: {what}; what can be read are scenes (.toml) and geomdl JSON \
-                     models (.json)",
+                    "cannot read {}: {what}; what can be read are scenes (.toml), geomdl JSON \
+                     models (.json) and cages (.obj)",
                     Quoted(path)
                 )
             }

@@ -16,9 +16,10 @@
 //! points of degree 3 need 11`. Files are written under another name and moved into place
 //! when complete ([`write_atomically`]), so a failure leaves the older file as it was.
 //!
-//! STEP, IGES and 3dm have their place here, but are not read yet, nor are surfaces in OBJ.
+//! STEP, IGES and 3dm have their place here, but are not read yet, nor are NURBS in OBJ.
 
 mod atomic;
+mod cage_offsets;
 #[cfg(feature = "embree")]
 mod embree;
 #[cfg(feature = "embree")]

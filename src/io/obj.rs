@@ -19,6 +19,9 @@
 //! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib` and the statements for curves, points and lines | left out, with one note a kind |
 //! | anything else | an error |
 //!
+//! A bare OBJ file, and `shape = { file = … }` in a scene, show the cage's Catmull–Clark surface;
+//! `shape = { doo_sabin = { file = … } }` shows the other one.
+//!
 //! A line that ends in `\` goes on in the next; `#` begins a comment.
 
 mod tags;
@@ -26,8 +29,9 @@ mod tags;
 use glam::DVec3;
 
 use super::LoadError;
+use super::cage_offsets::CageOffsets;
 use super::source::Source;
-use crate::geometry::{Cage, CageError, CageParts, Feature};
+use crate::geometry::{Cage, CageError, CageParts};
 use crate::scene::ImportNote;
 
 /// A cage from a file, and what else the file holds.
@@ -91,7 +95,7 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
     let mut reader = Reader {
         source: Source::new(text, label),
         parts: CageParts::default(),
-        offsets: Offsets::default(),
+        offsets: CageOffsets::default(),
         left_out: Vec::new(),
     };
     for line in lines(text) {
@@ -133,20 +137,11 @@ fn shown(word: &str) -> String {
     format!("{beginning:?}{more}")
 }
 
-/// Where in the text the parts of the cage are.
-#[derive(Debug, Default)]
-struct Offsets {
-    vertices: Vec<usize>,
-    faces: Vec<usize>,
-    creases: Vec<usize>,
-    corners: Vec<usize>,
-}
-
 #[derive(Debug)]
 struct Reader<'a> {
     source: Source<'a>,
     parts: CageParts,
-    offsets: Offsets,
+    offsets: CageOffsets,
     /// Kind, first place, number.
     left_out: Vec<((&'static str, &'static str), usize, usize)>,
 }
@@ -272,7 +267,7 @@ impl<'a> Reader<'a> {
         match Cage::new(self.parts) {
             Ok(cage) => Ok(CageModel { cage, notes }),
             Err(error) => {
-                let place = match place_of(&error, &offsets) {
+                let place = match offsets.of(&error) {
                     Some(offset) => source.place(offset),
                     None => source.file().clone(),
                 };
@@ -287,29 +282,6 @@ impl<'a> Reader<'a> {
             }
         }
     }
-}
-
-/// Where the part of a cage is that an error names.
-fn place_of(error: &CageError, offsets: &Offsets) -> Option<usize> {
-    let (list, index) = match error {
-        CageError::FewCorners { face, .. }
-        | CageError::NoSuchVertex { face, .. }
-        | CageError::RepeatedVertex { face, .. } => (&offsets.faces, *face),
-        CageError::NonManifoldEdge { faces, .. } => (&offsets.faces, *faces.last()?),
-        CageError::Orientation { faces, .. } => (&offsets.faces, faces[1]),
-        CageError::Position { vertex, .. }
-        | CageError::IsolatedVertex { vertex }
-        | CageError::NonManifoldVertex { vertex, .. } => (&offsets.vertices, *vertex),
-        CageError::NoSuchEdge { crease, .. } => (&offsets.creases, *crease),
-        CageError::NoSuchCorner { corner, .. } => (&offsets.corners, *corner),
-        CageError::Sharpness { feature, index, .. }
-        | CageError::TwoSharpnesses { feature, index, .. } => match feature {
-            Feature::Crease => (&offsets.creases, *index),
-            Feature::Corner => (&offsets.corners, *index),
-        },
-        _ => return None,
-    };
-    list.get(index).copied()
 }
 
 #[cfg(test)]

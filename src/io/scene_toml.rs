@@ -74,6 +74,8 @@
 //! [[object]]
 //! shape = { octant = { radius = 1 } }                 # x, y, z ≥ 0
 //! [[object]]
+//! shape = { octant_quartic = { radius = 1 } }         # the same as a quartic triangle
+//! [[object]]
 //! shape = { cylinder = { radius = 1, height = 1 } }   # its side, on z = 0
 //! [[object]]
 //! shape = { cone = { radius = 1, height = 1 } }       # its side, on z = 0
@@ -89,7 +91,9 @@
 //! shape = "deck_patch"
 //! ```
 //!
-//! From a model file, relative to the scene ([`read_geomdl`](super::read_geomdl) says which):
+//! From a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says what
+//! of it is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its
+//! Catmull–Clark surface:
 //!
 //! ```toml
 //! [[object]]
@@ -114,11 +118,55 @@
 //! weights = [[1, 1], [0.7, 0.7], [1, 1]] # all 1 if not given
 //! ```
 //!
+//! Or a triangular Bézier patch. The control points of degree n are named by exponents
+//! (i, j, k) with i + j + k = n, and listed with i slowest, then j: from the corner w = 1 to
+//! v = 1, then the rows beside that, up to the corner u = 1 alone.
+//! [`TrianglePatch`](crate::geometry::TrianglePatch) says more.
+//!
+//! ```toml
+//! [[object]]
+//! name = "sail"
+//! [object.shape.triangle]
+//! degree = 2
+//! points = [
+//!     [0, 0, 0], [0, 1, 1], [0, 2, 0],   # (0, 0, 2), (0, 1, 1), (0, 2, 0)
+//!     [1, 0, 1], [1, 1, 1],              # (1, 0, 1), (1, 1, 0)
+//!     [2, 0, 0],                         # (2, 0, 0)
+//! ]
+//! weights = [1, 0.7, 1, 0.7, 0.7, 1]     # all 1 if not given
+//! ```
+//!
+//! Or the limit surface of a cage by one of two schemes, `catmull_clark` and `doo_sabin`:
+//!
+//! ```toml
+//! [[object]]
+//! name = "wedge"
+//! [object.shape.catmull_clark]
+//! points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]]
+//! faces = [                              # vertices counted from 0, counterclockwise from outside
+//!     [0, 3, 2, 1], [0, 4, 5, 3], [1, 2, 5, 4], [0, 1, 4], [2, 3, 5],
+//! ]
+//! creases = [                            # chains of vertices; none if not given
+//!     { vertices = [4, 5], sharpness = inf },  # or from 0 to 10 steps of refinement
+//!     { vertices = [0, 1, 2], sharpness = 1.5 },
+//! ]
+//! corners = [{ vertices = [3], sharpness = 2 }]
+//! boundary = "edge_only"                 # where a cage ends; "edge_and_corner" if not given
+//! tolerance = 1e-5                       # in space; a millionth of the cage if not given
+//! [[object]]
+//! shape = { doo_sabin = { points = [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], faces = [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]] } }
+//! ```
+//!
+//! Instead of points and faces, `file = "body.obj"` takes the cage from a file: that is how an
+//! OBJ file becomes a Doo–Sabin surface, `shape = { doo_sabin = { file = "body.obj" } }`.
+//! Textures are spread over each unit square: a quad, or a corner of another face.
+//!
 #![doc = include_str!("scene_toml/from_curves.md")]
 #![doc = include_str!("scene_toml/plots.md")]
 //!
 #![doc = include_str!("scene_toml/trims.md")]
 
+mod cages;
 mod constructions;
 mod curves;
 mod keys;
@@ -134,7 +182,7 @@ use toml::Spanned;
 
 use self::keys::{
     CameraKeys, Grid, LightKeys, MaterialKeys, NurbsKeys, ObjectKeys, RenderKeys, SceneKeys,
-    ShapeKeys, ShapeSource, TransformKeys,
+    ShapeKeys, ShapeSource, TransformKeys, TriangleKeys,
 };
 use self::kinds::OneOf;
 use self::values::{Number, Vector};
@@ -148,7 +196,7 @@ use crate::geometry::NurbsSurface;
 use crate::math::Shown;
 use crate::scene::{
     CameraSpec, ImportNote, Knots, Lens, Light, Material, Net, Object, Part, Place, RenderDefaults,
-    Scene, SceneError, SceneFault, Shape, Texture, Transform, UnknownName, Written,
+    Scene, SceneError, SceneFault, Shape, Texture, Transform, TriangleNet, UnknownName, Written,
 };
 
 /// How a scene gets at the model files it mentions: the file as written, what the object it
@@ -381,7 +429,8 @@ impl Reader<'_, '_> {
         place: Place,
         shape: ShapeKeys,
     ) -> Result<(String, Vec<Part>), LoadError> {
-        let only = |shape| vec![Part { name: String::new(), place, shape, trims: None }];
+        let here = place.clone();
+        let only = |shape| vec![Part { name: String::new(), place: here, shape, trims: None }];
         match shape.source() {
             ShapeSource::Named(named, measures) => {
                 let place = |(name, offset)| Written::new(name, self.source.place(offset));
@@ -392,6 +441,16 @@ impl Reader<'_, '_> {
                 let Keyed(keys) = *keys;
                 let net = self.net(called.unwrap_or("nurbs"), keys)?;
                 Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
+            }
+            ShapeSource::Triangle(keys) => {
+                let Keyed(keys) = *keys;
+                let triangle = self.triangle(keys);
+                Ok(("triangle".to_owned(), only(Shape::Triangle(Arc::new(triangle)))))
+            }
+            ShapeSource::Subdivision(scheme, keys) => {
+                let Keyed(keys) = *keys;
+                let (name, surface) = self.subdivision(scheme, (called, &place), keys)?;
+                Ok((name, only(Shape::Subdivision(Arc::new(surface)))))
             }
             ShapeSource::Built(keys) => {
                 let construction = self.construction(keys)?;
@@ -423,6 +482,22 @@ impl Reader<'_, '_> {
             keys.weights.map(|weights| self.weights(called, weights, size)).transpose()?;
         let degree = keys.degree.0.map(|degree| degree as usize);
         Ok(Net { degree, knots, size, points, weights })
+    }
+
+    /// A triangle's numbers, each with its place: errors name one of them.
+    fn triangle(&self, keys: TriangleKeys) -> TriangleNet {
+        let place = self.source.place(keys.points.span().start);
+        let points = keys.points.into_inner().into_iter();
+        let points = points.map(|point| self.written(point, |point| point.0)).collect();
+        let points = Written::new(points, place);
+        let weights = keys.weights.map(|weights| {
+            let place = self.source.place(weights.span().start);
+            let weights = weights.into_inner().into_iter();
+            let weights = weights.map(|weight| self.written(weight, |weight| weight)).collect();
+            Written::new(weights, place)
+        });
+        let degree = self.written(keys.degree, |degree| degree as usize);
+        TriangleNet { degree, points, weights }
     }
 
     /// The rows and columns of a grid, which must be the same for every row.

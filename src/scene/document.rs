@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{
     Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
-    Rgb, Transform, TrimSpec, Written,
+    Rgb, Subdivision, Transform, TriangleNet, TrimSpec, Written,
 };
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
@@ -75,6 +75,8 @@ impl Shape {
     fn point_count(&self) -> usize {
         match self {
             Self::Net(net) => net.points.value.len(),
+            Self::Triangle(net) => net.points.value.len(),
+            Self::Subdivision(surface) => surface.cage.positions().len(),
             Self::Named(..) => 0,
             Self::Built(construction) => construction.point_count(),
         }
@@ -99,6 +101,10 @@ pub struct Part {
 pub enum Shape {
     /// A control net of its own; objects made from one file share it.
     Net(Arc<Net>),
+    /// A triangular patch.
+    Triangle(Arc<TriangleNet>),
+    /// The limit surface of a cage.
+    Subdivision(Arc<Subdivision>),
     /// One the program knows by name, and where each of its measures was written, as far as
     /// they were; the measures have the names a [`ShapeError`](crate::geometry::shapes::ShapeError)
     /// gives them.

@@ -9,10 +9,10 @@ use super::{
     CameraError, ImportNote, LoopSense, PictureError, Place, PlotError, TransformError,
     TrimCurveFault, UnknownName,
 };
-use crate::geometry::SurfaceError;
 use crate::geometry::construct::ConstructError;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::trim::TrimError;
+use crate::geometry::{LimitError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 
 /// Why a scene cannot be shown, and where its author wrote what is at fault.
@@ -57,6 +57,22 @@ pub enum SceneFault {
         surface: String,
         /// What is wrong with it.
         error: SurfaceError,
+    },
+    /// Numbers that are no triangular patch.
+    #[error("surface \"{surface}\": {error}")]
+    Triangle {
+        /// The surface's name.
+        surface: String,
+        /// What is wrong with it.
+        error: TriangleError,
+    },
+    /// A cage without a surface.
+    #[error("surface \"{surface}\": {error}")]
+    Limit {
+        /// The surface's name.
+        surface: String,
+        /// Why it has none.
+        error: LimitError,
     },
     /// A surface that cannot be made from curves.
     #[error("surface \"{surface}\": {error}")]

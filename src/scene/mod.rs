@@ -21,7 +21,9 @@ mod plot;
 mod plot_error;
 mod settings;
 mod shape;
+mod subdivision;
 mod transform;
+mod triangle;
 mod trims;
 mod workshop;
 mod world;
@@ -41,6 +43,8 @@ pub use plot::{BasisSpec, CurveEntry, FigureSpec, Plane, Plot, PlotKind, PlotSpe
 pub use plot_error::PlotError;
 pub use settings::{IntegratorKind, PictureError, RenderDefaults};
 pub use shape::NamedShape;
+pub use subdivision::{Scheme, Subdivision};
 pub use transform::{Transform, TransformError};
+pub use triangle::TriangleNet;
 pub use trims::{LoopKind, LoopSense, LoopSpec, TrimCurveFault, TrimSpec};
 pub use world::{Instance, World};

@@ -5,7 +5,7 @@ use glam::DAffine3;
 use super::workshop::{Made, Workshop};
 use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, UnknownName, Written};
 use crate::geometry::shapes::ShapeError;
-use crate::geometry::{NurbsSurface, Surface};
+use crate::geometry::{Surface, stretch};
 
 /// All steps of an object's transform, the first one first.
 pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
@@ -50,8 +50,12 @@ impl Placer<'_> {
     }
 
     fn make(&self, name: &str, part: &Part) -> Result<Vec<Made>, SceneError> {
-        let surface: NurbsSurface = match &part.shape {
-            Shape::Net(net) => net.surface().map_err(|fault| {
+        let surface: Surface = match &part.shape {
+            Shape::Triangle(net) => net.patch().map(Surface::from).map_err(|(error, place)| {
+                let fault = SceneFault::Triangle { surface: name.to_owned(), error };
+                SceneError::new(place.clone(), fault)
+            })?,
+            Shape::Net(net) => net.surface().map(Surface::from).map_err(|fault| {
                 let place = net.place(fault.blame).clone();
                 let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
                 SceneError::new(place, fault)
@@ -65,6 +69,14 @@ impl Placer<'_> {
                 let place = place.map_or(&part.place, |measure| &measure.place).clone();
                 SceneError::new(place, SceneFault::Shape { surface: name.to_owned(), error })
             })?,
+            Shape::Subdivision(subdivision) => {
+                let limit = subdivision.surface().map_err(|error| {
+                    let place = subdivision.blame(&error).unwrap_or(&part.place).clone();
+                    SceneError::new(place, SceneFault::Limit { surface: name.to_owned(), error })
+                })?;
+                let deviation = limit.deviation();
+                return Ok(vec![Made { name: String::new(), surface: limit.into(), deviation }]);
+            }
             Shape::Built(construction) => {
                 let surfaces_of = |of: &Written<String>| self.surfaces_of(name, of);
                 let shop =
@@ -124,10 +136,4 @@ fn trimmed(name: &str, trims: &TrimSpec, made: Vec<Made>) -> Result<Vec<Made>, S
         }
     }
     Ok(trimmed)
-}
-
-/// By how much a map lengthens distances at most: the root of the sum of its squares is a
-/// bound of the largest singular value, and no more than √3 times it.
-fn stretch(map: &DAffine3) -> f64 {
-    map.matrix3.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }

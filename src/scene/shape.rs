@@ -1,6 +1,6 @@
 //! Shapes the program knows by name.
 
-use crate::geometry::NurbsSurface;
+use crate::geometry::Surface;
 use crate::geometry::shapes::{self, ShapeError};
 
 /// A shape the program knows by name; [`shapes`] says how each lies and runs.
@@ -27,6 +27,11 @@ pub enum NamedShape {
     },
     /// The eighth `x, y, z ≥ 0` of a sphere, one biquadratic patch.
     Octant {
+        /// Its radius.
+        radius: f64,
+    },
+    /// The eighth `x, y, z ≥ 0` of a sphere, one quartic triangle.
+    OctantQuartic {
         /// Its radius.
         radius: f64,
     },
@@ -81,6 +86,7 @@ impl NamedShape {
             Self::SphereBiquadratic { .. } => "sphere_biquadratic",
             Self::Hemisphere { .. } => "hemisphere",
             Self::Octant { .. } => "octant",
+            Self::OctantQuartic { .. } => "octant_quartic",
             Self::Cylinder { .. } => "cylinder",
             Self::Cone { .. } => "cone",
             Self::Torus { .. } => "torus",
@@ -97,21 +103,23 @@ impl NamedShape {
     ///
     /// # Errors
     /// When a length is not positive and finite, or a torus would meet itself.
-    pub fn surface(&self) -> Result<NurbsSurface, ShapeError> {
-        match *self {
-            Self::Sphere { radius } => shapes::sphere(radius),
-            Self::SphereBiquadratic { radius } => shapes::sphere_biquadratic(radius),
-            Self::Hemisphere { radius } => shapes::hemisphere(radius),
-            Self::Octant { radius } => shapes::octant_biquadratic(radius),
-            Self::Cylinder { radius, height } => shapes::cylinder(radius, height),
-            Self::Cone { radius, height } => shapes::cone(radius, height),
-            Self::Torus { major, minor } => shapes::torus(major, minor),
-            Self::Disk { radius } => shapes::disk(radius),
-            Self::Plane { width, height } => shapes::plane(width, height),
-            Self::LecturePatch1 => Ok(shapes::lecture_patch_1()),
-            Self::LecturePatch2 => Ok(shapes::lecture_patch_2()),
-            Self::LecturePatch3 => Ok(shapes::lecture_patch_3()),
-            Self::DeckPatch => Ok(shapes::deck_patch()),
-        }
+    pub fn surface(&self) -> Result<Surface, ShapeError> {
+        let surface = match *self {
+            Self::Sphere { radius } => shapes::sphere(radius)?,
+            Self::SphereBiquadratic { radius } => shapes::sphere_biquadratic(radius)?,
+            Self::Hemisphere { radius } => shapes::hemisphere(radius)?,
+            Self::Octant { radius } => shapes::octant_biquadratic(radius)?,
+            Self::OctantQuartic { radius } => return Ok(shapes::octant_quartic(radius)?.into()),
+            Self::Cylinder { radius, height } => shapes::cylinder(radius, height)?,
+            Self::Cone { radius, height } => shapes::cone(radius, height)?,
+            Self::Torus { major, minor } => shapes::torus(major, minor)?,
+            Self::Disk { radius } => shapes::disk(radius)?,
+            Self::Plane { width, height } => shapes::plane(width, height)?,
+            Self::LecturePatch1 => shapes::lecture_patch_1(),
+            Self::LecturePatch2 => shapes::lecture_patch_2(),
+            Self::LecturePatch3 => shapes::lecture_patch_3(),
+            Self::DeckPatch => shapes::deck_patch(),
+        };
+        Ok(surface.into())
     }
 }

@@ -4,8 +4,10 @@ use std::collections::{HashMap, HashSet};
 
 use super::curve::CurveFault;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
-use crate::geometry::construct::{self, Axis, Borders, ConstructError, Piece, Sweep, TubeStyle};
-use crate::geometry::{NurbsCurve, NurbsSurface, Surface};
+use crate::geometry::construct::{
+    self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep, TubeStyle,
+};
+use crate::geometry::{Direction, NurbsCurve, Surface};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +19,9 @@ pub(super) struct Made {
     pub(super) deviation: f64,
 }
 
-impl From<NurbsSurface> for Made {
+impl<S: Into<Surface>> From<S> for Made {
     /// A surface that is exactly what was asked for, the only one.
-    fn from(surface: NurbsSurface) -> Self {
+    fn from(surface: S) -> Self {
         Self { name: String::new(), surface: surface.into(), deviation: 0.0 }
     }
 }
@@ -90,21 +92,19 @@ impl Workshop<'_> {
             }
             Construction::Polygon { curve, style } => {
                 let curve = self.curve("curve", curve)?;
-                numbered(self.checked(construct::control_polygon(&curve, style))?)
+                let net = ControlNet::from(&curve);
+                numbered(self.checked(construct::control_net(&net, style))?)
             }
             Construction::Net { of, style } => {
                 let surfaces = (self.surfaces_of)(of)?;
-                let nurbs = surfaces.iter().filter_map(Surface::nurbs);
-                let nets = nurbs.map(|surface| construct::control_net(surface, style));
+                let nets = surfaces.iter().map(Surface::control_net);
+                let nets = nets.map(|net| construct::control_net(&net, style));
                 let nets = nets.collect::<Result<Vec<_>, _>>();
                 numbered(self.checked(nets)?.into_iter().flatten().collect())
             }
             Construction::IsoCurves { of, u, v, style } => {
                 let surfaces = (self.surfaces_of)(of)?;
-                let nurbs = surfaces.iter().filter_map(Surface::nurbs);
-                let drawn = nurbs.map(|surface| iso_curves(surface, [u, v], style));
-                let drawn = drawn.collect::<Result<Vec<_>, _>>();
-                numbered(self.checked(drawn)?.into_iter().flatten().collect())
+                numbered(self.checked(iso_curves(&surfaces, [u, v], style))?)
             }
         };
         Ok(pieces)
@@ -134,20 +134,37 @@ impl Workshop<'_> {
     }
 }
 
-/// Curves of constant parameter as tubes; those that are only a point, at poles, show nothing.
+/// Curves of constant parameter as tubes. Those that are only a point, at poles, show nothing;
+/// but each line asked for must show something on one of the surfaces.
 fn iso_curves(
-    surface: &NurbsSurface,
+    surfaces: &[Surface],
     [u, v]: [&Vec<f64>; 2],
     style: &TubeStyle,
 ) -> Result<Vec<Piece>, ConstructError> {
-    let at_u = u.iter().map(|&u| surface.curve_at_u(u));
-    let at_v = v.iter().map(|&v| surface.curve_at_v(v));
-    let curves = at_u.chain(at_v).collect::<Result<Vec<_>, _>>().map_err(ConstructError::Iso)?;
+    let at_u = u.iter().map(|&u| (Direction::U, u));
+    let at_v = v.iter().map(|&v| (Direction::V, v));
+    let lines: Vec<(Direction, f64)> = at_u.chain(at_v).collect();
+    let mut shown = vec![false; lines.len()];
     let mut pieces = Vec::new();
-    for curve in curves.iter().filter(|curve| !curve.is_point()) {
-        pieces.extend(construct::tube(curve, style)?);
+    for surface in surfaces {
+        let surface =
+            surface.nurbs().ok_or(ConstructError::NoIsoCurves { kind: surface.kind() })?;
+        for (&(direction, t), shown) in lines.iter().zip(&mut shown) {
+            let curve = match direction {
+                Direction::U => surface.curve_at_u(t),
+                Direction::V => surface.curve_at_v(t),
+            };
+            let curve = curve.map_err(ConstructError::Iso)?;
+            if !curve.is_point() {
+                *shown = true;
+                pieces.extend(construct::tube(&curve, style)?);
+            }
+        }
     }
-    Ok(pieces)
+    match lines.iter().zip(shown).find(|(_, shown)| !shown) {
+        Some((&(direction, t), _)) => Err(ConstructError::IsoPoint { direction, t }),
+        None => Ok(pieces),
+    }
 }
 
 /// The pieces under names of their own: what each is, with a number where there are several.

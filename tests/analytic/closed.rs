@@ -8,7 +8,7 @@ use nurbray::math::rounding::residual_factor;
 use rayon::prelude::*;
 
 use crate::forms::Form;
-use crate::model::Model;
+use crate::model::{Model, nurbs};
 use crate::random::Random;
 use crate::rays::{Class, Rays};
 use crate::truth::{Crossing, Line, Placed};
@@ -161,7 +161,7 @@ fn survey(placed: &Placed, class: Class, seed: u64) -> Tally {
     let unit =
         if placed.form.is_closed() { Model::closed(name, unit) } else { Model::new(name, unit) };
     let model = unit.placed(placed.scale, placed.shift);
-    let surface = &model.surfaces[0];
+    let surface = nurbs(&model.surfaces[0]);
     let points = surface.control().iter().map(|c| (c.truncate() / c.w).abs().max_element());
     let case = Case {
         placed,

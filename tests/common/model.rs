@@ -1,44 +1,35 @@
 //! Surfaces to trace.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec2, DVec3};
-use nurbray::geometry::trim::{Side, Trims};
-use nurbray::geometry::{NurbsSurface, Surface, TrimmedSurface};
+use nurbray::geometry::trim::Side;
+use nurbray::geometry::{Charts, NurbsSurface, Surface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
 
 /// Surfaces, and what is known of them.
 pub(crate) struct Model {
     pub(crate) name: String,
-    pub(crate) surfaces: Vec<NurbsSurface>,
-    /// Which part of the first surface is there, if not all of it.
-    pub(crate) trims: Option<Arc<Trims>>,
+    pub(crate) surfaces: Vec<Surface>,
     /// Whether they enclose a volume, with all normals pointing out of it.
     pub(crate) closed: bool,
 }
 
 impl Model {
-    pub(crate) fn new(name: impl Into<String>, surface: NurbsSurface) -> Self {
-        Self { name: name.into(), surfaces: vec![surface], trims: None, closed: false }
+    pub(crate) fn new(name: impl Into<String>, surface: impl Into<Surface>) -> Self {
+        Self { name: name.into(), surfaces: vec![surface.into()], closed: false }
     }
 
-    pub(crate) fn closed(name: impl Into<String>, surface: NurbsSurface) -> Self {
+    pub(crate) fn closed(name: impl Into<String>, surface: impl Into<Surface>) -> Self {
         Self { closed: true, ..Self::new(name, surface) }
     }
 
     pub(crate) fn bvh(&self) -> SurfaceBvh {
-        let mut surfaces: Vec<Surface> = self.surfaces.iter().cloned().map(Into::into).collect();
-        if let Some(trims) = &self.trims {
-            let cut = TrimmedSurface::new(self.surfaces[0].clone(), Arc::clone(trims));
-            surfaces[0] = cut.unwrap().into();
-        }
-        SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).unwrap()
     }
 
     /// Whether a place on a surface is surely there.
     pub(crate) fn keeps(&self, surface: usize, uv: DVec2) -> bool {
-        let trims = self.trims.as_ref().filter(|_| surface == 0);
-        trims.is_none_or(|trims| trims.contains(uv) == Side::Inside)
+        let trimmed = self.surfaces[surface].trimmed();
+        trimmed.is_none_or(|trimmed| trimmed.trims().contains(uv) == Side::Inside)
     }
 
     /// The same model, scaled about the origin, then moved.
@@ -46,14 +37,14 @@ impl Model {
         let map = DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
         let surfaces = self.surfaces.iter().map(|surface| surface.transformed(&map).unwrap());
         let name = format!("{} × {scale:e} + {:e}", self.name, shift.x);
-        let surfaces = surfaces.collect();
-        Self { name, surfaces, trims: self.trims.clone(), closed: self.closed }
+        Self { name, surfaces: surfaces.collect(), closed: self.closed }
     }
 
     /// The smallest and largest coordinates of the control points.
     pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
-        let points = self.surfaces.iter().flat_map(|s| s.control()).map(|c| c.truncate() / c.w);
-        points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)))
+        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let bounds = self.surfaces.iter().map(bounds);
+        bounds.fold(empty, |(a, b), (low, high)| (a.min(low), b.max(high)))
     }
 
     pub(crate) fn center(&self) -> DVec3 {
@@ -66,4 +57,18 @@ impl Model {
         let (low, high) = self.bounds();
         0.5 * (high - low).length()
     }
+}
+
+/// The smallest and largest coordinates of a surface's control points.
+pub(crate) fn bounds(surface: &Surface) -> (DVec3, DVec3) {
+    let charts = surface.charts();
+    let points = charts.iter().flat_map(|chart| chart.surface.control());
+    points
+        .map(|c| c.truncate() / c.w)
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)))
+}
+
+/// The NURBS surface a model is.
+pub(crate) fn nurbs(surface: &Surface) -> &NurbsSurface {
+    surface.nurbs().unwrap()
 }

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use glam::DVec3;
-use nurbray::geometry::SurfaceDerivatives;
+use glam::{DVec2, DVec3};
+use nurbray::geometry::{Chart, Charts, SurfaceDerivatives};
 use nurbray::math::Ray;
 
 use crate::model::Model;
@@ -77,6 +77,14 @@ pub(crate) struct Site {
     pub(crate) v: f64,
 }
 
+/// A place on a chart, by the chart's own parameters.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    chart: usize,
+    u: f64,
+    v: f64,
+}
+
 /// A ray, and the place it was aimed at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shot {
@@ -88,6 +96,8 @@ pub(crate) struct Shot {
 /// Makes rays for a model.
 pub(crate) struct Rays<'a> {
     model: &'a Model,
+    /// All charts, with the surface each belongs to.
+    charts: Vec<(usize, Chart<'a>)>,
     center: DVec3,
     radius: f64,
     half: DVec3,
@@ -96,7 +106,11 @@ pub(crate) struct Rays<'a> {
 impl<'a> Rays<'a> {
     pub(crate) fn new(model: &'a Model) -> Self {
         let (low, high) = model.bounds();
-        Self { model, center: model.center(), radius: model.radius(), half: 0.5 * (high - low) }
+        let surfaces = model.surfaces.iter().enumerate();
+        let charts =
+            surfaces.flat_map(|(k, surface)| surface.charts().into_iter().map(move |c| (k, c)));
+        let (center, radius, half) = (model.center(), model.radius(), 0.5 * (high - low));
+        Self { model, charts: charts.collect(), center, radius, half }
     }
 
     /// A ray of a class; random numbers that make none are thrown away.
@@ -142,15 +156,15 @@ impl<'a> Rays<'a> {
         }
     }
 
-    fn aimed(&self, site: Site, random: &mut Random, length: f64) -> Option<Shot> {
+    fn aimed(&self, site: Place, random: &mut Random, length: f64) -> Option<Shot> {
         let distance = self.radius * random.between(0.3, 4.0);
         self.towards(site, self.center + distance * random.direction(), length)
     }
 
     /// From a point to a site; the direction's length is `length` times their distance.
-    fn towards(&self, site: Site, from: DVec3, length: f64) -> Option<Shot> {
+    fn towards(&self, site: Place, from: DVec3, length: f64) -> Option<Shot> {
         let ray = Ray::new(from, (self.point(site) - from) * length).ok()?;
-        Some(Shot { ray, target: Some((site, 1.0 / length)) })
+        Some(Shot { ray, target: Some((self.site(site), 1.0 / length)) })
     }
 
     fn in_seam_plane(&self, random: &mut Random) -> Option<Shot> {
@@ -159,7 +173,7 @@ impl<'a> Rays<'a> {
         let along_u = random.below(2) == 0;
         let mut others = [site; 2];
         for other in &mut others {
-            let within = self.anywhere_on(site.surface, random);
+            let within = self.anywhere_on(site.chart, random);
             if along_u {
                 other.u = within.u;
             } else {
@@ -185,7 +199,8 @@ impl<'a> Rays<'a> {
             let from = self.point(site) - distance * direction;
             let mut shot = self.towards(site, from, 1.0)?;
             shot.ray = Ray::new(from, direction).ok()?;
-            shot.target = Some((site, (self.point(site)[axis] - from[axis]) * direction[axis]));
+            shot.target =
+                Some((self.site(site), (self.point(site)[axis] - from[axis]) * direction[axis]));
             return Some(shot);
         }
         let grid = DVec3::from_array([0; 3].map(|_| random.below(9) as f64 / 4.0 - 1.0));
@@ -196,10 +211,10 @@ impl<'a> Rays<'a> {
 
     fn along_ruling(&self, random: &mut Random) -> Option<Shot> {
         let site = self.anywhere(random);
-        let within = self.anywhere_on(site.surface, random);
+        let within = self.anywhere_on(site.chart, random);
         let other = match random.below(2) {
-            0 => Site { u: within.u, ..site },
-            _ => Site { v: within.v, ..site },
+            0 => Place { u: within.u, ..site },
+            _ => Place { v: within.v, ..site },
         };
         let (a, b) = (self.point(site), self.point(other));
         let before = (b - a).try_normalize()? * self.radius * random.between(0.0, 2.0);
@@ -225,52 +240,61 @@ impl<'a> Rays<'a> {
         untargeted(from, direction)
     }
 
-    pub(crate) fn point(&self, site: Site) -> DVec3 {
-        self.model.surfaces[site.surface].point_at(site.u, site.v)
+    /// The place on the whole surface.
+    fn site(&self, place: Place) -> Site {
+        let (surface, chart) = &self.charts[place.chart];
+        let uv = chart.uv(DVec2::new(place.u, place.v));
+        Site { surface: *surface, u: uv.x, v: uv.y }
     }
 
-    fn derivatives(&self, site: Site) -> SurfaceDerivatives {
-        self.model.surfaces[site.surface].derivatives(site.u, site.v)
+    fn point(&self, place: Place) -> DVec3 {
+        let Site { surface, u, v } = self.site(place);
+        self.model.surfaces[surface].point_at(DVec2::new(u, v))
     }
 
-    pub(crate) fn anywhere(&self, random: &mut Random) -> Site {
-        let surface = random.below(self.model.surfaces.len());
-        self.anywhere_on(surface, random)
+    fn derivatives(&self, place: Place) -> SurfaceDerivatives {
+        let Site { surface, u, v } = self.site(place);
+        self.model.surfaces[surface].derivatives(DVec2::new(u, v))
     }
 
-    fn anywhere_on(&self, surface: usize, random: &mut Random) -> Site {
-        let [(u0, u1), (v0, v1)] = self.model.surfaces[surface].domain();
-        Site { surface, u: random.between(u0, u1), v: random.between(v0, v1) }
+    fn anywhere(&self, random: &mut Random) -> Place {
+        let chart = random.below(self.charts.len());
+        self.anywhere_on(chart, random)
     }
 
-    pub(crate) fn on_line(&self, random: &mut Random) -> Site {
+    fn anywhere_on(&self, chart: usize, random: &mut Random) -> Place {
+        let [(u0, u1), (v0, v1)] = self.charts[chart].1.surface.domain();
+        Place { chart, u: random.between(u0, u1), v: random.between(v0, v1) }
+    }
+
+    fn on_line(&self, random: &mut Random) -> Place {
         let site = self.anywhere(random);
         let corner = self.division(site, random);
         match random.below(2) {
-            0 => Site { u: corner.u, ..site },
-            _ => Site { v: corner.v, ..site },
+            0 => Place { u: corner.u, ..site },
+            _ => Place { v: corner.v, ..site },
         }
     }
 
-    pub(crate) fn on_corner(&self, random: &mut Random) -> Site {
+    fn on_corner(&self, random: &mut Random) -> Place {
         let site = self.anywhere(random);
         self.division(site, random)
     }
 
-    pub(crate) fn on_border(&self, random: &mut Random) -> Site {
+    fn on_border(&self, random: &mut Random) -> Place {
         let site = self.anywhere(random);
-        let [u, v] = self.model.surfaces[site.surface].domain();
+        let [u, v] = self.charts[site.chart].1.surface.domain();
         match random.below(4) {
-            0 => Site { u: u.0, ..site },
-            1 => Site { u: u.1, ..site },
-            2 => Site { v: v.0, ..site },
-            _ => Site { v: v.1, ..site },
+            0 => Place { u: u.0, ..site },
+            1 => Place { u: u.1, ..site },
+            2 => Place { v: v.0, ..site },
+            _ => Place { v: v.1, ..site },
         }
     }
 
     /// Both parameters moved to knots, or to points that halve a span up to four times.
-    fn division(&self, site: Site, random: &mut Random) -> Site {
-        let surface = &self.model.surfaces[site.surface];
+    fn division(&self, site: Place, random: &mut Random) -> Place {
+        let surface = &self.charts[site.chart].1.surface;
         let [u, v] = [surface.knots_u(), surface.knots_v()].map(|knots| {
             let spans: Vec<_> = knots.spans().map(|span| (span.start, span.end)).collect();
             let (start, end) = random.pick(&spans);
@@ -278,7 +302,7 @@ impl<'a> Rays<'a> {
             let part = random.below(parts + 1) as f64 / parts as f64;
             if part == 1.0 { end } else { start + part * (end - start) }
         });
-        Site { u, v, ..site }
+        Place { u, v, ..site }
     }
 }
 

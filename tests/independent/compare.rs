@@ -4,7 +4,7 @@ use nurbray::intersect::{Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::judge::{Judge, Measure};
-use crate::model::Model;
+use crate::model::{Model, nurbs};
 use crate::program::{Report, TheirHit};
 use crate::rays::Site;
 use crate::root::{self, Nearest, nearest};
@@ -152,7 +152,7 @@ fn their_hit(
     ray: &Ray,
     (hit, ours): (&TheirHit, &[Hit]),
 ) -> Verdict {
-    let surface = &model.surfaces[hit.surface];
+    let surface = nurbs(&model.surfaces[hit.surface]);
     let size = model.radius();
     let root = nearest(surface, ray, hit.uv);
     // The iteration may slip to another root, which says nothing of this hit.
@@ -222,7 +222,7 @@ mod tests {
         let mut hits = Vec::new();
         truth.bvh().tracer().all_hits(&Query::primary(ray), &mut hits);
         let hit = |uv: DVec2| {
-            let point = truth.surfaces[0].point_at(uv.x, uv.y);
+            let point = nurbs(&truth.surfaces[0]).point_at(uv.x, uv.y);
             TheirHit { ray: 0, surface: 0, uv, point }
         };
         let uvs = if their.is_empty() { vec![hits[0].uv, hits[1].uv] } else { their.to_vec() };
@@ -241,7 +241,8 @@ mod tests {
             let ray = Ray::with_range(-3.0 * direction, direction, t - 0.1, t + 0.1).unwrap();
             sphere.bvh().tracer().first_hit(&Query::primary(ray)).hit.unwrap().uv
         });
-        let (below, above) = sphere.surfaces[0].split_u(0.5 * (hits[0].x + hits[1].x)).unwrap();
+        let (below, above) =
+            nurbs(&sphere.surfaces[0]).split_u(0.5 * (hits[0].x + hits[1].x)).unwrap();
         for part in [below, above] {
             let lost = tally(&Model::new("part", part), &[]);
             assert_eq!((lost.ours, lost.faults.len()), (1, 1), "{lost:?}");

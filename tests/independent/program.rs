@@ -9,7 +9,7 @@ use std::process::Command;
 use glam::{DVec2, DVec3};
 use nurbray::math::Ray;
 
-use crate::model::Model;
+use crate::model::{Model, nurbs};
 
 /// A library, and how to build the program that asks it.
 #[derive(Debug)]
@@ -126,7 +126,7 @@ impl Program {
 /// As exchange.hpp says.
 fn question(model: &Model, rays: &[Ray]) -> String {
     let mut text = format!("surfaces {}\n", model.surfaces.len());
-    for surface in &model.surfaces {
+    for surface in model.surfaces.iter().map(nurbs) {
         // Both expect knots of full multiplicity at the ends of the domain.
         let surface = surface.clamped();
         let (u, v) = (surface.knots_u(), surface.knots_v());

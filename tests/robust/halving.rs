@@ -13,7 +13,7 @@ use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use crate::judge::Judge;
-use crate::model::Model;
+use crate::model::{Model, nurbs};
 use crate::models;
 use crate::random::Random;
 use crate::rays::{Class, Rays};
@@ -187,7 +187,7 @@ fn compare(
     tally.rays += 1;
     let mut truth = Vec::new();
     for surface in &model.surfaces {
-        truth.extend(roots(surface, &line, 1e-13 * magnitude)?);
+        truth.extend(roots(nurbs(surface), &line, 1e-13 * magnitude)?);
     }
     let mut hits = Vec::new();
     if tracer.all_hits(&Query::primary(line), &mut hits) {

@@ -49,6 +49,8 @@ fn curved() -> Vec<(Model, u64)> {
         (models::bezier([12, 11], true, 2), 10),
         (models::bezier([24, 3], true, 3), 10),
     ];
+    all.push((models::octants(), 50));
+    all.extend(models::limits().into_iter().map(|model| (model, 25)));
     all.extend(models::lecture().into_iter().map(|model| (model, 50)));
     all.push((models::trimmed(models::torus()), 50));
     all.push((models::trimmed(models::sphere_biquadratic()), 50));

@@ -1,12 +1,12 @@
 //! What may be said against an answer.
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::Surface;
 use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Tracer};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
-use crate::model::Model;
+use crate::model::{Model, bounds};
 use crate::rays::{Shot, Site};
 
 /// Everything a tracer says of one ray.
@@ -63,9 +63,9 @@ pub(crate) struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     pub(crate) fn new(model: &'a Model) -> Self {
-        let magnitude = |surface: &NurbsSurface| {
-            let points = surface.control().iter().map(|c| c.truncate() / c.w);
-            points.fold(0.0, |most: f64, point| most.max(point.abs().max_element()))
+        let magnitude = |surface: &Surface| {
+            let (low, high) = bounds(surface);
+            low.abs().max(high.abs()).max_element()
         };
         let magnitudes = model.surfaces.iter().map(magnitude).collect();
         Self { model, magnitudes, radius: model.radius() }
@@ -210,10 +210,25 @@ impl<'a> Judge<'a> {
         wrong.then(|| format!("occluded {}, but first hit {:?}", said.occluded, first.hit))
     }
 
-    /// A line through a closed model enters and leaves in turn.
+    /// A line through a closed model enters and leaves in turn. Where it touches a sharp edge it
+    /// does both at one `t`, and either may come first.
     pub(crate) fn parity_broken(&self, hits: &[Hit], line: &Ray) -> Option<String> {
-        let outward = hits.iter().map(|hit| hit.normal.dot(line.direction()) > 0.0);
-        let alternate = outward.enumerate().all(|(k, leaves)| leaves == (k % 2 == 1));
+        let mut outward: Vec<bool> =
+            hits.iter().map(|hit| hit.normal.dot(line.direction()) > 0.0).collect();
+        for k in 1..hits.len() {
+            let due = k % 2 == 0; // what the one before should be
+            if outward[k - 1] != due && outward[k] == due {
+                let slack = |hit: &Hit| {
+                    let measure = self.measure(line, hit);
+                    self.slack(measure.promise + measure.excuse, measure.incidence)
+                };
+                let apart = (hits[k].t - hits[k - 1].t) * line.direction().length();
+                if apart <= slack(&hits[k]) + slack(&hits[k - 1]) {
+                    outward.swap(k, k - 1);
+                }
+            }
+        }
+        let alternate = outward.into_iter().enumerate().all(|(k, leaves)| leaves == (k % 2 == 1));
         (hits.len() % 2 == 1 || !alternate).then(|| {
             let hits: Vec<_> = hits.iter().map(|hit| (hit.t, hit.uv, hit.flags)).collect();
             format!("crossings do not alternate: {hits:?}")
@@ -259,12 +274,13 @@ impl<'a> Judge<'a> {
 
     pub(crate) fn measure_at(&self, ray: &Ray, site: Site, t: f64) -> Measure {
         let surface = &self.model.surfaces[site.surface];
-        let at = surface.derivatives(site.u, site.v);
+        let uv = DVec2::new(site.u, site.v);
+        let at = surface.derivatives(uv);
         let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);
-        let factor = residual_factor(surface.knots_u().degree(), surface.knots_v().degree());
+        let factor = residual_factor(surface.degree()[0], surface.degree()[1]);
         let parameters = site.u.abs() * at.du.length() + site.v.abs() * at.dv.length();
         let promise = factor * magnitude;
-        let normal = surface.normal(site.u, site.v).unwrap_or(DVec3::ZERO);
+        let normal = surface.normal(uv).unwrap_or(DVec3::ZERO);
         Measure {
             residual: at.point.distance(ray.at(t)),
             promise,
@@ -334,7 +350,7 @@ mod tests {
         let model = models::sphere();
         let judge = Judge::new(&model);
         let site = Site { surface: 0, u: 0.4, v: 0.3 };
-        let point = model.surfaces[0].point_at(site.u, site.v);
+        let point = model.surfaces[0].point_at(DVec2::new(site.u, site.v));
         let faults = |direction: DVec3| {
             let ray = Ray::new(point - 2.0 * direction, direction).unwrap();
             let shot = Shot { ray, target: Some((site, 2.0)) };

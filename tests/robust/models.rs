@@ -1,15 +1,15 @@
 //! Surfaces that are hard in different ways.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimCurve, TrimDomain, TrimLoop, Trims};
-use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 use nurbray::io::load_input;
 use nurbray::scene::World;
 
-use crate::model::Model;
+use crate::model::{Model, nurbs};
+use crate::patches;
 use crate::random::Random;
 
 pub(crate) fn sphere() -> Model {
@@ -133,14 +133,15 @@ pub(crate) fn periodic_tube() -> Model {
 pub(crate) fn teapot() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&load_input(&path).unwrap()).unwrap();
-    let surfaces = world.surfaces.iter().filter_map(|one| one.surface.nurbs().cloned());
-    Model { name: "teapot".into(), surfaces: surfaces.collect(), trims: None, closed: false }
+    let surfaces = world.surfaces.iter().map(|one| one.surface.clone());
+    Model { name: "teapot".into(), surfaces: surfaces.collect(), closed: false }
 }
 
 /// A model cut by a curved loop, an island in it, a circle beyond the border, and a hole across
 /// what may be a seam.
 pub(crate) fn trimmed(mut model: Model) -> Model {
-    let domain = TrimDomain::with_seams_of(&model.surfaces[0]).unwrap();
+    let surface = nurbs(&model.surfaces[0]).clone();
+    let domain = TrimDomain::with_seams_of(&surface).unwrap();
     let [u, v] = domain.range();
     let at = |a: f64, b: f64| DVec2::new(u[0] + a * (u[1] - u[0]), v[0] + b * (v[1] - v[0]));
     let polygon = |corners: &[[f64; 2]]| {
@@ -158,9 +159,25 @@ pub(crate) fn trimmed(mut model: Model) -> Model {
         polygon(&[[-0.05, 0.3], [0.05, 0.4], [-0.05, 0.6]]),
     ];
     model.name = format!("trimmed {}", model.name);
-    model.trims = Some(Arc::new(Trims::new(domain, Kept::Even, &loops).unwrap()));
+    let trims = Trims::new(domain, Kept::Even, &loops).unwrap();
+    model.surfaces[0] = TrimmedSurface::new(surface, trims).unwrap().into();
     model.closed = false;
     model
+}
+
+/// A sphere of eight quartic triangles.
+pub(crate) fn octants() -> Model {
+    Model { name: "octant sphere".into(), surfaces: patches::octants(), closed: true }
+}
+
+/// Limit surfaces of cages: closed ones by both schemes, a creased one, a sheet with a hole.
+pub(crate) fn limits() -> Vec<Model> {
+    vec![
+        Model::closed("Catmull–Clark body", patches::catmull_clark()),
+        Model::closed("creased body", patches::creased()),
+        Model::closed("Doo–Sabin body", patches::doo_sabin()),
+        Model::new("creased sheet", patches::creased_sheet()),
+    ]
 }
 
 /// How the knots of a random surface are made.

@@ -2,7 +2,7 @@
 //! the surfaces were prepared, and wherever they stand in the list.
 
 use glam::{DAffine3, DVec3};
-use nurbray::geometry::NurbsSurface;
+use nurbray::geometry::Surface;
 use nurbray::intersect::{
     Answer, BuildOptions, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh,
 };
@@ -133,7 +133,7 @@ fn wherever_a_surface_stands_in_the_list() {
     for k in (1..order.len()).rev() {
         order.swap(k, random.below(k + 1));
     }
-    let shuffled: Vec<NurbsSurface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();
+    let shuffled: Vec<Surface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();
     let shuffled = SurfaceBvh::build(&shuffled, &BuildOptions::default()).unwrap();
     let (mut a, mut b) = (bvh.tracer(), shuffled.tracer());
     let mut ties = 0;

@@ -18,7 +18,7 @@ const MAX_SIZE: i64 = 8192;
 #[derive(Debug, Args)]
 #[command(after_help = bench::HELP)]
 pub(crate) struct BenchArguments {
-    /// Scenes (.toml) or bare models (.json)
+    /// Scenes (.toml) or bare models (.json, .obj)
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
 

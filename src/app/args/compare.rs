@@ -21,7 +21,7 @@ pub(crate) enum Against {
 #[derive(Debug, Args)]
 #[command(after_help = compare::HELP)]
 pub(crate) struct CompareArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// Whom to compare with

@@ -157,10 +157,8 @@ impl<'a> Judge<'a> {
         let surface = &self.surfaces[site.surface];
         let normal = surface.normal(site.uv).unwrap_or_default();
         let incidence = normal.dot(ray.direction()).abs() / length;
-        let [u, v] = surface.domain();
-        let on_border = [u.0, u.1].contains(&site.uv.x) || [v.0, v.1].contains(&site.uv.y);
         let bound = self.at(ray, site, t).bound;
-        let due = on_border || on_edge || incidence >= SURE_INCIDENCE;
+        let due = surface.on_border(site.uv) || on_edge || incidence >= SURE_INCIDENCE;
         due.then(|| t + self.slack(bound, incidence) / length)
     }
 

@@ -191,7 +191,7 @@ impl<'a> Sites<'a> {
     /// The place on its surface of one on a chart.
     fn site(&self, chart: usize, u: f64, v: f64) -> Site {
         let (surface, chart) = &self.charts[chart];
-        Site { surface: *surface, uv: chart.map.uv(DVec2::new(u, v)) }
+        Site { surface: *surface, uv: chart.uv(DVec2::new(u, v)) }
     }
 
     fn within_span(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {

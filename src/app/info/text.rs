@@ -115,7 +115,7 @@ fn approximated(surfaces: &[SurfaceFacts]) -> String {
         0 => String::new(),
         number => {
             let surfaces = count(number as u64, "approximated surface");
-            format!("\n{surfaces}, measured when made:\n") + &table(&rows, &[0, 1])
+            format!("\n{surfaces}, measured or proved when made:\n") + &table(&rows, &[0, 1])
         }
     }
 }

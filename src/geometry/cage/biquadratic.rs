@@ -8,7 +8,7 @@ use super::doo_sabin::refined;
 use super::limit_surface::{FaceSquare, LimitSurface};
 use super::mesh::Mesh;
 use super::topology::NONE;
-use super::tree::{MAX_LEVELS, Net, Tree};
+use super::tree::{MAX_LEVELS, Net, Tree, within};
 use crate::math::Aabb;
 
 /// A vertex of the current mesh with four faces around it. The patch over it reaches to the
@@ -40,15 +40,20 @@ impl Cage {
     /// need millions of patches; when inner edges or vertices are sharp, which this scheme
     /// does not know; when all vertices are on the boundary; when a vertex has two faces.
     pub fn doo_sabin(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(2, tolerance, self.magnitude())?;
         check(self.mesh())?;
+        within(tolerance, self.mesh(), |share| self.doo_sabin_patches(tolerance, share))
+    }
+
+    /// Patches within a share of the tolerance; where they are not exact they may not meet.
+    fn doo_sabin_patches(&self, tolerance: f64, share: f64) -> Result<LimitSurface, LimitError> {
+        let mut tree = Tree::new(2, (tolerance, share), self.magnitude())?;
         let mut level = Some(start(self.mesh(), &mut tree)?);
         for _ in 0..=MAX_LEVELS {
-            let Some((mesh, elements)) = &level else { return Ok(tree.patches()) };
+            let Some((mesh, elements)) = &level else { return tree.patches(self.mesh()) };
             level = settle(mesh, elements, &mut tree)?;
         }
         match level {
-            None => Ok(tree.patches()),
+            None => tree.patches(self.mesh()),
             Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
         }
     }
@@ -94,12 +99,28 @@ fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
             } else {
                 (FaceSquare::whole(face, unit + k), 0)
             };
-            let node = tree.add_root(square)?;
+            let node = tree.add_root(square, borders(mesh, corner as u32, turn))?;
             elements.push(Element { first: first_corner(&once, corner as u32, turn), node });
         }
         unit += if sides == 4 { 1 } else { sides };
     }
     Ok((once, elements))
+}
+
+/// Which sides of a corner's patch are borders of the surface: those towards neighbours in the
+/// same face that bring no patch. Turned by so many quarters: at corner 0 of a square, u runs
+/// towards the next corner, v towards the previous one.
+fn borders(mesh: &Mesh, corner: u32, turn: usize) -> [bool; 4] {
+    let topology = &mesh.topology;
+    let open = |corner: u32| !topology.star(topology.vertex(corner)).closed;
+    let next = open(topology.next(corner));
+    let previous = open(topology.previous(corner));
+    // Sides are first u, last u, first v, last v.
+    let (towards_next, towards_previous) = [(1, 3), (3, 0), (0, 2), (2, 1)][turn % 4];
+    let mut border = [false; 4];
+    border[towards_next] = next;
+    border[towards_previous] = previous;
+    border
 }
 
 /// The corner at (0, 0) of a new vertex.

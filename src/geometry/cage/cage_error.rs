@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::geometry::MAX_MAGNITUDE;
+use crate::geometry::{MAX_MAGNITUDE, SurfaceError};
 use crate::math::{Shown, ShownVector};
 
 /// Why polygons cannot be the cage of a subdivision surface. Vertices and faces are counted
@@ -232,6 +232,9 @@ pub enum LimitError {
         "all vertices are on the boundary: a Doo–Sabin surface lies around the vertices inside"
     )]
     NothingInside,
+    /// The surface is but a point or a line, as its cage.
+    #[error("{0}")]
+    Surface(Box<SurfaceError>),
     /// The faces of a Doo–Sabin surface would have two corners only.
     #[error("vertex {vertex} has two faces: Doo–Sabin surfaces need three or more around it")]
     TwoFaces {

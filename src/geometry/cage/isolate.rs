@@ -6,7 +6,8 @@ use super::cage_error::LimitError;
 use super::catmull_clark::refined;
 use super::limit_surface::{FaceSquare, LimitSurface};
 use super::mesh::Mesh;
-use super::tree::{MAX_LEVELS, Tree};
+use super::topology::{NONE, Topology};
+use super::tree::{MAX_LEVELS, Tree, within};
 use crate::math::Aabb;
 
 impl Cage {
@@ -23,26 +24,36 @@ impl Cage {
     /// When the tolerance is no length, less than 1e-9 of the largest coordinate, or would
     /// need millions of patches.
     pub fn catmull_clark(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(3, tolerance, self.magnitude())?;
+        within(tolerance, self.mesh(), |share| self.catmull_clark_patches(tolerance, share))
+    }
+
+    /// Patches within a share of the tolerance; where they are not exact they may not meet.
+    fn catmull_clark_patches(
+        &self,
+        tolerance: f64,
+        share: f64,
+    ) -> Result<LimitSurface, LimitError> {
+        let mut tree = Tree::new(3, (tolerance, share), self.magnitude())?;
+        let borders = Borders(&self.mesh().topology);
         let mut faces = Vec::new();
         let mut units = 0;
         for face in 0..self.face_count() {
             let sides = self.mesh().topology.face(face).len();
             let known = if sides == 4 {
-                Known::Node(tree.add_root(FaceSquare::whole(face, units))?)
+                Known::Node(tree.add_root(FaceSquare::whole(face, units), borders.of_quad(face))?)
             } else {
                 Known::Polygon { face, unit: units }
             };
             units += if sides == 4 { 1 } else { sides };
             faces.push((face as u32, known));
         }
-        let mut level = settle(self.mesh(), &faces, &mut tree)?;
+        let mut level = settle(self.mesh(), &faces, (&mut tree, borders))?;
         for _ in 0..MAX_LEVELS {
-            let Some((mesh, faces)) = &level else { return Ok(tree.patches()) };
-            level = settle(mesh, faces, &mut tree)?;
+            let Some((mesh, faces)) = &level else { return tree.patches(self.mesh()) };
+            level = settle(mesh, faces, (&mut tree, borders))?;
         }
         match level {
-            None => Ok(tree.patches()),
+            None => tree.patches(self.mesh()),
             Some(_) => Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS }),
         }
     }
@@ -52,6 +63,28 @@ impl Cage {
         let size = Aabb::around(self.positions().iter().copied()).size().max_element();
         // A cage far away from the origin, or one with no extent, cannot have that.
         (1e-6 * size).max(1e-9 * self.magnitude()).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Where unit squares of a cage's faces end at its boundary.
+#[derive(Clone, Copy)]
+struct Borders<'a>(&'a Topology);
+
+impl Borders<'_> {
+    fn at(&self, corner: usize) -> bool {
+        self.0.twin(corner as u32) == NONE
+    }
+
+    /// The sides of a quad: first u, last u, first v, last v.
+    fn of_quad(&self, face: usize) -> [bool; 4] {
+        let first = self.0.face_range(face).start;
+        [3, 1, 0, 2].map(|k| self.at(first + k))
+    }
+
+    /// The sides of the unit square at a corner of another face.
+    fn of_corner(&self, face: usize, k: usize) -> [bool; 4] {
+        let corner = self.0.face_range(face).start + k;
+        [self.at(self.0.previous(corner as u32) as usize), false, self.at(corner), false]
     }
 }
 
@@ -75,7 +108,7 @@ type Level = (Mesh, Vec<(u32, Known)>);
 fn settle(
     mesh: &Mesh,
     faces: &[(u32, Known)],
-    tree: &mut Tree,
+    (tree, borders): (&mut Tree, Borders<'_>),
 ) -> Result<Option<Level>, LimitError> {
     let mut kept = Vec::new();
     for &(face, known) in faces {
@@ -113,7 +146,8 @@ fn settle(
             let known = match next {
                 Next::Quarters(first) => Known::Node(first + k as u32),
                 Next::Units(face, unit) => {
-                    Known::Node(tree.add_root(FaceSquare::whole(face, unit + k))?)
+                    let border = borders.of_corner(face, k);
+                    Known::Node(tree.add_root(FaceSquare::whole(face, unit + k), border)?)
                 }
             };
             children.push((quad as u32, known));

@@ -1,22 +1,33 @@
 //! The limit surface of a cage as Bézier patches.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-use crate::geometry::{KnotVector, NurbsSurface, SurfaceError};
+use super::CageError;
+use crate::geometry::arrange::{check_invertible, stretch};
+use crate::geometry::construct::ControlNet;
+use crate::geometry::surface::{Extent, extent};
+use crate::geometry::{KnotVector, MAX_MAGNITUDE, NurbsSurface, SurfaceError};
 
 /// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark,
 /// biquadratic for Doo–Sabin: most of them exact, those near extraordinary points within a
 /// bound that is proved for each (see [`LimitPatch::deviation`]).
 ///
-/// Patches of one size that are both exact share their border's control points bit for bit;
-/// where sizes differ they agree to rounding. Where one is not exact, the gap is at most the
-/// sum of their deviations, and never more than the tolerance.
+/// There are no gaps: patches of one size share the control points of their common border bit
+/// for bit; where sizes differ, borders agree to rounding. (Borders of patches that are not exact
+/// are moved for that, within the tolerance.)
+///
+/// As a whole it is a surface over `(u, v)`: unit square k of the cage's faces, counted as
+/// [`FaceSquare`] says, is `k ≤ u < k + 1`, `0 ≤ v ≤ 1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitSurface {
-    degree: usize,
+    pub(super) degree: usize,
     tolerance: f64,
-    patches: Vec<LimitPatch>,
-    control: Vec<DVec3>,
+    pub(super) unit_count: usize,
+    /// In the order of their place: see [`FaceSquare::order`].
+    pub(super) patches: Vec<LimitPatch>,
+    pub(super) control: Vec<DVec3>,
+    /// The cage.
+    net: ControlNet,
 }
 
 /// Which part of the surface a patch is, and how well it fits.
@@ -24,6 +35,8 @@ pub struct LimitSurface {
 pub struct LimitPatch {
     /// The part of the cage.
     pub square: FaceSquare,
+    /// Which sides are borders of the surface: first u, last u, first v, last v.
+    pub border: [bool; 4],
     /// At no (u, v) is the patch farther from the limit surface than this, in scene units
     /// (but for rounding, some ulps of the coordinates); 0 if it is exact.
     pub deviation: f64,
@@ -62,20 +75,58 @@ impl FaceSquare {
         Self { low: [self.low[0] + u * side, self.low[1] + v * side], side, ..*self }
     }
 
+    /// Sorts squares that do not overlap so that the one that holds a place is the last one
+    /// not after it: by unit squares, then by the bits of v and u in turn (Morton's order).
+    pub(super) fn order(&self) -> (usize, u128) {
+        (self.unit, place_order(self.low))
+    }
+
+    /// Whether the square ends where its unit square does, in u and in v.
+    pub(super) fn ends_unit(&self) -> [bool; 2] {
+        self.low.map(|low| low + self.side == 1.0)
+    }
+
     /// The place in the unit square of a patch's (u, v) in [0, 1]².
     pub fn unit_uv(&self, u: f64, v: f64) -> [f64; 2] {
         [self.low[0] + self.side * u, self.low[1] + self.side * v]
     }
 }
 
+/// The bits of two numbers from 0 to 1, in turn, the second one's first.
+pub(super) fn place_order(at: [f64; 2]) -> u128 {
+    // As many bits as the corners of squares have.
+    let most = f64::powi(2.0, 52);
+    let [u, v] = at.map(|x| spread((x * most).clamp(0.0, most - 1.0) as u64));
+    u | v << 1
+}
+
+/// A number with a zero before each of its bits.
+fn spread(x: u64) -> u128 {
+    const STEPS: [(u32, u128); 6] = [
+        (32, 0x0000_0000_ffff_ffff_0000_0000_ffff_ffff),
+        (16, 0x0000_ffff_0000_ffff_0000_ffff_0000_ffff),
+        (8, 0x00ff_00ff_00ff_00ff_00ff_00ff_00ff_00ff),
+        (4, 0x0f0f_0f0f_0f0f_0f0f_0f0f_0f0f_0f0f_0f0f),
+        (2, 0x3333_3333_3333_3333_3333_3333_3333_3333),
+        (1, 0x5555_5555_5555_5555_5555_5555_5555_5555),
+    ];
+    STEPS.iter().fold(u128::from(x), |x, (shift, mask)| (x | x << shift) & mask)
+}
+
 impl LimitSurface {
-    pub(super) fn empty(degree: usize, tolerance: f64) -> Self {
-        Self { degree, tolerance, patches: Vec::new(), control: Vec::new() }
+    pub(super) fn empty(degree: usize, tolerance: f64, unit_count: usize, net: ControlNet) -> Self {
+        let (patches, control) = (Vec::new(), Vec::new());
+        Self { degree, tolerance, unit_count, patches, control, net }
     }
 
     pub(super) fn push(&mut self, patch: LimitPatch, net: &[DVec3]) {
         self.patches.push(patch);
         self.control.extend_from_slice(net);
+    }
+
+    /// What the control points span.
+    pub(super) fn extent(&self) -> Extent {
+        extent(|| self.control.iter().copied(), [self.degree; 2])
     }
 
     /// The degree in u and in v: 3 or 2.
@@ -116,6 +167,74 @@ impl LimitSurface {
     /// The largest deviation of a patch; at most half the tolerance.
     pub fn deviation(&self) -> f64 {
         self.patches.iter().map(|patch| patch.deviation).fold(0.0, f64::max)
+    }
+
+    /// The number of unit squares: the domain is from 0 to that in u, from 0 to 1 in v.
+    pub fn unit_count(&self) -> usize {
+        self.unit_count
+    }
+
+    /// The vertices and edges of the cage.
+    pub fn cage_net(&self) -> &ControlNet {
+        &self.net
+    }
+
+    /// The surface with its normals turned: u and v are exchanged within each unit square,
+    /// as if the faces of the cage ran the other way round from the same first vertices.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let count = (self.degree + 1) * (self.degree + 1);
+        let mut turned: Vec<(LimitPatch, &[DVec3])> = self
+            .patches
+            .iter()
+            .map(|patch| {
+                let ([u, v], [u0, u1, v0, v1]) = (patch.square.low, patch.border);
+                let square = FaceSquare { low: [v, u], ..patch.square };
+                LimitPatch { square, border: [v0, v1, u0, u1], ..*patch }
+            })
+            .zip(self.control.chunks(count))
+            .collect();
+        turned.sort_by_key(|(patch, _)| patch.square.order());
+        let mut surface =
+            Self::empty(self.degree, self.tolerance, self.unit_count, self.net.clone());
+        let n = self.degree + 1;
+        for (patch, net) in turned {
+            let transposed: Vec<DVec3> =
+                (0..count).map(|place| net[place % n * n + place / n]).collect();
+            surface.push(patch, &transposed);
+        }
+        surface
+    }
+
+    /// The surface moved by an affine map, parameters in their places. Deviations and the
+    /// tolerance grow with the lengths the map can stretch most.
+    ///
+    /// # Errors
+    /// When the map is not finite, flattens space, or takes a vertex of the cage or a patch too
+    /// far, or all of them to one point.
+    pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
+        check_invertible(map)?;
+        let moved = |points: &[DVec3]| -> Vec<DVec3> {
+            points.iter().map(|&point| map.transform_point3(point)).collect()
+        };
+        let net = ControlNet { points: moved(&self.net.points), lines: self.net.lines.clone() };
+        let control = moved(&self.control);
+        let usable = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all(); // NaN is not
+        if let Some(vertex) = net.points.iter().position(|point| !usable(point)) {
+            let position = net.points[vertex];
+            return Err(SurfaceError::Cage(CageError::Position { vertex, position }));
+        }
+        if let Some(k) = control.iter().position(|point| !usable(point)) {
+            let (place, n) = (k % ((self.degree + 1) * (self.degree + 1)), self.degree + 1);
+            return Err(SurfaceError::Point { i: place / n, j: place % n, point: control[k] });
+        }
+        let stretch = stretch(map);
+        let mut patches = self.patches.clone();
+        patches.iter_mut().for_each(|patch| patch.deviation *= stretch);
+        let tolerance = self.tolerance * stretch;
+        let moved = Self { tolerance, patches, control, net, ..*self };
+        moved.extent().checked()?;
+        Ok(moved)
     }
 
     /// The number of patches that are the limit surface to rounding.

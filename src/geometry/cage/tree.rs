@@ -4,6 +4,10 @@ use glam::DVec3;
 
 use super::cage_error::LimitError;
 use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface};
+use super::mesh::Mesh;
+use super::seams;
+use super::topology::Topology;
+use crate::geometry::construct::ControlNet;
 use crate::math::Aabb;
 
 /// The control points of a patch, `(degree + 1)²` of them in use, v fastest.
@@ -29,10 +33,19 @@ enum Kind {
 pub(super) struct Tree {
     degree: usize,
     nodes: Vec<(Kind, Net)>,
-    roots: Vec<(u32, FaceSquare)>,
+    roots: Vec<Root>,
     /// How far a patch may be from the surface.
     limit: f64,
     tolerance: f64,
+}
+
+/// A square that is no quarter of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Root {
+    pub(super) square: FaceSquare,
+    /// Which sides are borders of the surface.
+    pub(super) border: [bool; 4],
+    node: u32,
 }
 
 /// The most squares, 2²²: they take 2 GB.
@@ -46,22 +59,29 @@ pub(super) const MAX_LEVELS: u32 = 52;
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 
 impl Tree {
-    /// No squares yet. Patches may be half a tolerance from the surface: where two such meet,
-    /// they are at most one tolerance apart.
-    pub(super) fn new(degree: usize, tolerance: f64, magnitude: f64) -> Result<Self, LimitError> {
+    /// No squares yet. Patches may be a share of the tolerance from the surface.
+    pub(super) fn new(
+        degree: usize,
+        (tolerance, share): (f64, f64),
+        magnitude: f64,
+    ) -> Result<Self, LimitError> {
         let smallest = SMALLEST_TOLERANCE * magnitude;
         if !(tolerance >= smallest && tolerance > 0.0 && tolerance.is_finite()) {
             return Err(LimitError::Tolerance { tolerance, magnitude, smallest });
         }
-        let limit = 0.5 * tolerance;
+        let limit = share * tolerance;
         Ok(Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance })
     }
 
     /// A new square that is a face of its own.
-    pub(super) fn add_root(&mut self, square: FaceSquare) -> Result<u32, LimitError> {
-        let root = self.add(1)?;
-        self.roots.push((root, square));
-        Ok(root)
+    pub(super) fn add_root(
+        &mut self,
+        square: FaceSquare,
+        border: [bool; 4],
+    ) -> Result<u32, LimitError> {
+        let node = self.add(1)?;
+        self.roots.push(Root { square, border, node });
+        Ok(node)
     }
 
     /// Squares not yet known.
@@ -135,17 +155,25 @@ impl Tree {
     }
 
     /// The patches: as few squares as are within the limit.
-    pub(super) fn patches(&self) -> LimitSurface {
-        let mut surface = LimitSurface::empty(self.degree, self.tolerance);
+    pub(super) fn patches(&self, cage: &Mesh) -> Result<LimitSurface, LimitError> {
+        let units = unit_count(&cage.topology);
+        let mut surface = LimitSurface::empty(self.degree, self.tolerance, units, net_of(cage));
         let mut roots = self.roots.clone();
-        roots.sort_by_key(|(_, square)| square.unit); // faces of n ≠ 4 corners came later
-        for (root, square) in roots {
-            self.collect(root, square, &mut surface);
+        roots.sort_by_key(|root| root.square.order()); // faces of n ≠ 4 corners came later
+        for root in &roots {
+            self.collect(root, &mut surface);
         }
-        surface
+        // u counts unit squares, and has to tell the places within the smallest squares apart.
+        let smallest = surface.patches.iter().map(|patch| patch.square.side).fold(1.0, f64::min);
+        if smallest < units as f64 * SMALLEST_SIDE {
+            let levels = -smallest.log2() as u32;
+            return Err(LimitError::TooDeep { tolerance: self.tolerance, levels });
+        }
+        Ok(surface)
     }
 
-    fn collect(&self, node: u32, square: FaceSquare, surface: &mut LimitSurface) {
+    fn collect(&self, root: &Root, surface: &mut LimitSurface) {
+        let Root { square, border, node } = *root;
         let (kind, net) = &self.nodes[node as usize];
         let (deviation, children) = match *kind {
             Kind::Exact => (Some(0.0), None),
@@ -157,16 +185,67 @@ impl Tree {
         match (deviation, children) {
             (Some(deviation), _) => {
                 let exact = matches!(kind, Kind::Exact);
-                surface.push(LimitPatch { square, deviation, exact }, &net[..used]);
+                surface.push(LimitPatch { square, border, deviation, exact }, &net[..used]);
             }
             (None, Some(first)) => {
-                for k in 0..4 {
-                    self.collect(first + k as u32, square.quarter(k), surface);
+                // In the order of their places.
+                for k in [0, 1, 3, 2] {
+                    let node = first + k as u32;
+                    let square = square.quarter(k);
+                    // Quarter k has kept those sides that meet at corner k.
+                    let (u, v) = (usize::from(k == 1 || k == 2), usize::from(k >= 2));
+                    let mut kept = [false; 4];
+                    kept[u] = border[u];
+                    kept[2 + v] = border[2 + v];
+                    self.collect(&Root { square, border: kept, node }, surface);
                 }
             }
             (None, None) => {}
         }
     }
+}
+
+/// The smallest side of a square for each unit square: 2⁸ places within it can be told apart.
+const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
+
+/// The number of unit squares of all faces.
+fn unit_count(topology: &Topology) -> usize {
+    let sides = (0..topology.face_count()).map(|face| topology.face_range(face).len());
+    sides.map(|sides| if sides == 4 { 1 } else { sides }).sum()
+}
+
+/// The vertices and edges of a cage.
+fn net_of(cage: &Mesh) -> ControlNet {
+    let topology = &cage.topology;
+    let ends = |edge| topology.edge_ends(topology.edge_corner(edge)).map(|end| end as usize);
+    ControlNet {
+        points: cage.positions.clone(),
+        lines: (0..topology.edge_count()).map(ends).collect(),
+    }
+}
+
+/// Shares of the tolerance that patches may be from the surface at first. Where patches are
+/// moved to meet their neighbours they get farther from it; they may end at half of the
+/// tolerance. The first share is nearly always enough; each other one is a new beginning.
+const SHARES: [f64; 5] = [0.25, 0.1, 0.04, 0.016, 0.0064];
+
+/// A limit surface without gaps, from patches within a share of the tolerance.
+pub(super) fn within(
+    tolerance: f64,
+    cage: &Mesh,
+    patches: impl Fn(f64) -> Result<LimitSurface, LimitError>,
+) -> Result<LimitSurface, LimitError> {
+    for share in SHARES {
+        let mut surface = patches(share)?;
+        seams::close(&mut surface, cage);
+        if surface.deviation() <= 0.5 * tolerance {
+            return match surface.extent().checked() {
+                Ok(_) => Ok(surface),
+                Err(error) => Err(LimitError::Surface(Box::new(error))),
+            };
+        }
+    }
+    Err(LimitError::TooDeep { tolerance, levels: MAX_LEVELS })
 }
 
 /// The control points of a quarter of a patch with n × n points: de Casteljau at the middle,
@@ -184,7 +263,7 @@ fn quarter(net: &Net, n: usize, k: usize) -> Net {
 }
 
 /// Keeps one half of a curve of n points, `start`, `start + stride` and so on.
-fn halve(net: &mut Net, n: usize, (start, stride): (usize, usize), upper: bool) {
+pub(super) fn halve(net: &mut [DVec3], n: usize, (start, stride): (usize, usize), upper: bool) {
     let at = |index: usize| start + index * stride;
     for round in 1..n {
         if upper {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::Corner;
-use crate::geometry::{CurveError, SurfaceError};
+use crate::geometry::{CurveError, Direction, SurfaceError};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
 /// what is needed.
@@ -25,6 +25,20 @@ pub enum ConstructError {
     /// A line of constant parameter is none of the surface's.
     #[error("{0}")]
     Iso(SurfaceError),
+    /// A surface of a kind whose lines of constant parameter are no curves that can be drawn.
+    #[error("{kind} has no iso-curves: NURBS surfaces have")]
+    NoIsoCurves {
+        /// Its kind.
+        kind: &'static str,
+    },
+    /// A line of constant parameter is but a point, as at a pole.
+    #[error("the line {direction} = {t} is a single point, where there is nothing to draw")]
+    IsoPoint {
+        /// Which parameter is constant.
+        direction: Direction,
+        /// Its value.
+        t: f64,
+    },
     /// The surface would have more control points than are sensible; nothing was allocated.
     #[error("{nu} × {nv} control points: at most {limit} in all are supported")]
     TooLarge {
@@ -33,6 +47,14 @@ pub enum ConstructError {
         /// Control points along v.
         nv: usize,
         /// How many there may be in all.
+        limit: usize,
+    },
+    /// A net has more control points than can be drawn.
+    #[error("{count} control points: nets of up to {limit} can be drawn")]
+    LargeNet {
+        /// How many it has.
+        count: usize,
+        /// How many it may have.
         limit: usize,
     },
     /// A direction has no length, or is not finite.

@@ -38,7 +38,7 @@ mod tube;
 pub use coons::{Borders, Corner, coons};
 pub use error::ConstructError;
 pub use loft::{LOFT_DEGREE, Loft, loft};
-pub use net::{NetStyle, control_net, control_polygon};
+pub use net::{ControlNet, NetStyle, control_net};
 pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};

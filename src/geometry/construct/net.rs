@@ -2,12 +2,11 @@
 
 use std::collections::HashSet;
 
-use glam::{DVec3, DVec4, Vec4Swizzles};
+use glam::DVec3;
 
 use super::ConstructError;
-use super::error::check_net;
 use super::tube::{Caps, Piece, TubeStyle, ball, tube};
-use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::geometry::{NurbsCurve, NurbsSurface, TrianglePatch};
 
 /// How thick a net is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,43 +18,79 @@ pub struct NetStyle {
     pub joints: f64,
 }
 
-/// The control net of a surface: a cylinder for each pair of neighbours along u and v, a ball
-/// for each control point. Points that coincide, as at poles and seams, are drawn once.
-///
-/// # Errors
-/// When a radius is not a positive length.
-pub fn control_net(surface: &NurbsSurface, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
-    let (nu, nv) = surface.size();
-    check_net(nu, nv, MAX_DRAWN)?;
-    let mut drawing = Drawing::new(surface.control(), *style);
-    for i in 0..nu {
-        for j in 0..nv {
-            let here = surface.point(i, j);
-            if i + 1 < nu {
-                drawing.line(here, surface.point(i + 1, j))?;
-            }
-            if j + 1 < nv {
-                drawing.line(here, surface.point(i, j + 1))?;
-            }
-            drawing.point(here)?;
-        }
-    }
-    Ok(drawing.pieces)
+/// Control points, and lines between neighbours.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ControlNet {
+    /// The points in space.
+    pub points: Vec<DVec3>,
+    /// The ends of each line, as indices of points.
+    pub lines: Vec<[usize; 2]>,
 }
 
-/// The control polygon of a curve, as [`control_net`].
+impl From<&NurbsSurface> for ControlNet {
+    /// Lines between neighbours along u and v.
+    fn from(surface: &NurbsSurface) -> Self {
+        let (nu, nv) = surface.size();
+        let mut net = Self::default();
+        for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
+            let here = net.points.len();
+            net.points.push(surface.point(i, j));
+            net.lines.extend((i + 1 < nu).then_some([here, here + nv]));
+            net.lines.extend((j + 1 < nv).then_some([here, here + 1]));
+        }
+        net
+    }
+}
+
+impl From<&TrianglePatch> for ControlNet {
+    /// Lines between points whose exponents differ by one in two places.
+    fn from(patch: &TrianglePatch) -> Self {
+        let n = patch.degree();
+        let mut net = Self::default();
+        for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+            let here = net.points.len();
+            net.points.extend(patch.point(i, j));
+            if i + j < n {
+                let above = here + n + 1 - i; // (i + 1, j)
+                net.lines.extend([[here, here + 1], [here, above], [here + 1, above]]);
+            }
+        }
+        net
+    }
+}
+
+impl From<&NurbsCurve> for ControlNet {
+    /// The control polygon.
+    fn from(curve: &NurbsCurve) -> Self {
+        let count = curve.control().len();
+        Self {
+            points: (0..count).map(|i| curve.point(i)).collect(),
+            lines: (1..count).map(|i| [i - 1, i]).collect(),
+        }
+    }
+}
+
+/// A control net as things to see: a cylinder for each line, a ball for each point. Points
+/// that coincide, as at poles and seams, are drawn once.
 ///
 /// # Errors
-/// When a radius is not a positive length.
-pub fn control_polygon(curve: &NurbsCurve, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
-    let mut drawing = Drawing::new(curve.control(), *style);
-    let count = curve.control().len();
-    check_net(count, 1, MAX_DRAWN)?;
-    for i in 0..count {
-        drawing.point(curve.point(i))?;
-        if i + 1 < count {
-            drawing.line(curve.point(i), curve.point(i + 1))?;
+/// When a radius is not a positive length, or there are too many points.
+pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
+    let count = net.points.len();
+    if count > MAX_DRAWN {
+        return Err(ConstructError::LargeNet { count, limit: MAX_DRAWN });
+    }
+    let mut drawing = Drawing::new(&net.points, *style);
+    // Point by point, after the lines that begin there.
+    let mut lines = vec![Vec::new(); count];
+    for &[a, b] in &net.lines {
+        lines[a].push(b);
+    }
+    for (point, ends) in net.points.iter().zip(lines) {
+        for end in ends {
+            drawing.line(*point, net.points[end])?;
         }
+        drawing.point(*point)?;
     }
     Ok(drawing.pieces)
 }
@@ -79,9 +114,9 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn new(control: &[DVec4], style: NetStyle) -> Self {
-        let largest = |point: &DVec4| (point.xyz() / point.w).abs().max_element();
-        let magnitude = control.iter().map(largest).fold(f64::MIN_POSITIVE, f64::max);
+    fn new(points: &[DVec3], style: NetStyle) -> Self {
+        let largest = |point: &DVec3| point.abs().max_element();
+        let magnitude = points.iter().map(largest).fold(f64::MIN_POSITIVE, f64::max);
         let (points, lines) = (HashSet::new(), HashSet::new());
         Self { style, cell: GRID * magnitude, points, lines, pieces: Vec::new() }
     }
@@ -127,19 +162,29 @@ mod tests {
             let style = NetStyle { radius: 0.02 * size, joints: 0.05 * size };
             let hemisphere = shapes::hemisphere(size).unwrap();
             // Two poles, 8 points; rows of 3 lines twice, columns of 3 lines four times.
-            assert_eq!(counts(&control_net(&hemisphere, &style).unwrap()), [6 + 12, 10]);
+            assert_eq!(
+                counts(&control_net(&ControlNet::from(&hemisphere), &style).unwrap()),
+                [6 + 12, 10]
+            );
             // The sphere's net closes: 6 columns, of which one begins and ends the rows.
             let sphere = shapes::sphere(size).unwrap();
-            assert_eq!(counts(&control_net(&sphere, &style).unwrap()), [12 + 18, 14]);
+            assert_eq!(
+                counts(&control_net(&ControlNet::from(&sphere), &style).unwrap()),
+                [12 + 18, 14]
+            );
         }
-        let polygon =
-            control_polygon(&shapes::circle_cubic(), &NetStyle { radius: 0.1, joints: 0.2 });
+        let polygon = ControlNet::from(&shapes::circle_cubic());
+        let polygon = control_net(&polygon, &NetStyle { radius: 0.1, joints: 0.2 });
         assert_eq!(counts(&polygon.unwrap()), [6, 6]);
+        // A quartic triangle: 15 points, and the sides of 10 small triangles.
+        let octant = ControlNet::from(&shapes::octant_quartic(1.0).unwrap());
+        let octant = control_net(&octant, &NetStyle { radius: 0.01, joints: 0.02 });
+        assert_eq!(counts(&octant.unwrap()), [30, 15]);
     }
 
     #[test]
     fn radii_must_be_lengths() {
-        let plane = shapes::plane(1.0, 1.0).unwrap();
+        let plane = ControlNet::from(&shapes::plane(1.0, 1.0).unwrap());
         let message = |radius, joints| {
             control_net(&plane, &NetStyle { radius, joints }).unwrap_err().to_string()
         };
@@ -148,8 +193,10 @@ mod tests {
         let points = (0..90_000).map(|k| DVec3::new(f64::from(k % 300), f64::from(k / 300), 0.0));
         let large = NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap();
         assert_eq!(
-            control_net(&large, &NetStyle { radius: 0.1, joints: 0.2 }).unwrap_err().to_string(),
-            "300 × 300 control points: at most 65536 in all are supported"
+            control_net(&ControlNet::from(&large), &NetStyle { radius: 0.1, joints: 0.2 })
+                .unwrap_err()
+                .to_string(),
+            "90000 control points: nets of up to 65536 can be drawn"
         );
         assert_eq!(message(1.0, 0.0), "joint radius 0: it must be positive and finite");
     }

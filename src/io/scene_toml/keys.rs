@@ -4,6 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::super::keyed::Keyed;
+use super::cages::SubdivisionKeys;
 use super::constructions::{
     ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
     RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
@@ -12,7 +13,7 @@ use super::kinds::{Kinds, OneOf};
 use super::plots::{FigureKeys, PlotKeys};
 use super::trims::TrimKeys;
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
-use crate::scene::NamedShape;
+use crate::scene::{NamedShape, Scheme};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -188,6 +189,7 @@ pub(super) enum ShapeKeys {
     SphereBiquadratic(Keyed<RadiusKeys>),
     Hemisphere(Keyed<RadiusKeys>),
     Octant(Keyed<RadiusKeys>),
+    OctantQuartic(Keyed<RadiusKeys>),
     Cylinder(Keyed<RadiusHeightKeys>),
     Cone(Keyed<RadiusHeightKeys>),
     Torus(Keyed<TorusKeys>),
@@ -212,6 +214,9 @@ pub(super) enum ShapeKeys {
     Net(Box<Keyed<NetKeys>>),
     IsoCurves(Box<Keyed<IsoCurvesKeys>>),
     Nurbs(Box<Keyed<NurbsKeys>>),
+    Triangle(Box<Keyed<TriangleKeys>>),
+    CatmullClark(Box<Keyed<SubdivisionKeys>>),
+    DooSabin(Box<Keyed<SubdivisionKeys>>),
     File(Spanned<String>),
 }
 
@@ -278,10 +283,20 @@ pub(super) struct NurbsKeys {
     pub(super) weights: Option<Spanned<Grid<Spanned<f64>>>>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TriangleKeys {
+    pub(super) degree: Spanned<u32>,
+    pub(super) points: Spanned<Vec<Spanned<Vector>>>,
+    pub(super) weights: Option<Spanned<Vec<Spanned<f64>>>>,
+}
+
 /// Where a shape's surfaces come from.
 pub(super) enum ShapeSource {
     Named(NamedShape, Measures),
     Nurbs(Box<Keyed<NurbsKeys>>),
+    Triangle(Box<Keyed<TriangleKeys>>),
+    Subdivision(Scheme, Box<Keyed<SubdivisionKeys>>),
     Built(ConstructionKeys),
     File(Spanned<String>),
 }
@@ -314,6 +329,11 @@ impl ShapeKeys {
             Self::Net(keys) => return ShapeSource::Built(Built::Net(Box::new(keys.0))),
             Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(Box::new(keys.0))),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
+            Self::Triangle(keys) => return ShapeSource::Triangle(keys),
+            Self::CatmullClark(keys) => {
+                return ShapeSource::Subdivision(Scheme::CatmullClark, keys);
+            }
+            Self::DooSabin(keys) => return ShapeSource::Subdivision(Scheme::DooSabin, keys),
             Self::File(file) => return ShapeSource::File(file),
             Self::Sphere(Keyed(keys)) => {
                 NamedShape::Sphere { radius: measure("radius", keys.radius) }
@@ -326,6 +346,9 @@ impl ShapeKeys {
             }
             Self::Octant(Keyed(keys)) => {
                 NamedShape::Octant { radius: measure("radius", keys.radius) }
+            }
+            Self::OctantQuartic(Keyed(keys)) => {
+                NamedShape::OctantQuartic { radius: measure("radius", keys.radius) }
             }
             Self::Cylinder(Keyed(keys)) => NamedShape::Cylinder {
                 radius: measure("radius", keys.radius),

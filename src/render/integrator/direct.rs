@@ -133,7 +133,7 @@ fn facing(normal: DVec3, direction: DVec3) -> DVec3 {
 /// The share of light sent back at a hit.
 pub(in crate::render) fn albedo(world: &World, hit: &Hit) -> Rgb {
     let instance = &world.surfaces[hit.surface as usize];
-    world.materials[instance.material].albedo(hit.uv, instance.surface.domain())
+    world.materials[instance.material].albedo(hit.uv, instance.surface.tile(hit.uv))
 }
 
 fn product(a: Rgb, b: Rgb) -> Rgb {

@@ -69,7 +69,7 @@ impl HitColor {
                 (0.5 * (normal + 1.0)).to_array()
             }
             Self::Uv => {
-                let domain = world.surfaces[hit.surface as usize].surface.domain();
+                let domain = world.surfaces[hit.surface as usize].surface.tile(hit.uv);
                 let share = |t: f64, (start, end): (f64, f64)| (t - start) / (end - start);
                 [share(hit.uv.x, domain[0]), share(hit.uv.y, domain[1]), 0.0]
             }

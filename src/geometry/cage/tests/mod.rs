@@ -4,6 +4,7 @@ mod catmull_clark;
 mod checks;
 mod doo_sabin;
 mod limits;
+mod seams;
 
 use glam::DVec3;
 

@@ -1,0 +1,257 @@
+//! Where patches of a limit surface meet: each seam gets one curve, each vertex one point.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DVec3;
+
+use super::limit_surface::{LimitPatch, LimitSurface};
+use super::mesh::Mesh;
+use super::topology::Topology;
+use super::tree::halve;
+
+/// A line on the cage along which squares lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Line {
+    /// An edge of the cage, run from the vertex of its first corner.
+    Edge(u32),
+    /// From the middle of the edge that leaves a corner to the middle of the face.
+    Spoke(u32),
+    /// Within a unit square: the parameter that is constant, and the bits of its value.
+    Inside { unit: usize, axis: usize, at: u64 },
+}
+
+/// A point of the cage at which squares have corners; parameters by their bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Spot {
+    Vertex(u32),
+    Edge(u32, u64),
+    Spoke(u32, u64),
+    Middle(u32),
+    Inside(usize, [u64; 2]),
+}
+
+/// A side of a patch on its line.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    line: Line,
+    /// From where to where on the line.
+    from: f64,
+    to: f64,
+    /// Whether the patch's parameter runs against the line.
+    reversed: bool,
+    /// Its length in sides of quads: squares of other faces are half as large.
+    length: f64,
+    exact: bool,
+    patch: usize,
+    /// Counted as borders are: first u, last u, first v, last v.
+    side: usize,
+}
+
+/// Moves the borders of patches that are not exact, or not of one size, so that neighbours
+/// meet: sides of one length get the same control points bit for bit, those beside a longer
+/// one the control points of that one's part, to rounding. Inner control points stay.
+///
+/// On every line the longest sides are kept, of equal ones the exact one; shorter ones follow
+/// them. Ends are settled before the shorter sides that end there: a point within a side is
+/// the corner of squares no longer than half of it.
+///
+/// A patch that is moved is off by the way its control points went, at most, in addition.
+pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
+    let layout = Layout::new(&mesh.topology);
+    let old = surface.control.clone();
+    let mut spots: HashMap<Spot, DVec3> = HashMap::new();
+    for (leader, followers) in groups(surface, &layout) {
+        let mut curve = row(surface, &leader);
+        let last = curve.len() - 1;
+        for (at, point) in layout.ends(surface, &leader).into_iter().zip([0, last]) {
+            curve[point] = *spots.entry(at).or_insert(curve[point]);
+        }
+        set_row(surface, &leader, &curve);
+        for side in followers {
+            let mut part = part(&curve, [leader.from, leader.to], [side.from, side.to]);
+            for (at, point) in layout.ends(surface, &side).into_iter().zip([0, last]) {
+                part[point] = *spots.entry(at).or_insert(part[point]);
+            }
+            set_row(surface, &side, &part);
+        }
+    }
+
+    // What moves by a few roundings only is as exact as before.
+    let magnitude = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let rounding = 16.0 * f64::EPSILON * magnitude;
+    let count = (surface.degree + 1) * (surface.degree + 1);
+    let moved = surface.control.chunks(count).zip(old.chunks(count));
+    let moved = moved.map(|(new, old)| {
+        new.iter().zip(old).map(|(new, old)| new.distance(*old)).fold(0.0, f64::max)
+    });
+    for (patch, moved) in surface.patches.iter_mut().zip(moved) {
+        if moved > rounding {
+            patch.deviation += moved;
+            patch.exact = false;
+        }
+    }
+}
+
+/// Sides with those that follow them, long ones first.
+fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)> {
+    let mut sides: Vec<Side> = (0..surface.patches.len())
+        .flat_map(|patch| (0..4).map(move |side| (patch, side)))
+        .map(|(patch, side)| layout.side(surface, patch, side))
+        .collect();
+    sides.sort_by(|a, b| {
+        let length = b.length.total_cmp(&a.length);
+        a.line.cmp(&b.line).then(length).then(b.exact.cmp(&a.exact)).then(a.patch.cmp(&b.patch))
+    });
+    let mut groups: Vec<(Side, Vec<Side>)> = Vec::new();
+    for on_line in sides.chunk_by(|a, b| a.line == b.line) {
+        // By the bits of where they begin, which are in order for numbers from 0 on.
+        let mut leaders: BTreeMap<u64, usize> = BTreeMap::new();
+        for side in on_line {
+            let before = leaders.range(..=side.from.to_bits()).next_back();
+            match before.map(|(_, &group)| group) {
+                Some(group) if side.to <= groups[group].0.to => groups[group].1.push(*side),
+                _ => {
+                    leaders.insert(side.from.to_bits(), groups.len());
+                    groups.push((*side, Vec::new()));
+                }
+            }
+        }
+    }
+    groups.sort_by(|(a, _), (b, _)| b.length.total_cmp(&a.length));
+    groups
+}
+
+/// Where in the net the control points of a side are, along its line.
+fn places(surface: &LimitSurface, side: &Side) -> Vec<usize> {
+    let n = surface.degree;
+    let first = side.patch * (n + 1) * (n + 1);
+    let at = |k: usize| match side.side {
+        0 => k,
+        1 => n * (n + 1) + k,
+        2 => k * (n + 1),
+        _ => k * (n + 1) + n,
+    };
+    (0..=n).map(|k| first + at(if side.reversed { n - k } else { k })).collect()
+}
+
+fn row(surface: &LimitSurface, side: &Side) -> Vec<DVec3> {
+    places(surface, side).into_iter().map(|at| surface.control[at]).collect()
+}
+
+fn set_row(surface: &mut LimitSurface, side: &Side, points: &[DVec3]) {
+    for (at, point) in places(surface, side).into_iter().zip(points) {
+        surface.control[at] = *point;
+    }
+}
+
+/// The part of a curve that a whole number of halvings leaves.
+fn part(curve: &[DVec3], whole: [f64; 2], wanted: [f64; 2]) -> Vec<DVec3> {
+    let (mut part, [mut from, mut to]) = (curve.to_vec(), whole);
+    while [from, to] != wanted {
+        let middle = 0.5 * (from + to);
+        let upper = wanted[0] >= middle;
+        halve(&mut part, curve.len(), (0, 1), upper);
+        if upper {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
+    part
+}
+
+/// Where the unit squares of a cage lie.
+struct Layout<'a> {
+    topology: &'a Topology,
+    /// The corner of the cage at (0, 0) of each unit square, and whether that is a whole quad.
+    units: Vec<(u32, bool)>,
+}
+
+impl<'a> Layout<'a> {
+    fn new(topology: &'a Topology) -> Self {
+        let mut units = Vec::new();
+        for face in 0..topology.face_count() {
+            let range = topology.face_range(face);
+            let quad = range.len() == 4;
+            let count = if quad { 1 } else { range.len() };
+            units.extend(range.take(count).map(|corner| (corner as u32, quad)));
+        }
+        Self { topology, units }
+    }
+
+    fn side(&self, surface: &LimitSurface, patch: usize, side: usize) -> Side {
+        let LimitPatch { square, exact, .. } = surface.patches[patch];
+        let axis = side / 2;
+        let fixed = square.low[axis] + if side % 2 == 1 { square.side } else { 0.0 };
+        let along = [0.0, square.side].map(|step| square.low[1 - axis] + step);
+        let (line, reversed, [a, b]) = self.line(square.unit, axis, fixed, along);
+        let (from, to) = if reversed { (b, a) } else { (a, b) };
+        let scale = if self.units[square.unit].1 { 1.0 } else { 0.5 };
+        Side { line, from, to, reversed, length: scale * square.side, exact, patch, side }
+    }
+
+    /// The line `u = fixed` or `v = fixed` of a unit square, whether it runs against the other
+    /// parameter, and where two values of that are on it.
+    fn line(&self, unit: usize, axis: usize, fixed: f64, at: [f64; 2]) -> (Line, bool, [f64; 2]) {
+        if fixed > 0.0 && fixed < 1.0 {
+            return (Line::Inside { unit, axis, at: fixed.to_bits() }, false, at);
+        }
+        let (corner, quad) = self.units[unit];
+        let first = fixed == 0.0;
+        // The half-edge, how much of it one side of the unit square is, and which way.
+        let (half, share, backward) = match (axis, first, quad) {
+            (1, true, true) => (corner, 1.0, false),
+            (0, false, true) => (corner + 1, 1.0, false),
+            (1, false, true) => (corner + 2, 1.0, true),
+            (0, true, true) => (corner + 3, 1.0, true),
+            (1, true, false) => (corner, 0.5, false),
+            (0, true, false) => (self.topology.previous(corner), 0.5, true),
+            (0, false, false) => return (Line::Spoke(corner), false, at),
+            _ => return (Line::Spoke(self.topology.previous(corner)), false, at),
+        };
+        let edge = self.topology.edge(half);
+        let twin = self.topology.edge_corner(edge as usize) != half;
+        let turn = |t: f64| if backward { 1.0 - share * t } else { share * t };
+        let at = at.map(turn).map(|t| if twin { 1.0 - t } else { t });
+        (Line::Edge(edge), backward != twin, at)
+    }
+
+    /// The points where a side begins and ends, along its line.
+    fn ends(&self, surface: &LimitSurface, side: &Side) -> [Spot; 2] {
+        let square = surface.patches[side.patch].square;
+        let axis = side.side / 2;
+        let end = |upper: bool| {
+            let mut at = square.low;
+            at[axis] += if side.side % 2 == 1 { square.side } else { 0.0 };
+            at[1 - axis] += if upper { square.side } else { 0.0 };
+            self.spot(square.unit, at)
+        };
+        [end(side.reversed), end(!side.reversed)]
+    }
+
+    fn spot(&self, unit: usize, [x, y]: [f64; 2]) -> Spot {
+        let outer = |t: f64| t == 0.0 || t == 1.0;
+        let (line, _, [t, _]) = match (outer(x), outer(y)) {
+            (false, false) => return Spot::Inside(unit, [x, y].map(f64::to_bits)),
+            (true, _) => self.line(unit, 0, x, [y; 2]),
+            (false, true) => self.line(unit, 1, y, [x; 2]),
+        };
+        let topology = self.topology;
+        match line {
+            Line::Edge(edge) => {
+                let [start, end] = topology.edge_ends(topology.edge_corner(edge as usize));
+                match t {
+                    0.0 => Spot::Vertex(start),
+                    1.0 => Spot::Vertex(end),
+                    _ => Spot::Edge(edge, t.to_bits()),
+                }
+            }
+            Line::Spoke(corner) => match t {
+                0.0 => Spot::Edge(topology.edge(corner), 0.5_f64.to_bits()),
+                1.0 => Spot::Middle(topology.face_of(corner)),
+                _ => Spot::Spoke(corner, t.to_bits()),
+            },
+            Line::Inside { .. } => Spot::Inside(unit, [x, y].map(f64::to_bits)),
+        }
+    }
+}
