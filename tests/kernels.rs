@@ -313,14 +313,19 @@ fn occlusion_is_that_of_the_scalar_kernel() {
         for queries in [queries, leaving] {
             let scalar = occlusions(bvh, Kernel::Scalar, queries);
             for kernel in wide_kernels() {
-                let wide = occlusions(bvh, kernel, queries);
-                for ((query, a), b) in queries.iter().zip(&wide).zip(&scalar) {
-                    let same = a.doubtful || b.doubtful || a.occluded == b.occluded;
-                    assert!(same, "{name}, {kernel}: {query:?}\n{a:?}\n{b:?}");
+                let mut packets = Vec::new();
+                let mut tracer = bvh.tracer_with(kernel);
+                tracer.occlusions(queries, Coherence::Coherent, &mut packets);
+                for wide in [occlusions(bvh, kernel, queries), packets] {
+                    assert_eq!(wide.len(), queries.len());
+                    for ((query, a), b) in queries.iter().zip(&wide).zip(&scalar) {
+                        let same = a.doubtful || b.doubtful || a.occluded == b.occluded;
+                        assert!(same, "{name}, {kernel}: {query:?}\n{a:?}\n{b:?}");
+                    }
+                    let doubts = |o: &[Occlusion]| o.iter().filter(|o| o.doubtful).count();
+                    let (a, b) = (doubts(&wide), doubts(&scalar));
+                    assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");
                 }
-                let doubts = |o: &[Occlusion]| o.iter().filter(|o| o.doubtful).count();
-                let (a, b) = (doubts(&wide), doubts(&scalar));
-                assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");
             }
         }
     });

@@ -1,9 +1,10 @@
-//! First hits of coherent rays: packets, and the scalar search for what they leave.
+//! First and any hits of coherent rays: packets, and the scalar search for what they leave.
 
 use super::leaf_search::{self, Meeting};
+use super::singles::is_certain;
 use super::tracer::{PacketScratch, answer_of};
-use super::wide::{LaneHit, PACKET, trace};
-use super::{Answer, HitFlags, Shot, Tracer};
+use super::wide::{LaneHit, PACKET, Wanted, trace};
+use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
 use fearless_simd::{Level, dispatch};
@@ -28,53 +29,102 @@ impl Tracer<'_> {
             }
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
-            self.trace_packet(level, packet);
-            self.search_rest(level, packet);
+            self.trace_packet(level, (packet, ahead(others)), Wanted::First);
+            self.search_rest(level, packet, Wanted::First);
             self.answer_packet(packet, answers);
             rest = others;
         }
     }
 
-    fn trace_packet<Q: Shot>(&mut self, level: Level, shots: &[Q]) {
+    /// Occlusion of rays by packets, appended to `answers`.
+    ///
+    /// A hit that is certain is enough; every leaf that may hold another is searched until there
+    /// is one: so an answer does not depend on the order of the search, nor on the other rays.
+    pub(super) fn occlusions_in_packets(
+        &mut self,
+        level: Level,
+        queries: &[Query],
+        answers: &mut Vec<Occlusion>,
+    ) {
+        answers.reserve(queries.len());
+        let mut rest = queries;
+        while !rest.is_empty() {
+            let (packet, others) = rest.split_at(rest.len().min(PACKET));
+            rest = others;
+            self.trace_packet(level, (packet, ahead(others)), Wanted::Any);
+            self.search_rest(level, packet, Wanted::Any);
+            let met = self.packets.packet.met();
+            let open = self.packets.work.rest_rays & !met;
+            for k in 0..packet.len() {
+                answers.push(if open >> k & 1 == 0 {
+                    Occlusion { occluded: met >> k & 1 != 0, doubtful: false }
+                } else {
+                    self.judged_occlusion(k)
+                });
+            }
+        }
+    }
+
+    /// The occlusion of a ray of which only the scalar search has found anything.
+    fn judged_occlusion(&mut self, k: usize) -> Occlusion {
+        let PacketScratch { meetings, doubt, .. } = &*self.packets;
+        let mut found = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
+        let certain = found.clone().any(is_certain);
+        let occluded = found.next().is_some();
+        let doubtful = !certain && (occluded || doubt[k] < f64::INFINITY);
+        self.findings.statistics.doubtful += u64::from(doubtful);
+        Occlusion { occluded, doubtful }
+    }
+
+    fn trace_packet<Q: Shot>(
+        &mut self,
+        level: Level,
+        (shots, ahead): (&[Q], &[Q]),
+        wanted: Wanted,
+    ) {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
-        packet.load(shots);
+        packet.ask(wanted);
         let statistics = &mut self.findings.statistics;
         statistics.rays += shots.len() as u64;
         let scene = self.bvh.scene();
-        dispatch!(level, simd => trace(simd, &scene, packet, work, statistics));
+        dispatch!(level, simd => trace(simd, &scene, (shots, ahead), packet, work, statistics));
     }
 
     /// The search ray by ray for the rays and leaves the packet could not decide.
-    fn search_rest<Q: Shot>(&mut self, level: Level, shots: &[Q]) {
+    fn search_rest<Q: Shot>(&mut self, level: Level, shots: &[Q], wanted: Wanted) {
         self.packets.meetings.clear();
         if self.packets.work.rest.is_empty() {
             return;
         }
         self.packets.doubt = [f64::INFINITY; PACKET];
+        let mut enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
         for at in 0..self.packets.work.rest.len() {
             let (k, leaf) = self.packets.work.rest[at];
+            if enough >> k & 1 != 0 {
+                continue;
+            }
             let limit = self.packets.packet.end(k);
-            self.search_leaf(level, shots[k].ray(), leaf, limit);
+            self.search_leaf(level, &shots[k].query(), leaf, (limit, wanted));
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
-            meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));
+            let found = &self.findings.meetings;
+            if wanted == Wanted::Any && found.iter().any(is_certain) {
+                enough |= 1 << k;
+            }
+            meetings.extend(found.iter().map(|&meeting| (k, meeting)));
             doubt[k] = doubt[k].min(self.findings.doubt);
         }
     }
 
     /// The nearest of what the packet and the scalar search found for each ray.
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
-        let looked_at = self.packets.work.rest_rays | self.packets.packet.near_border();
-        for (k, shot) in shots.iter().enumerate() {
-            // Three ways to fill the place, each for itself: so that none is filled by copying.
-            let packet = &self.packets.packet;
-            if looked_at >> k & 1 != 0 {
-                answers.push(self.judged_answer(shot.ray(), k));
-            } else if packet.has_hit(k) {
-                let hit = packet.plain_hit(self.bvh.set.pieces(), k);
-                answers.push(Answer { hit: Some(hit), doubtful: false });
-            } else {
-                answers.push(Answer { hit: None, doubtful: false });
-            }
+        let packet = &self.packets.packet;
+        let mut looked_at = self.packets.work.rest_rays | packet.near_border();
+        let first = answers.len();
+        answers.extend((0..shots.len()).map(|k| packet.plain_answer(k)));
+        while looked_at != 0 {
+            let k = looked_at.trailing_zeros() as usize;
+            answers[first + k] = self.judged_answer(shots[k].ray(), k);
+            looked_at &= looked_at - 1;
         }
     }
 
@@ -91,6 +141,11 @@ impl Tracer<'_> {
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
+}
+
+/// The rays of the packet that comes next.
+fn ahead<Q>(others: &[Q]) -> &[Q] {
+    &others[..others.len().min(PACKET)]
 }
 
 /// A lane's hit as the scalar search would have found it.

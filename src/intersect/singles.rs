@@ -9,7 +9,7 @@ use super::leaf_search::{self, Meeting, Question};
 use super::tracer::answer_of;
 use super::wide::{Scene, SingleHit, SingleRay, Wanted, search_single, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
-use crate::math::{Ray, RayFrame};
+use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
@@ -85,13 +85,19 @@ impl Tracer<'_> {
 impl Tracer<'_> {
     /// One leaf against one ray, for the packets: the ray's own proof, then the scalar search;
     /// `findings` holds what was found. `limit` is how far along the ray it is of interest.
-    pub(super) fn search_leaf(&mut self, level: Level, ray: &Ray, leaf: u32, limit: f64) {
-        let frame = RayFrame::new(ray);
-        let mut single = SingleRay::new(&frame, None, Wanted::First, &self.bvh.tree.frame);
+    pub(super) fn search_leaf(
+        &mut self,
+        level: Level,
+        query: &Query,
+        leaf: u32,
+        (limit, wanted): (f64, Wanted),
+    ) {
+        let frame = RayFrame::new(&query.ray);
+        let mut single = SingleRay::new(&frame, query.from.as_ref(), wanted, &self.bvh.tree.frame);
         let (scene, work) = (self.bvh.scene(), &mut self.single);
         dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, &mut *work)));
         self.findings.statistics.newton_iterations += std::mem::take(&mut work.steps);
-        self.search_left(&Query::primary(*ray), &frame, limit, Wanted::First);
+        self.search_left(query, &frame, limit, wanted);
         if let Some(hit) = &self.single.hit {
             self.findings.meetings.push(Certain::new(self.bvh, &frame, hit).meeting());
         }
@@ -179,7 +185,7 @@ fn search<S: Simd>(
     statistics.newton_iterations += std::mem::take(&mut work.steps);
 }
 
-fn is_certain(meeting: &Meeting) -> bool {
+pub(super) fn is_certain(meeting: &Meeting) -> bool {
     !meeting.flags.contains(HitFlags::DOUBTFUL)
 }
 

@@ -138,9 +138,19 @@ impl<'a> Tracer<'a> {
     }
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
-    pub fn occlusions(&mut self, queries: &[Query], _: Coherence, answers: &mut Vec<Occlusion>) {
+    ///
+    /// Rays said to be coherent are traced in packets, if the kernel has them.
+    pub fn occlusions(
+        &mut self,
+        queries: &[Query],
+        coherence: Coherence,
+        answers: &mut Vec<Occlusion>,
+    ) {
         answers.clear();
         match self.level {
+            Some(level) if coherence == Coherence::Coherent => {
+                self.occlusions_in_packets(level, queries, answers);
+            }
             Some(level) => self.single_anys(level, queries, answers),
             None => answers.extend(queries.iter().map(|query| self.occluded(query))),
         }

@@ -14,6 +14,7 @@ use super::{Shown, ShownVector};
 /// - origin and direction are finite, and the direction is not zero;
 /// - `t_min < t_max`, neither is NaN; either may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // eight numbers in the order of `to_array`: one load for a wide register
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
@@ -97,6 +98,13 @@ impl Ray {
     /// The open upper end of the range.
     pub fn t_max(&self) -> f64 {
         self.t_max
+    }
+
+    /// Origin, direction and range.
+    #[inline]
+    pub(crate) fn to_array(self) -> [f64; 8] {
+        let (o, d) = (self.origin, self.direction);
+        [o.x, o.y, o.z, d.x, d.y, d.z, self.t_min, self.t_max]
     }
 
     /// The point `o + t d`.

@@ -9,12 +9,11 @@
 //! *Bend.* For `x` and `x + h` in `D` and `|h|` the larger component, put `Y = X − S(x) W`.
 //! Then `Y(x) = 0`, `Y'(x) h = W(x) S'(x) h`, and
 //! `S(x + h) − S(x) − S'(x) h = (½ Y''(ξ)[h, h] + S'(x) h (W(x) − W(x + h))) / W(x + h)`:
-//! at most `M |h|²`, with second and first differences of the net for the derivatives. For the
-//! polynomial `Q` the like holds with a bound `M_Q` from its coefficients.
+//! at most `M |h|²`, with second and first differences of the net for the derivatives.
 //!
-//! *Slopes.* Along either coordinate and for any step `r` that stays in `D`, the slopes of `S`
-//! and `Q` differ from their difference quotients by at most `M r` and `M_Q r`, and those from
-//! each other by `2 E / r`. The best `r` makes it `2 √(2 E (M + M_Q))`.
+//! *Slopes.* With `R = X − W Q` the slopes of `S` and `Q` differ by `(R' − (R / W) W') / W`. The
+//! degree times the longest difference of neighbouring Bernstein coefficients bounds `R'`, and
+//! `W'` likewise; `R / W` is at most `E`.
 
 use glam::{DVec3, DVec4};
 
@@ -24,6 +23,9 @@ use super::part::Halving;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
 const REACH: f64 = 1.2;
+
+/// A side of the rectangle they hold on.
+const SIDE: f64 = 2.0 * REACH;
 
 /// Bounds of a bicubic approximation, in scene units.
 #[derive(Clone, Copy, Debug)]
@@ -54,10 +56,12 @@ impl FitError {
         }
 
         let noise = 4.0 * patch.residual_factor() * patch.magnitude();
-        let value = farthest(degree, &net, &in_bernstein_form(fit)) / least + noise;
+        let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
+        let value = farthest / least + noise;
         let bend = bend(degree, &net, least) + noise;
-        let both = bend + fit_bend(fit);
-        let slope = slope(value, both);
+        // Differences of coefficients that rounding has moved by `noise` each.
+        let rounding = 2.0 * (degree[0].max(degree[1]) + 3) as f64 * noise;
+        let slope = (steepest + value * weight_slope(degree, &net)) / least + rounding;
         if value.is_finite() && slope.is_finite() { Self { value, slope, bend } } else { unknown }
     }
 }
@@ -66,7 +70,7 @@ impl FitError {
     /// The bounds for a polynomial that only differs from its approximation by rounding each
     /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32.
     pub(super) fn of_polynomial(coefficients: &[DVec3; 16], piece: &Piece) -> Self {
-        let (mut sum, mut bound) = (0.0, 0.0);
+        let (mut sum, mut slopes, mut bound) = (0.0, 0.0, 0.0);
         let mut weight_x = [1.0, 0.0, 0.0];
         for i in 0..4 {
             let mut weight = weight_x;
@@ -74,22 +78,19 @@ impl FitError {
                 let power = (i + j) as f64;
                 let length = coefficients[4 * i + j].length();
                 sum += length * weight[0];
+                slopes += length * power * weight[1];
                 bound += 0.5 * length * power * (power - 1.0) * weight[2];
                 weight = [weight[0] * REACH, weight[0], weight[1]];
             }
             weight_x = [weight_x[0] * REACH, weight_x[0], weight_x[1]];
         }
-        let rounding = 0.5 * f64::from(f32::EPSILON) * sum + 64.0 * f64::from(f32::MIN_POSITIVE);
+        // The sum of `REACHⁱ⁺ʲ` is 29, that of `(i + j) REACHⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
+        let least = f64::from(f32::MIN_POSITIVE);
+        let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let noise = 4.0 * piece.patch.residual_factor() * piece.patch.magnitude();
-        let (value, bend) = (rounding + noise, bound + noise);
-        Self { value, slope: slope(value, bend + bound), bend }
+        let (value, slope) = (rounding(sum) + noise, rounding(slopes) + 96.0 * noise);
+        Self { value, slope, bend: bound + noise }
     }
-}
-
-/// The bound of the slopes from `E` and `M + M_Q`.
-fn slope(value: f64, both: f64) -> f64 {
-    let step = (2.0 * value / both).sqrt().min(REACH);
-    2.0 * value / step + both * step
 }
 
 /// The Bernstein coefficients of the approximation over the widened rectangle.
@@ -117,10 +118,11 @@ fn in_bernstein_form(fit: &Fit) -> [[DVec3; 4]; 4] {
     net
 }
 
-/// The longest Bernstein coefficient of `X − W Q`.
-fn farthest([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> f64 {
+/// Bounds of `X − W Q` and of its derivatives by box coordinates.
+fn difference([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64; 2] {
     let (along_s, along_t) = (product_weights(p), product_weights(q));
-    let mut difference = vec![DVec3::ZERO; (p + 4) * (q + 4)];
+    let (rows, columns) = (p + 4, q + 4);
+    let mut difference = vec![DVec3::ZERO; rows * columns];
     for i in 0..=p {
         for j in 0..=q {
             let control = net[i * (q + 1) + j];
@@ -128,12 +130,44 @@ fn farthest([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> f64 {
             for k in 0..4 {
                 for l in 0..4 {
                     let weight = along_s[i][k] * along_t[j][l];
-                    difference[(i + k) * (q + 4) + j + l] += weight * (x - control.w * fit[k][l]);
+                    difference[(i + k) * columns + j + l] += weight * (x - control.w * fit[k][l]);
                 }
             }
         }
     }
-    difference.iter().map(|d| d.length()).fold(0.0, f64::max)
+    let value = difference.iter().map(|d| d.length()).fold(0.0, f64::max);
+    let mut slope = 0f64;
+    for i in 0..rows {
+        for j in 0..columns {
+            let here = difference[i * columns + j];
+            if i + 1 < rows {
+                let step = difference[(i + 1) * columns + j] - here;
+                slope = slope.max((rows - 1) as f64 * step.length());
+            }
+            if j + 1 < columns {
+                let step = difference[i * columns + j + 1] - here;
+                slope = slope.max((columns - 1) as f64 * step.length());
+            }
+        }
+    }
+    [value, slope / SIDE]
+}
+
+/// A bound of the weight's derivatives by box coordinates.
+fn weight_slope([p, q]: [usize; 2], net: &[DVec4]) -> f64 {
+    let mut slope = 0f64;
+    for i in 0..=p {
+        for j in 0..=q {
+            let here = net[i * (q + 1) + j].w;
+            if i < p {
+                slope = slope.max(p as f64 * (net[(i + 1) * (q + 1) + j].w - here).abs());
+            }
+            if j < q {
+                slope = slope.max(q as f64 * (net[i * (q + 1) + j + 1].w - here).abs());
+            }
+        }
+    }
+    slope / SIDE
 }
 
 /// The factors of products of coefficients in the product of a polynomial of degree `p` and a
@@ -194,22 +228,7 @@ fn bend([p, q]: [usize; 2], net: &[DVec4], least: f64) -> f64 {
     let slope = (first.0 + radius * first.1) / least;
     let bound = (0.5 * (second.0 + radius * second.1) + slope * first.1) / least;
     // From sides of the rectangle to half sides of the leaf.
-    bound / (2.0 * REACH).powi(2)
-}
-
-/// The bound `M_Q`.
-fn fit_bend(fit: &Fit) -> f64 {
-    let mut bound = 0.0;
-    for k in 0..16 {
-        let power = k / 4 + k % 4;
-        if power >= 2 {
-            let at = |axis: usize| f64::from(fit[axis][k]);
-            let size = DVec3::new(at(0), at(1), at(2)).length();
-            let second = (power * (power - 1)) as f64 * REACH.powi(power as i32 - 2);
-            bound += 0.5 * size * second;
-        }
-    }
-    bound
+    bound / (SIDE * SIDE)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::net::BezierNet;
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{Jet, TensorPatch};
+use crate::geometry::ChartMap;
 use crate::geometry::trim::{Side, Trims, UvBox};
 
 /// A Bézier piece with its place in the surface it was cut from.
@@ -98,6 +99,17 @@ impl Piece {
     fn uv_rounding(&self) -> DVec2 {
         let largest = self.domain().map(|[from, to]| from.abs().max(to.abs()));
         4.0 * f64::EPSILON * DVec2::from_array(largest)
+    }
+
+    /// The number from which on parameters belong to the next piece, in `u` or `v`, at an open
+    /// end.
+    pub fn open_end(&self, k: usize) -> Option<f64> {
+        (self.open_end >> k & 1 != 0).then(|| self.domain()[k][1])
+    }
+
+    /// Whether its chart's parameters are not the surface's own.
+    pub fn is_placed(&self) -> bool {
+        !matches!(self.patch.net.map, ChartMap::Identity)
     }
 
     /// The point a side is collapsed to; sides are counted as in [`Self::is_border`].

@@ -326,7 +326,7 @@ impl Tangents {
         }
         let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
         let noise = net.noise * weights.hi;
-        let longest = 0.0625 * net.noise / net.spacing;
+        let longest = 0.25 * net.noise / net.spacing;
         if !net.rational {
             // The differences of equal weights are rounding, and part of the noise.
             let weight_slopes = [Interval::point(0.0); 2];

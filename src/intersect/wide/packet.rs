@@ -1,11 +1,13 @@
 //! Sixty-four rays, coordinate by coordinate, and what has been found for each.
 
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f64x8, mask32x8};
+use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
-use super::PACKET;
 use super::load::END_SPARE;
-use crate::intersect::{Hit, HitFlags, Root, Shot};
-use crate::patch::Piece;
+use super::single_ray::Wanted;
+use super::{LANES, PACKET};
+use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
 
 /// A vector of f64 for each ray, by coordinate.
 pub(super) type Lanes3 = [[f64; PACKET]; 3];
@@ -46,16 +48,28 @@ pub(in crate::intersect) struct Packet {
     /// The leaf of the nearest hit; `u32::MAX` for none.
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
+    pub(super) surface: [u32; PACKET],
     /// One bit a ray: whether its nearest hit may be within rounding of a border, or is near a pole.
     pub(super) near_border: u64,
-    pub(super) s: [f64; PACKET],
-    pub(super) t: [f64; PACKET],
+    /// The ray parameter.
+    pub(super) ray_t: [f64; PACKET],
+    /// The place on the piece, and on its surface.
+    pub(super) st: [[f64; PACKET]; 2],
+    pub(super) uv: [[f64; PACKET]; 2],
     /// How far `z` may be off.
     pub(super) z_error: [f64; PACKET],
     pub(super) point: Lanes3,
     /// `S_s × S_t`, made a unit vector.
     pub(super) normal: Lanes3,
     pub(super) bounds: PacketBounds,
+    /// Whether any hit will do: a ray that has one ends before it begins.
+    pub(super) any: bool,
+    /// Whether some rays start on a root: its piece (`u32::MAX` for none), its place there, and
+    /// how far it may be off.
+    pub(super) from_roots: bool,
+    pub(super) from_piece: [u32; PACKET],
+    pub(super) from_st: [[f64; PACKET]; 2],
+    pub(super) from_error: [f64; PACKET],
     /// Scene units to scaled coordinates.
     pub(super) scale: f64,
 }
@@ -112,35 +126,42 @@ impl Packet {
             farthest: 0.0,
             leaf: [u32::MAX; PACKET],
             piece: [0; PACKET],
+            surface: [0; PACKET],
             near_border: 0,
-            s: [0.0; PACKET],
-            t: [0.0; PACKET],
+            ray_t: [0.0; PACKET],
+            st: [[0.0; PACKET]; 2],
+            uv: [[0.0; PACKET]; 2],
             z_error: [0.0; PACKET],
             point: [[0.0; PACKET]; 3],
             normal: [[0.0; PACKET]; 3],
             bounds: PacketBounds::default(),
+            any: false,
+            from_roots: false,
+            from_piece: [u32::MAX; PACKET],
+            from_st: [[0.0; PACKET]; 2],
+            from_error: [0.0; PACKET],
             scale: 1.0,
         }
     }
 
-    /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
-    pub(in crate::intersect) fn load<Q: Shot>(&mut self, shots: &[Q]) {
-        self.count = shots.len();
-        for k in 0..PACKET {
-            let ray = shots[if k < shots.len() { k } else { 0 }].ray();
-            let (origin, direction) = (ray.origin(), ray.direction());
-            for i in 0..3 {
-                self.origin[i][k] = origin[i];
-                self.axis[i][k] = direction[i];
-            }
-            self.z_min[k] = ray.t_min();
-            self.z[k] = ray.t_max();
-        }
+    /// Says whether any hit will do for the rays to come.
+    pub(in crate::intersect) fn ask(&mut self, wanted: Wanted) {
+        self.any = wanted == Wanted::Any;
     }
 
-    /// Brings the f32 end of ray `k` up to its nearest hit.
-    pub(super) fn shorten(&mut self, k: usize) {
-        self.far_f[k] = ((self.z[k] - self.shift[k]) * self.scale) as f32 + END_SPARE;
+    /// Brings the f32 ends of rays up to their nearest hits: of those of the eight rays from
+    /// `base` on whose bit is set.
+    #[simd]
+    pub(super) fn shorten<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
+        let eight = base..base + 8;
+        let z = f64x8::from_slice(simd, &self.z[eight.clone()]);
+        let shift = f64x8::from_slice(simd, &self.shift[eight.clone()]);
+        let far = (z - shift) * f64x8::splat(simd, self.scale);
+        let (far, _) = simd.narrow_f64x8(far, far).split();
+        let far = far + f32x8::splat(simd, END_SPARE);
+        let lanes = &mut self.far_f[eight];
+        let old = f32x8::from_slice(simd, lanes);
+        mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
     }
 
     /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of
@@ -154,35 +175,66 @@ impl Packet {
         self.z[k]
     }
 
-    /// Whether a ray has met anything.
-    #[inline]
-    pub(in crate::intersect) fn has_hit(&self, k: usize) -> bool {
-        self.leaf[k] != u32::MAX
+    /// One bit a ray: whether it has met anything.
+    pub(in crate::intersect) fn met(&self) -> u64 {
+        (0..PACKET).fold(0, |met, k| met | u64::from(self.leaf[k] != u32::MAX) << k)
     }
 
-    /// The nearest hit of a ray, if it needs no closer look.
+    /// Takes in the roots that rays start on.
+    pub(super) fn start_on_roots<Q: Shot>(&mut self, shots: &[Q]) {
+        self.from_roots = shots.iter().any(|shot| shot.from().is_some());
+        if !self.from_roots {
+            return;
+        }
+        self.from_piece = [u32::MAX; PACKET];
+        self.from_error = [0.0; PACKET];
+        for (k, shot) in shots.iter().enumerate() {
+            if let Some(root) = shot.from() {
+                self.from_piece[k] = root.piece;
+                (self.from_st[0][k], self.from_st[1][k]) = (root.st.x, root.st.y);
+                self.from_error[k] = root.error;
+            }
+        }
+    }
+
+    /// One bit for each of the sixteen rays from `base` on that starts in a part of a piece.
+    pub(super) fn starts_in(&self, base: usize, piece: u32, [s, t]: [[f64; 2]; 2]) -> u32 {
+        let mut inside = 0;
+        for lane in 0..LANES {
+            let k = base + lane;
+            let (at_s, at_t) = (self.from_st[0][k], self.from_st[1][k]);
+            let within = at_s >= s[0] && at_s <= s[1] && at_t >= t[0] && at_t <= t[1];
+            inside |= u32::from(within && self.from_piece[k] == piece) << lane;
+        }
+        inside
+    }
+
+    /// The answer to a ray whose nearest hit needs no closer look.
     #[inline]
-    pub(in crate::intersect) fn plain_hit(&self, pieces: &[Piece], k: usize) -> Hit {
-        let piece = &pieces[self.piece[k] as usize];
-        let st = DVec2::new(self.s[k], self.t[k]);
-        Hit {
-            t: self.z[k] * self.t_from_z[k],
-            surface: piece.surface,
-            uv: piece.uv(st),
+    pub(in crate::intersect) fn plain_answer(&self, k: usize) -> Answer {
+        if self.leaf[k] == u32::MAX {
+            return Answer { hit: None, doubtful: false };
+        }
+        let root = Root { piece: self.piece[k], st: pair(&self.st, k), error: self.z_error[k] };
+        let hit = Hit {
+            t: self.ray_t[k],
+            surface: self.surface[k],
+            uv: pair(&self.uv, k),
             point: gather(&self.point, k),
             normal: gather(&self.normal, k),
             flags: HitFlags::NONE,
-            root: Root { piece: self.piece[k], st, error: self.z_error[k] },
-        }
+            root,
+        };
+        Answer { hit: Some(hit), doubtful: false }
     }
 
     /// The nearest hit of a ray.
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
-        self.has_hit(k).then(|| LaneHit {
+        (self.leaf[k] != u32::MAX).then(|| LaneHit {
             piece: self.piece[k],
-            t: self.z[k] * self.t_from_z[k],
+            t: self.ray_t[k],
             z_error: self.z_error[k],
-            st: DVec2::new(self.s[k], self.t[k]),
+            st: pair(&self.st, k),
             point: gather(&self.point, k),
             normal: gather(&self.normal, k),
             near_border: self.near_border >> k & 1 != 0,
@@ -193,6 +245,11 @@ impl Packet {
 #[inline]
 fn gather(lanes: &Lanes3, k: usize) -> DVec3 {
     DVec3::new(lanes[0][k], lanes[1][k], lanes[2][k])
+}
+
+#[inline]
+fn pair(lanes: &[[f64; PACKET]; 2], k: usize) -> DVec2 {
+    DVec2::new(lanes[0][k], lanes[1][k])
 }
 
 impl PacketBounds {

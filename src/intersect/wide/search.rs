@@ -16,9 +16,9 @@ const LEAST_SLOPE: f32 = 1e-12;
 /// roundings of f32 at the distances a ray has inside the scene.
 const SPARE: f32 = 4e-6;
 
-/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
-/// second 1e-4, the third the fit's error. A step here costs a fifth of one in f64.
-const STEPS: usize = 3;
+/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-4 of the leaf, the
+/// second the fit's error.
+const STEPS: usize = 2;
 
 /// The search may leave the leaf by this much of its half side: as far as its certificate
 /// reaches.
@@ -113,6 +113,16 @@ pub(super) fn certify<S: Simd>(
     steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 
+/// What the search in f32 has found.
+#[derive(Clone, Copy)]
+pub(super) struct Approximate<V> {
+    /// The place, in box coordinates.
+    pub(super) x: V,
+    pub(super) y: V,
+    /// What takes distances from the ray's planes to box coordinates there, or near it.
+    pub(super) inverse: [[V; 2]; 2],
+}
+
 /// Newton's iteration on the leaf's bicubic approximation.
 ///
 /// The distances of the leaf's middle from the ray's planes are found in f64; what is added
@@ -124,23 +134,26 @@ pub(super) fn search_fit<S: Simd>(
     packet: &Packet,
     base: usize,
     start: (f32x16<S>, f32x16<S>),
-) -> (f32x16<S>, f32x16<S>) {
+) -> Approximate<f32x16<S>> {
     let n1 = load3(simd, &packet.normals_f[0], base);
     let n2 = load3(simd, &packet.normals_f[1], base);
     let (e1, e2) = middle_distances(simd, leaf, packet, base);
     let (mut x, mut y) = start;
     let (low, high) = (f32x16::splat(simd, -REACH), f32x16::splat(simd, REACH));
+    let mut inverse = [[low; 2]; 2];
     for _ in 0..STEPS {
         let [value, along_x, along_y] = evaluate(simd, leaf.fit(), x, y);
         let (f1, f2) = (dot(n1, value) + e1, dot(n2, value) + e2);
         let (a1, a2) = (dot(n1, along_x), dot(n2, along_x));
         let (b1, b2) = (dot(n1, along_y), dot(n2, along_y));
-        let inverse = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+        let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+        inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
         // `max` and `min` with the bound first turn a NaN into a bound.
-        x = (x - (f1 * b2 - f2 * b1) * inverse).max(low).min(high);
-        y = (y - (a1 * f2 - a2 * f1) * inverse).max(low).min(high);
+        let [[xx, xy], [yx, yy]] = inverse;
+        x = (x - xx.mul_add(f1, xy * f2)).max(low).min(high);
+        y = (y - yx.mul_add(f1, yy * f2)).max(low).min(high);
     }
-    (x, y)
+    Approximate { x, y, inverse }
 }
 
 /// The distances of the leaf's middle from the rays' planes, found in f64.
@@ -215,11 +228,17 @@ fn evaluate<S: Simd>(
     result
 }
 
-/// Both halves of sixteen lanes in f64.
-#[simd]
-pub(super) fn widen<S: Simd>(value: f32x16<S>) -> [f64x8<S>; 2] {
-    let (low, high) = value.widen();
-    [low, high]
+impl<S: Simd> Approximate<f32x16<S>> {
+    /// One half of the lanes in f64.
+    #[inline(always)]
+    pub(super) fn half(&self, half: usize) -> Approximate<f64x8<S>> {
+        let wide = |value: f32x16<S>| {
+            let (low, high) = value.widen();
+            if half == 0 { low } else { high }
+        };
+        let inverse = self.inverse.map(|row| row.map(wide));
+        Approximate { x: wide(self.x), y: wide(self.y), inverse }
+    }
 }
 
 /// The lanes of a mask as bits.

@@ -20,9 +20,9 @@ const MOST_STEPS: u64 = 4;
 /// How much of the promised error a last step may leave behind.
 const PART_OF_ERROR: f64 = 0.125;
 
-/// What rounding of a parameter may move the point by, as a part of the promised error: one
+/// Parameters are rounded by half a unit; where that moves the point by more than a quarter of the promised error, with
 /// over this, per unit roundoff.
-const COARSEST: f64 = 16.0 * UNIT_ROUNDOFF;
+const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What became of a ray and a leaf.
 pub(super) enum Outcome {

@@ -41,6 +41,12 @@ const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 /// Roots are unique in a box widened by this: so that one on its side is not lost.
 const REACH: f32 = 1.1;
 
+/// Where Newton's step from the middle of a box may lead that is to hold a root.
+const NEARBY: f32 = 1.05;
+
+/// Boxes are not halved for that alone if they are smaller, in half sides of the leaf.
+const SMALLEST: f32 = 0.1;
+
 /// A box a root starts in is widened by less.
 const START_REACH: f32 = 1.05;
 
@@ -129,7 +135,9 @@ pub(super) fn isolate<S: Simd>(
             continue;
         }
         let slope_error = (leaf.slope_error() + noise) * part.half[0].max(part.half[1]);
-        if local.is_unique(simd, slope_error, error as f32) {
+        let unhalved = part.half[0] > SMALLEST && part.half[1] > SMALLEST;
+        let elsewhere = unhalved && local.leads_away();
+        if !elsewhere && local.is_unique(simd, slope_error, error as f32) {
             if start.is_some_and(|start| part.holds(start, START_REACH)) {
                 continue;
             }
@@ -206,6 +214,16 @@ impl<S: Simd> Local<S> {
             missed |= low > off[k] || high < -off[k];
         }
         missed
+    }
+
+    /// Whether Newton's step from the middle leads to a place outside, where the iteration for
+    /// the one root of this part could not follow: halves can be proved to be missed.
+    #[inline(always)]
+    fn leads_away(&self) -> bool {
+        let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
+        let (f1, f2) = (self.columns[0][0], self.columns[0][4]);
+        let farthest = NEARBY * (a1 * b2 - a2 * b1).abs();
+        (f1 * b2 - f2 * b1).abs() > farthest || (a1 * f2 - a2 * f1).abs() > farthest
     }
 
     /// Whether there is at most one root in the widened part.

@@ -5,14 +5,18 @@ use fearless_simd_macros::simd;
 use glam::Vec3;
 
 use super::finish::{Target, finish};
-use super::load::{bounds, farthest, prepare};
+use super::load::{bounds, farthest, load};
 use super::packet::{Packet, PacketBounds};
-use super::search::{bits, certify, cross_box, search_fit, widen};
+use super::search::{bits, certify, cross_box, search_fit};
 use super::single::Scene;
 use super::{LANES, PACKET};
-use crate::intersect::Statistics;
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
+use crate::intersect::{Shot, Statistics};
 use crate::patch::OrientedBox;
+
+/// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
+/// leaves, and no one waits for as many at once.
+const TOUCHED_AT_A_TIME: usize = 6;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
@@ -24,23 +28,40 @@ pub(in crate::intersect) struct Work {
     groups: Option<[PacketBounds; PACKET / LANES]>,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
+    /// How many of the rays to come have been touched.
+    touched: usize,
 }
 
-/// Finds the nearest certified hit of every ray of a packet that was just loaded; `work.rest` names the pairs of
-/// ray and leaf that could not be certified or decided, which may hold nearer ones.
+impl Work {
+    /// Reads something of the next few of the rays to come, so that they are on their way from
+    /// memory while those before them are traced.
+    #[inline(always)]
+    fn touch<Q: Shot>(&mut self, ahead: &[Q]) {
+        for shot in ahead.iter().skip(self.touched).take(TOUCHED_AT_A_TIME) {
+            std::hint::black_box(shot.ray().t_min());
+        }
+        self.touched += TOUCHED_AT_A_TIME;
+    }
+}
+
+/// Finds the nearest certified hit of every one of up to [`PACKET`] rays, or any if that is all
+/// they ask (`packet.any`); `ahead` are the rays that come next. `work.rest` names the
+/// pairs of ray and leaf that could not be certified or decided, which may hold nearer ones.
 #[simd]
-pub(in crate::intersect) fn trace<S: Simd>(
+pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
     scene: &Scene<'_>,
+    (shots, ahead): (&[Q], &[Q]),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
     let tree = scene.tree;
     packet.scale = tree.frame.scale;
-    prepare(simd, packet, tree.frame.center);
+    load(simd, packet, shots, tree.frame.center);
     work.rest.clear();
     work.rest_rays = 0;
+    work.touched = 0;
     work.groups = None;
     work.stack.clear();
     work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
@@ -48,6 +69,7 @@ pub(in crate::intersect) fn trace<S: Simd>(
         if entry > packet.farthest {
             continue;
         }
+        work.touch(ahead);
         match code.child() {
             Child::Block(index) => search_block(simd, scene, index, packet, work, statistics),
             Child::Node(index) => {
@@ -258,10 +280,14 @@ fn search<S: Simd>(
         let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
         let certain = met & bits(certified);
         let mut rest = met & !certain;
+        let mut certain = certain;
+        if packet.from_roots {
+            // The one root of these is the one they start on.
+            certain &= !packet.starts_in(base, target.leaf.piece, target.domain);
+        }
         if certain != 0 {
             let start = (crossing.x, crossing.y);
-            let (x, y) = search_fit(simd, target.leaf, packet, base, start);
-            let (xs, ys) = (widen(x), widen(y));
+            let near = search_fit(simd, target.leaf, packet, base, start);
             for half in 0..2 {
                 let lanes = u64::from(certain >> (8 * half)) & 0xff;
                 if lanes == 0 {
@@ -269,7 +295,7 @@ fn search<S: Simd>(
                 }
                 let wanted = fearless_simd::mask64x8::from_bitmask(simd, lanes);
                 let at = base + 8 * half;
-                let done = finish(simd, target, packet, at, wanted, (xs[half], ys[half]));
+                let done = finish(simd, target, packet, at, wanted, &near.half(half));
                 rest |= (done.left as u32) << (8 * half);
                 found |= done.found;
                 statistics.newton_iterations += u64::from(done.steps);
