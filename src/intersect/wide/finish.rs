@@ -8,6 +8,7 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::PACKET;
+use super::jets::{jets, points};
 use super::packet::{Lanes3, Packet};
 use super::search::{Approximate, dot_d, load3d};
 use super::single::{Scene, comes_first};
@@ -15,8 +16,7 @@ use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::leaf_search;
 use crate::intersect::newton::{CLEAR, SURELY};
-use crate::math::bernstein::MAX_DEGREE;
-use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, TensorPatch, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
 
 /// Steps in f64 with the surface's own tangents: one is usual.
 const MOST_STEPS: usize = 4;
@@ -81,13 +81,6 @@ pub(super) struct Done {
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
     pub(super) steps: u32,
-}
-
-/// Eight lanes' Jacobian data.
-struct Jets<S: Simd> {
-    point: [f64x8<S>; 3],
-    ds: [f64x8<S>; 3],
-    dt: [f64x8<S>; 3],
 }
 
 /// Newton's steps in f64 for rays `base … base + 7`, of which `wanted` take part, from what the
@@ -487,154 +480,4 @@ fn put_index<S: Simd>(simd: S, hits: u64, lanes: &mut [u32; PACKET], base: usize
     let lanes = &mut lanes[base..base + 8];
     let (old, new) = (u32x8::from_slice(simd, lanes), u32x8::splat(simd, value));
     mask32x8::from_bitmask(simd, hits).select(new, old).store_slice(lanes);
-}
-
-/// The true surface and its first derivatives at eight places: the same sums as
-/// [`TensorPatch::jet`], with unrolled loops and little scratch memory for the degrees met
-/// most.
-#[simd]
-fn jets<S: Simd>(simd: S, patch: &TensorPatch, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-    match (patch.degree(), patch.is_rational()) {
-        ([3, 3], true) => jets_of::<S, 3, 3, 4, 4>(simd, patch, s, t),
-        ([3, 3], false) => jets_of::<S, 3, 3, 4, 3>(simd, patch, s, t),
-        ([2, 2], true) => jets_of::<S, 2, 2, 4, 4>(simd, patch, s, t),
-        ([2, 1], true) => jets_of::<S, 2, 1, 4, 4>(simd, patch, s, t),
-        ([1, 2], true) => jets_of::<S, 1, 2, 4, 4>(simd, patch, s, t),
-        ([1, 1], false) => jets_of::<S, 1, 1, 4, 3>(simd, patch, s, t),
-        ([p, q], true) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 4>(simd, patch, s, t),
-        ([p, q], false) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 3>(simd, patch, s, t),
-        (_, true) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, patch, s, t),
-        (_, false) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, patch, s, t),
-    }
-}
-
-/// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C`
-/// components: four for rational surfaces, else three.
-#[simd]
-fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    patch: &TensorPatch,
-    s: f64x8<S>,
-    t: f64x8<S>,
-) -> Jets<S> {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let (bs, ds) = basis::<S, N>(simd, p, s);
-    let (bt, dt) = basis::<S, N>(simd, q, t);
-    let zero = f64x8::splat(simd, 0.0);
-    let mut value = [zero; C];
-    let mut along_s = [zero; C];
-    let mut along_t = [zero; C];
-    for i in 0..=p {
-        let row = patch.row(i);
-        let (mut sum, mut slope) = ([zero; C], [zero; C]);
-        for j in 0..=q {
-            let control = row[j].to_array();
-            for c in 0..C {
-                let control = f64x8::splat(simd, control[c]);
-                sum[c] = bt[j].mul_add(control, sum[c]);
-                slope[c] = dt[j].mul_add(control, slope[c]);
-            }
-        }
-        for c in 0..C {
-            value[c] = bs[i].mul_add(sum[c], value[c]);
-            along_s[c] = ds[i].mul_add(sum[c], along_s[c]);
-            along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
-        }
-    }
-    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.row(0)[0].w) };
-    let inverse = f64x8::splat(simd, 1.0) / weight;
-    let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
-    for i in 0..3 {
-        jets.point[i] = value[i] * inverse;
-        if C == 4 {
-            along_s[i] -= along_s[C - 1] * jets.point[i];
-            along_t[i] -= along_t[C - 1] * jets.point[i];
-        }
-        jets.ds[i] = along_s[i] * inverse;
-        jets.dt[i] = along_t[i] * inverse;
-    }
-    jets
-}
-
-/// The true surface at eight places: the point of [`jets`], but for rounding.
-#[simd]
-fn points<S: Simd>(simd: S, patch: &TensorPatch, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
-    match (patch.degree(), patch.is_rational()) {
-        ([3, 3], true) => points_of::<S, 3, 3, 4, 4>(simd, patch, s, t),
-        ([3, 3], false) => points_of::<S, 3, 3, 4, 3>(simd, patch, s, t),
-        ([2, 2], true) => points_of::<S, 2, 2, 4, 4>(simd, patch, s, t),
-        ([2, 1], true) => points_of::<S, 2, 1, 4, 4>(simd, patch, s, t),
-        ([1, 2], true) => points_of::<S, 1, 2, 4, 4>(simd, patch, s, t),
-        ([1, 1], false) => points_of::<S, 1, 1, 4, 3>(simd, patch, s, t),
-        ([p, q], true) if p.max(q) < 8 => points_of::<S, 0, 0, 8, 4>(simd, patch, s, t),
-        ([p, q], false) if p.max(q) < 8 => points_of::<S, 0, 0, 8, 3>(simd, patch, s, t),
-        (_, true) => points_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, patch, s, t),
-        (_, false) => points_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, patch, s, t),
-    }
-}
-
-/// [`points`] for degrees and components as in [`jets_of`].
-#[simd]
-fn points_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    patch: &TensorPatch,
-    s: f64x8<S>,
-    t: f64x8<S>,
-) -> [f64x8<S>; 3] {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let (bs, _) = basis::<S, N>(simd, p, s);
-    let (bt, _) = basis::<S, N>(simd, q, t);
-    let zero = f64x8::splat(simd, 0.0);
-    let mut value = [zero; C];
-    for i in 0..=p {
-        let row = patch.row(i);
-        let mut sum = [zero; C];
-        for j in 0..=q {
-            let control = row[j].to_array();
-            for c in 0..C {
-                sum[c] = bt[j].mul_add(f64x8::splat(simd, control[c]), sum[c]);
-            }
-        }
-        for c in 0..C {
-            value[c] = bs[i].mul_add(sum[c], value[c]);
-        }
-    }
-    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.row(0)[0].w) };
-    let inverse = f64x8::splat(simd, 1.0) / weight;
-    [value[0] * inverse, value[1] * inverse, value[2] * inverse]
-}
-
-/// Bernstein functions and their derivatives: those of one degree less, then the recurrence.
-#[simd]
-fn basis<S: Simd, const N: usize>(
-    simd: S,
-    degree: usize,
-    t: f64x8<S>,
-) -> ([f64x8<S>; N], [f64x8<S>; N]) {
-    let zero = f64x8::splat(simd, 0.0);
-    let one = f64x8::splat(simd, 1.0);
-    let rest = one - t;
-    let mut lower = [zero; N];
-    let mut power = one;
-    let mut binomial = 1.0;
-    for i in 0..degree {
-        lower[i] = power * f64x8::splat(simd, binomial);
-        power *= t;
-        binomial *= (degree - 1 - i) as f64 / (i + 1) as f64;
-    }
-    power = one;
-    for i in (0..degree).rev() {
-        lower[i] *= power;
-        power *= rest;
-    }
-    let mut values = [zero; N];
-    let mut slopes = [zero; N];
-    let p = f64x8::splat(simd, degree as f64);
-    for i in 0..=degree {
-        let (before, here) =
-            (if i > 0 { lower[i - 1] } else { zero }, if i < degree { lower[i] } else { zero });
-        values[i] = rest.mul_add(here, t * before);
-        slopes[i] = p * (before - here);
-    }
-    (values, slopes)
 }

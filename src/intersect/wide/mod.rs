@@ -15,6 +15,7 @@
 //! solver is called, the leaf's approximation is asked what it can prove (`single_proof`).
 
 mod finish;
+mod jets;
 mod load;
 mod packet;
 mod search;

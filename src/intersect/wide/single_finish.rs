@@ -20,8 +20,8 @@ const MOST_STEPS: u64 = 4;
 /// How much of the promised error a last step may leave behind.
 const PART_OF_ERROR: f64 = 0.125;
 
-/// Parameters are rounded by half a unit; where that moves the point by more than a quarter of the promised error, with
-/// over this, per unit roundoff.
+/// Parameters are rounded by half a unit. What that moves a point by may be a quarter of the
+/// promised error, for the sum of both speeds times this.
 const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What became of a ray and a leaf.
