@@ -28,8 +28,8 @@ const FLATNESS: [f64; 7] = [0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06];
 const TRIM_CUTS: [u32; 3] = [0, 2, 4];
 
 /// Finer leaves are made only while all of them take no more than this: about the size of
-/// a second-level cache, and a fraction of what triangles of like error would take.
-const WORTHWHILE_BYTES: usize = 1 << 20;
+/// a second-level cache, and a sixth of what triangles take that are off by 1e-5 of the model.
+const WORTHWHILE_BYTES: usize = 5 << 18;
 
 /// What a leaf takes with its share of the tree: its box in a block that is four fifths full.
 const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 5 / 4;
