@@ -124,7 +124,7 @@ impl<'a> Collapse<'a> {
 /// The number of leaves below each node of a binary tree.
 fn leaves_below(nodes: &[BinaryNode]) -> Vec<u32> {
     let mut parents_first = Vec::with_capacity(nodes.len());
-    let mut waiting = vec![0];
+    let mut waiting: Vec<u32> = (!nodes.is_empty()).then_some(0).into_iter().collect();
     while let Some(index) = waiting.pop() {
         parents_first.push(index);
         let node = &nodes[index as usize];
