@@ -545,6 +545,8 @@ fn flat<T>(grid: &Grid<T>) -> impl Iterator<Item = &T> {
 }
 
 #[cfg(test)]
+mod patch_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod trims_tests;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nurbray::geometry::{Cage, Surface};
-use nurbray::intersect::Query;
+use nurbray::intersect::{Hit, Query};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ fn leaks(model: &Model, count: u64) -> (Vec<String>, f64) {
     let block = |seed: u64| {
         let mut tracer = bvh.tracer();
         let mut random = Random::new(0x5eed ^ seed << 20);
-        let (mut faults, mut doubtful, mut hits) = (Vec::new(), 0, Vec::new());
+        let (mut faults, mut doubtful, mut at_edges, mut hits) = (Vec::new(), 0, 0, Vec::new());
         for k in 0..500 {
             let ray = rays.shot(classes[k % classes.len()], &mut random).ray;
             let (from, to) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -29,16 +29,33 @@ fn leaks(model: &Model, count: u64) -> (Vec<String>, f64) {
             hits.clear();
             if tracer.all_hits(&Query::primary(line), &mut hits) {
                 doubtful += 1;
+            } else if hits.iter().any(|hit| at_edge(model, hit, judge.measure(&line, hit).promise))
+            {
+                at_edges += 1;
             } else if let Some(fault) = judge.parity_broken(&hits, &line) {
                 faults.push(format!("{}: {fault}\n      {line:?}", model.name));
             }
         }
-        (faults, doubtful)
+        (faults, doubtful, at_edges)
     };
     let blocks: Vec<_> = (0..count / 500).into_par_iter().map(block).collect();
-    let doubtful: u32 = blocks.iter().map(|(_, doubtful)| doubtful).sum();
-    let faults = blocks.into_iter().flat_map(|(faults, _)| faults).collect();
+    let at_edges: u64 = blocks.iter().map(|block| block.2).sum();
+    assert!(at_edges < count / 4, "{at_edges} rays meet edges");
+    let doubtful: u32 = blocks.iter().map(|block| block.1).sum();
+    let faults = blocks.into_iter().flat_map(|block| block.0).collect();
     (faults, f64::from(doubtful) / count as f64)
+}
+
+/// Whether a hit of a creased body is within rounding of where unit squares meet: past a sharp
+/// edge a ray may touch one side of it only.
+fn at_edge(model: &Model, hit: &Hit, promise: f64) -> bool {
+    if !model.name.contains("creased") {
+        return false;
+    }
+    let at = model.surfaces[0].derivatives(hit.uv);
+    let across = |t: f64| (t - t.round()).abs();
+    let distance = (across(hit.uv.x) * at.du.length()).min(across(hit.uv.y) * at.dv.length());
+    distance <= 8.0 * promise
 }
 
 fn bodies() -> Vec<Model> {
