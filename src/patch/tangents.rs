@@ -65,7 +65,7 @@ use crate::math::Interval;
 /// factors are kept in units of the third slope, in sixteen bits, rounded up: every condition
 /// becomes a little harder to meet, by less than 1 %. Rows in f32 are off by 2⁻²⁴ of their
 /// length; that, and six roundings of f32 of each of the three slopes, are covered by
-/// [`Self::rounding`].
+/// what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
     /// A ray with slopes `a, b, c` meets the widened leaf at most once where
