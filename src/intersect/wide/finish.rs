@@ -45,7 +45,7 @@ pub(super) struct Target<'a> {
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
     /// leaf is away from all borders.
     reach: Option<[f64; 4]>,
-    /// See [`FitError`](super::fit_error::FitError).
+    /// See [`FitError`](crate::patch::FitError).
     bend: f64,
     /// The approximation's second derivatives in the middle, by box coordinates: twice by the
     /// first, by both, twice by the second.
