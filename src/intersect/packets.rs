@@ -30,7 +30,7 @@ impl Tracer<'_> {
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
             self.trace_packet(level, (packet, ahead(others)), Wanted::First);
-            self.search_rest(level, packet, Wanted::First);
+            self.search_rest(packet, Wanted::First);
             self.answer_packet(packet, answers);
             rest = others;
         }
@@ -52,7 +52,7 @@ impl Tracer<'_> {
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
             rest = others;
             self.trace_packet(level, (packet, ahead(others)), Wanted::Any);
-            self.search_rest(level, packet, Wanted::Any);
+            self.search_rest(packet, Wanted::Any);
             let met = self.packets.packet.met();
             let open = self.packets.work.rest_rays & !met;
             for k in 0..packet.len() {
@@ -91,7 +91,7 @@ impl Tracer<'_> {
     }
 
     /// The search ray by ray for the rays and leaves the packet could not decide.
-    fn search_rest<Q: Shot>(&mut self, level: Level, shots: &[Q], wanted: Wanted) {
+    fn search_rest<Q: Shot>(&mut self, shots: &[Q], wanted: Wanted) {
         self.packets.meetings.clear();
         if self.packets.work.rest.is_empty() {
             return;
@@ -104,7 +104,7 @@ impl Tracer<'_> {
                 continue;
             }
             let limit = self.packets.packet.end(k);
-            self.search_leaf(level, &shots[k].query(), leaf, (limit, wanted));
+            self.search_leaf(&shots[k].query(), leaf, (limit, wanted));
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             let found = &self.findings.meetings;
             if wanted == Wanted::Any && found.iter().any(is_certain) {

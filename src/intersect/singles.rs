@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::hit::Root;
 use super::leaf_search::{self, Meeting, Question};
 use super::tracer::answer_of;
-use super::wide::{Scene, SingleHit, SingleRay, Wanted, search_single, trace_single};
+use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, Piece};
@@ -83,24 +83,12 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// One leaf against one ray, for the packets: the ray's own proof, then the scalar search;
-    /// `findings` holds what was found. `limit` is how far along the ray it is of interest.
-    pub(super) fn search_leaf(
-        &mut self,
-        level: Level,
-        query: &Query,
-        leaf: u32,
-        (limit, wanted): (f64, Wanted),
-    ) {
-        let frame = RayFrame::new(&query.ray);
-        let mut single = SingleRay::new(&frame, query.from.as_ref(), wanted, &self.bvh.tree.frame);
-        let (scene, work) = (self.bvh.scene(), &mut self.single);
-        dispatch!(level, simd => search_single(simd, &scene, leaf, (&mut single, &mut *work)));
-        self.findings.statistics.newton_iterations += std::mem::take(&mut work.steps);
-        self.search_left(query, &frame, limit, wanted);
-        if let Some(hit) = &self.single.hit {
-            self.findings.meetings.push(Certain::new(self.bvh, &frame, hit).meeting());
-        }
+    /// The scalar search of one leaf against one ray, for the packets; `findings` holds what was
+    /// found. `limit` is how far along the ray it is of interest.
+    pub(super) fn search_leaf(&mut self, query: &Query, leaf: u32, (limit, wanted): (f64, Wanted)) {
+        self.single.rest.clear();
+        self.single.rest.push(leaf);
+        self.search_left(query, &RayFrame::new(&query.ray), limit, wanted);
     }
 
     /// The first of what the fast search has found and of what it has left.

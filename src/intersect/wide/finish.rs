@@ -8,9 +8,11 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::PACKET;
+use super::single_finish::COARSEST;
 use super::jets::{jets, points};
 use super::packet::{Lanes3, Packet};
-use super::search::{Approximate, dot_d, load3d};
+use super::distances::Approximate;
+use super::search::{dot_d, load3d};
 use super::single::{Scene, comes_first};
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
@@ -70,13 +72,32 @@ impl<'a> Target<'a> {
         let bend = f64::from(leaf.fit_bend());
         Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, second }
     }
+
+    /// A rectangle of box coordinates, in the piece's parameters.
+    pub(super) fn parameters(&self, rect: [[f32; 2]; 2]) -> [[f64; 2]; 2] {
+        [0, 1].map(|k| {
+            let [from, to] = self.rect[k];
+            rect[k].map(|x| 0.5 * (from + to) + f64::from(x) * 0.5 * (to - from))
+        })
+    }
+}
+
+/// Why there is one root at most, and where.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Ground {
+    /// The leaf's certificate speaks of the ray: in the widened leaf.
+    Certificate,
+    /// The ray's own proof: in a rectangle of box coordinates.
+    Own([[f32; 2]; 2]),
 }
 
 /// What became of eight rays.
 #[derive(Clone, Copy)]
 pub(super) struct Done {
-    /// The lanes the scalar search must look at.
-    pub(super) left: u64,
+    /// The lanes that did not converge.
+    pub(super) open: u64,
+    /// The lanes whose root the scalar search must judge.
+    pub(super) judged: u64,
     /// Whether some ray's nearest hit is new.
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
@@ -86,11 +107,11 @@ pub(super) struct Done {
 /// Newton's steps in f64 for rays `base … base + 7`, of which `wanted` take part, from what the
 /// search in f32 has found; hits nearer than those known are put into the packet.
 ///
-/// All of these rays are certified: they meet the widened leaf at most once. So a lane that
+/// All of these rays have one root at most in the domain that `ground` tells. So a lane that
 /// converges has found its one root: it is a hit if it lies in the leaf or its slack, else
-/// the leaf is proved to be missed; so it is where a step surely leads away. Returns the lanes
-/// the scalar search must look at: those that did not converge, and those whose hit lies outside
-/// the piece or too near an end of the ray or the root it starts on.
+/// that part of the leaf is proved to be missed; so it is where a step surely leads away, as the
+/// certificate says. Also returns the lanes that did not converge, and those the scalar search must
+/// judge: whose hit lies outside the piece or too near an end of the ray or the root it starts on.
 ///
 /// The first step takes the true surface's point but the approximation's tangents: it leaves
 /// about 1e-11 half sides, for little more than half of what a step with its own tangents costs.
@@ -100,7 +121,7 @@ pub(super) fn finish<S: Simd>(
     target: &Target<'_>,
     packet: &mut Packet,
     base: usize,
-    wanted: mask64x8<S>,
+    (wanted, ground): (mask64x8<S>, Ground),
     near: &Approximate<f64x8<S>>,
 ) -> Done {
     let [s_range, t_range] = target.rect;
@@ -110,7 +131,10 @@ pub(super) fn finish<S: Simd>(
     let sides_t = f64x8::splat(simd, 2.0 / (t_range[1] - t_range[0]));
     let middle_s = f64x8::splat(simd, 0.5 * (s_range[0] + s_range[1]));
     let middle_t = f64x8::splat(simd, 0.5 * (t_range[0] + t_range[1]));
-    let [[s_low, s_high], [t_low, t_high]] = target.domain;
+    let [[s_low, s_high], [t_low, t_high]] = match ground {
+        Ground::Certificate => target.domain,
+        Ground::Own(rect) => target.parameters(rect),
+    };
     let domain = [
         f64x8::splat(simd, s_low),
         f64x8::splat(simd, s_high),
@@ -131,8 +155,8 @@ pub(super) fn finish<S: Simd>(
 
     let zero = f64x8::splat(simd, 0.0);
     let mut open = wanted;
-    let mut left = simd.splat_mask64x8(false);
-    if let Some(pole) = target.pole {
+    let mut near_pole = simd.splat_mask64x8(false);
+    if let (Some(pole), Ground::Certificate) = (target.pole, ground) {
         let offset = [
             f64x8::splat(simd, pole.x) - origin[0],
             f64x8::splat(simd, pole.y) - origin[1],
@@ -144,7 +168,7 @@ pub(super) fn finish<S: Simd>(
         let steep = dot_d(splat3(simd, normal), axis).abs();
         let needed = f64::from(target.leaf.certificate.pole_per_error());
         let away = (error * f64x8::splat(simd, needed)).simd_le(steep * distance);
-        left = open & !away;
+        near_pole = open & !away;
         open &= away;
     }
 
@@ -160,6 +184,7 @@ pub(super) fn finish<S: Simd>(
 
     let mut found = simd.splat_mask64x8(false);
     let (mut root_s, mut root_t, mut z, mut inverse_det) = (zero, zero, zero, zero);
+    let mut speed = zero;
     let mut point = [zero; 3];
     let mut cross = [zero; 3];
     let mut steps = open.to_bitmask().count_ones();
@@ -182,7 +207,9 @@ pub(super) fn finish<S: Simd>(
         let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
         let mut tangents = [jets.ds, jets.dt];
         for i in 0..3 {
-            let [xx, xy, yy] = target.second.map(|second| f64x8::splat(simd, second[i]));
+            let [xx, xy, yy] = target.second;
+            let (xx, xy) = (f64x8::splat(simd, xx[i]), f64x8::splat(simd, xy[i]));
+            let yy = f64x8::splat(simd, yy[i]);
             tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
             tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
         }
@@ -198,7 +225,8 @@ pub(super) fn finish<S: Simd>(
         let close = residual.simd_le(error * error);
         let longest = move_x.abs().max(move_y.abs());
         let bent = bend * longest;
-        let sides = half_s * sum_of_sizes(jets.ds) + half_t * sum_of_sizes(jets.dt);
+        let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
+        let sides = half_s * speed_s + half_t * speed_t;
         let turn = (bent + bent) * sides;
         let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
         let straight = (turn * turn).simd_le(least_turn * least_turn * dot_d(across, across));
@@ -213,6 +241,7 @@ pub(super) fn finish<S: Simd>(
         root_s = new.select(new_s, root_s);
         root_t = new.select(new_t, root_t);
         inverse_det = new.select(inverse, inverse_det);
+        speed = new.select(speed_s + speed_t, speed);
         let mut along = zero;
         for i in 0..3 {
             let moved = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
@@ -226,9 +255,11 @@ pub(super) fn finish<S: Simd>(
         if open.all_false() {
             break;
         }
-        open &= !surely_away(simd, target, (s, t), (step_s, step_t), (f1, f2), n1, n2, error);
-        if open.all_false() {
-            break;
+        if ground == Ground::Certificate {
+            open &= !surely_away(simd, target, (s, t), (step_s, step_t), (f1, f2), n1, n2, error);
+            if open.all_false() {
+                break;
+            }
         }
         // Steps stay where the certificate holds; NaN becomes a bound.
         s = new_s.max(domain[0]).min(domain[1]);
@@ -239,8 +270,9 @@ pub(super) fn finish<S: Simd>(
     let inside =
         (root_s - middle_s).abs().simd_le(outer_s) & (root_t - middle_t).abs().simd_le(outer_t);
     found &= inside;
+    let open = (open | near_pole).to_bitmask();
     if found.all_false() {
-        return Done { left: (left | open).to_bitmask(), found: false, steps };
+        return Done { open, judged: 0, found: false, steps };
     }
 
     // Roots outside the piece, and those too near the ray's ends, are judged elsewhere.
@@ -263,6 +295,10 @@ pub(super) fn finish<S: Simd>(
     clear &= (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
         & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
     let mut judged = found & (!on_piece | !clear);
+    if ground != Ground::Certificate {
+        // Rounding of a parameter must be small against the error: no certificate has looked at it.
+        judged |= found & !(f64x8::splat(simd, COARSEST) * speed).simd_le(error);
+    }
     let acceptable = found & !judged & z.simd_gt(z_min);
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
@@ -294,7 +330,7 @@ pub(super) fn finish<S: Simd>(
                 close |= distances[side].simd_le(f64x8::splat(simd, reach[side]));
             }
         }
-        let normal = cross.map(|c| c * inverse);
+        let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
         let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
         put(simd, hit, &mut packet.z, base, z);
         put(simd, hit, &mut packet.ray_t, base, ray_t);
@@ -313,7 +349,7 @@ pub(super) fn finish<S: Simd>(
         put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
         packet.shorten(simd, base, hits);
     }
-    Done { left: (left | open | judged).to_bitmask(), found: any, steps }
+    Done { open, judged: judged.to_bitmask(), found: any, steps }
 }
 
 /// Lanes by their side of the trims.

@@ -14,8 +14,10 @@
 //! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched. Where the certificate does not speak of the ray, and before the exact
 //! solver is called, the leaf's approximation is asked what it can prove (`single_proof`).
 
+mod distances;
 mod finish;
 mod jets;
+mod lane_proof;
 mod load;
 mod packet;
 mod search;
@@ -28,7 +30,7 @@ mod traverse;
 mod trimmed;
 
 pub(super) use packet::{LaneHit, Packet};
-pub(super) use single::{Scene, SingleWork, search_single, trace_single};
+pub(super) use single::{Scene, SingleWork, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
 pub(super) use traverse::{Work, trace};
 

@@ -241,21 +241,6 @@ fn search_block<S: Simd>(
     }
 }
 
-/// One leaf against one ray, whatever became of its box; the findings are as those of
-/// [`trace_single`].
-#[simd]
-pub(in crate::intersect) fn search_single<S: Simd>(
-    simd: S,
-    scene: &Scene<'_>,
-    leaf: u32,
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
-) {
-    work.hit = None;
-    work.rest.clear();
-    let slopes = ray.slopes(&scene.tree.oriented(leaf));
-    search_leaf(simd, scene, leaf, ([0.0; 2], slopes), (ray, work));
-}
-
 /// One leaf against one ray, from a start in box coordinates and with what the box's rows say of
 /// the direction.
 #[simd]
@@ -297,7 +282,8 @@ fn search_leaf<S: Simd>(
     };
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
-        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, part.domain(), error));
+        let domain = part.domain().map(|range| range.map(f64::from));
+        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, domain, error));
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -22,7 +22,7 @@ const PART_OF_ERROR: f64 = 0.125;
 
 /// Parameters are rounded by half a unit. What that moves a point by may be a quarter of the
 /// promised error, for the sum of both speeds times this.
-const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
+pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What became of a ray and a leaf.
 pub(super) enum Outcome {

@@ -26,36 +26,36 @@ use crate::patch::{LEAF_SLACK, Leaf};
 /// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
 /// into a smaller box 5 in each direction, in combining two distances 3, in Bernstein
 /// coefficients 4 in each direction: 27 in all.
-const ROUNDING: f32 = 2e-6;
+pub(super) const ROUNDING: f32 = 2e-6;
 
 /// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
-const UNDERFLOW: f32 = f32::MIN_POSITIVE;
+pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// Above it nothing is proved: sums of products of two lengths of a huge scene would not be
 /// numbers of f32, and their differences no numbers at all.
-const LARGEST: f32 = 1e18;
+pub(super) const LARGEST: f32 = 1e18;
 
 /// How far the leaf and its slack reach.
 const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
 /// Roots are unique in a box widened by this: so that one on its side is not lost.
-const REACH: f32 = 1.1;
+pub(super) const REACH: f32 = 1.1;
 
 /// Where Newton's step from the middle of a box may lead that is to hold a root.
-const NEARBY: f32 = 1.05;
+pub(super) const NEARBY: f32 = 1.05;
 
 /// Boxes are not halved for that alone if they are smaller, in half sides of the leaf.
-const SMALLEST: f32 = 0.1;
+pub(super) const SMALLEST: f32 = 0.1;
 
 /// A box a root starts in is widened by less.
 const START_REACH: f32 = 1.05;
 
 /// Row sums are wanted to be this much below one, so that rounding moves a root by no more
 /// than its error times twenty and the inverse Jacobian.
-const MOST_TURNING: f32 = 0.95;
+pub(super) const MOST_TURNING: f32 = 0.95;
 
 /// That times twenty is half of the leaf's slack, in half sides.
-const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
+pub(super) const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
 
 /// Boxes to look at before the scalar search is called: it takes as long as some thirty.
 const MOST_BOXES: usize = 24;
@@ -67,19 +67,43 @@ const MOST_UNIQUE: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Part {
     pub(super) middle: [f32; 2],
-    half: [f32; 2],
+    pub(super) half: [f32; 2],
 }
 
 impl Part {
+    /// The leaf and its slack.
+    pub(super) fn whole() -> Self {
+        Self { middle: [0.0; 2], half: [LEAF; 2] }
+    }
+
+    /// Halved across the longer side, for the lengths of the leaf's sides.
+    pub(super) fn halved(&self, lengths: [f32; 2]) -> [Self; 2] {
+        let k = usize::from(lengths[1] * self.half[1] > lengths[0] * self.half[0]);
+        [-0.5, 0.5].map(|side| {
+            let mut half = *self;
+            half.half[k] *= 0.5;
+            half.middle[k] += side * self.half[k];
+            half
+        })
+    }
+
     fn holds(&self, place: [f32; 2], reach: f32) -> bool {
         (0..2).all(|k| (place[k] - self.middle[k]).abs() <= reach * self.half[k])
     }
 
     /// Where its root is the only one.
-    pub(super) fn domain(&self) -> [[f64; 2]; 2] {
+    pub(super) fn domain(&self) -> [[f32; 2]; 2] {
         [0, 1].map(|k| {
             let (middle, reach) = (self.middle[k], REACH * self.half[k]);
-            [f64::from(middle - reach), f64::from(middle + reach)]
+            [middle - reach, middle + reach]
+        })
+    }
+
+    /// Where a ray that starts starts on the one root in it.
+    pub(super) fn of_start(&self) -> [[f32; 2]; 2] {
+        [0, 1].map(|k| {
+            let (middle, reach) = (self.middle[k], START_REACH * self.half[k]);
+            [middle - reach, middle + reach]
         })
     }
 }
@@ -122,7 +146,7 @@ pub(super) fn isolate<S: Simd>(
     // A ray that passes within the error of a border meets it: closer is not missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(error);
     let mut waiting = [Part::default(); MOST_BOXES];
-    waiting[0] = Part { middle: [0.0; 2], half: [LEAF; 2] };
+    waiting[0] = Part::whole();
     let mut count = 1;
     for _ in 0..MOST_BOXES {
         if count == 0 {
@@ -151,12 +175,7 @@ pub(super) fn isolate<S: Simd>(
         if count + 2 > MOST_BOXES {
             return None;
         }
-        // Halved across the longer side.
-        let k = usize::from(lengths[1] * part.half[1] > lengths[0] * part.half[0]);
-        for side in [-0.5, 0.5] {
-            let mut half = part;
-            half.half[k] *= 0.5;
-            half.middle[k] += side * part.half[k];
+        for half in part.halved(lengths) {
             waiting[count] = half;
             count += 1;
         }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, SceneFrame, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
@@ -106,13 +106,6 @@ impl<'a> SingleRay<'a> {
     /// The largest coordinate magnitude of the origin.
     pub(super) fn magnitude(&self) -> f64 {
         self.frame.magnitude
-    }
-
-    /// What the rows of a box say of the direction.
-    #[inline(always)]
-    pub(super) fn slopes(&self, oriented: &OrientedBox) -> [f32; 3] {
-        let [dx, dy, dz] = self.axis;
-        oriented.rows.map(|[x, y, z, _]| x * dx + y * dy + z * dz)
     }
 
     /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.

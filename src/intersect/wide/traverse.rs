@@ -1,22 +1,28 @@
 //! A packet's way through the wide hierarchy.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 use glam::Vec3;
 
-use super::finish::{Target, finish};
+use super::distances::{Approximate, LaneDistances};
+use super::finish::{Ground, Target, finish};
+use super::lane_proof::{LanePart, isolate_lanes};
 use super::load::{bounds, farthest, load};
 use super::packet::{Packet, PacketBounds};
-use super::search::{bits, certify, cross_box, search_fit};
+use super::search::{bits, certify, cross_box};
 use super::single::Scene;
 use super::{LANES, PACKET};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
 use crate::intersect::{Shot, Statistics};
-use crate::patch::OrientedBox;
+use crate::math::rounding;
+use crate::patch::{OrientedBox, WIDENING};
 
 /// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
 /// leaves, and no one waits for as many at once.
 const TOUCHED_AT_A_TIME: usize = 6;
+
+/// The rectangle that certificates speak of, in box coordinates.
+const WIDENED: [[f32; 2]; 2] = [[-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32]; 2];
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
@@ -26,6 +32,10 @@ pub(in crate::intersect) struct Work {
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
     /// What every sixteen rays have in common, once it was asked for.
     groups: Option<[PacketBounds; PACKET / LANES]>,
+    /// Parts of the leaf being searched in which some rays have one root at most.
+    parts: Vec<LanePart>,
+    /// The distances of sixteen rays from it.
+    distances: LaneDistances,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
     /// How many of the rays to come have been touched.
@@ -278,25 +288,46 @@ fn search<S: Simd>(
         let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
             .max(f32x16::splat(simd, patch.magnitude() as f32));
         let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-        let certain = met & bits(certified);
-        let mut rest = met & !certain;
-        let mut certain = certain;
+        let mut certain = met & bits(certified);
+        let mut doubted = met & !certain;
         if packet.from_roots {
             // The one root of these is the one they start on.
             certain &= !packet.starts_in(base, target.leaf.piece, target.domain);
         }
+        if certain | doubted == 0 {
+            continue;
+        }
+        work.distances.take(simd, target.leaf, packet, base);
+        let mut rest = 0;
         if certain != 0 {
-            let start = (crossing.x, crossing.y);
-            let near = search_fit(simd, target.leaf, packet, base, start);
-            for half in 0..2 {
-                let lanes = u64::from(certain >> (8 * half)) & 0xff;
+            let start = [crossing.x, crossing.y];
+            let (near, _) = work.distances.newton(simd, start, WIDENED);
+            let done = finish_all(simd, target, packet, base, (certain, Ground::Certificate), &near);
+            doubted |= done.open;
+            rest |= done.judged;
+            found |= done.found;
+            statistics.newton_iterations += u64::from(done.steps);
+        }
+        if doubted != 0 {
+            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+            let task = (doubted, error);
+            let (distances, parts) = (&work.distances, &mut work.parts);
+            rest |= isolate_lanes(simd, distances, target.leaf, (packet, base), task, parts);
+            for LanePart { part, lanes } in &work.parts {
+                let mut lanes = lanes & !rest;
+                if packet.from_roots {
+                    // The one root of these is the one they start on.
+                    let start = target.parameters(part.of_start());
+                    lanes &= !packet.starts_in(base, target.leaf.piece, start);
+                }
                 if lanes == 0 {
                     continue;
                 }
-                let wanted = fearless_simd::mask64x8::from_bitmask(simd, lanes);
-                let at = base + 8 * half;
-                let done = finish(simd, target, packet, at, wanted, &near.half(half));
-                rest |= (done.left as u32) << (8 * half);
+                let start = part.middle.map(|middle| f32x16::splat(simd, middle));
+                let domain = part.domain();
+                let (near, _) = work.distances.newton(simd, start, domain);
+                let done = finish_all(simd, target, packet, base, (lanes, Ground::Own(domain)), &near);
+                rest |= done.open | done.judged;
                 found |= done.found;
                 statistics.newton_iterations += u64::from(done.steps);
             }
@@ -310,4 +341,38 @@ fn search<S: Simd>(
     if found {
         packet.farthest = farthest(simd, packet);
     }
+}
+
+/// What became of sixteen rays.
+struct AllDone {
+    open: u32,
+    judged: u32,
+    found: bool,
+    steps: u32,
+}
+
+/// [`finish`] for both halves of sixteen rays.
+#[simd]
+fn finish_all<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    packet: &mut Packet,
+    base: usize,
+    (lanes, ground): (u32, Ground),
+    near: &Approximate<f32x16<S>>,
+) -> AllDone {
+    let mut all = AllDone { open: 0, judged: 0, found: false, steps: 0 };
+    for half in 0..2 {
+        let wanted = u64::from(lanes >> (8 * half)) & 0xff;
+        if wanted == 0 {
+            continue;
+        }
+        let wanted = mask64x8::from_bitmask(simd, wanted);
+        let done = finish(simd, target, packet, base + 8 * half, (wanted, ground), &near.half(half));
+        all.open |= (done.open as u32) << (8 * half);
+        all.judged |= (done.judged as u32) << (8 * half);
+        all.found |= done.found;
+        all.steps += done.steps;
+    }
+    all
 }

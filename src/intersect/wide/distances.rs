@@ -1,0 +1,194 @@
+//! The distances of sixteen rays from one leaf's approximation, in f32: starts, lane by lane.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdWiden, f32x16, f64x8};
+use fearless_simd_macros::simd;
+
+use super::LANES;
+use super::packet::Packet;
+use super::search::{dot_d, load3, load3d};
+use crate::patch::Leaf;
+
+/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
+/// second 1e-4 or the fit's error.
+const STEPS: usize = 2;
+
+/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays:
+/// coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct LaneDistances {
+    pub(super) of: [[[f32; LANES]; 16]; 2],
+}
+
+impl Default for LaneDistances {
+    fn default() -> Self {
+        Self { of: [[[0.0; LANES]; 16]; 2] }
+    }
+}
+
+/// What the search in f32 has found.
+#[derive(Clone, Copy)]
+pub(super) struct Approximate<V> {
+    /// The place, in box coordinates.
+    pub(super) x: V,
+    pub(super) y: V,
+    /// What takes distances from the ray's planes to box coordinates there, or near it.
+    pub(super) inverse: [[V; 2]; 2],
+}
+
+/// A place that a step of the search began at, and the distances there.
+#[derive(Clone, Copy)]
+pub(super) struct Before<V> {
+    pub(super) place: [V; 2],
+    pub(super) off: [V; 2],
+}
+
+impl LaneDistances {
+    /// Takes the distances of rays `base … base + 15`.
+    ///
+    /// Those of the leaf's middle are found in f64; what is added to them in f32 is of the size of
+    /// the leaf, so its rounding is small against the leaf.
+    #[simd]
+    pub(super) fn take<S: Simd>(&mut self, simd: S, leaf: &Leaf, packet: &Packet, base: usize) {
+        let middle = middle_distances(simd, leaf, packet, base);
+        for k in 0..2 {
+            let n = load3(simd, &packet.normals_f[k], base);
+            let [x, y, z] = leaf.fit();
+            for m in 0..16 {
+                let x = n[0] * f32x16::splat(simd, x[m]);
+                let y = n[1].mul_add(f32x16::splat(simd, y[m]), x);
+                let mut c = n[2].mul_add(f32x16::splat(simd, z[m]), y);
+                if m == 0 {
+                    c += middle[k];
+                }
+                c.store_slice(&mut self.of[k][m]);
+            }
+        }
+    }
+
+    /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
+    /// the two distances: what their rounding is measured by.
+    #[simd]
+    pub(super) fn terms<S: Simd>(
+        &self,
+        simd: S,
+        leaf: &Leaf,
+        packet: &Packet,
+        base: usize,
+    ) -> f32x16<S> {
+        let mut terms = f32x16::splat(simd, 0.0);
+        for k in 0..2 {
+            let n = load3(simd, &packet.normals_f[k], base);
+            let mut sum = f32x16::from_slice(simd, &self.of[k][0]).abs();
+            for axis in 0..3 {
+                let size: f32 = leaf.fit()[axis].iter().map(|c| c.abs()).sum();
+                sum = n[axis].abs().mul_add(f32x16::splat(simd, size), sum);
+            }
+            terms = terms.max(sum);
+        }
+        terms
+    }
+
+    /// Newton's iteration in box coordinates, from a start there and within a rectangle; also
+    /// where its last step began.
+    #[simd]
+    pub(super) fn newton<S: Simd>(
+        &self,
+        simd: S,
+        start: [f32x16<S>; 2],
+        [[low_x, high_x], [low_y, high_y]]: [[f32; 2]; 2],
+    ) -> (Approximate<f32x16<S>>, Before<f32x16<S>>) {
+        let [mut x, mut y] = start;
+        let (low_x, high_x) = (f32x16::splat(simd, low_x), f32x16::splat(simd, high_x));
+        let (low_y, high_y) = (f32x16::splat(simd, low_y), f32x16::splat(simd, high_y));
+        let mut inverse = [[low_x; 2]; 2];
+        let mut before = Before { place: start, off: start };
+        for _ in 0..STEPS {
+            let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
+            let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
+            before = Before { place: [x, y], off: [f1, f2] };
+            let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
+            inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
+            // `max` and `min` with the bound first turn a NaN into a bound.
+            let [[xx, xy], [yx, yy]] = inverse;
+            x = (x - xx.mul_add(f1, xy * f2)).max(low_x).min(high_x);
+            y = (y - yx.mul_add(f1, yy * f2)).max(low_y).min(high_y);
+        }
+        (Approximate { x, y, inverse }, before)
+    }
+}
+
+/// A bicubic polynomial and its derivatives by `x` and `y` (Horner).
+#[simd]
+fn evaluate<S: Simd>(
+    simd: S,
+    lanes: &[[f32; LANES]; 16],
+    x: f32x16<S>,
+    y: f32x16<S>,
+) -> [f32x16<S>; 3] {
+    let zero = f32x16::splat(simd, 0.0);
+    let three = f32x16::splat(simd, 3.0);
+    let (x2, x3) = (x + x, x * x * three);
+    let (y2, y3) = (y + y, y * y * three);
+    let mut row = [zero; 4];
+    let mut slope = [zero; 4];
+    for j in 0..4 {
+        let c0 = f32x16::from_slice(simd, &lanes[j]);
+        let c1 = f32x16::from_slice(simd, &lanes[4 + j]);
+        let c2 = f32x16::from_slice(simd, &lanes[8 + j]);
+        let c3 = f32x16::from_slice(simd, &lanes[12 + j]);
+        row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
+        slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
+    }
+    [
+        row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0]),
+        slope[3].mul_add(y, slope[2]).mul_add(y, slope[1]).mul_add(y, slope[0]),
+        row[3].mul_add(y3, row[2].mul_add(y2, row[1])),
+    ]
+}
+
+/// The distances of the leaf's middle from the rays' planes, found in f64.
+#[simd]
+fn middle_distances<S: Simd>(
+    simd: S,
+    leaf: &Leaf,
+    packet: &Packet,
+    base: usize,
+) -> [f32x16<S>; 2] {
+    let [a1, a2] = half_distances(simd, leaf, packet, base);
+    let [b1, b2] = half_distances(simd, leaf, packet, base + 8);
+    [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
+}
+
+#[simd]
+fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f64x8<S>; 2] {
+    let origin = load3d(simd, &packet.origin, base);
+    let offset = [
+        f64x8::splat(simd, leaf.middle.x) - origin[0],
+        f64x8::splat(simd, leaf.middle.y) - origin[1],
+        f64x8::splat(simd, leaf.middle.z) - origin[2],
+    ];
+    let n1 = load3d(simd, &packet.normals[0], base);
+    let n2 = load3d(simd, &packet.normals[1], base);
+    [dot_d(n1, offset), dot_d(n2, offset)]
+}
+
+/// One half of sixteen lanes in f64.
+#[inline(always)]
+fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
+    let (low, high) = value.widen();
+    if half == 0 { low } else { high }
+}
+
+impl<S: Simd> Approximate<f32x16<S>> {
+    /// One half of the lanes in f64.
+    #[inline(always)]
+    pub(super) fn half(&self, half: usize) -> Approximate<f64x8<S>> {
+        let [[xx, xy], [yx, yy]] = self.inverse;
+        let inverse = [
+            [widened(xx, half), widened(xy, half)],
+            [widened(yx, half), widened(yy, half)],
+        ];
+        Approximate { x: widened(self.x, half), y: widened(self.y, half), inverse }
+    }
+}

@@ -1,0 +1,286 @@
+//! What a leaf's bicubic approximation proves of sixteen rays, each lane as in
+//! [`single_proof`](super::single_proof).
+//!
+//! All lanes look at the same parts of the leaf, each for as long as it needs to: which parts
+//! those are depends on the leaf alone, and what is proved of them on the lane alone.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd_macros::simd;
+
+use super::LANES;
+use super::distances::LaneDistances;
+use super::packet::Packet;
+use super::search::bits;
+use super::single_proof::{
+    LARGEST, MOST_NOISE, MOST_TURNING, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
+};
+use crate::patch::Leaf;
+
+/// How often a leaf is halved before the scalar search is called.
+const MOST_HALVINGS: usize = 6;
+
+/// A part of a leaf, and the lanes whose roots in it are looked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LanePart {
+    pub(super) part: Part,
+    pub(super) lanes: u32,
+}
+
+/// Puts parts into `unique` in which the lanes named have one root at most, all of those of
+/// `lanes` in this leaf; returns the lanes of which that cannot be proved. `error` is how far a
+/// point may be from the ray.
+#[simd]
+pub(super) fn isolate_lanes<S: Simd>(
+    simd: S,
+    distances: &LaneDistances,
+    leaf: &Leaf,
+    (packet, base): (&Packet, usize),
+    (lanes, error): (u32, f32x16<S>),
+    unique: &mut Vec<LanePart>,
+) -> u32 {
+    unique.clear();
+    let terms = distances.terms(simd, leaf, packet, base);
+    // False for NaN.
+    let mut undecided = lanes & !bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+    let noise = terms * f32x16::splat(simd, ROUNDING);
+    // A ray that passes within the error of a border meets it: closer is not missed.
+    let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
+    let slope_noise = noise + f32x16::splat(simd, leaf.slope_error());
+    let lengths = leaf.side_lengths();
+
+    let mut local = Local::default();
+    let mut waiting = [(LanePart::default(), 0); MOST_HALVINGS + 1];
+    waiting[0].0 = LanePart { part: Part::whole(), lanes };
+    let mut count = 1;
+    while count > 0 {
+        count -= 1;
+        let (LanePart { part, lanes }, depth) = waiting[count];
+        let mut open = lanes & !undecided;
+        if open == 0 {
+            continue;
+        }
+        local.take(simd, distances, &part);
+        open &= !local.missed(simd, off_ray);
+        if open == 0 {
+            continue;
+        }
+        let [half_x, half_y] = part.half;
+        let slope_error = slope_noise * f32x16::splat(simd, half_x.max(half_y));
+        let mut alone = open & local.unique(simd, slope_error, error);
+        if half_x > SMALLEST && half_y > SMALLEST {
+            alone &= !local.leading_away(simd);
+        }
+        if alone != 0 {
+            unique.push(LanePart { part, lanes: alone });
+            open &= !alone;
+        }
+        if open == 0 {
+            continue;
+        }
+        if depth == MOST_HALVINGS {
+            undecided |= open;
+            continue;
+        }
+        for part in part.halved(lengths) {
+            waiting[count] = (LanePart { part, lanes: open }, depth + 1);
+            count += 1;
+        }
+    }
+    undecided
+}
+
+/// The distances over a part, in coordinates from −1 to 1.
+#[derive(Default)]
+struct Local(LaneDistances);
+
+impl Local {
+    #[simd]
+    fn take<S: Simd>(&mut self, simd: S, distances: &LaneDistances, part: &Part) {
+        let (middle, half) = (part.middle, part.half);
+        for k in 0..2 {
+            let (from, to) = (&distances.of[k], &mut self.0.of[k]);
+            for j in 0..4 {
+                let column = [0, 4, 8, 12];
+                let c = moved(simd, load4(simd, from, column, j), (middle[0], half[0]));
+                store4(simd, to, column, j, c);
+            }
+            for i in 0..4 {
+                let row = [0, 1, 2, 3];
+                let c = moved(simd, load4(simd, to, row, 4 * i), (middle[1], half[1]));
+                store4(simd, to, row, 4 * i, c);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, k: usize, m: usize) -> f32x16<S> {
+        f32x16::from_slice(simd, &self.0.of[k][m])
+    }
+
+    /// The derivatives in the middle, by `x` and by `y`, of both distances.
+    #[inline(always)]
+    fn slopes<S: Simd>(&self, simd: S) -> [[f32x16<S>; 2]; 2] {
+        [[self.at(simd, 0, 4), self.at(simd, 1, 4)], [self.at(simd, 0, 1), self.at(simd, 1, 1)]]
+    }
+
+    /// The lanes with no root in the part; `error` is how far the distances may be off.
+    #[simd]
+    fn missed<S: Simd>(&self, simd: S, error: f32x16<S>) -> u32 {
+        let [[a1, a2], [b1, b2]] = self.slopes(simd);
+        let underflow = f32x16::splat(simd, UNDERFLOW);
+        let mut missed = 0;
+        for [along_1, along_2] in [[b1, b2], [a1, a2]] {
+            let [least, most] = self.range(simd, along_2, along_1);
+            let off = error.mul_add(along_1.abs() + along_2.abs(), underflow);
+            missed |= bits(least.simd_gt(off)) | bits(most.simd_lt(-off));
+        }
+        missed
+    }
+
+    /// The lanes for which Newton's step from the middle leads to a place outside, where the
+    /// iteration for the one root of this part could not follow: halves can be proved to be missed.
+    #[simd]
+    fn leading_away<S: Simd>(&self, simd: S) -> u32 {
+        let [[a1, a2], [b1, b2]] = self.slopes(simd);
+        let (f1, f2) = (self.at(simd, 0, 0), self.at(simd, 1, 0));
+        let farthest = f32x16::splat(simd, NEARBY) * (a1 * b2 - a2 * b1).abs();
+        bits((f1 * b2 - f2 * b1).abs().simd_gt(farthest))
+            | bits((a1 * f2 - a2 * f1).abs().simd_gt(farthest))
+    }
+
+    /// The lanes with at most one root in the widened part.
+    #[simd]
+    fn unique<S: Simd>(&self, simd: S, slope_error: f32x16<S>, error: f32x16<S>) -> u32 {
+        let one = f32x16::splat(simd, 1.0);
+        let [[a1, a2], [b1, b2]] = self.slopes(simd);
+        let inverse = one / (a1 * b2 - a2 * b1);
+        let [a1, a2, b1, b2] = [a1 * inverse, a2 * inverse, b1 * inverse, b2 * inverse];
+        let mut size = f32x16::splat(simd, 0.0);
+        for k in 0..2 {
+            for m in 0..16 {
+                size += self.at(simd, k, m).abs();
+            }
+        }
+        let rounding = f32x16::splat(simd, ROUNDING);
+        let slope_error = rounding.mul_add(size, slope_error) * f32x16::splat(simd, 2.0);
+        let mut unique = u32::MAX;
+        for [along_1, along_2] in [[b1, b2], [-a1, -a2]] {
+            let mut slope = f32x16::splat(simd, 0.0);
+            for m in 1..16 {
+                let g = self.combined(simd, m, along_2, along_1);
+                slope = g.abs().mul_add(f32x16::splat(simd, SLOPE_WEIGHTS[m]), slope);
+            }
+            // What is wanted of g is part of the sum: 1. False for NaN.
+            let reach = along_1.abs() + along_2.abs();
+            let turning = reach.mul_add(slope_error, slope - one);
+            unique &= bits(turning.simd_lt(f32x16::splat(simd, MOST_TURNING)));
+            unique &= bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
+        }
+        unique
+    }
+
+    /// A coefficient of `p f₁ − q f₂`.
+    #[inline(always)]
+    fn combined<S: Simd>(&self, simd: S, m: usize, p: f32x16<S>, q: f32x16<S>) -> f32x16<S> {
+        p * self.at(simd, 0, m) - q * self.at(simd, 1, m)
+    }
+
+    /// The least and the greatest Bernstein coefficient of `p f₁ − q f₂`.
+    #[simd]
+    fn range<S: Simd>(&self, simd: S, p: f32x16<S>, q: f32x16<S>) -> [f32x16<S>; 2] {
+        let mut g = [[f32x16::splat(simd, 0.0); 4]; 4];
+        for j in 0..4 {
+            let mut column = [p; 4];
+            for i in 0..4 {
+                column[i] = self.combined(simd, 4 * i + j, p, q);
+            }
+            let column = bernstein(simd, column);
+            for i in 0..4 {
+                g[i][j] = column[i];
+            }
+        }
+        let mut least = f32x16::splat(simd, f32::INFINITY);
+        let mut most = f32x16::splat(simd, f32::NEG_INFINITY);
+        for i in 0..4 {
+            let [a, b, c, d] = bernstein(simd, g[i]);
+            least = least.min(a.min(b).min(c.min(d)));
+            most = most.max(a.max(b).max(c.max(d)));
+        }
+        [least, most]
+    }
+}
+
+#[inline(always)]
+fn load4<S: Simd>(
+    simd: S,
+    lanes: &[[f32; LANES]; 16],
+    places: [usize; 4],
+    from: usize,
+) -> [f32x16<S>; 4] {
+    let [a, b, c, d] = places;
+    [
+        f32x16::from_slice(simd, &lanes[a + from]),
+        f32x16::from_slice(simd, &lanes[b + from]),
+        f32x16::from_slice(simd, &lanes[c + from]),
+        f32x16::from_slice(simd, &lanes[d + from]),
+    ]
+}
+
+#[inline(always)]
+fn store4<S: Simd>(
+    _simd: S,
+    lanes: &mut [[f32; LANES]; 16],
+    places: [usize; 4],
+    from: usize,
+    values: [f32x16<S>; 4],
+) {
+    for k in 0..4 {
+        values[k].store_slice(&mut lanes[places[k] + from]);
+    }
+}
+
+/// The coefficients of a cubic in `(x − middle) / half`.
+#[inline(always)]
+fn moved<S: Simd>(
+    simd: S,
+    [c0, c1, c2, c3]: [f32x16<S>; 4],
+    (middle, half): (f32, f32),
+) -> [f32x16<S>; 4] {
+    let (m, h) = (f32x16::splat(simd, middle), f32x16::splat(simd, half));
+    let (three, h2) = (f32x16::splat(simd, 3.0), f32x16::splat(simd, half * half));
+    let twice = c2 + c2;
+    let thrice = c3 * three;
+    [
+        c3.mul_add(m, c2).mul_add(m, c1).mul_add(m, c0),
+        thrice.mul_add(m, twice).mul_add(m, c1) * h,
+        thrice.mul_add(m, c2) * h2,
+        c3 * (h2 * h),
+    ]
+}
+
+/// From coefficients of powers of a number within ±1 to Bernstein coefficients.
+#[inline(always)]
+fn bernstein<S: Simd>(simd: S, [c0, c1, c2, c3]: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+    let third = f32x16::splat(simd, 1.0 / 3.0);
+    let (even, odd) = (c0 + c2, c1 + c3);
+    let (inner_even, inner_odd) = (c0 - c2 * third, c3 - c1 * third);
+    [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
+}
+
+/// `(i + j) REACHⁱ⁺ʲ⁻¹`.
+const SLOPE_WEIGHTS: [f32; 16] = {
+    let mut weights = [0.0; 16];
+    let mut k = 1;
+    while k < 16 {
+        let sum = k / 4 + k % 4;
+        let mut weight = sum as f32;
+        let mut power = 1;
+        while power < sum {
+            weight *= REACH;
+            power += 1;
+        }
+        weights[k] = weight;
+        k += 1;
+    }
+    weights
+};
