@@ -36,13 +36,6 @@ pub(super) struct Approximate<V> {
     pub(super) inverse: [[V; 2]; 2],
 }
 
-/// A place that a step of the search began at, and the distances there.
-#[derive(Clone, Copy)]
-pub(super) struct Before<V> {
-    pub(super) place: [V; 2],
-    pub(super) off: [V; 2],
-}
-
 impl LaneDistances {
     /// Takes the distances of rays `base … base + 15`.
     ///
@@ -89,24 +82,21 @@ impl LaneDistances {
         terms
     }
 
-    /// Newton's iteration in box coordinates, from a start there and within a rectangle; also
-    /// where its last step began.
+    /// Newton's iteration in box coordinates, from a start there and within a rectangle.
     #[simd]
     pub(super) fn newton<S: Simd>(
         &self,
         simd: S,
         start: [f32x16<S>; 2],
         [[low_x, high_x], [low_y, high_y]]: [[f32; 2]; 2],
-    ) -> (Approximate<f32x16<S>>, Before<f32x16<S>>) {
+    ) -> Approximate<f32x16<S>> {
         let [mut x, mut y] = start;
         let (low_x, high_x) = (f32x16::splat(simd, low_x), f32x16::splat(simd, high_x));
         let (low_y, high_y) = (f32x16::splat(simd, low_y), f32x16::splat(simd, high_y));
         let mut inverse = [[low_x; 2]; 2];
-        let mut before = Before { place: start, off: start };
         for _ in 0..STEPS {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
-            before = Before { place: [x, y], off: [f1, f2] };
             let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
             inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
             // `max` and `min` with the bound first turn a NaN into a bound.
@@ -114,7 +104,7 @@ impl LaneDistances {
             x = (x - xx.mul_add(f1, xy * f2)).max(low_x).min(high_x);
             y = (y - yx.mul_add(f1, yy * f2)).max(low_y).min(high_y);
         }
-        (Approximate { x, y, inverse }, before)
+        Approximate { x, y, inverse }
     }
 }
 

@@ -17,76 +17,121 @@ use super::single_proof::{
 use crate::patch::Leaf;
 
 /// How often a leaf is halved before the scalar search is called.
-const MOST_HALVINGS: usize = 6;
+const MOST_HALVINGS: usize = 10;
 
 /// A part of a leaf, and the lanes whose roots in it are looked for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LanePart {
     pub(super) part: Part,
     pub(super) lanes: u32,
+    /// How often the leaf was halved.
+    depth: usize,
 }
 
-/// Puts parts into `unique` in which the lanes named have one root at most, all of those of
-/// `lanes` in this leaf; returns the lanes of which that cannot be proved. `error` is how far a
-/// point may be from the ray.
-#[simd]
-pub(super) fn isolate_lanes<S: Simd>(
+/// What is asked of all parts of a leaf.
+pub(super) struct LaneProof<'a, S: Simd> {
     simd: S,
-    distances: &LaneDistances,
-    leaf: &Leaf,
-    (packet, base): (&Packet, usize),
-    (lanes, error): (u32, f32x16<S>),
-    unique: &mut Vec<LanePart>,
-) -> u32 {
-    unique.clear();
-    let terms = distances.terms(simd, leaf, packet, base);
-    // False for NaN.
-    let mut undecided = lanes & !bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
-    let noise = terms * f32x16::splat(simd, ROUNDING);
-    // A ray that passes within the error of a border meets it: closer is not missed.
-    let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
-    let slope_noise = noise + f32x16::splat(simd, leaf.slope_error());
-    let lengths = leaf.side_lengths();
+    distances: &'a LaneDistances,
+    /// The lengths, about, of the leaf's half sides.
+    lengths: [f32; 2],
+    /// How far a point may be from the ray.
+    error: f32x16<S>,
+    /// A ray that passes within the error of a border meets it: closer is not missed.
+    off_ray: f32x16<S>,
+    slope_noise: f32x16<S>,
+    waiting: [LanePart; MOST_HALVINGS + 1],
+    count: usize,
+    /// The lanes of which nothing could be proved.
+    pub(super) undecided: u32,
+}
 
-    let mut local = Local::default();
-    let mut waiting = [(LanePart::default(), 0); MOST_HALVINGS + 1];
-    waiting[0].0 = LanePart { part: Part::whole(), lanes };
-    let mut count = 1;
-    while count > 0 {
-        count -= 1;
-        let (LanePart { part, lanes }, depth) = waiting[count];
-        let mut open = lanes & !undecided;
-        if open == 0 {
-            continue;
-        }
-        local.take(simd, distances, &part);
-        open &= !local.missed(simd, off_ray);
-        if open == 0 {
-            continue;
-        }
-        let [half_x, half_y] = part.half;
-        let slope_error = slope_noise * f32x16::splat(simd, half_x.max(half_y));
-        let mut alone = open & local.unique(simd, slope_error, error);
-        if half_x > SMALLEST && half_y > SMALLEST {
-            alone &= !local.leading_away(simd);
-        }
-        if alone != 0 {
-            unique.push(LanePart { part, lanes: alone });
-            open &= !alone;
-        }
-        if open == 0 {
-            continue;
-        }
-        if depth == MOST_HALVINGS {
-            undecided |= open;
-            continue;
-        }
-        for part in part.halved(lengths) {
-            waiting[count] = (LanePart { part, lanes: open }, depth + 1);
-            count += 1;
+impl<'a, S: Simd> LaneProof<'a, S> {
+    /// All of a leaf; `error` is how far a point may be from the ray.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        distances: &'a LaneDistances,
+        leaf: &Leaf,
+        (packet, base): (&Packet, usize),
+        (lanes, error): (u32, f32x16<S>),
+    ) -> Self {
+        let terms = distances.terms(simd, leaf, packet, base);
+        // False for NaN.
+        let undecided = lanes & !bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+        let noise = terms * f32x16::splat(simd, ROUNDING);
+        let mut waiting = [LanePart::default(); MOST_HALVINGS + 1];
+        waiting[0] = LanePart { part: Part::whole(), lanes, depth: 0 };
+        Self {
+            simd,
+            distances,
+            lengths: leaf.side_lengths(),
+            error,
+            off_ray: noise + f32x16::splat(simd, leaf.fit_error()) + error,
+            slope_noise: noise + f32x16::splat(simd, leaf.slope_error()),
+            waiting,
+            count: 1,
+            undecided,
         }
     }
-    undecided
+
+    /// The next part, and the lanes that have one root at most in it: all of their roots are in
+    /// such parts, but for the lanes that are `undecided` at the end.
+    #[inline(always)]
+    pub(super) fn next(&mut self) -> Option<LanePart> {
+        while self.count > 0 {
+            self.count -= 1;
+            let mut task = self.waiting[self.count];
+            task.lanes &= !self.undecided;
+            if task.lanes == 0 {
+                continue;
+            }
+            let look = (self.distances, [self.error, self.off_ray, self.slope_noise]);
+            let (open, alone) = look_at(self.simd, look, &task);
+            self.halve(&task, open & !alone);
+            if alone != 0 {
+                return Some(LanePart { lanes: alone, ..task });
+            }
+        }
+        None
+    }
+
+    /// Looks at the halves of a part, for some of its lanes.
+    #[inline(always)]
+    pub(super) fn halve(&mut self, task: &LanePart, lanes: u32) {
+        if lanes == 0 {
+            return;
+        }
+        if task.depth == MOST_HALVINGS {
+            self.undecided |= lanes;
+            return;
+        }
+        for part in task.part.halved(self.lengths) {
+            self.waiting[self.count] = LanePart { part, lanes, depth: task.depth + 1 };
+            self.count += 1;
+        }
+    }
+}
+
+/// The lanes that may have roots in a part, and those that have one at most.
+#[simd]
+fn look_at<S: Simd>(
+    simd: S,
+    (distances, [error, off_ray, slope_noise]): (&LaneDistances, [f32x16<S>; 3]),
+    task: &LanePart,
+) -> (u32, u32) {
+    let mut local = Local::default();
+    local.take(simd, distances, &task.part);
+    let open = task.lanes & !local.missed(simd, off_ray);
+    if open == 0 {
+        return (0, 0);
+    }
+    let [half_x, half_y] = task.part.half;
+    let slope_error = slope_noise * f32x16::splat(simd, half_x.max(half_y));
+    let mut alone = open & local.unique(simd, slope_error, error);
+    if half_x > SMALLEST && half_y > SMALLEST {
+        alone &= !local.leading_away(simd);
+    }
+    (open, alone)
 }
 
 /// The distances over a part, in coordinates from −1 to 1.

@@ -1,6 +1,6 @@
 //! Sixty-four rays, coordinate by coordinate, and what has been found for each.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f64x8, mask32x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f64x8, mask32x8, u32x16};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
@@ -198,15 +198,31 @@ impl Packet {
     }
 
     /// One bit for each of the sixteen rays from `base` on that starts in a part of a piece.
-    pub(super) fn starts_in(&self, base: usize, piece: u32, [s, t]: [[f64; 2]; 2]) -> u32 {
-        let mut inside = 0;
-        for lane in 0..LANES {
-            let k = base + lane;
-            let (at_s, at_t) = (self.from_st[0][k], self.from_st[1][k]);
-            let within = at_s >= s[0] && at_s <= s[1] && at_t >= t[0] && at_t <= t[1];
-            inside |= u32::from(within && self.from_piece[k] == piece) << lane;
+    #[simd]
+    pub(super) fn starts_in<S: Simd>(
+        &self,
+        simd: S,
+        base: usize,
+        piece: u32,
+        [s, t]: [[f64; 2]; 2],
+    ) -> u32 {
+        let from = u32x16::from_slice(simd, &self.from_piece[base..base + LANES]);
+        let on_piece = from.simd_eq(u32x16::splat(simd, piece)).to_bitmask() as u32;
+        if on_piece == 0 {
+            return 0;
         }
-        inside
+        let mut inside = 0;
+        for half in [0, 8] {
+            let eight = base + half..base + half + 8;
+            let at_s = f64x8::from_slice(simd, &self.from_st[0][eight.clone()]);
+            let at_t = f64x8::from_slice(simd, &self.from_st[1][eight]);
+            let within = at_s.simd_ge(f64x8::splat(simd, s[0]))
+                & at_s.simd_le(f64x8::splat(simd, s[1]))
+                & at_t.simd_ge(f64x8::splat(simd, t[0]))
+                & at_t.simd_le(f64x8::splat(simd, t[1]));
+            inside |= (within.to_bitmask() as u32) << half;
+        }
+        inside & on_piece
     }
 
     /// The answer to a ray whose nearest hit needs no closer look.

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::distances::{Approximate, LaneDistances};
 use super::finish::{Ground, Target, finish};
-use super::lane_proof::{LanePart, isolate_lanes};
+use super::lane_proof::LaneProof;
 use super::load::{bounds, farthest, load};
 use super::packet::{Packet, PacketBounds};
 use super::search::{bits, certify, cross_box};
@@ -32,9 +32,7 @@ pub(in crate::intersect) struct Work {
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
     /// What every sixteen rays have in common, once it was asked for.
     groups: Option<[PacketBounds; PACKET / LANES]>,
-    /// Parts of the leaf being searched in which some rays have one root at most.
-    parts: Vec<LanePart>,
-    /// The distances of sixteen rays from it.
+    /// The distances of sixteen rays from the leaf that is searched.
     distances: LaneDistances,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
@@ -292,7 +290,7 @@ fn search<S: Simd>(
         let mut doubted = met & !certain;
         if packet.from_roots {
             // The one root of these is the one they start on.
-            certain &= !packet.starts_in(base, target.leaf.piece, target.domain);
+            certain &= !packet.starts_in(simd, base, target.leaf.piece, target.domain);
         }
         if certain | doubted == 0 {
             continue;
@@ -301,7 +299,7 @@ fn search<S: Simd>(
         let mut rest = 0;
         if certain != 0 {
             let start = [crossing.x, crossing.y];
-            let (near, _) = work.distances.newton(simd, start, WIDENED);
+            let near = work.distances.newton(simd, start, WIDENED);
             let done = finish_all(simd, target, packet, base, (certain, Ground::Certificate), &near);
             doubted |= done.open;
             rest |= done.judged;
@@ -310,27 +308,35 @@ fn search<S: Simd>(
         }
         if doubted != 0 {
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let task = (doubted, error);
-            let (distances, parts) = (&work.distances, &mut work.parts);
-            rest |= isolate_lanes(simd, distances, target.leaf, (packet, base), task, parts);
-            for LanePart { part, lanes } in &work.parts {
-                let mut lanes = lanes & !rest;
+            let rays = (&*packet, base);
+            let mut proof =
+                LaneProof::new(simd, &work.distances, target.leaf, rays, (doubted, error));
+            while let Some(task) = proof.next() {
+                let part = &task.part;
+                let mut lanes = task.lanes & !rest;
                 if packet.from_roots {
                     // The one root of these is the one they start on.
                     let start = target.parameters(part.of_start());
-                    lanes &= !packet.starts_in(base, target.leaf.piece, start);
+                    lanes &= !packet.starts_in(simd, base, target.leaf.piece, start);
                 }
                 if lanes == 0 {
                     continue;
                 }
-                let start = part.middle.map(|middle| f32x16::splat(simd, middle));
                 let domain = part.domain();
-                let (near, _) = work.distances.newton(simd, start, domain);
-                let done = finish_all(simd, target, packet, base, (lanes, Ground::Own(domain)), &near);
-                rest |= done.open | done.judged;
+                let start = [
+                    f32x16::splat(simd, part.middle[0]),
+                    f32x16::splat(simd, part.middle[1]),
+                ];
+                let near = work.distances.newton(simd, start, domain);
+                let lanes = (lanes, Ground::Own(domain));
+                let done = finish_all(simd, target, packet, base, lanes, &near);
+                // What leads out of the part may be missed by its halves.
+                proof.halve(&task, done.open);
+                rest |= done.judged;
                 found |= done.found;
                 statistics.newton_iterations += u64::from(done.steps);
             }
+            rest |= proof.undecided;
         }
         work.rest_rays |= u64::from(rest) << base;
         while rest != 0 {
