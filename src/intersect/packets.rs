@@ -119,6 +119,10 @@ impl Tracer<'_> {
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let packet = &self.packets.packet;
         let mut looked_at = self.packets.work.rest_rays | packet.near_border();
+        if packet.met() | looked_at == 0 {
+            answers.extend(std::iter::repeat_n(Answer::default(), shots.len()));
+            return;
+        }
         let first = answers.len();
         answers.extend((0..shots.len()).map(|k| packet.plain_answer(k)));
         while looked_at != 0 {

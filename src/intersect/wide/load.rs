@@ -8,7 +8,7 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::packet::{Packet, PacketBounds};
-use super::search::{dot_d, load3};
+use super::search::{dot_d, load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
 
@@ -39,6 +39,7 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
     packet.leaf = [u32::MAX; PACKET];
     packet.near_border = 0;
+    packet.turned = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
@@ -49,13 +50,12 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
 struct Frames<S: Simd> {
     origin: [f64x8<S>; 3],
     axis: [f64x8<S>; 3],
-    normals: [[f64x8<S>; 3]; 2],
     magnitude: f64x8<S>,
     /// The range of `z`.
     ends: [f64x8<S>; 2],
 }
 
-/// Unit directions, the planes' normals and the ranges of eight rays.
+/// Unit directions and the ranges of eight rays.
 #[simd]
 fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usize) -> Frames<S> {
     let mut rays = [f64x8::splat(simd, 0.0); 8];
@@ -84,18 +84,9 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
         }
     }
 
-    // Two perpendicular vectors, as in `RayFrame`.
-    let [x, y, z] = axis;
-    let sign = one.copysign(z);
-    let a = -one / (sign + z);
-    let b = x * y * a;
-    let first = [one + sign * x * x * a, sign * b, -sign * x];
-    let second = [b, sign + y * y * a, -y];
     for i in 0..3 {
         store(simd, &mut packet.origin[i], base, origin[i]);
         store(simd, &mut packet.axis[i], base, axis[i]);
-        store(simd, &mut packet.normals[0][i], base, first[i]);
-        store(simd, &mut packet.normals[1][i], base, second[i]);
     }
     let ends = [t_min * length, t_max * length];
     let magnitude = ox.abs().max(oy.abs()).max(oz.abs());
@@ -104,7 +95,37 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
     store(simd, &mut packet.z, base, ends[1]);
     store(simd, &mut packet.z_max, base, ends[1]);
     store(simd, &mut packet.magnitude, base, magnitude);
-    Frames { origin, axis, normals: [first, second], magnitude, ends }
+    Frames { origin, axis, magnitude, ends }
+}
+
+/// The normals of the planes through the rays of a packet, as in
+/// [`RayFrame`](crate::math::RayFrame): those of packets that meet no leaf are not needed.
+#[simd]
+pub(super) fn turn<S: Simd>(simd: S, packet: &mut Packet) {
+    let one = f64x8::splat(simd, 1.0);
+    for base in (0..PACKET).step_by(LANES) {
+        let mut normals = [[[one; 2]; 3]; 2];
+        for half in 0..2 {
+            let [x, y, z] = load3d(simd, &packet.axis, base + 8 * half);
+            let sign = one.copysign(z);
+            let a = -one / (sign + z);
+            let b = x * y * a;
+            let first = [one + sign * x * x * a, sign * b, -sign * x];
+            let second = [b, sign + y * y * a, -y];
+            for i in 0..3 {
+                (normals[0][i][half], normals[1][i][half]) = (first[i], second[i]);
+            }
+        }
+        for k in 0..2 {
+            for i in 0..3 {
+                let [low, high] = normals[k][i];
+                store(simd, &mut packet.normals[k][i], base, low);
+                store(simd, &mut packet.normals[k][i], base + 8, high);
+                store_f(simd, &mut packet.normals_f[k][i], base, (low, high));
+            }
+        }
+    }
+    packet.turned = true;
 }
 
 #[simd]
@@ -169,10 +190,6 @@ fn narrow<S: Simd>(
     for i in 0..3 {
         store_f(simd, &mut packet.origin_f[i], base, (origin[0][i], origin[1][i]));
         store_f(simd, &mut packet.axis_f[i], base, (low.axis[i], high.axis[i]));
-        for k in 0..2 {
-            let pair = (low.normals[k][i], high.normals[k][i]);
-            store_f(simd, &mut packet.normals_f[k][i], base, pair);
-        }
     }
     let sixteen = base..base + LANES;
     let spare = f32x16::splat(simd, END_SPARE);

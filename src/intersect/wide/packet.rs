@@ -23,7 +23,9 @@ pub(in crate::intersect) struct Packet {
     pub(super) count: usize,
     pub(super) origin: Lanes3,
     pub(super) axis: Lanes3,
+    /// Of the two planes through each ray; and whether they are known yet.
     pub(super) normals: [Lanes3; 2],
+    pub(super) turned: bool,
     /// `1 / |d|`.
     pub(super) t_from_z: [f64; PACKET],
     pub(super) z_min: [f64; PACKET],
@@ -111,6 +113,7 @@ impl Packet {
             origin: [[0.0; PACKET]; 3],
             axis: [[0.0; PACKET]; 3],
             normals: [[[0.0; PACKET]; 3]; 2],
+            turned: false,
             t_from_z: [0.0; PACKET],
             z_min: [0.0; PACKET],
             z_max: [0.0; PACKET],

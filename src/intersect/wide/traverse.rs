@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::distances::{Approximate, LaneDistances};
 use super::finish::{Ground, Target, finish};
 use super::lane_proof::LaneProof;
-use super::load::{bounds, farthest, load};
+use super::load::{bounds, farthest, load, turn};
 use super::packet::{Packet, PacketBounds};
 use super::search::{bits, certify, cross_box};
 use super::single::Scene;
@@ -276,6 +276,9 @@ fn search<S: Simd>(
         let met = bits(crossing.met);
         if met == 0 {
             continue;
+        }
+        if !packet.turned {
+            turn(simd, packet);
         }
         let target = target.get_or_insert_with(|| Target::new(scene, oriented, index));
         let patch = &target.piece.patch;
