@@ -17,7 +17,7 @@ use super::single_proof::{
 use crate::patch::Leaf;
 
 /// How often a leaf is halved before the scalar search is called.
-const MOST_HALVINGS: usize = 10;
+const MOST_HALVINGS: usize = 14;
 
 /// A part of a leaf, and the lanes whose roots in it are looked for.
 #[derive(Clone, Copy, Debug, Default)]

@@ -48,7 +48,7 @@ pub(super) const NEARBY: f32 = 1.05;
 pub(super) const SMALLEST: f32 = 0.1;
 
 /// A box a root starts in is widened by less.
-const START_REACH: f32 = 1.05;
+const START_REACH: f32 = 1.09;
 
 /// Row sums are wanted to be this much below one, so that rounding moves a root by no more
 /// than its error times twenty and the inverse Jacobian.
