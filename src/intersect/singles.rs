@@ -9,7 +9,7 @@ use super::leaf_search::{self, Meeting, Question};
 use super::tracer::answer_of;
 use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
-use crate::math::RayFrame;
+use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
@@ -119,8 +119,7 @@ fn first_hits<S: Simd, Q: Shot>(
 
 #[simd]
 fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
-    let frame = RayFrame::new(shot.ray());
-    search(simd, tracer, shot.from(), (&frame, Wanted::First));
+    let frame = search(simd, tracer, (shot.ray(), shot.from()), Wanted::First);
     if !tracer.single.rest.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
@@ -145,8 +144,7 @@ fn any_hits<S: Simd>(
 
 #[simd]
 fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusion {
-    let frame = RayFrame::new(&query.ray);
-    search(simd, tracer, query.from.as_ref(), (&frame, Wanted::Any));
+    let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
     if tracer.single.hit.is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
@@ -157,20 +155,22 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     tracer.findings.occlusion()
 }
 
-/// The fast search.
+/// The fast search; also makes the ray's frame, so that it is at hand here.
 #[simd]
 fn search<S: Simd>(
     simd: S,
     tracer: &mut Tracer<'_>,
-    from: Option<&Root>,
-    (frame, wanted): (&RayFrame, Wanted),
-) {
+    (ray, from): (&Ray, Option<&Root>),
+    wanted: Wanted,
+) -> RayFrame {
     let bvh = tracer.bvh;
-    let mut ray = SingleRay::new(frame, from, wanted, &bvh.tree.frame);
+    let frame = RayFrame::new(ray);
+    let mut single = SingleRay::new(&frame, from, wanted, &bvh.tree.frame);
     let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
     statistics.rays += 1;
-    trace_single(simd, &bvh.scene(), &mut ray, (&mut *work, &mut *statistics));
+    trace_single(simd, &bvh.scene(), &mut single, (&mut *work, &mut *statistics));
     statistics.newton_iterations += std::mem::take(&mut work.steps);
+    frame
 }
 
 pub(super) fn is_certain(meeting: &Meeting) -> bool {

@@ -27,6 +27,7 @@ pub struct RayFrame {
 
 impl RayFrame {
     /// The frame of a ray, whatever the length of its direction.
+    #[inline(always)] // what is stored as single numbers is read as vectors: that stalls
     pub fn new(ray: &Ray) -> Self {
         let (axis, length) = unit_and_length(ray.direction());
         let normals = perpendicular(axis);
