@@ -139,12 +139,7 @@ fn evaluate<S: Simd>(
 
 /// The distances of the leaf's middle from the rays' planes, found in f64.
 #[simd]
-fn middle_distances<S: Simd>(
-    simd: S,
-    leaf: &Leaf,
-    packet: &Packet,
-    base: usize,
-) -> [f32x16<S>; 2] {
+fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f32x16<S>; 2] {
     let [a1, a2] = half_distances(simd, leaf, packet, base);
     let [b1, b2] = half_distances(simd, leaf, packet, base + 8);
     [simd.narrow_f64x8(a1, b1), simd.narrow_f64x8(a2, b2)]
@@ -175,10 +170,8 @@ impl<S: Simd> Approximate<f32x16<S>> {
     #[inline(always)]
     pub(super) fn half(&self, half: usize) -> Approximate<f64x8<S>> {
         let [[xx, xy], [yx, yy]] = self.inverse;
-        let inverse = [
-            [widened(xx, half), widened(xy, half)],
-            [widened(yx, half), widened(yy, half)],
-        ];
+        let inverse =
+            [[widened(xx, half), widened(xy, half)], [widened(yx, half), widened(yy, half)]];
         Approximate { x: widened(self.x, half), y: widened(self.y, half), inverse }
     }
 }

@@ -8,12 +8,12 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::PACKET;
-use super::single_finish::COARSEST;
+use super::distances::Approximate;
 use super::jets::{jets, points};
 use super::packet::{Lanes3, Packet};
-use super::distances::Approximate;
 use super::search::{dot_d, load3d};
 use super::single::{Scene, comes_first};
+use super::single_finish::COARSEST;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::leaf_search;

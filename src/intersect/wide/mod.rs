@@ -1,18 +1,20 @@
 //! How it is made fast: many boxes, and many rays, at a time.
 //!
-//! The scalar kernel says what is computed, the certificate why it is certain; one proof is added
-//! here, of a single ray on a leaf's approximation (`single_proof`). Sixteen boxes are tested at
-//! once against a packet of rays, sixteen rays at once against a leaf. A search in f32 on an approximation of the leaf gives Newton's
+//! The scalar kernel says what is computed, the certificate why it is certain. Sixteen boxes are
+//! tested at once against a packet of rays (`traverse`), sixteen rays at once against a leaf
+//! (`search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
-//! promised accuracy. Whatever is not certified is searched ray by ray, with a proof of its own
-//! (`single_proof`), and at last goes to the scalar search.
+//! promised accuracy (`finish`).
+//!
+//! One proof is added here, of a ray and a leaf that the certificate does not speak of: what the
+//! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays at a time in
+//! `lane_proof`. What is not proved goes to the scalar search at last.
 //!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
 //! other rays of the packet.
 //!
 //! A ray that comes alone (`single`) goes through the same tree, sixteen boxes at a time, down to
-//! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched. Where the certificate does not speak of the ray, and before the exact
-//! solver is called, the leaf's approximation is asked what it can prove (`single_proof`).
+//! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched.
 
 mod distances;
 mod finish;

@@ -303,7 +303,8 @@ fn search<S: Simd>(
         if certain != 0 {
             let start = [crossing.x, crossing.y];
             let near = work.distances.newton(simd, start, WIDENED);
-            let done = finish_all(simd, target, packet, base, (certain, Ground::Certificate), &near);
+            let done =
+                finish_all(simd, target, packet, base, (certain, Ground::Certificate), &near);
             doubted |= done.open;
             rest |= done.judged;
             found |= done.found;
@@ -326,10 +327,8 @@ fn search<S: Simd>(
                     continue;
                 }
                 let domain = part.domain();
-                let start = [
-                    f32x16::splat(simd, part.middle[0]),
-                    f32x16::splat(simd, part.middle[1]),
-                ];
+                let start =
+                    [f32x16::splat(simd, part.middle[0]), f32x16::splat(simd, part.middle[1])];
                 let near = work.distances.newton(simd, start, domain);
                 let lanes = (lanes, Ground::Own(domain));
                 let done = finish_all(simd, target, packet, base, lanes, &near);
@@ -377,7 +376,8 @@ fn finish_all<S: Simd>(
             continue;
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
-        let done = finish(simd, target, packet, base + 8 * half, (wanted, ground), &near.half(half));
+        let done =
+            finish(simd, target, packet, base + 8 * half, (wanted, ground), &near.half(half));
         all.open |= (done.open as u32) << (8 * half);
         all.judged |= (done.judged as u32) << (8 * half);
         all.found |= done.found;
