@@ -2,7 +2,7 @@
 //!
 //! The scalar kernel says what is computed, the certificate why it is certain. Sixteen boxes are
 //! tested at once against a packet of rays (`traverse`), sixteen rays at once against a leaf
-//! (`search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
+//! (`leaf`, `search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
 //! promised accuracy (`finish`).
 //!
@@ -20,6 +20,7 @@ mod distances;
 mod finish;
 mod jets;
 mod lane_proof;
+mod leaf;
 mod load;
 mod packet;
 mod search;

@@ -1,28 +1,22 @@
 //! A packet's way through the wide hierarchy.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask64x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 use glam::Vec3;
 
-use super::distances::{Approximate, LaneDistances};
-use super::finish::{Ground, Target, finish};
-use super::lane_proof::LaneProof;
-use super::load::{bounds, farthest, load, turn};
+use super::distances::LaneDistances;
+use super::leaf::search_leaf;
+use super::load::{bounds, load};
 use super::packet::{Packet, PacketBounds};
-use super::search::{bits, certify, cross_box};
+use super::search::bits;
 use super::single::Scene;
 use super::{LANES, PACKET};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
 use crate::intersect::{Shot, Statistics};
-use crate::math::rounding;
-use crate::patch::{OrientedBox, WIDENING};
 
 /// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
 /// leaves, and no one waits for as many at once.
 const TOUCHED_AT_A_TIME: usize = 6;
-
-/// The rectangle that certificates speak of, in box coordinates.
-const WIDENED: [[f32; 2]; 2] = [[-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32]; 2];
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
@@ -33,7 +27,7 @@ pub(in crate::intersect) struct Work {
     /// What every sixteen rays have in common, once it was asked for.
     groups: Option<[PacketBounds; PACKET / LANES]>,
     /// The distances of sixteen rays from the leaf that is searched.
-    distances: LaneDistances,
+    pub(super) distances: LaneDistances,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
     /// How many of the rays to come have been touched.
@@ -41,6 +35,17 @@ pub(in crate::intersect) struct Work {
 }
 
 impl Work {
+    /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set.
+    #[inline(always)]
+    pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {
+        self.rest_rays |= u64::from(lanes) << base;
+        let mut lanes = lanes;
+        while lanes != 0 {
+            self.rest.push((base + lanes.trailing_zeros() as usize, leaf));
+            lanes &= lanes - 1;
+        }
+    }
+
     /// Reads something of the next few of the rays to come, so that they are on their way from
     /// memory while those before them are traced.
     #[inline(always)]
@@ -250,138 +255,6 @@ fn search_block<S: Simd>(
         let oriented = block.oriented(nearest);
         let groups = apart.map(|met| met >> nearest & 1 != 0);
         let leaf = (first + nearest as u32, &oriented, groups);
-        search(simd, scene, leaf, packet, work, statistics);
+        search_leaf(simd, scene, leaf, packet, work, statistics);
     }
-}
-
-/// One leaf against the rays of the packet, sixteen by sixteen, that may meet it.
-#[simd]
-fn search<S: Simd>(
-    simd: S,
-    scene: &Scene<'_>,
-    (index, oriented, groups): (u32, &OrientedBox, [bool; PACKET / LANES]),
-    packet: &mut Packet,
-    work: &mut Work,
-    statistics: &mut Statistics,
-) {
-    // The boxes of most leaves are missed by most rays: their data are only touched when they
-    // are needed.
-    let mut target = None;
-    let mut found = false;
-    for base in (0..packet.count.min(PACKET)).step_by(LANES) {
-        if !groups[base / LANES] {
-            continue;
-        }
-        let crossing = cross_box(simd, oriented, packet, base);
-        let met = bits(crossing.met);
-        if met == 0 {
-            continue;
-        }
-        if !packet.turned {
-            turn(simd, packet);
-        }
-        let target = target.get_or_insert_with(|| Target::new(scene, oriented, index));
-        let patch = &target.piece.patch;
-        let factor = patch.residual_factor();
-        statistics.leaf_tests += u64::from(met.count_ones());
-
-        // The certificate, lane by lane.
-        let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
-            .max(f32x16::splat(simd, patch.magnitude() as f32));
-        let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-        let mut certain = met & bits(certified);
-        let mut doubted = met & !certain;
-        if packet.from_roots {
-            // The one root of these is the one they start on.
-            certain &= !packet.starts_in(simd, base, target.leaf.piece, target.domain);
-        }
-        if certain | doubted == 0 {
-            continue;
-        }
-        work.distances.take(simd, target.leaf, packet, base);
-        let mut rest = 0;
-        if certain != 0 {
-            let start = [crossing.x, crossing.y];
-            let near = work.distances.newton(simd, start, WIDENED);
-            let done =
-                finish_all(simd, target, packet, base, (certain, Ground::Certificate), &near);
-            doubted |= done.open;
-            rest |= done.judged;
-            found |= done.found;
-            statistics.newton_iterations += u64::from(done.steps);
-        }
-        if doubted != 0 {
-            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let rays = (&*packet, base);
-            let mut proof =
-                LaneProof::new(simd, &work.distances, target.leaf, rays, (doubted, error));
-            while let Some(task) = proof.next() {
-                let part = &task.part;
-                let mut lanes = task.lanes & !rest;
-                if packet.from_roots {
-                    // The one root of these is the one they start on.
-                    let start = target.parameters(part.of_start());
-                    lanes &= !packet.starts_in(simd, base, target.leaf.piece, start);
-                }
-                if lanes == 0 {
-                    continue;
-                }
-                let domain = part.domain();
-                let start =
-                    [f32x16::splat(simd, part.middle[0]), f32x16::splat(simd, part.middle[1])];
-                let near = work.distances.newton(simd, start, domain);
-                let lanes = (lanes, Ground::Own(domain));
-                let done = finish_all(simd, target, packet, base, lanes, &near);
-                // What leads out of the part may be missed by its halves.
-                proof.halve(&task, done.open);
-                rest |= done.judged;
-                found |= done.found;
-                statistics.newton_iterations += u64::from(done.steps);
-            }
-            rest |= proof.undecided;
-        }
-        work.rest_rays |= u64::from(rest) << base;
-        while rest != 0 {
-            work.rest.push((base + rest.trailing_zeros() as usize, index));
-            rest &= rest - 1;
-        }
-    }
-    if found {
-        packet.farthest = farthest(simd, packet);
-    }
-}
-
-/// What became of sixteen rays.
-struct AllDone {
-    open: u32,
-    judged: u32,
-    found: bool,
-    steps: u32,
-}
-
-/// [`finish`] for both halves of sixteen rays.
-#[simd]
-fn finish_all<S: Simd>(
-    simd: S,
-    target: &Target<'_>,
-    packet: &mut Packet,
-    base: usize,
-    (lanes, ground): (u32, Ground),
-    near: &Approximate<f32x16<S>>,
-) -> AllDone {
-    let mut all = AllDone { open: 0, judged: 0, found: false, steps: 0 };
-    for half in 0..2 {
-        let wanted = u64::from(lanes >> (8 * half)) & 0xff;
-        if wanted == 0 {
-            continue;
-        }
-        let wanted = mask64x8::from_bitmask(simd, wanted);
-        let done =
-            finish(simd, target, packet, base + 8 * half, (wanted, ground), &near.half(half));
-        all.open |= (done.open as u32) << (8 * half);
-        all.judged |= (done.judged as u32) << (8 * half);
-        all.found |= done.found;
-        all.steps += done.steps;
-    }
-    all
 }

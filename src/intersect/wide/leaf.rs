@@ -1,0 +1,169 @@
+//! One leaf against the rays of a packet, sixteen at a time.
+
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
+use fearless_simd_macros::simd;
+
+use super::distances::{Approximate, LaneDistances};
+use super::finish::{Ground, Target, finish};
+use super::lane_proof::LaneProof;
+use super::load::{farthest, turn};
+use super::packet::Packet;
+use super::search::{bits, certify, cross_box};
+use super::single::Scene;
+use super::traverse::Work;
+use super::{LANES, PACKET};
+use crate::intersect::Statistics;
+use crate::math::rounding;
+use crate::patch::{OrientedBox, WIDENING};
+
+/// The rectangle that certificates speak of, in box coordinates.
+const WIDENED: [[f32; 2]; 2] = [[-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32]; 2];
+
+/// One leaf against the rays of the packet, sixteen by sixteen, that may meet it.
+#[simd]
+pub(super) fn search_leaf<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    (index, oriented, groups): (u32, &OrientedBox, [bool; PACKET / LANES]),
+    packet: &mut Packet,
+    work: &mut Work,
+    statistics: &mut Statistics,
+) {
+    // The boxes of most leaves are missed by most rays: their data are only touched when they
+    // are needed.
+    let mut target = None;
+    let mut found = false;
+    for base in (0..packet.count.min(PACKET)).step_by(LANES) {
+        if !groups[base / LANES] {
+            continue;
+        }
+        let crossing = cross_box(simd, oriented, packet, base);
+        let met = bits(crossing.met);
+        if met == 0 {
+            continue;
+        }
+        if !packet.turned {
+            turn(simd, packet);
+        }
+        let target = target.get_or_insert_with(|| Target::new(scene, oriented, index));
+        let patch = &target.piece.patch;
+        let factor = patch.residual_factor();
+        statistics.leaf_tests += u64::from(met.count_ones());
+
+        // The certificate, lane by lane.
+        let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
+            .max(f32x16::splat(simd, patch.magnitude() as f32));
+        let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+        let mut certain = met & bits(certified);
+        let mut doubted = met & !certain;
+        if packet.from_roots {
+            // The one root of these is the one they start on.
+            certain &= !packet.starts_in(simd, base, target.leaf.piece, target.domain);
+        }
+        if certain | doubted == 0 {
+            continue;
+        }
+        work.distances.take(simd, target.leaf, packet, base);
+        let mut done = Done::default();
+        if certain != 0 {
+            let start = [crossing.x, crossing.y];
+            let near = work.distances.newton(simd, start, WIDENED);
+            let lanes = (certain, Ground::Certificate);
+            done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
+            doubted |= done.open;
+        }
+        let mut rest = done.judged;
+        if doubted != 0 {
+            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+            let lanes = (doubted, error);
+            let more = search_doubted(simd, target, (&mut *packet, base), &work.distances, lanes);
+            rest |= more.judged | more.open;
+            done.found |= more.found;
+            done.steps += more.steps;
+        }
+        found |= done.found;
+        statistics.newton_iterations += u64::from(done.steps);
+        work.leave(base, rest, index);
+    }
+    if found {
+        packet.farthest = farthest(simd, packet);
+    }
+}
+
+/// Sixteen rays against a leaf whose certificate does not speak of them, or whose one root was not
+/// found: part by part, as far as their own proofs go. `error` is how far a point may be from the
+/// ray. Lanes of which nothing is proved are open.
+#[simd]
+fn search_doubted<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    (packet, base): (&mut Packet, usize),
+    distances: &LaneDistances,
+    (lanes, error): (u32, f32x16<S>),
+) -> Done {
+    let mut all = Done::default();
+    let mut proof = LaneProof::new(simd, distances, target.leaf, (&*packet, base), (lanes, error));
+    while let Some(task) = proof.next() {
+        let part = &task.part;
+        let mut lanes = task.lanes & !all.judged;
+        if packet.from_roots {
+            // The one root of these is the one they start on.
+            let start = target.parameters(part.of_start());
+            lanes &= !packet.starts_in(simd, base, target.leaf.piece, start);
+        }
+        if lanes == 0 {
+            continue;
+        }
+        let domain = part.domain();
+        let start = [f32x16::splat(simd, part.middle[0]), f32x16::splat(simd, part.middle[1])];
+        let near = distances.newton(simd, start, domain);
+        let lanes = (lanes, Ground::Own(domain));
+        let done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
+        // What leads out of the part may be missed by its halves.
+        proof.halve(&task, done.open);
+        all.judged |= done.judged;
+        all.found |= done.found;
+        all.steps += done.steps;
+    }
+    all.open = proof.undecided;
+    all
+}
+
+/// What became of sixteen rays.
+#[derive(Clone, Copy, Default)]
+struct Done {
+    /// The lanes that did not converge.
+    open: u32,
+    /// The lanes whose root the scalar search must judge.
+    judged: u32,
+    /// Whether some ray's nearest hit is new.
+    found: bool,
+    /// Newton's steps taken, over all lanes.
+    steps: u32,
+}
+
+/// [`finish`] for both halves of sixteen rays.
+#[simd]
+fn finish_all<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    (packet, base): (&mut Packet, usize),
+    (lanes, ground): (u32, Ground),
+    near: &Approximate<f32x16<S>>,
+) -> Done {
+    let mut all = Done::default();
+    for half in 0..2 {
+        let wanted = u64::from(lanes >> (8 * half)) & 0xff;
+        if wanted == 0 {
+            continue;
+        }
+        let wanted = mask64x8::from_bitmask(simd, wanted);
+        let (base, near) = (base + 8 * half, near.half(half));
+        let done = finish(simd, target, packet, base, (wanted, ground), &near);
+        all.open |= (done.open as u32) << (8 * half);
+        all.judged |= (done.judged as u32) << (8 * half);
+        all.found |= done.found;
+        all.steps += done.steps;
+    }
+    all
+}
