@@ -83,7 +83,7 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
         SortPrecision::U64,
         0,
     );
-    let passes = if boxes.len() > MANY { Some(vec![1.0, 1.0 / 3.0]) } else { None };
+    let passes = if boxes.len() > MANY { Some(vec![1.0 / 3.0]) } else { None };
     ReinsertionOptimizer::default().run(&mut tree, 0.15, passes);
     let node = |node: &obvhs::bvh2::node::Bvh2Node| {
         let bounds = node.aabb();
