@@ -387,7 +387,7 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
 
 /// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
 /// edge itself is on a surface known to rounding, and the edge it is shared with on another.
-const TRIM_REACH: f64 = 4.0;
+pub(super) const TRIM_REACH: f64 = 4.0;
 
 /// Whether a root of a leaf is kept by the trims of its surface, if it may be off by `error` in
 /// space.

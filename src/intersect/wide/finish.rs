@@ -14,7 +14,7 @@ use super::packet::{Lanes3, Packet};
 use super::search::{dot_d, load3d};
 use super::single::{Scene, comes_first};
 use super::single_finish::COARSEST;
-use super::trimmed::trim_side;
+use super::trimmed;
 use crate::geometry::trim::Side;
 use crate::intersect::leaf_search;
 use crate::intersect::newton::{CLEAR, SURELY};
@@ -305,7 +305,8 @@ pub(super) fn finish<S: Simd>(
     if target.leaf.is_trimmed() {
         // Also what is as near as the nearest, as far as can be known: it may be an edge.
         let asked = acceptable & z.simd_le(best + near_end);
-        let sides = trim_sides(target, asked, (root_s, root_t), z_error);
+        let reach = f64x8::splat(simd, trimmed::REACH) * z_error * speed / size;
+        let sides = trim_sides(target, asked, (root_s, root_t), reach);
         hit &= mask64x8::from_bitmask(simd, sides.inside);
         judged |= mask64x8::from_bitmask(simd, sides.edge);
     }
@@ -359,20 +360,20 @@ struct Sides {
     edge: u64,
 }
 
-/// The sides of the lanes that are asked for.
+/// The sides of the lanes that are asked for, of roots known to `reach` in each parameter.
 #[inline(always)]
 fn trim_sides<S: Simd>(
     target: &Target<'_>,
     asked: mask64x8<S>,
     (s, t): (f64x8<S>, f64x8<S>),
-    z_error: f64x8<S>,
+    reach: f64x8<S>,
 ) -> Sides {
     let mut sides = Sides::default();
     let mut lanes = asked.to_bitmask();
     while lanes != 0 {
         let k = lanes.trailing_zeros() as usize;
         lanes &= lanes - 1;
-        match trim_side(target.piece, DVec2::new(s[k], t[k]), z_error[k]) {
+        match target.piece.side(DVec2::new(s[k], t[k]), DVec2::splat(reach[k])) {
             Side::Inside => sides.inside |= 1 << k,
             Side::Outside => {}
             Side::Edge { .. } => sides.edge |= 1 << k,

@@ -3,12 +3,17 @@
 use glam::DVec2;
 
 use crate::geometry::trim::Side;
-use crate::intersect::leaf_search::trim_reach;
+use crate::intersect::leaf_search::{TRIM_REACH, trim_reach};
 use crate::patch::Piece;
 
 /// The scalar search's root and the one found here are both off by no more than the error: what is
 /// near an edge there is within this much of that reach here.
 const SPARE: f64 = 2.0;
+
+/// How near a trim edge must be, in either parameter, in units of the error times the sum of both
+/// tangents' lengths over the length of their cross product: no less than
+/// [`trim_reach`] says, as a length is at most the sum.
+pub(super) const REACH: f64 = SPARE * TRIM_REACH;
 
 /// Whether a root of a leaf that a trim curve passes through is kept, if it may be off by
 /// `error` along the ray; an edge where the scalar search must judge it.
