@@ -41,6 +41,8 @@ pub(super) struct LaneProof<'a, S: Simd> {
     slope_noise: f32x16<S>,
     waiting: [LanePart; MOST_HALVINGS + 1],
     count: usize,
+    /// The part that was told last, and the lanes for which its halves are to be looked at.
+    last: LanePart,
     /// The lanes of which nothing could be proved.
     pub(super) undecided: u32,
 }
@@ -70,6 +72,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
             slope_noise: noise + f32x16::splat(simd, leaf.slope_error()),
             waiting,
             count: 1,
+            last: LanePart::default(),
             undecided,
         }
     }
@@ -78,6 +81,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     /// such parts, but for the lanes that are `undecided` at the end.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<LanePart> {
+        self.halve_last();
         while self.count > 0 {
             self.count -= 1;
             let mut task = self.waiting[self.count];
@@ -87,26 +91,34 @@ impl<'a, S: Simd> LaneProof<'a, S> {
             }
             let look = (self.distances, [self.error, self.off_ray, self.slope_noise]);
             let (open, alone) = look_at(self.simd, look, &task);
-            self.halve(&task, open & !alone);
+            self.last = LanePart { lanes: open & !alone, ..task };
             if alone != 0 {
                 return Some(LanePart { lanes: alone, ..task });
             }
+            self.halve_last();
         }
         None
     }
 
-    /// Looks at the halves of a part, for some of its lanes.
+    /// Looks at the halves of the part told last for these lanes, too.
     #[inline(always)]
-    pub(super) fn halve(&mut self, task: &LanePart, lanes: u32) {
+    pub(super) fn go_on(&mut self, lanes: u32) {
+        self.last.lanes |= lanes;
+    }
+
+    #[inline(always)]
+    fn halve_last(&mut self) {
+        let LanePart { part, lanes, depth } = std::mem::take(&mut self.last);
         if lanes == 0 {
             return;
         }
-        if task.depth == MOST_HALVINGS {
+        if depth == MOST_HALVINGS {
             self.undecided |= lanes;
             return;
         }
-        for part in task.part.halved(self.lengths) {
-            self.waiting[self.count] = LanePart { part, lanes, depth: task.depth + 1 };
+        // One part makes place for two, at most once at each depth.
+        for part in part.halved(self.lengths) {
+            self.waiting[self.count] = LanePart { part, lanes, depth: depth + 1 };
             self.count += 1;
         }
     }

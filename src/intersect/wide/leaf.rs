@@ -120,7 +120,7 @@ fn search_doubted<S: Simd>(
         let lanes = (lanes, Ground::Own(domain));
         let done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
         // What leads out of the part may be missed by its halves.
-        proof.halve(&task, done.open);
+        proof.go_on(done.open);
         all.judged |= done.judged;
         all.found |= done.found;
         all.steps += done.steps;
