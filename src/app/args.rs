@@ -201,18 +201,21 @@ fn integrators() -> impl TypedValueParser<Value = IntegratorKind> {
 /// `nurbray cast`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-RAYS.npy: float64, shape (n, 6): origin x y z, direction x y z; or (n, 8) with t_min, t_max.
-  The hit point is o + t d with d as given; t is in (0, inf) unless the file says otherwise.
+RAYS.npy: float64 or float32, of shape (n, 6): origin x y z, direction x y z; or
+  (n, 8) with t_min, t_max. The hit point is o + t d with d as given; t is in
+  (0, inf) unless the file says otherwise.
 HITS.npy: float64, shape (n, 11): t, surface, u, v, x, y, z, nx, ny, nz, flags.
-  A miss is NaN in all but flags. surface counts as `nurbray info` lists them; (u, v) lies in the
-  surface's own knot domain; the normal is S_u x S_v normalised, not turned towards the ray.
-  flags, by bit: 0 doubtful (1), 1 at a border (2), 2 normal undefined (4), 3 at a trim edge (8),
-  4 the ray runs inside the surface (16).
-With --all: shape (m, 12), the ray's number first, sorted by ray, then t. A ray without hits has
-  no row, unless it is doubtful: then it has one row of NaN. A doubtful ray has at least one row
-  with bit 0.
-With --json one object on stdout: rays, hits, doubtful (rays), build_seconds, trace_seconds (no
-  reading or writing of files), bytes (of the prepared surfaces), threads, kernel.
+  A miss is NaN in all but flags. surface counts as `nurbray info` lists them;
+  (u, v) lies in the surface's own knot domain; the normal is S_u x S_v
+  normalised, not turned towards the ray. flags, by bit: 0 doubtful (1), 1 at a
+  border (2), 2 normal undefined (4), 3 at a trim edge (8), 4 the ray runs
+  inside the surface (16).
+With --all: shape (m, 12), the ray's number first, sorted by ray, then t. A ray
+  without hits has no row, unless it is doubtful: then it has one row of NaN. A
+  doubtful ray has at least one row with bit 0.
+With --json one object on stdout: rays, hits, doubtful (rays), build_seconds,
+  trace_seconds (no reading or writing of files), bytes (of the prepared
+  surfaces), threads, kernel.
 
 Example:
   nurbray cast model.json --rays rays.npy -o hits.npy --json")]

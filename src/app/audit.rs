@@ -51,42 +51,47 @@ Columns, for each class:
   rays         rays made
   hits         rays for which the fast path has a hit
   misses       the fast path has no hit and no doubt, but there is a certain hit
-  wrong        the fast path's hit lies behind a certain hit by more than the bound of t
-               (JSON: wrong_roots)
-  false        the fast path's hit has a residual above the bound, lies outside the ray's range
-               or in what trims have cut off, or the exact solver, without doubt, has no root
-               there (JSON: false_hits)
+  wrong        the fast path's hit lies behind a certain hit by more than the
+               bound of t (JSON: wrong_roots)
+  false        the fast path's hit has a residual above the bound, lies outside
+               the ray's range or in what trims have cut off, or the exact
+               solver, without doubt, has no root there (JSON: false_hits)
   doubtful     rays whose answer the fast path flags; they are not judged
-  undecided    rays for which the exact solver could not decide everything; its certain hits
-               still count
-  error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 %, 99 %, the largest
-               (JSON: error_50, error_99, error_max; null without such hits)
+  undecided    rays for which the exact solver could not decide everything; its
+               certain hits still count
+  error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 %,
+               99 %, the largest (JSON: error_50, error_99, error_max; null without
+               such hits)
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
-Certain is a hit of the exact solver without doubt, unless it lies within the bound of an end of
-the ray's range, or the ray passes a border on its outside by more than a quarter of the bound;
-and the point a ray was aimed at, if |N.d| >= 0.01 or the point lies on a border, and trims have
-not cut it off. What trims keep is judged by even-odd against polylines within 1/1000 of the domain
-of the trim curves, which the tracer does not know; within twice that of one both sides pass, but
-points of class trim-edges are on the curves, and owed.
-M is the largest coordinate magnitude of the ray's origin and the surface. The bound of the
-residual, for degrees p and q and e = 2^-53, is b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|):
-the promise 4 (p + q + 4) e M twice, for the hit and for checking it, and the rounding of u and v.
-The bound of t, in units of length, is the sum of both hits' b over |N.d|, at most
-4 sqrt(b R) with R the radius of the model; hits between which the ray stays within b of the
-surface are one.
+Certain is a hit of the exact solver without doubt, unless it lies within the
+bound of an end of the ray's range, or the ray passes a border on its outside by
+more than a quarter of the bound; and the point a ray was aimed at, if |N.d| >=
+0.01 or the point lies on a border, and trims have not cut it off. What trims
+keep is judged by even-odd against polylines within 1/1000 of the domain of the
+trim curves, which the tracer does not know; within twice that of one both sides
+pass, but points of class trim-edges are on the curves, and owed. M is the
+largest coordinate magnitude of the ray's origin and the surface. The bound of
+the residual, for degrees p and q and e = 2^-53, is
+b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|): the promise 4 (p + q + 4) e M
+twice, for the hit and for checking it, and the rounding of u and v. The bound
+of t, in units of length, is the sum of both hits' b over |N.d|, at most
+4 sqrt(b R) with R the radius of the model; hits between which the ray stays
+within b of the surface are one.
 
-Doubt is summed up by groups: random (the classes random and aimed, as pictures have them), nasty
-(the others), and apart: tangents, origins, and rays of other classes that are exactly tangent
-somewhere, as far as f64 can tell, or run inside a surface. Whether a ray that runs in a tangent
-plane meets the surface, or one that starts on it meets it at its start, is beyond any rounded
-arithmetic, and to say so is the right answer. (A ray that says which root it leaves, as secondary
-rays do, is no such ray: class leaving.)
+Doubt is summed up by groups: random (the classes random and aimed, as pictures
+have them), nasty (the others), and apart: tangents, origins, and rays of other
+classes that are exactly tangent somewhere, as far as f64 can tell, or run
+inside a surface. Whether a ray that runs in a tangent plane meets the surface,
+or one that starts on it meets it at its start, is beyond any rounded
+arithmetic, and to say so is the right answer. (A ray that says which root it
+leaves, as secondary rays do, is no such ray: class leaving.)
 
-The exit code is 1 if there is a miss, a wrong root or a false hit.
-With --json one object: input, rays, seed, kernel, threads, seconds, classes (a list; each has
-class, group and the columns), groups (a list: group, rays, doubtful), total (the columns).
-RAYS.npy has a row (origin, direction, t_min, t_max) for each ray at fault, in order of the
-classes; rays of the class leaving start on the hit they leave.
+The exit code is 1 if there is a miss, a wrong root or a false hit. With --json
+one object: input, rays, seed, kernel, threads, seconds, classes (a list; each
+has class, group and the columns), groups (a list: group, rays, doubtful), total
+(the columns). RAYS.npy has a row (origin, direction, t_min, t_max) for each ray
+at fault, in order of the classes; rays of the class leaving start on the hit
+they leave.
 
 Example:
   nurbray audit scenes/teapot.toml --rays 1000000 --offenders offenders.npy";

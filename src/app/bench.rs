@@ -20,32 +20,38 @@ use report::Report;
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
 Ray sets; N is --size:
-  primary            the camera's rays through the middles of N x N pixels, in packets: tiles of
-                     64 x 64 pixels, in each a Z-order curve, so that 16 rays are 4 x 4 pixels
+  primary            the camera's rays through the middles of N x N pixels, in
+                     packets: tiles of 64 x 64 pixels, in each a Z-order curve,
+                     so that 16 rays are 4 x 4 pixels
   single             the same rays in the same order, one call a ray
-  incoherent         N x N chords of a sphere around the model (1 % wider than it), in batches
+  incoherent         N x N chords of a sphere around the model (1 % wider than
+                     it), in batches
   incoherent-single  the same chords, one call a ray
-  ao                 any hit of ambient-occlusion rays: from each exact hit of the primary rays one
-                     ray in a random direction around the normal (cosine), 1/5 of the model's
-                     diagonal long; in batches
-  shadow             any hit on the way from those hits to the scene's first lamp, in batches
-Rays are made before the clock starts, the same for everyone and in every run; they lie in memory, \
-Embree's in the packets it wants.
+  ao                 any hit of ambient-occlusion rays: from each exact hit of
+                     the primary rays one ray in a random direction around the
+                     normal (cosine), 1/5 of the model's diagonal long; in
+                     batches
+  shadow             any hit on the way from those hits to the scene's first
+                     lamp, in batches
+Rays are made before the clock starts, the same for everyone and in every run;
+they lie in memory, Embree's in the packets it wants.
 
-Speed: the median of 5 rounds, and (largest - smallest) / median as spread. Kernels and rival take \
-turns in each round; before the first everyone traces all rays once. Everyone works on the same \
-number of threads, which take 4096 rays at a time.
+Speed: the median of 5 rounds, and (largest - smallest) / median as spread.
+Kernels and rival take turns in each round; before the first everyone traces all
+rays once. Everyone works on the same number of threads, which take 4096 rays at
+a time.
 
---against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST; libembree4 or \
-libembree3, or the library named by EMBREE_LIB. Every knot span is cut evenly, as often as is needed \
-for the sampled distance between surface and triangles to stay within tolerance x diagonal. \
-rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16. tnear is 0, but for \
-rays that leave a surface twice the tolerance; nurbray needs none. A ray differs in t if the rival's \
-hit is farther from the tangent plane of ours than the tolerance.
+--against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST;
+libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
+cut evenly, as often as is needed for the sampled distance between surface and
+triangles to stay within tolerance x diagonal. rtcIntersect1 (rtcOccluded1) for
+single rays; else the fastest of 1, 8 and 16. tnear is 0, but for rays that
+leave a surface twice the tolerance; nurbray needs none. A ray differs in t if
+the rival's hit is farther from the tangent plane of ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
-  model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits, doubtful (rays),
-  radius (ao: the rays' length)
+  model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits,
+  doubtful (rays), radius (ao: the rays' length)
   file_seconds    from the file to ready
   build_seconds   from the placed surfaces to ready, part of file_seconds
   total_seconds   from the file to the last ray
@@ -56,18 +62,21 @@ and with a rival:
   rival_plan_seconds
                   to find out how often to cut; part of no other figure
   rival_build_seconds
-                  to make the vertices (on one thread), fill the buffers, rtcCommitScene
+                  to make the vertices (on one thread), fill the buffers,
+                  rtcCommitScene
   rival_commit_seconds
                   the last two of these
   rival_total_seconds
-                  as total_seconds, with rival_build_seconds instead of build_seconds
-  rival_bytes     what Embree reports, vertices included; normals and (u, v) are not
+                  as total_seconds, with rival_build_seconds instead of
+                  build_seconds
+  rival_bytes     what Embree reports, vertices included; normals and (u, v) are
+                  not
   rival_tnear, hit_disagreements, t_disagreements (rays)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; times are medians.
 
 Example:
-  nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-4,1e-5 --plot teapot.svg";
+  nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-5";
 
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {

@@ -25,23 +25,27 @@ const MAX_SIDE: u32 = 8192;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-One ray through the middle of each pixel, the same rays both ways, in the same run.
+One ray through the middle of each pixel, the same rays both ways, in the same
+run.
 
---against embree: the surfaces are cut into triangles that stay within each tolerance (see `nurbray \
-bench --help` for how), and Embree traces those. DIR gets
-  report.md               triangles, build time, memory, rays/s and total time; errors of
-                          position and normal; silhouette pixels that differ; rays lost and
-                          invented
+--against embree: the surfaces are cut into triangles that stay within each
+tolerance (see `nurbray bench --help` for how), and Embree traces those. DIR
+gets
+  report.md               triangles, build time, memory, rays/s and total time;
+                          errors of position and normal; silhouette pixels that
+                          differ; rays lost and invented
   plot.svg                speed, memory and errors over the tolerance
   picture.png             what is looked at
   position-TOLERANCE.png  where the triangles are how far off
   normal-TOLERANCE.png    by what angle their interpolated normals are off
   legend.svg              what the colours of these mean
---against povray: the scene is written for POV-Ray 3.7 with a lamp at the camera, so that a pixel is \
-the cosine between ray and normal; its bicubic patches are flat to within each tolerance. The program \
-`povray`, or the one named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are named \
+--against povray: the scene is written for POV-Ray 3.7 with a lamp at the
+camera, so that a pixel is the cosine between ray and normal; its bicubic
+patches are flat to within each tolerance. The program `povray`, or the one
+named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are named
 and left out on both sides. DIR gets
-  report.md                 times; errors of brightness; pixels lost and invented
+  report.md                 times; errors of brightness; pixels lost and
+                            invented
   scene-TOLERANCE.pov       what POV-Ray reads
   picture.png               our picture with the same lamp
   difference-TOLERANCE.png  where brightness differs how much

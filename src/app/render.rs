@@ -21,18 +21,21 @@ use picture::{Format, Picture};
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-A bare model is framed and lit by default: the camera stands in front, to the right and above, a
-key, a fill and a little ambient light go with it. Give --look-from, --fov and the like to move it.
+A bare model is framed and lit by default: the camera stands in front, to the
+right and above, a key, a fill and a little ambient light go with it. Give
+--look-from, --fov and the like to move it.
 
-With --crop, an EXR keeps the whole picture as its display window and holds the crop's pixels as
-its data window; a PNG holds the crop's pixels only.
+With --crop, an EXR keeps the whole picture as its display window and holds the
+crop's pixels as its data window; a PNG holds the crop's pixels only.
 
-Samples depend on --seed, the pixel, the sample's number and the dimension only: crops and sample
-ranges are the same pixels as the whole picture, on any number of threads. An EXR holds means over
-its own samples; its header says how many (nurbray:spp) and which (nurbray:samples, as A..B). To
-join the EXRs of several ranges of one picture, weight R, G, B, A and Albedo with nurbray:spp and
-divide by the sum; the other channels describe the first sample that hits, so take each pixel's
-from the lowest range with a finite Z there. (The library's Film::merge does so without rounding.)
+Samples depend on --seed, the pixel, the sample's number and the dimension only:
+crops and sample ranges are the same pixels as the whole picture, on any number
+of threads. An EXR holds means over its own samples; its header says how many
+(nurbray:spp) and which (nurbray:samples, as A..B). To join the EXRs of several
+ranges of one picture, weight R, G, B, A and Albedo with nurbray:spp and divide
+by the sum; the other channels describe the first sample that hits, so take each
+pixel's from the lowest range with a finite Z there. (The library's Film::merge
+does so without rounding.)
 
 Example:
   nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64";

@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use super::geomdl::{Model, read_geomdl};
 use super::load_error::{LoadError, LoadFault};
+use super::nearby::nearest_file;
 use super::obj::{CageModel, read_obj_cage};
 use super::scene_toml::read_scene;
-use crate::scene::{Object, Part, Place, Scene, Scheme, Shape, Subdivision, nearest};
+use crate::scene::{Object, Part, Place, Scene, Scheme, Shape, Subdivision};
 
 /// The largest file that is read: 1 GiB, ten times the largest model ever met. Its text,
 /// its numbers and the surfaces made of them are in memory together for a while.
@@ -159,24 +160,6 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
         let valid = error.utf8_error().valid_up_to();
         fail(LoadFault::NotText { path: path.to_owned(), valid })
     })
-}
-
-/// The most entries of a folder that are compared with a missing file's name.
-const MAX_LISTED: usize = 1000;
-
-/// A file in the same folder with a similar name, for a file that is not there.
-fn nearest_file(path: &Path) -> Option<PathBuf> {
-    let folder = match path.parent()? {
-        empty if empty.as_os_str().is_empty() => Path::new("."),
-        folder => folder,
-    };
-    let wanted = path.file_name()?.to_string_lossy().into_owned();
-    let entries = fs::read_dir(folder).ok()?.take(MAX_LISTED).flatten();
-    let mut names: Vec<_> =
-        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    names.sort(); // the order of a folder is not the same everywhere
-    let names: Vec<_> = names.iter().map(String::as_str).collect();
-    nearest(&wanted, &names).map(|name| path.with_file_name(name))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::quoted::{Quoted, WhyUnread};
+use super::quoted::{DidYouMean, Quoted, WhyUnread};
 use crate::scene::{Place, SceneError};
 
 /// Why an input cannot be read: one message with the file, the line and the column.
@@ -104,11 +104,8 @@ impl fmt::Display for LoadFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read { path, nearest, error } => {
-                write!(f, "cannot read {}: {}", Quoted(path), WhyUnread(error))?;
-                match nearest {
-                    Some(nearest) => write!(f, "; did you mean {}?", Quoted(nearest)),
-                    None => Ok(()),
-                }
+                let meant = DidYouMean(nearest.as_deref());
+                write!(f, "cannot read {}: {}{meant}", Quoted(path), WhyUnread(error))
             }
             Self::NotAFile { path } => {
                 write!(f, "cannot read {}: it is not a file", Quoted(path))

@@ -36,6 +36,7 @@ mod mangled;
 #[cfg(feature = "embree")]
 pub mod mesh;
 mod message;
+mod nearby;
 mod npy;
 mod npy_header;
 pub mod obj;

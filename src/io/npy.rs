@@ -8,8 +8,9 @@ use glam::DVec3;
 use npyz::{NpyFile, NpyHeader, Order, WriterBuilder};
 use thiserror::Error;
 
+use super::nearby::nearest_file;
 use super::npy_header::read_header;
-use super::quoted::{Quoted, WhyUnread};
+use super::quoted::{DidYouMean, Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
 use crate::math::{Ray, RayError};
 
@@ -42,10 +43,12 @@ impl Table {
 #[non_exhaustive]
 pub enum NpyError {
     /// The system refuses.
-    #[error("cannot read {}: {}", Quoted(path), WhyUnread(reason))]
+    #[error("cannot read {}: {}{}", Quoted(path), WhyUnread(reason), DidYouMean(.nearest.as_deref()))]
     Io {
         /// The file.
         path: PathBuf,
+        /// A file that is there and may have been meant, if this one is not.
+        nearest: Option<PathBuf>,
         /// What the system says.
         reason: io::Error,
     },
@@ -135,8 +138,12 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>, NpyError> {
 /// # Errors
 /// When the file cannot be read, is damaged, or holds something else.
 pub fn read_table(path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
-    let io_error = |reason| NpyError::Io { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(io_error)?;
+    let io_error = |reason| NpyError::Io { path: path.to_owned(), nearest: None, reason };
+    let file = File::open(path).map_err(|reason| {
+        let missing = reason.kind() == io::ErrorKind::NotFound;
+        let nearest = if missing { nearest_file(path) } else { None };
+        NpyError::Io { path: path.to_owned(), nearest, reason }
+    })?;
     let metadata = file.metadata().map_err(io_error)?;
     if metadata.is_dir() {
         return Err(io_error(io::ErrorKind::IsADirectory.into()));
@@ -180,7 +187,7 @@ fn read_from(
         values
             .try_reserve_exact(count as usize)
             .map_err(no_memory)
-            .map_err(|reason| NpyError::Io { path: path.to_owned(), reason })?;
+            .map_err(|reason| NpyError::Io { path: path.to_owned(), nearest: None, reason })?;
     }
     let order = header.order();
     let kind = header.dtype().descr();
@@ -197,7 +204,7 @@ fn read_from(
             let found = values.len() as u64 * item;
             NpyError::Truncated { path: path.to_owned(), found, needed }
         }
-        _ => NpyError::Io { path: path.to_owned(), reason },
+        _ => NpyError::Io { path: path.to_owned(), nearest: None, reason },
     })?;
     if order == Order::Fortran {
         values = transposed(&values, rows, width);

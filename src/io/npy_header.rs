@@ -27,7 +27,7 @@ pub(super) fn read_header(
     let wrong = |found: &str| NpyError::Header { path: path.to_owned(), found: found.to_owned() };
     let short = |reason: io::Error| match reason.kind() {
         io::ErrorKind::UnexpectedEof => wrong("it ends within the header"),
-        _ => NpyError::Io { path: path.to_owned(), reason },
+        _ => NpyError::Io { path: path.to_owned(), nearest: None, reason },
     };
 
     // Magic, version, length of the text that follows: 2 bytes in version 1, else 4.

@@ -36,6 +36,15 @@ impl fmt::Display for WhyUnread<'_> {
     }
 }
 
+/// What may have been meant instead of a path that leads nowhere, at the end of a message.
+pub(super) struct DidYouMean<'a>(pub(super) Option<&'a Path>);
+
+impl fmt::Display for DidYouMean<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |nearest| write!(f, "; did you mean {}?", Quoted(nearest)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
