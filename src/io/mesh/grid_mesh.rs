@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use thiserror::Error;
 
 use crate::geometry::SurfaceError;
+use crate::geometry::trim::TrimError;
 
 /// The most vertices along a side of a grid: Embree's documented limit.
 pub const MAX_GRID_SIDE: usize = 32_767;
@@ -35,14 +36,9 @@ pub enum MeshError {
     /// A surface cannot be cut at its creases.
     #[error("cutting at a crease: {0}")]
     Cut(#[from] SurfaceError),
-    /// Triangles would fill what trims cut off.
-    #[error(
-        "surface {surface} is trimmed: grids of triangles cannot have holes, and would be something else than it"
-    )]
-    Trimmed {
-        /// Which surface, counted from 0.
-        surface: usize,
-    },
+    /// Trim curves need too many chords.
+    #[error("cutting at trims: {0}")]
+    Trims(#[from] TrimError),
     /// The tolerance asked for is not a positive number.
     #[error("a tolerance of {tolerance}: a positive fraction of the model's diagonal is needed")]
     Tolerance {
@@ -180,7 +176,7 @@ impl GridMesh {
         &self.uv
     }
 
-    /// The grids, one a knot span.
+    /// The grids: one a knot span, of trimmed surfaces several.
     pub fn grids(&self) -> &[Grid] {
         &self.grids
     }

@@ -1,6 +1,7 @@
 //! Surfaces as grids of triangles, for Embree only: nothing of ours is traced, measured or
 //! written through a mesh.
 
+mod cut;
 mod grid_mesh;
 mod piece;
 mod plan;

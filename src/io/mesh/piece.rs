@@ -1,8 +1,11 @@
 //! A smooth piece of a surface, evaluated row by row, for tessellation.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::grid_mesh::{MeshError, MeshPoint};
+use crate::geometry::trim::Trims;
 use crate::geometry::{
     BasisDerivatives, Chart, ChartMap, Charts, Direction, KnotVector, NurbsSurface,
 };
@@ -12,6 +15,8 @@ use crate::geometry::{
 pub(super) struct Piece {
     surface: NurbsSurface,
     map: ChartMap,
+    /// What is kept of it, if not all.
+    pub(super) trims: Option<Arc<Trims>>,
 }
 
 /// A point and its first derivatives.
@@ -36,16 +41,13 @@ impl Piece {
     /// bit for bit; but each has its own normals.
     ///
     /// # Errors
-    /// When a surface cannot be cut there, or is trimmed: `number` is its place among all.
-    pub(super) fn all(surface: &impl Charts, number: usize) -> Result<Vec<Self>, MeshError> {
+    /// When a surface cannot be cut there.
+    pub(super) fn all(surface: &impl Charts) -> Result<Vec<Self>, MeshError> {
         let mut pieces = Vec::new();
         for Chart { surface, map, trims, .. } in surface.charts() {
-            if trims.is_some() {
-                return Err(MeshError::Trimmed { surface: number });
-            }
             for strip in cut(surface.into_owned(), Direction::U)? {
                 let cut = cut(strip, Direction::V)?.into_iter();
-                pieces.extend(cut.map(|surface| Self { surface, map }));
+                pieces.extend(cut.map(|surface| Self { surface, map, trims: trims.clone() }));
             }
         }
         Ok(pieces)
@@ -85,6 +87,14 @@ impl Piece {
         let du = (au.xyz() - au.w * point) / a.w;
         let dv = (av.xyz() - av.w * point) / a.w;
         Tangents { point, du, dv }
+    }
+
+    /// The point at a pair of parameters.
+    pub(super) fn point(&self, uv: DVec2) -> MeshPoint {
+        let at = self.surface.derivatives(uv.x, uv.y);
+        let normal = at.du.cross(at.dv).try_normalize();
+        let normal = normal.or_else(|| self.surface.normal(uv.x, uv.y)).unwrap_or(DVec3::NAN);
+        MeshPoint { position: at.point, normal, uv: self.map.uv(uv) }
     }
 
     /// The vertices at all pairs of parameters, row by row.

@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use super::cut::Cutter;
 use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MeshError};
 use super::piece::{Piece, Row, Tangents};
+use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{BasisDerivatives, Direction, Span};
 
 /// Points of one piece to measure, beyond what [`MIN_PROBES`] asks for: about 10 ms of work.
@@ -113,8 +115,9 @@ impl Plan {
         rows.saturating_mul(columns)
     }
 
-    /// Adds the grids of the plan to a mesh.
-    pub(super) fn carry_out(&self, mesh: &mut GridMesh) -> Result<(), MeshError> {
+    /// Adds the grids of the plan to a mesh. Trim curves become chords within `distance` of
+    /// them in space, as the surface is stretched where it was looked at.
+    pub(super) fn carry_out(&self, distance: f64, mesh: &mut GridMesh) -> Result<(), MeshError> {
         let too_many = |counts: &Vec<usize>| counts.iter().any(|&n| n + 1 > MAX_GRID_SIDE);
         if self.counts.iter().any(too_many) {
             let most = |counts: &[usize]| counts.iter().max().map_or(0, |&n| n + 1);
@@ -123,13 +126,25 @@ impl Plan {
         }
         let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
         let vertices = self.piece.lattice(&us, &vs);
+        let cutter = match &self.piece.trims {
+            None => None,
+            Some(trims) => {
+                let tolerance = distance / self.speed().max(f64::MIN_POSITIVE);
+                Some(Cutter::new(&self.piece, trims, (&us, &vs, &vertices), tolerance)?)
+            }
+        };
         let mut top = 0;
         for &rows in &self.counts[0] {
             let mut left = 0;
             for &columns in &self.counts[1] {
-                mesh.push_grid((rows + 1, columns + 1), |row, column| {
-                    vertices[(top + row) * vs.len() + left + column]
-                })?;
+                match &cutter {
+                    Some(cutter) => {
+                        cutter.carry_out(top..top + rows, left..left + columns, mesh)?;
+                    }
+                    None => mesh.push_grid((rows + 1, columns + 1), |row, column| {
+                        vertices[(top + row) * vs.len() + left + column]
+                    })?,
+                }
                 left += columns;
             }
             top += rows;
@@ -147,10 +162,36 @@ impl Plan {
         parameters
     }
 
-    /// The smallest and largest coordinates of the vertices.
+    /// How far a step of 1 in u or in v goes in space, where it goes farthest, as sampled.
+    fn speed(&self) -> f64 {
+        let samples = [Direction::U, Direction::V].map(|direction| {
+            let knots = self.piece.knots(direction);
+            let spans = knots.spans().collect::<Vec<_>>();
+            let at = spans.iter().flat_map(|span| FRACTIONS.map(|share| at(span, share)));
+            at.map(|t| knots.basis_derivatives(t)).collect::<Vec<_>>()
+        });
+        let rows = samples[0].iter().map(|basis| self.piece.row(basis));
+        let speeds = rows.flat_map(|row| {
+            let speed = |basis: &BasisDerivatives| {
+                let Tangents { du, dv, .. } = self.piece.tangents(&row, basis);
+                du.length().max(dv.length())
+            };
+            samples[1].iter().map(speed).collect::<Vec<_>>()
+        });
+        speeds.fold(0.0, f64::max)
+    }
+
+    /// The smallest and largest coordinates of the vertices that are kept, and of the ends of
+    /// trim edges.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         let [us, vs] = [0, 1].map(|direction| self.parameters(direction));
-        let vertices = self.piece.lattice(&us, &vs);
+        let mut vertices = self.piece.lattice(&us, &vs);
+        if let Some(trims) = &self.piece.trims {
+            vertices.retain(|vertex| trims.contains(vertex.uv) != Side::Outside);
+            let domain = UvBox::new([us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]);
+            let joints = trims.joints().filter(|joint| domain.holds(*joint));
+            vertices.extend(joints.map(|joint| self.piece.point(joint)));
+        }
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         vertices.iter().fold(nothing, |(low, high), vertex| {
             (low.min(vertex.position), high.max(vertex.position))

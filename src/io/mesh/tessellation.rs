@@ -12,12 +12,18 @@ use crate::geometry::Charts;
 /// parametrisation is singular. What is reached is measured and reported in any case.
 const MAX_ROUNDS: usize = 10;
 
+/// Surfaces that are flat have chords of trim curves within this share of the diagonal, where
+/// nothing else says how many there should be.
+const FLAT_EDGES: f64 = 1e-4;
+
 /// How finely surfaces are to be cut: found once, carried out as often as need be.
 #[derive(Clone, Debug)]
 pub struct TessellationPlan {
     surfaces: usize,
     plans: Vec<(usize, Plan)>,
     diagonal: f64,
+    /// How far chords of trim curves may be from these.
+    edges: f64,
 }
 
 impl TessellationPlan {
@@ -28,7 +34,9 @@ impl TessellationPlan {
     pub fn with_cells(surfaces: &[impl Charts], cells: usize) -> Result<Self, MeshError> {
         let diagonal = diagonal(&plans(surfaces, shown)?);
         let plans = plans(surfaces, |_| cells)?;
-        Ok(Self { surfaces: surfaces.len(), plans, diagonal })
+        let worst = plans.iter().map(|(_, plan)| plan.measure().worst()).fold(0.0, f64::max);
+        let edges = worst.max(FLAT_EDGES * diagonal);
+        Ok(Self { surfaces: surfaces.len(), plans, diagonal, edges })
     }
 
     /// Surfaces are to be cut so finely that they stay within `fraction` of the diagonal of
@@ -54,7 +62,7 @@ impl TessellationPlan {
                 }
             }
         }
-        Ok(Self { surfaces: surfaces.len(), plans, diagonal })
+        Ok(Self { surfaces: surfaces.len(), plans, diagonal, edges: distance })
     }
 
     /// The diagonal of the bounding box of all surfaces, from a few points of each knot span;
@@ -78,7 +86,7 @@ impl TessellationPlan {
         }
         let mut meshes: Vec<_> = counts.into_iter().map(GridMesh::with_room).collect();
         for (surface, plan) in &self.plans {
-            plan.carry_out(&mut meshes[*surface])?;
+            plan.carry_out(self.edges, &mut meshes[*surface])?;
         }
         Ok(meshes)
     }
@@ -89,6 +97,10 @@ impl TessellationPlan {
 }
 
 /// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
+///
+/// Of trimmed surfaces, cells that are kept whole come in runs, and of the others the kept part
+/// is cut into trapezoids along chords of the trim curves, as near to these as the triangles are
+/// to the surface, each a grid of two triangles.
 ///
 /// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
 /// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
@@ -149,7 +161,7 @@ fn plans(
 ) -> Result<Vec<(usize, Plan)>, MeshError> {
     let mut plans = Vec::new();
     for (number, surface) in surfaces.iter().enumerate() {
-        let pieces = Piece::all(surface, number)?;
+        let pieces = Piece::all(surface)?;
         plans.extend(pieces.into_iter().map(|piece| (number, Plan::new(piece, &cells))));
     }
     Ok(plans)
@@ -175,7 +187,8 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::geometry::{KnotVector, NurbsSurface, shapes};
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+    use crate::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
 
     #[test]
     fn a_plane_needs_two_triangles() {
@@ -216,6 +229,60 @@ mod tests {
                     assert!((made.deviation() / worst - 1.0).abs() < 0.2);
                 }
             }
+        }
+    }
+
+    fn holed(surface: NurbsSurface, loops: &[TrimLoop]) -> Surface {
+        let domain = TrimDomain::with_seams_of(&surface).unwrap();
+        let trims = Trims::new(domain, Kept::Even, loops).unwrap();
+        TrimmedSurface::new(surface, trims).unwrap().into()
+    }
+
+    fn area(made: &Tessellation) -> f64 {
+        let corners = made.meshes().iter().flat_map(|mesh| {
+            mesh.triangles().map(|corners| corners.map(|k| mesh.positions()[k as usize]))
+        });
+        corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
+    }
+
+    #[test]
+    fn trimmed_surfaces_keep_their_area_and_no_point_of_a_hole() {
+        // An elliptic hole in a sheet of 2 × 1, with a square island.
+        let (center, radius) = (DVec2::new(0.4, 0.5), 0.3);
+        let circle = TrimLoop::circle(center, radius).unwrap();
+        let square = [[0.3, 0.4], [0.5, 0.4], [0.5, 0.6], [0.3, 0.6]].map(DVec2::from);
+        let square = TrimLoop::polygon(&square).unwrap();
+        let sheet = [holed(shapes::plane(2.0, 1.0).unwrap(), &[circle.clone(), square])];
+        let exact = 2.0 * (1.0 - std::f64::consts::PI * radius * radius + 0.04);
+        let mut errors = Vec::new();
+        for fraction in [1e-2, 1e-3, 1e-4] {
+            let made = Tessellation::to_tolerance(&sheet, fraction).unwrap();
+            assert!((made.diagonal() - 5f64.sqrt()).abs() < 1e-15);
+            // Chords lie within the ellipse, of circumference 4.6: the hole is a little small.
+            let excess = area(&made) - exact;
+            assert!(0.0 < excess && excess < 4.6 * fraction * made.diagonal(), "{excess}");
+            errors.push(excess);
+            for at in made.meshes()[0].uv() {
+                let from_hole = at.distance(center) - radius;
+                let on_island = (*at - center).abs().max_element() <= 0.1 + 1e-12;
+                assert!(on_island || from_hole > -fraction * made.diagonal(), "{at}");
+            }
+        }
+        assert!(errors[2] < 0.1 * errors[1] && errors[1] < 0.2 * errors[0], "{errors:?}");
+
+        // A band cut out of a curved surface: half of it is left, within its tolerance.
+        let cylinder = shapes::cylinder(1.0, 3.0).unwrap();
+        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        let v = |share: f64| v0 + share * (v1 - v0);
+        let band = [(u0, 0.25), (u1, 0.25), (u1, 0.75), (u0, 0.75)];
+        let band = TrimLoop::polygon(&band.map(|(u, share)| DVec2::new(u, v(share)))).unwrap();
+        let made = Tessellation::to_tolerance(&[holed(cylinder, &[band])], 1e-4).unwrap();
+        let half = std::f64::consts::PI * 3.0;
+        assert!((area(&made) / half - 1.0).abs() < 2e-3, "{} of {half}", area(&made));
+        for position in made.meshes()[0].positions() {
+            let off = (position.truncate().length() - 1.0).abs();
+            assert!(off <= 1e-4 * made.diagonal(), "{position}");
+            assert!(!(0.76..2.24).contains(&position.z), "{position}");
         }
     }
 
