@@ -1,5 +1,6 @@
 //! `nurbray plot`: curves, functions and constructions as figures.
 
+mod area;
 mod defaults;
 mod flatten;
 mod functions;
@@ -8,7 +9,9 @@ mod panel;
 mod png;
 mod space;
 mod steps;
+mod surfaces;
 mod svg;
+mod trims;
 mod view;
 
 use std::io::Write;
@@ -29,14 +32,17 @@ use svg::Unable;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-A scene says with [[plot]] tables what to draw: curves with control polygons and knots, basis and
-blending functions, derivatives and curvature, knot insertion, de Casteljau's and de Boor's
-construction, corner cutting. It then needs no [[object]]. A scene without any [[plot]], or a bare
-model, gets the plots that suit it: the curves its surfaces are made from, and the basis functions
-over its surfaces' knots.
+A scene says with [[plot]] tables what to draw: curves with control polygons and
+knots, basis and blending functions, derivatives and curvature, knot insertion,
+de Casteljau's and de Boor's construction, corner cutting, the trims of a
+surface, surfaces as lines in space. It then needs no [[object]]. A scene
+without any [[plot]], or a bare model, gets the plots that suit it: the curves
+its surfaces are made from, their trims, the basis functions over their knots,
+and triangular and subdivision surfaces as lines in space.
 
-The plots of one scene lie side by side in one picture; [figure] says how, and how large it is.
-Curves are drawn to within 0.1 pixel. The same input gives the same bytes.
+The plots of one scene lie side by side in one picture; [figure] says how, and
+how large it is. Curves are drawn to within 0.1 pixel. The same input gives the
+same bytes.
 
 Example:
   nurbray plot scenes/note_circles.toml -o circles.svg -o circles.png";
@@ -82,20 +88,20 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     if scene.plots.is_empty() {
         let mut plots = defaults::plots(scene)?;
         if plots.is_empty() {
-            return Err(Failure::input("there is nothing to plot: no curve, no knot vector"));
+            return Err(Failure::input("there is nothing to plot: no curve, no surface"));
         }
         if plots.len() > MOST_CHOSEN {
             let (shown, all) = (MOST_CHOSEN, plots.len());
             console::warning(&format!(
-                "plotted are the first {shown} of {all} curves and knot vectors; [[plot]] tables \
-                 choose others"
+                "plotted are the first {shown} of {all} curves, surfaces and knot vectors; [[plot]] \
+                 tables choose others"
             ));
             plots.truncate(MOST_CHOSEN);
         }
         return Ok(plots);
     }
     let numbered = scene.plots.iter().enumerate();
-    numbered.map(|(index, plot)| plot.checked(index + 1).or_bad_input()).collect()
+    numbered.map(|(index, plot)| plot.checked(index + 1, scene).or_bad_input()).collect()
 }
 
 /// The size of the picture: the command line's, the scene's, or so much a plot.
@@ -160,6 +166,13 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
         PlotKind::CornerCutting { polygon, scheme, ends, rounds } => {
             steps::corner_cutting(title, plane, (scheme, ends), (&polygon, rounds))
                 .or_bad_input()?
+        }
+        PlotKind::Trims(surfaces) => match &surfaces[..] {
+            [only] => trims::trims(title, only).or_failed()?,
+            _ => return Err(Failure::work("trims of several surfaces came through the check")),
+        },
+        PlotKind::Surfaces { of, lines, net } => {
+            surfaces::surfaces(title, plane, (&of, lines, net)).or_bad_input()?
         }
         other => return Err(Failure::Work(anyhow!("cannot draw {other:?}"))),
     };

@@ -52,6 +52,7 @@ mod triangle_charts;
 mod triangle_error;
 pub mod trim;
 mod trimmed;
+mod trimmed_edges;
 mod uniform;
 
 pub use any_surface::Surface;

@@ -227,7 +227,7 @@ mod tests {
             let scene = load_input(&path).unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.notes.is_empty(), "{}", path.display());
             for (index, plot) in scene.plots.iter().enumerate() {
-                plot.checked(index + 1).unwrap_or_else(|error| panic!("{error}"));
+                plot.checked(index + 1, &scene).unwrap_or_else(|error| panic!("{error}"));
             }
             if !scene.objects.is_empty() || scene.plots.is_empty() {
                 World::new(&scene).unwrap_or_else(|error| panic!("{error}"));

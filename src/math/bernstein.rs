@@ -35,6 +35,11 @@ pub fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
     values
 }
 
+/// `n` choose `k`, rounded. With `n` below 64 it is far from overflow.
+pub fn binomial(n: usize, k: usize) -> f64 {
+    (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
+}
+
 /// The derivatives `B_i'(t) = p (B_{i−1}^{p−1}(t) − B_i^{p−1}(t))`, from the functions of
 /// degree `p − 1`.
 pub fn derivative_from_lower<const N: usize>(degree: usize, lower: &[f64; N]) -> [f64; N] {

@@ -41,6 +41,7 @@ pub(super) fn world(surfaces: Vec<NurbsSurface>, lights: Vec<Light>, scale: f64)
             .enumerate()
             .map(|(material, surface)| Instance {
                 name: format!("surface {material}"),
+                part: [material, 0],
                 surface: surface.into(),
                 material,
                 deviation: 0.0,

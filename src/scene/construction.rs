@@ -81,7 +81,15 @@ pub enum Construction {
         /// How thick.
         style: NetStyle,
     },
-    /// Curves of constant parameter on another object's surfaces, as tubes.
+    /// The trim edges of another object's surfaces, as tubes.
+    TrimCurves {
+        /// The object's name.
+        of: Written<String>,
+        /// How thick, and how they end.
+        style: TubeStyle,
+    },
+    /// Curves of constant parameter on another object's surfaces, where trims keep them, as
+    /// tubes.
     IsoCurves {
         /// The object's name.
         of: Written<String>,
@@ -108,6 +116,7 @@ impl Construction {
             Self::Ribbon { .. } => "ribbon",
             Self::Polygon { .. } => "polygon",
             Self::Net { .. } => "net",
+            Self::TrimCurves { .. } => "trim_curves",
             Self::IsoCurves { .. } => "iso_curves",
         }
     }
@@ -137,7 +146,7 @@ impl Construction {
             Self::Tube { curve, .. } | Self::Ribbon { curve, .. } | Self::Polygon { curve, .. } => {
                 vec![("curve", curve)]
             }
-            Self::Net { .. } | Self::IsoCurves { .. } => Vec::new(),
+            Self::Net { .. } | Self::TrimCurves { .. } | Self::IsoCurves { .. } => Vec::new(),
         };
         curves.into_iter().map(|(name, curve)| (name.to_owned(), curve)).collect()
     }
@@ -145,7 +154,9 @@ impl Construction {
     /// The name of the object whose surfaces it draws, if it draws another's.
     pub fn draws(&self) -> Option<&Written<String>> {
         match self {
-            Self::Net { of, .. } | Self::IsoCurves { of, .. } => Some(of),
+            Self::Net { of, .. } | Self::TrimCurves { of, .. } | Self::IsoCurves { of, .. } => {
+                Some(of)
+            }
             _ => None,
         }
     }

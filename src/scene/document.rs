@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{
     Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
-    Rgb, Subdivision, Transform, TriangleNet, TrimSpec, Written,
+    Rgb, Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
 };
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
@@ -57,6 +57,21 @@ impl Scene {
     /// The most control points all objects together may have: 2²⁶, or 2 GiB of them.
     /// A file with more is likelier to be damaged than meant.
     pub const MAX_POINTS: usize = 1 << 26;
+}
+
+impl Scene {
+    /// The object that was given this name.
+    pub fn named_object(&self, name: &str) -> Option<&Object> {
+        let named = |object: &&Object| object.name.as_ref().is_some_and(|own| own.value == name);
+        self.objects.iter().find(named)
+    }
+
+    /// What to say of a name that was given to no object.
+    pub(super) fn unknown_object(&self, name: &str) -> UnknownName {
+        let names = self.objects.iter().filter_map(|object| object.name.as_ref());
+        let known: Vec<&str> = names.map(|name| name.value.as_str()).collect();
+        UnknownName::new("object", name, &known)
+    }
 }
 
 impl Object {

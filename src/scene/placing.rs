@@ -3,7 +3,8 @@
 use glam::DAffine3;
 
 use super::workshop::{Made, Workshop};
-use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, UnknownName, Written};
+use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
+use crate::geometry::construct::ControlNet;
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{Surface, stretch};
 
@@ -25,7 +26,7 @@ pub(super) struct Placer<'a> {
 
 impl Placer<'_> {
     /// The surfaces of a part of the object called `name`, in their places.
-    pub(super) fn place(
+    fn place(
         &self,
         name: &str,
         part: &Part,
@@ -78,9 +79,7 @@ impl Placer<'_> {
                 return Ok(vec![Made { name: String::new(), surface: limit.into(), deviation }]);
             }
             Shape::Built(construction) => {
-                let surfaces_of = |of: &Written<String>| self.surfaces_of(name, of);
-                let shop =
-                    Workshop { surface: name, place: &part.place, surfaces_of: &surfaces_of };
+                let shop = Workshop { surface: name, place: &part.place, placer: self };
                 return shop.make(construction);
             }
         };
@@ -89,13 +88,68 @@ impl Placer<'_> {
 
     /// The surfaces of the object of this name, in their places, for the object `drawn` that
     /// draws them.
-    fn surfaces_of(&self, drawn: &str, of: &Written<String>) -> Result<Vec<Surface>, SceneError> {
+    pub(super) fn surfaces_of(
+        &self,
+        drawn: &str,
+        of: &Written<String>,
+    ) -> Result<Vec<Surface>, SceneError> {
+        let object = self.drawn_object(drawn, of)?;
+        let made = self.surfaces(&of.value, object)?;
+        Ok(made.into_iter().map(|(_, made)| made.surface).collect())
+    }
+
+    /// The control nets of the object of this name, likewise. Limit surfaces are not made for
+    /// that: their nets are their cages.
+    pub(super) fn nets_of(
+        &self,
+        drawn: &str,
+        of: &Written<String>,
+    ) -> Result<Vec<ControlNet>, SceneError> {
+        let object = self.drawn_object(drawn, of)?;
+        let world_from_object = affine(&of.value, object)?;
+        let mut nets = Vec::new();
+        for part in &object.parts {
+            if let Shape::Subdivision(subdivision) = &part.shape {
+                nets.push(subdivision.cage.control_net().transformed(&world_from_object));
+                continue;
+            }
+            let made = self.place(&of.value, part, (object, &world_from_object))?;
+            nets.extend(made.iter().map(|made| made.surface.control_net()));
+        }
+        Ok(nets)
+    }
+
+    /// All surfaces of an object that errors call so, in their places, and turned if it is
+    /// reversed; each with the number of the part that it is, or is one of.
+    pub(super) fn surfaces(
+        &self,
+        called: &str,
+        object: &Object,
+    ) -> Result<Vec<(usize, Made)>, SceneError> {
+        let world_from_object = affine(called, object)?;
+        let mut surfaces = Vec::new();
+        for (index, part) in object.parts.iter().enumerate() {
+            // What errors call it; its surfaces are counted once all are made.
+            let name = match part.name.as_str() {
+                "" if object.parts.len() == 1 => called.to_owned(),
+                "" => format!("{called}/{index}"),
+                part => format!("{called}/{part}"),
+            };
+            for mut made in self.place(&name, part, (object, &world_from_object))? {
+                if object.reverse {
+                    made.surface = made.surface.reversed();
+                }
+                surfaces.push((index, made));
+            }
+        }
+        Ok(surfaces)
+    }
+
+    /// The object of this name, for the object `drawn` that draws it.
+    fn drawn_object(&self, drawn: &str, of: &Written<String>) -> Result<&Object, SceneError> {
         let fails = |fault| SceneError::new(of.place.clone(), fault);
-        let named = |object: &&Object| object.name.as_ref().is_some_and(|n| n.value == of.value);
-        let Some(object) = self.scene.objects.iter().find(named) else {
-            let names = self.scene.objects.iter().filter_map(|object| object.name.as_ref());
-            let known: Vec<&str> = names.map(|name| name.value.as_str()).collect();
-            let error = UnknownName::new("object", &of.value, &known);
+        let Some(object) = self.scene.named_object(&of.value) else {
+            let error = self.scene.unknown_object(&of.value);
             return Err(fails(SceneFault::Draws { object: drawn.to_owned(), error }));
         };
         let draws = |part: &Part| match &part.shape {
@@ -106,16 +160,7 @@ impl Placer<'_> {
             let (object, of) = (drawn.to_owned(), of.value.clone());
             return Err(fails(SceneFault::DrawsDrawn { object, of }));
         }
-        let world_from_object = affine(&of.value, object)?;
-        let mut surfaces = Vec::new();
-        for part in &object.parts {
-            let made = self.place(&of.value, part, (object, &world_from_object))?;
-            surfaces.extend(made.into_iter().map(|made| made.surface));
-        }
-        if object.reverse {
-            surfaces = surfaces.iter().map(Surface::reversed).collect();
-        }
-        Ok(surfaces)
+        Ok(object)
     }
 }
 

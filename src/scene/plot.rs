@@ -4,7 +4,10 @@ use glam::DVec3;
 
 use super::curve::CurveFault;
 use super::net::knot_vector;
-use super::{CurveKind, CurveSpec, Knots, Place, PlotError, SceneError, SceneFault, Written};
+use super::{
+    CurveKind, CurveSpec, Knots, ObjectSpec, Place, PlotError, PlottedSurface, Scene, SceneError,
+    SceneFault, Written,
+};
 use crate::geometry::{
     CornerCutting, CurveError, KnotVector, MatrixForm, NurbsCurve, PolygonEnds, RationalBasis,
 };
@@ -28,7 +31,7 @@ pub struct PlotSpec {
     /// The coordinates of space that are shown; those its curves vary most in if not given.
     pub plane: Option<Plane>,
     /// What is drawn.
-    pub show: PlotKind<CurveSpec, BasisSpec>,
+    pub show: PlotKind<CurveSpec, BasisSpec, ObjectSpec>,
 }
 
 /// A plot of things known to be what they say.
@@ -39,7 +42,7 @@ pub struct Plot {
     /// The coordinates of space that are shown; those its curves vary most in if not given.
     pub plane: Option<Plane>,
     /// What is drawn.
-    pub show: PlotKind<PlottedCurve, RationalBasis>,
+    pub show: PlotKind<PlottedCurve, RationalBasis, Vec<PlottedSurface>>,
 }
 
 /// Two coordinates of space: the one to the right and the one upwards.
@@ -53,10 +56,11 @@ pub enum Plane {
     Yz,
 }
 
-/// What a plot can show of curves `C` and basis functions `B`, as written or checked.
+/// What a plot can show of curves `C`, basis functions `B` and surfaces `S`, as written or
+/// checked.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum PlotKind<C, B> {
+pub enum PlotKind<C, B, S> {
     /// Curves in space.
     Curves(Vec<CurveEntry<C>>),
     /// The basis functions over a knot vector.
@@ -106,6 +110,18 @@ pub enum PlotKind<C, B> {
         ends: PolygonEnds,
         /// How often corners are cut.
         rounds: usize,
+    },
+    /// The trim loops of a surface in its (u, v), and what they keep; checked, of one surface.
+    Trims(S),
+    /// Surfaces in space: borders, trim edges, curves of constant parameter.
+    Surfaces {
+        /// The surfaces.
+        of: S,
+        /// How many curves there are between two borders in each direction, between the
+        /// borders of faces where a cage has faces.
+        lines: usize,
+        /// Whether control nets are drawn, too.
+        net: bool,
     },
 }
 
@@ -207,30 +223,37 @@ pub(super) const MAX_ROUNDS: usize = 10;
 /// The most teeth a span's comb may have: more stand closer than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
+/// The most curves of a surface in one direction: more stand closer than any screen shows.
+pub(super) const MAX_LINES: usize = 1000;
+
+type Surfaces = Vec<PlottedSurface>;
+
 /// Checks one plot: knows what errors should call it.
 struct Checker<'a> {
     name: String,
     spec: &'a PlotSpec,
+    scene: &'a Scene,
 }
 
 impl PlotSpec {
     /// The plot, if its numbers make sense. Errors call it by its title or `number`, counted
-    /// from 1.
+    /// from 1. Objects it names are those of `scene`.
     ///
     /// # Errors
-    /// When a curve, a knot vector, a weight or a parameter is none.
-    pub fn checked(&self, number: usize) -> Result<Plot, SceneError> {
+    /// When a curve, a knot vector, a weight or a parameter is none, or an object cannot be
+    /// shown.
+    pub fn checked(&self, number: usize, scene: &Scene) -> Result<Plot, SceneError> {
         let name = match &self.title {
             Some(title) => format!("\"{title}\""),
             None => number.to_string(),
         };
-        let show = Checker { name, spec: self }.kind()?;
+        let show = Checker { name, spec: self, scene }.kind()?;
         Ok(Plot { title: self.title.clone(), plane: self.plane, show })
     }
 }
 
 impl Checker<'_> {
-    fn kind(&self) -> Result<PlotKind<PlottedCurve, RationalBasis>, SceneError> {
+    fn kind(&self) -> Result<PlotKind<PlottedCurve, RationalBasis, Surfaces>, SceneError> {
         let place = &self.spec.place;
         Ok(match &self.spec.show {
             PlotKind::Curves(entries) => {
@@ -287,6 +310,17 @@ impl Checker<'_> {
                     ends: *ends,
                     rounds: *rounds,
                 }
+            }
+            PlotKind::Trims(of) => {
+                let trimmed = of.trimmed(self.scene, |place, error| self.error(place, error))?;
+                PlotKind::Trims(vec![trimmed])
+            }
+            PlotKind::Surfaces { of, lines, net } => {
+                if *lines > MAX_LINES {
+                    return Err(self.error(place, PlotError::Lines { found: *lines }));
+                }
+                let of = of.surfaces(self.scene, |place, error| self.error(place, error))?;
+                PlotKind::Surfaces { of, lines: *lines, net: *net }
             }
         })
     }
@@ -356,7 +390,7 @@ impl Checker<'_> {
     }
 }
 
-fn blame(plot: &str, which: &str, fault: CurveFault) -> SceneError {
+pub(super) fn blame(plot: &str, which: &str, fault: CurveFault) -> SceneError {
     let (plot, which) = (plot.to_owned(), which.to_owned());
     let (place, error) = match fault {
         CurveFault::Curve(place, error) => (place, PlotError::Curve { which, error }),

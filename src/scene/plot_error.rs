@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use super::TransformError;
-use super::plot::{MAX_ROUNDS, MAX_TEETH};
+use super::plot::{MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
 
 /// Why a plot cannot be drawn.
@@ -61,10 +61,65 @@ pub enum PlotError {
         /// How many were asked for.
         found: usize,
     },
+    /// An object that nobody described.
+    #[error("{0}")]
+    Object(UnknownName),
+    /// A surface that an object does not have.
+    #[error("surface = {wanted}: \"{of}\" has {}", surfaces(*.count))]
+    NoSurface {
+        /// The object.
+        of: String,
+        /// How many surfaces it has.
+        count: usize,
+        /// Which was asked for, counted from 0.
+        wanted: usize,
+    },
+    /// An object without trims.
+    #[error("trims: \"{of}\" has none")]
+    NoTrims {
+        /// The object.
+        of: String,
+    },
+    /// An object with several trimmed surfaces.
+    #[error(
+        "trims: {} surfaces of \"{of}\" are trimmed: choose one with surface = {}",
+        .numbers.len(), choice(.numbers)
+    )]
+    SeveralTrimmed {
+        /// The object.
+        of: String,
+        /// The numbers of its trimmed surfaces, counted from 0.
+        numbers: Vec<usize>,
+    },
+    /// Too many lines.
+    #[error("surfaces: {found} lines each way: at most {MAX_LINES} can be told apart")]
+    Lines {
+        /// How many were asked for.
+        found: usize,
+    },
     /// Too many rounds.
     #[error("corner_cutting: {found} rounds: at most {MAX_ROUNDS} can be told apart")]
     Rounds {
         /// How many were asked for.
         found: usize,
     },
+}
+
+/// `3 surfaces, 0 to 2`.
+fn surfaces(count: usize) -> String {
+    match count {
+        1 => "one surface only, 0".to_owned(),
+        count => format!("{count} surfaces, 0 to {}", count - 1),
+    }
+}
+
+/// `0, 1 or 4`; of many, the first few.
+fn choice(numbers: &[usize]) -> String {
+    const SHOWN: usize = 6;
+    let mut words: Vec<String> = numbers.iter().take(SHOWN).map(usize::to_string).collect();
+    if numbers.len() > SHOWN {
+        return format!("{}, …", words.join(", "));
+    }
+    let last = words.pop().unwrap_or_default();
+    format!("{} or {last}", words.join(", "))
 }

@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::curve::CurveFault;
-use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
+use super::placing::Placer;
+use super::{Construction, CurveSpec, Place, SceneError, SceneFault};
 use crate::geometry::construct::{
     self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep, TubeStyle,
 };
@@ -26,9 +27,6 @@ impl<S: Into<Surface>> From<S> for Made {
     }
 }
 
-/// How the surfaces of another object are found by its name.
-pub(super) type Surfaces<'a> = dyn Fn(&Written<String>) -> Result<Vec<Surface>, SceneError> + 'a;
-
 /// Makes the surfaces of one part: knows what errors should call it, and where it stands.
 pub(super) struct Workshop<'a> {
     /// The surface's name.
@@ -36,7 +34,7 @@ pub(super) struct Workshop<'a> {
     /// Where the construction was written.
     pub(super) place: &'a Place,
     /// Finds other objects' surfaces.
-    pub(super) surfaces_of: &'a Surfaces<'a>,
+    pub(super) placer: &'a Placer<'a>,
 }
 
 impl Workshop<'_> {
@@ -96,14 +94,17 @@ impl Workshop<'_> {
                 numbered(self.checked(construct::control_net(&net, style))?)
             }
             Construction::Net { of, style } => {
-                let surfaces = (self.surfaces_of)(of)?;
-                let nets = surfaces.iter().map(Surface::control_net);
+                let nets = self.placer.nets_of(self.surface, of)?.into_iter();
                 let nets = nets.map(|net| construct::control_net(&net, style));
                 let nets = nets.collect::<Result<Vec<_>, _>>();
                 numbered(self.checked(nets)?.into_iter().flatten().collect())
             }
+            Construction::TrimCurves { of, style } => {
+                let surfaces = self.placer.surfaces_of(self.surface, of)?;
+                numbered(self.checked(trim_curves(&surfaces, style))?)
+            }
             Construction::IsoCurves { of, u, v, style } => {
-                let surfaces = (self.surfaces_of)(of)?;
+                let surfaces = self.placer.surfaces_of(self.surface, of)?;
                 numbered(self.checked(iso_curves(&surfaces, [u, v], style))?)
             }
         };
@@ -134,8 +135,23 @@ impl Workshop<'_> {
     }
 }
 
-/// Curves of constant parameter as tubes. Those that are only a point, at poles, show nothing;
-/// but each line asked for must show something on one of the surfaces.
+/// Trim edges as tubes.
+fn trim_curves(surfaces: &[Surface], style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
+    let mut trimmed = surfaces.iter().filter_map(Surface::trimmed).peekable();
+    if trimmed.peek().is_none() {
+        return Err(ConstructError::NoTrims);
+    }
+    let mut pieces = Vec::new();
+    for surface in trimmed {
+        for edge in surface.edge_curves().map_err(ConstructError::TrimEdge)? {
+            pieces.extend(construct::tube(&edge, style)?);
+        }
+    }
+    Ok(pieces)
+}
+
+/// Curves of constant parameter as tubes, where trims keep them. Those that are only a point, at
+/// poles, show nothing; but each line asked for must show something on one of the surfaces.
 fn iso_curves(
     surfaces: &[Surface],
     [u, v]: [&Vec<f64>; 2],
@@ -144,27 +160,46 @@ fn iso_curves(
     let at_u = u.iter().map(|&u| (Direction::U, u));
     let at_v = v.iter().map(|&v| (Direction::V, v));
     let lines: Vec<(Direction, f64)> = at_u.chain(at_v).collect();
-    let mut shown = vec![false; lines.len()];
+    // What each line has come to so far.
+    let mut found = vec![Found::Nothing; lines.len()];
     let mut pieces = Vec::new();
     for surface in surfaces {
-        let surface =
-            surface.nurbs().ok_or(ConstructError::NoIsoCurves { kind: surface.kind() })?;
-        for (&(direction, t), shown) in lines.iter().zip(&mut shown) {
-            let curve = match direction {
-                Direction::U => surface.curve_at_u(t),
-                Direction::V => surface.curve_at_v(t),
+        for (&(direction, t), found) in lines.iter().zip(&mut found) {
+            let curves = match (surface, direction) {
+                (Surface::Nurbs(surface), Direction::U) => surface.curve_at_u(t).map(|c| vec![c]),
+                (Surface::Nurbs(surface), Direction::V) => surface.curve_at_v(t).map(|c| vec![c]),
+                (Surface::Trimmed(surface), direction) => surface.kept_curves(direction, t),
+                _ => return Err(ConstructError::NoIsoCurves { kind: surface.kind() }),
             };
-            let curve = curve.map_err(ConstructError::Iso)?;
-            if !curve.is_point() {
-                *shown = true;
-                pieces.extend(construct::tube(&curve, style)?);
+            for curve in curves.map_err(ConstructError::Iso)? {
+                if curve.is_point() {
+                    *found = (*found).max(Found::Point);
+                } else {
+                    *found = Found::Curve;
+                    pieces.extend(construct::tube(&curve, style)?);
+                }
             }
         }
     }
-    match lines.iter().zip(shown).find(|(_, shown)| !shown) {
-        Some((&(direction, t), _)) => Err(ConstructError::IsoPoint { direction, t }),
-        None => Ok(pieces),
+    for ((direction, t), found) in lines.into_iter().zip(found) {
+        match found {
+            Found::Nothing => return Err(ConstructError::IsoCut { direction, t }),
+            Found::Point => return Err(ConstructError::IsoPoint { direction, t }),
+            Found::Curve => {}
+        }
     }
+    Ok(pieces)
+}
+
+/// What a line of constant parameter is on some surfaces.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Found {
+    /// Trims keep nothing of it.
+    Nothing,
+    /// A point.
+    Point,
+    /// A curve.
+    Curve,
 }
 
 /// The pieces under names of their own: what each is, with a number where there are several.

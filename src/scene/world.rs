@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::framing::{BoundingSphere, default_lights};
-use super::placing::{Placer, affine};
+use super::placing::Placer;
 use super::workshop::Made;
 use super::{
     Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Texture,
@@ -36,6 +36,8 @@ pub struct World {
 pub struct Instance {
     /// Its name, unique in the world.
     pub name: String,
+    /// Which object of the scene, and which of its parts, it is or is one of.
+    pub part: [usize; 2],
     /// The surface, placed in the world; its domain is as authored.
     pub surface: Surface,
     /// Its material, an index into [`World::materials`].
@@ -63,17 +65,7 @@ impl World {
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let fails = |fault| SceneError::new(scene.place.clone(), fault);
-        scene.settings.check().map_err(|error| fails(SceneFault::Picture(error)))?;
-        if scene.objects.is_empty() {
-            let only_plots = !scene.plots.is_empty();
-            return Err(fails(if only_plots {
-                SceneFault::OnlyPlots
-            } else {
-                SceneFault::NoObjects
-            }));
-        }
-        check_point_count(scene)?;
-        let (surfaces, materials) = place_objects(scene)?;
+        let (surfaces, materials) = check_and_place(scene)?;
 
         let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
         else {
@@ -92,6 +84,31 @@ impl World {
         let settings = scene.settings.clone();
         Ok(Self { bvh, surfaces, materials, lights, camera, background, settings })
     }
+}
+
+impl Scene {
+    /// The surfaces in their places, as [`World::new`] makes them, but not yet ready to trace.
+    ///
+    /// # Errors
+    /// As [`World::new`], but for the camera.
+    pub fn surfaces(&self) -> Result<Vec<Instance>, SceneError> {
+        check_and_place(self).map(|(surfaces, _)| surfaces)
+    }
+}
+
+fn check_and_place(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneError> {
+    let fails = |fault| SceneError::new(scene.place.clone(), fault);
+    scene.settings.check().map_err(|error| fails(SceneFault::Picture(error)))?;
+    if scene.objects.is_empty() {
+        let only_plots = !scene.plots.is_empty();
+        return Err(fails(if only_plots { SceneFault::OnlyPlots } else { SceneFault::NoObjects }));
+    }
+    check_point_count(scene)?;
+    let placed = place_objects(scene)?;
+    if placed.0.is_empty() {
+        return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
+    }
+    Ok(placed)
 }
 
 /// Refuses what would not fit in memory before any of it is copied.
@@ -128,35 +145,22 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
     let mut palette = Palette::new(scene)?;
     let placer = Placer { scene };
     let mut instances = Vec::new();
-    for object in &scene.objects {
+    for (number, object) in scene.objects.iter().enumerate() {
         let name = match &object.name {
             Some(name) => name.value.clone(),
             None => free_name(&object.default_name, &mut taken),
         };
         let material = palette.index(&name, object)?;
-        let world_from_object = affine(&name, object)?;
-        let mut parts = Vec::new();
-        for (index, part) in object.parts.iter().enumerate() {
-            // What errors call it; its surfaces are counted once all are made.
-            let called = match part.name.as_str() {
-                "" if object.parts.len() == 1 => name.clone(),
-                "" => format!("{name}/{index}"),
-                part => format!("{name}/{part}"),
-            };
-            for made in placer.place(&called, part, (object, &world_from_object))? {
-                parts.push((joined(&part.name, &made.name), made));
-            }
-        }
-        let only = parts.len() == 1;
-        for (index, (part, made)) in parts.into_iter().enumerate() {
-            let name = match part.as_str() {
+        let made = placer.surfaces(&name, object)?;
+        let only = made.len() == 1;
+        for (index, (part, made)) in made.into_iter().enumerate() {
+            let name = match joined(&object.parts[part].name, &made.name).as_str() {
                 "" if only => name.clone(),
                 "" => free_name(&format!("{name}/{index}"), &mut taken),
                 part => free_name(&format!("{name}/{part}"), &mut taken),
             };
             let Made { surface, deviation, .. } = made;
-            let surface = if object.reverse { surface.reversed() } else { surface };
-            instances.push(Instance { name, surface, material, deviation });
+            instances.push(Instance { name, part: [number, part], surface, material, deviation });
         }
     }
     Ok((instances, palette.materials))

@@ -1,12 +1,16 @@
-//! Plots for scenes that ask for none: the curves surfaces are made from, and the basis functions
-//! over surfaces' knots.
+//! Plots for scenes that ask for none: the curves surfaces are made from, their trims, the basis
+//! functions over their knots, and surfaces without knots as lines in space.
 
-use nurbray::geometry::{KnotVector, RationalBasis};
+use nurbray::geometry::{KnotVector, RationalBasis, Surface};
 use nurbray::scene::{
-    CurveEntry, CurveSpec, Object, Plot, PlotKind, PlottedCurve, Scene, Shape, World,
+    CurveEntry, CurveSpec, Instance, Object, Plot, PlotKind, PlottedCurve, PlottedSurface, Scene,
+    Shape,
 };
 
 use super::super::failure::{Failure, OrFail};
+
+/// Of cages with more faces than this, the faces' borders alone are drawn: more is one dark spot.
+const MOST_FACES: usize = 200;
 
 /// The plots that suit a scene, curves first.
 ///
@@ -14,7 +18,7 @@ use super::super::failure::{Failure, OrFail};
 /// When the scene cannot be built as its author wrote it.
 pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     // Whatever is wrong with the scene is told in the words of every other subcommand.
-    let world = World::new(scene).or_bad_input()?;
+    let surfaces = scene.surfaces().or_bad_input()?;
     let mut shown: Vec<(PlottedCurve, Vec<String>)> = Vec::new();
     for (name, spec) in scene.objects.iter().flat_map(curves) {
         let curve = spec.plotted(&name).or_bad_input()?;
@@ -29,9 +33,23 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
             show: PlotKind::Curves(vec![entry(curve)]),
         })
         .collect();
+    for instance in &surfaces {
+        if instance.surface.trimmed().is_some() {
+            let title = Some(format!("Trims of {}", instance.name));
+            let show = PlotKind::Trims(vec![plotted(scene, instance)?]);
+            plots.push(Plot { title, plane: None, show });
+        }
+    }
+    plots.extend(without_knots(scene, &surfaces)?);
     let mut bases: Vec<(KnotVector, Vec<String>)> = Vec::new();
-    for instance in &world.surfaces {
-        let Some(surface) = instance.surface.nurbs() else { continue };
+    for instance in &surfaces {
+        let [object, part] = instance.part;
+        // What only draws another object has nothing of its own.
+        let draws = match &scene.objects[object].parts[part].shape {
+            Shape::Built(construction) => construction.draws().is_some(),
+            _ => false,
+        };
+        let Some(surface) = instance.surface.nurbs().filter(|_| !draws) else { continue };
         for (knots, direction) in [(surface.knots_u(), "u"), (surface.knots_v(), "v")] {
             gather(&mut bases, knots.clone(), format!("{}, {direction}", instance.name));
         }
@@ -44,6 +62,43 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
         plots.push(Plot { title: Some(title), plane: None, show });
     }
     Ok(plots)
+}
+
+/// Objects of surfaces without knots, in space: of those that differ in their places only, one.
+fn without_knots(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
+    type Same<'a> = (Vec<&'a Shape>, Vec<String>, Vec<PlottedSurface>);
+    let mut found: Vec<Same<'_>> = Vec::new();
+    for (number, object) in scene.objects.iter().enumerate() {
+        let own = surfaces.iter().filter(|one| one.part[0] == number);
+        let own: Vec<&Instance> = own.filter(|one| one.surface.nurbs().is_none()).collect();
+        let Some(first) = own.first() else { continue };
+        let name = object.name.as_ref().map_or(&first.name, |name| &name.value).clone();
+        let shapes: Vec<&Shape> = object.parts.iter().map(|part| &part.shape).collect();
+        if let Some((_, users, _)) = found.iter_mut().find(|(other, ..)| *other == shapes) {
+            users.push(name);
+            continue;
+        }
+        let own = own.into_iter().map(|instance| plotted(scene, instance));
+        found.push((shapes, vec![name], own.collect::<Result<_, _>>()?));
+    }
+    let plot = |(_, users, of): Same<'_>| {
+        let large = of.iter().any(|one| match &one.surface {
+            Surface::Limit(surface) => surface.unit_count() > MOST_FACES,
+            _ => false,
+        });
+        let lines = if large { 0 } else { PlottedSurface::LINES };
+        let title = Some(format!("{} in space", joint(&users)));
+        Plot { title, plane: None, show: PlotKind::Surfaces { of, lines, net: !large } }
+    };
+    Ok(found.into_iter().map(plot).collect())
+}
+
+/// A surface of a scene, with its loops as written.
+fn plotted(scene: &Scene, instance: &Instance) -> Result<PlottedSurface, Failure> {
+    let [object, part] = instance.part;
+    let object = &scene.objects[object];
+    let surface = instance.surface.clone();
+    PlottedSurface::new(surface, &object.parts[part], object.reverse).or_bad_input()
 }
 
 /// Adds a user of a thing that others may use, too.

@@ -98,7 +98,7 @@ fn obstacles(panel: &Panel, view: View) -> (Vec<DVec2>, Vec<DVec2>) {
             Item::Marks { points, .. } => {
                 marks.extend(points.iter().map(|&point| view.to_pixels(point)));
             }
-            Item::Label { .. } => {}
+            Item::Area { .. } | Item::Arrows { .. } | Item::Label { .. } => {}
         }
     }
     (along, marks)

@@ -44,6 +44,8 @@ pub(super) enum Scale {
     Space,
     /// Values over a parameter, which runs through this range.
     Function([f64; 2]),
+    /// Two parameters, each on a scale of its own.
+    Parameters,
 }
 
 /// Something to draw.
@@ -52,6 +54,10 @@ pub(super) enum Item {
     Curve { path: Path, stroke: Stroke },
     /// Straight lines from point to point.
     Line { points: Vec<DVec2>, stroke: Stroke },
+    /// What lies within an odd number of these closed polygons, none of which cross.
+    Area { rings: Vec<Vec<DVec2>>, color: RGBColor },
+    /// Heads of arrows in the middle between two points, towards the second.
+    Arrows { steps: Vec<[DVec2; 2]>, color: RGBColor },
     /// Points.
     Marks { points: Vec<DVec2>, mark: Mark, color: RGBColor },
     /// Words beside a point, on the side of it that `towards` points to.
@@ -93,6 +99,8 @@ pub(super) enum Key {
     Line(Stroke),
     /// A point.
     Point(Mark, RGBColor),
+    /// The colour of an area.
+    Area(RGBColor),
 }
 
 impl Stroke {

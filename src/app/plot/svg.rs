@@ -9,6 +9,7 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::area::keyhole;
 use super::flatten::flatten;
 use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
@@ -253,6 +254,24 @@ impl Drawing<'_, '_> {
                     };
                 }
             }
+            Item::Area { rings, color } => {
+                let pixels = |&point: &DVec2| self.view.to_pixels(point);
+                let rings: Vec<Vec<DVec2>> =
+                    rings.iter().map(|ring| ring.iter().map(pixels).collect()).collect();
+                let outline = keyhole(&rings).into_iter();
+                let outline: Vec<(f64, f64)> =
+                    outline.map(|at| self.view.point_at(at).into()).collect();
+                chart.draw_series([Polygon::new(outline, color.filled())])?;
+            }
+            Item::Arrows { steps, color } => {
+                for step in steps {
+                    let [from, to] = step.map(|point| self.view.to_pixels(point));
+                    let along = (to - from).normalize_or(DVec2::X);
+                    let at = EmptyElement::at((0.5 * (step[0] + step[1])).into());
+                    let corners = arrow(along);
+                    chart.draw_series([at + Polygon::new(corners, color.filled())])?;
+                }
+            }
             Item::Label { .. } => {} // placed when all else is drawn
         }
         Ok(())
@@ -295,6 +314,10 @@ impl Drawing<'_, '_> {
                 let ends = [(sub(x), sub(y)), (sub(x + 18.0), sub(y))];
                 self.area.draw(&PathElement::new(ends, style(stroke)))?;
             }
+            Key::Area(color) => {
+                let corners = [(sub(x), sub(y - 6.0)), (sub(x + 18.0), sub(y + 6.0))];
+                self.area.draw(&Rectangle::new(corners, color.filled()))?;
+            }
             Key::Point(Mark::Ring, color) => {
                 let style = color.stroke_width(sub(1.3) as u32);
                 self.area.draw(&Circle::new(middle, sub(3.6), style))?;
@@ -309,6 +332,13 @@ impl Drawing<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// The head of an arrow about its middle; plotters counts downwards.
+fn arrow(along: DVec2) -> Vec<(i32, i32)> {
+    let across = along.perp();
+    let corners = [6.0 * along, -4.0 * along + 4.0 * across, -4.0 * along - 4.0 * across];
+    corners.map(|corner| (sub(corner.x), -sub(corner.y))).to_vec()
 }
 
 fn diamond() -> Vec<(i32, i32)> {

@@ -53,6 +53,10 @@ impl View {
                         return None;
                     }
                 }
+                Item::Area { rings, .. } => rings.iter().flatten().copied().for_each(&mut include),
+                Item::Arrows { steps, .. } => {
+                    steps.iter().flatten().copied().for_each(&mut include)
+                }
                 Item::Line { points, .. } | Item::Marks { points, .. } => {
                     points.iter().copied().for_each(&mut include);
                 }
@@ -76,6 +80,7 @@ impl View {
                 let unit = (extent / (room * pixels)).max_element().max(least / pixels.x);
                 (unit * pixels, 0.5 * low + 0.5 * high)
             }
+            Scale::Parameters => (extent.max(DVec2::splat(least)) / room, 0.5 * low + 0.5 * high),
             Scale::Function(_) => {
                 let flat = 1e-9 * low.abs().max(high.abs()).y.max(f64::MIN_POSITIVE);
                 let height = if extent.y > flat { extent.y / room.y } else { 2.0 * flat.max(1.0) };
@@ -102,7 +107,9 @@ impl View {
         let step = match scale {
             Scale::Space => [round_step(unit.x); 2],
             // Numbers above one another need less room than side by side.
-            Scale::Function(_) => [round_step(unit.x), round_step(0.7 * unit.y)],
+            Scale::Function(_) | Scale::Parameters => {
+                [round_step(unit.x), round_step(0.7 * unit.y)]
+            }
         };
         [Ticks::new(self.low.x, self.high.x, step[0]), Ticks::new(self.low.y, self.high.y, step[1])]
     }
@@ -112,7 +119,7 @@ impl View {
 fn room(panel: &Panel, pixels: DVec2) -> DVec2 {
     let labelled = panel.items.iter().any(|item| matches!(item, Item::Label { .. }));
     match panel.scale {
-        Scale::Space if labelled => {
+        Scale::Space | Scale::Parameters if labelled => {
             (LABEL_ROOM / pixels).clamp(DVec2::splat(ROOM), DVec2::splat(MOST_LABEL_ROOM))
         }
         _ => DVec2::splat(ROOM),

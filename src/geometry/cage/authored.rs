@@ -6,6 +6,7 @@ use super::cage_error::{CageError, Feature};
 use super::mesh::Mesh;
 use super::topology::{EdgeFault, Topology};
 use crate::geometry::MAX_MAGNITUDE;
+use crate::geometry::construct::ControlNet;
 
 /// A cage as its author wrote it: plain data that [`Cage::new`] checks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -133,6 +134,11 @@ impl Cage {
     pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let topology = &self.mesh.topology;
         (0..topology.edge_count()).map(|edge| topology.edge_ends(topology.edge_corner(edge)))
+    }
+
+    /// The vertices and edges as a net to draw.
+    pub fn control_net(&self) -> ControlNet {
+        self.mesh.control_net()
     }
 
     /// The sharpness of each edge, in the order of [`Cage::edges`]; boundaries are infinite.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::topology::Topology;
+use crate::geometry::construct::ControlNet;
 
 /// Positions, neighbourhoods and sharpness.
 ///
@@ -27,6 +28,16 @@ pub(super) struct Part {
 }
 
 impl Mesh {
+    /// The vertices and edges.
+    pub(super) fn control_net(&self) -> ControlNet {
+        let topology = &self.topology;
+        let ends = |edge| topology.edge_ends(topology.edge_corner(edge)).map(|end| end as usize);
+        ControlNet {
+            points: self.positions.clone(),
+            lines: (0..topology.edge_count()).map(ends).collect(),
+        }
+    }
+
     /// The position of a corner's vertex.
     pub(super) fn at(&self, corner: u32) -> DVec3 {
         self.positions[self.topology.vertex(corner) as usize]

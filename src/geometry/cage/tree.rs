@@ -7,7 +7,6 @@ use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface};
 use super::mesh::Mesh;
 use super::seams;
 use super::topology::Topology;
-use crate::geometry::construct::ControlNet;
 use crate::math::Aabb;
 
 /// The control points of a patch, `(degree + 1)²` of them in use, v fastest.
@@ -157,7 +156,8 @@ impl Tree {
     /// The patches: as few squares as are within the limit.
     pub(super) fn patches(&self, cage: &Mesh) -> Result<LimitSurface, LimitError> {
         let units = unit_count(&cage.topology);
-        let mut surface = LimitSurface::empty(self.degree, self.tolerance, units, net_of(cage));
+        let mut surface =
+            LimitSurface::empty(self.degree, self.tolerance, units, cage.control_net());
         let mut roots = self.roots.clone();
         roots.sort_by_key(|root| root.square.order()); // faces of n ≠ 4 corners came later
         for root in &roots {
@@ -212,16 +212,6 @@ const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
 fn unit_count(topology: &Topology) -> usize {
     let sides = (0..topology.face_count()).map(|face| topology.face_range(face).len());
     sides.map(|sides| if sides == 4 { 1 } else { sides }).sum()
-}
-
-/// The vertices and edges of a cage.
-fn net_of(cage: &Mesh) -> ControlNet {
-    let topology = &cage.topology;
-    let ends = |edge| topology.edge_ends(topology.edge_corner(edge)).map(|end| end as usize);
-    ControlNet {
-        points: cage.positions.clone(),
-        lines: (0..topology.edge_count()).map(ends).collect(),
-    }
 }
 
 /// Shares of the tolerance that patches may be from the surface at first. Where patches are

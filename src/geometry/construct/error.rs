@@ -31,6 +31,20 @@ pub enum ConstructError {
         /// Its kind.
         kind: &'static str,
     },
+    /// An object without trim edges.
+    #[error("there are no trim edges to draw: no surface of that object is trimmed")]
+    NoTrims,
+    /// A trim edge is no curve that can be drawn.
+    #[error("a trim edge in space: {0}")]
+    TrimEdge(CurveError),
+    /// A line of constant parameter lies where trims keep nothing.
+    #[error("the line {direction} = {t} lies where the trims keep nothing")]
+    IsoCut {
+        /// Which parameter is constant.
+        direction: Direction,
+        /// Its value.
+        t: f64,
+    },
     /// A line of constant parameter is but a point, as at a pole.
     #[error("the line {direction} = {t} is a single point, where there is nothing to draw")]
     IsoPoint {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::ConstructError;
 use super::tube::{Caps, Piece, TubeStyle, ball, tube};
@@ -25,6 +25,15 @@ pub struct ControlNet {
     pub points: Vec<DVec3>,
     /// The ends of each line, as indices of points.
     pub lines: Vec<[usize; 2]>,
+}
+
+impl ControlNet {
+    /// The net moved by an affine map.
+    #[must_use]
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        let points = self.points.iter().map(|&point| map.transform_point3(point)).collect();
+        Self { points, lines: self.lines.clone() }
+    }
 }
 
 impl From<&NurbsSurface> for ControlNet {

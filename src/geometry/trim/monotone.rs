@@ -6,7 +6,7 @@ use super::UvBox;
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::trim_loop::LoopPiece;
-use crate::math::bernstein::{Row, restrict_row};
+use crate::math::bernstein::{Row, binomial, restrict_row};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
@@ -191,11 +191,6 @@ impl Derivative {
         }
         [below, above]
     }
-}
-
-/// `n` choose `k`, rounded. With `n` below 64 it is far from overflow.
-pub(super) fn binomial(n: usize, k: usize) -> f64 {
-    (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::UvBox;
-use super::monotone::binomial;
+use crate::math::bernstein::binomial;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// The search for where a target lies ends after so many steps. Four halve the stretch that

@@ -106,6 +106,14 @@ pub(super) struct NetKeys {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct TrimCurvesKeys {
+    of: Spanned<String>,
+    radius: Number,
+    tolerance: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct IsoCurvesKeys {
     of: Spanned<String>,
     #[serde(default)]
@@ -135,6 +143,7 @@ pub(super) enum ConstructionKeys {
     Ribbon(Box<RibbonKeys>),
     Polygon(Box<PolygonKeys>),
     Net(Box<NetKeys>),
+    TrimCurves(Box<TrimCurvesKeys>),
     IsoCurves(Box<IsoCurvesKeys>),
 }
 
@@ -203,6 +212,13 @@ impl Reader<'_, '_> {
                 let style = net_style(keys.radius, keys.joints);
                 Construction::Net { of: self.text(keys.of), style }
             }
+            ConstructionKeys::TrimCurves(keys) => {
+                let tolerance = keys.tolerance.map(|tolerance| tolerance.0);
+                Construction::TrimCurves {
+                    of: self.text(keys.of),
+                    style: TubeStyle { radius: keys.radius.0, caps: Caps::Round, tolerance },
+                }
+            }
             ConstructionKeys::IsoCurves(keys) => {
                 let tolerance = keys.tolerance.map(|tolerance| tolerance.0);
                 let numbers = |list: Vec<Number>| list.into_iter().map(|number| number.0).collect();
@@ -216,7 +232,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    fn text(&self, text: Spanned<String>) -> Written<String> {
+    pub(super) fn text(&self, text: Spanned<String>) -> Written<String> {
         let offset = text.span().start;
         Written::new(text.into_inner(), self.source.place(offset))
     }

@@ -1,8 +1,9 @@
 //! Curves in a scene file, as `from_curves.md` shows them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
+use super::super::keyed::Keyed;
 use super::keys::TransformKeys;
 use super::kinds::OneOf;
 use super::values::{KnotList, Number, Point};
@@ -10,20 +11,29 @@ use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;
 use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, UnknownName, Written};
 
+/// A curve's table.
+pub(super) struct CurveKeys(CurveTable);
+
+impl<'de> Deserialize<'de> for CurveKeys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Keyed::deserialize(deserializer).map(|Keyed(table)| Self(table))
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct CurveKeys {
-    nurbs: Option<NurbsCurveKeys>,
+struct CurveTable {
+    nurbs: Option<Keyed<NurbsCurveKeys>>,
     polyline: Option<Vec<Point>>,
     bezier: Option<Vec<Point>>,
-    through: Option<ThroughKeys>,
-    bspline: Option<BSplineKeys>,
-    catmull_rom: Option<CatmullRomKeys>,
-    hermite: Option<HermiteKeys>,
-    circle: Option<CircleKeys>,
-    arc: Option<ArcKeys>,
+    through: Option<Keyed<ThroughKeys>>,
+    bspline: Option<Keyed<BSplineKeys>>,
+    catmull_rom: Option<Keyed<CatmullRomKeys>>,
+    hermite: Option<Keyed<HermiteKeys>>,
+    circle: Option<Keyed<CircleKeys>>,
+    arc: Option<Keyed<ArcKeys>>,
     note_circle: Option<Spanned<String>>,
-    quarter_circle_4: Option<QuarticKeys>,
+    quarter_circle_4: Option<Keyed<QuarticKeys>>,
     #[serde(default)]
     transform: Vec<OneOf<TransformKeys>>,
     #[serde(default)]
@@ -102,32 +112,33 @@ const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, her
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
         let place = self.source.place(keys.span().start);
-        let keys = keys.into_inner();
+        let CurveKeys(keys) = keys.into_inner();
         let points = |points: Vec<Point>| points.into_iter().map(|point| point.0).collect();
         let arc =
             |radius: Number, from: f64, degrees| CurveKind::Arc { radius: radius.0, from, degrees };
         let kinds = [
-            keys.nurbs.map(|keys| self.nurbs_curve(keys)),
+            keys.nurbs.map(|Keyed(keys)| self.nurbs_curve(keys)),
             keys.polyline.map(|list| CurveKind::Polyline(points(list))),
             keys.bezier.map(|list| CurveKind::Bezier(points(list))),
-            keys.through.map(|keys| CurveKind::Through {
+            keys.through.map(|Keyed(keys)| CurveKind::Through {
                 points: points(keys.points),
                 degree: keys.degree.unwrap_or(CUBIC) as usize,
             }),
-            keys.bspline.map(|keys| self.bspline(keys)).transpose()?,
-            keys.catmull_rom.map(|keys| CurveKind::CatmullRom {
+            keys.bspline.map(|Keyed(keys)| self.bspline(keys)).transpose()?,
+            keys.catmull_rom.map(|Keyed(keys)| CurveKind::CatmullRom {
                 points: points(keys.points),
                 closed: keys.closed,
             }),
-            keys.hermite.map(|keys| CurveKind::Hermite {
+            keys.hermite.map(|Keyed(keys)| CurveKind::Hermite {
                 points: points(keys.points),
                 derivatives: points(keys.derivatives),
             }),
-            keys.circle.map(|keys| arc(keys.radius, 0.0, 360.0)),
-            keys.arc
-                .map(|keys| arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)),
+            keys.circle.map(|Keyed(keys)| arc(keys.radius, 0.0, 360.0)),
+            keys.arc.map(|Keyed(keys)| {
+                arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)
+            }),
             keys.note_circle.map(|name| self.note_circle(name)).transpose()?,
-            keys.quarter_circle_4.map(|keys| self.quartic(keys)).transpose()?,
+            keys.quarter_circle_4.map(|Keyed(keys)| self.quartic(keys)).transpose()?,
         ];
         let mut given = kinds.into_iter().flatten();
         let (Some(kind), None) = (given.next(), given.next()) else {

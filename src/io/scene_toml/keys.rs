@@ -7,7 +7,7 @@ use super::super::keyed::Keyed;
 use super::cages::SubdivisionKeys;
 use super::constructions::{
     ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
-    RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TubeKeys,
+    RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TrimCurvesKeys, TubeKeys,
 };
 use super::kinds::{Kinds, OneOf};
 use super::plots::{FigureKeys, PlotKeys};
@@ -212,6 +212,7 @@ pub(super) enum ShapeKeys {
     Ribbon(Box<Keyed<RibbonKeys>>),
     Polygon(Box<Keyed<PolygonKeys>>),
     Net(Box<Keyed<NetKeys>>),
+    TrimCurves(Box<Keyed<TrimCurvesKeys>>),
     IsoCurves(Box<Keyed<IsoCurvesKeys>>),
     Nurbs(Box<Keyed<NurbsKeys>>),
     Triangle(Box<Keyed<TriangleKeys>>),
@@ -327,6 +328,9 @@ impl ShapeKeys {
             Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(Box::new(keys.0))),
             Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(Box::new(keys.0))),
             Self::Net(keys) => return ShapeSource::Built(Built::Net(Box::new(keys.0))),
+            Self::TrimCurves(keys) => {
+                return ShapeSource::Built(Built::TrimCurves(Box::new(keys.0)));
+            }
             Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(Box::new(keys.0))),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::Triangle(keys) => return ShapeSource::Triangle(keys),

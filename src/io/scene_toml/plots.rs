@@ -10,8 +10,8 @@ use super::values::{Exactly, KnotList, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 use crate::scene::{
-    BasisSpec, CurveEntry, CurveSpec, FigureSpec, Knots, Plane, PlotKind, PlotSpec, RenderDefaults,
-    SceneError, SceneFault, Written,
+    BasisSpec, CurveEntry, CurveSpec, FigureSpec, Knots, ObjectSpec, Plane, PlotKind, PlotSpec,
+    PlottedSurface, RenderDefaults, SceneError, SceneFault, Written,
 };
 
 #[derive(Default, Deserialize)]
@@ -49,6 +49,8 @@ enum ShowKeys {
     Insertion(Keyed<InsertionKeys>),
     DeCasteljau(Keyed<DeCasteljauKeys>),
     CornerCutting(Keyed<CornerCuttingKeys>),
+    Trims(Keyed<ObjectKeys>),
+    Surfaces(Keyed<SurfacesKeys>),
 }
 
 impl Kinds for ShowKeys {
@@ -135,6 +137,23 @@ enum SchemeKey {
     Cubic,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObjectKeys {
+    of: Spanned<String>,
+    surface: Option<Spanned<u32>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SurfacesKeys {
+    of: Spanned<String>,
+    surface: Option<Spanned<u32>>,
+    lines: Option<u32>,
+    #[serde(default)]
+    net: bool,
+}
+
 /// How many teeth a span's comb has, if nothing else is said: enough to read as a surface.
 const TEETH: usize = 24;
 
@@ -175,7 +194,10 @@ impl Reader<'_, '_> {
         Ok(PlotSpec { place, title: title.map(|title| title.value), plane, show })
     }
 
-    fn show(&self, keys: ShowKeys) -> Result<PlotKind<CurveSpec, BasisSpec>, LoadError> {
+    fn show(
+        &self,
+        keys: ShowKeys,
+    ) -> Result<PlotKind<CurveSpec, BasisSpec, ObjectSpec>, LoadError> {
         Ok(match keys {
             ShowKeys::Curves(entries) => {
                 let entries = entries.into_iter().map(|Keyed(keys)| self.entry(keys));
@@ -228,7 +250,18 @@ impl Reader<'_, '_> {
                 ends: if keys.closed { PolygonEnds::Closed } else { PolygonEnds::Open },
                 rounds: keys.rounds.map_or(ROUNDS, |rounds| rounds as usize),
             },
+            ShowKeys::Trims(Keyed(keys)) => PlotKind::Trims(self.object_spec(keys)),
+            ShowKeys::Surfaces(Keyed(keys)) => PlotKind::Surfaces {
+                of: self.object_spec(ObjectKeys { of: keys.of, surface: keys.surface }),
+                lines: keys.lines.map_or(PlottedSurface::LINES, |lines| lines as usize),
+                net: keys.net,
+            },
         })
+    }
+
+    fn object_spec(&self, keys: ObjectKeys) -> ObjectSpec {
+        let surface = keys.surface.map(|number| self.written(number, |number| number as usize));
+        ObjectSpec { of: self.text(keys.of), surface }
     }
 
     fn entry(&self, keys: EntryKeys) -> Result<CurveEntry<CurveSpec>, LoadError> {

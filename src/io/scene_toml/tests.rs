@@ -66,7 +66,7 @@ fn what_the_documentation_shows_can_be_read() {
         });
         let scene = scene.unwrap_or_else(|error| panic!("{error}\n{text}"));
         for (index, plot) in scene.plots.iter().enumerate() {
-            plot.checked(index + 1).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            plot.checked(index + 1, &scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
         }
         assert_eq!(scene.plots.len(), text.matches("[[plot]]").count());
         if scene.objects.is_empty() {

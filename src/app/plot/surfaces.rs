@@ -1,0 +1,186 @@
+//! Surfaces of all kinds as lines in space.
+
+use glam::{DVec2, DVec3};
+use nurbray::geometry::{
+    CurveError, Direction, LimitSurface, NurbsCurve, NurbsSurface, Surface, TrianglePatch,
+    TrimmedSurface,
+};
+use nurbray::scene::{Plane, PlottedSurface};
+use plotters::style::RGBColor;
+
+use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
+use super::space::{Projection, pieces};
+
+const BORDERS: RGBColor = COLORS[0];
+const EDGES: RGBColor = COLORS[1];
+const LINES: RGBColor = COLORS[5];
+
+/// A curve in space on a surface, on these pieces of its parameter.
+struct Line {
+    at: Box<dyn Fn(f64) -> DVec3>,
+    pieces: Vec<[f64; 2]>,
+}
+
+impl Line {
+    fn new(at: impl Fn(f64) -> DVec3 + 'static) -> Self {
+        Self { at: Box::new(at), pieces: vec![[0.0, 1.0]] }
+    }
+
+    fn of(curve: NurbsCurve) -> Self {
+        let pieces = pieces(curve.knots());
+        Self { at: Box::new(move |t| curve.point_at(t)), pieces }
+    }
+
+    /// Some points of it.
+    fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.pieces.iter().flat_map(|&[a, b]| [0.0, 0.3, 0.7].map(|t| (self.at)(a + t * (b - a))))
+    }
+}
+
+/// What is drawn of surfaces.
+#[derive(Default)]
+struct Lines {
+    borders: Vec<Line>,
+    edges: Vec<Line>,
+    inner: Vec<Line>,
+}
+
+/// A panel with the borders of surfaces, their trim edges, `lines` curves of constant parameter
+/// between borders, and on demand their control nets.
+///
+/// # Errors
+/// When a trim edge has too high a degree.
+pub(super) fn surfaces(
+    title: Option<String>,
+    plane: Option<Plane>,
+    (plotted, lines, net): (&[PlottedSurface], usize, bool),
+) -> Result<Panel, CurveError> {
+    let mut drawn = Lines::default();
+    for one in plotted {
+        match &one.surface {
+            Surface::Nurbs(surface) => drawn.nurbs(surface, lines),
+            Surface::Trimmed(surface) => drawn.trimmed(surface, lines)?,
+            Surface::Triangle(patch) => drawn.triangle(patch, lines),
+            Surface::Limit(surface) => drawn.limit(surface, lines),
+            // Whatever kinds come, their points are known.
+            other => drawn.any(other, lines),
+        }
+    }
+    let nets = plotted.iter().map(|one| one.surface.control_net());
+    let nets: Vec<_> = if net { nets.collect() } else { Vec::new() };
+    let all = [&drawn.borders, &drawn.edges, &drawn.inner].into_iter().flatten();
+    let points = all.flat_map(Line::points).chain(nets.iter().flat_map(|net| net.points.clone()));
+    let projection = Projection::new(plane, points);
+
+    let (mut items, mut legend) = (Vec::new(), Vec::new());
+    for net in &nets {
+        let points: Vec<DVec2> = net.points.iter().map(|&point| projection.of(point)).collect();
+        items.extend(net.lines.iter().map(|&[a, b]| Item::Line {
+            points: vec![points[a], points[b]],
+            stroke: Stroke::thin(GREY),
+        }));
+        items.push(Item::Marks { points, mark: Mark::Ring, color: GREY });
+    }
+    let groups = [
+        (drawn.inner, Stroke::thin(LINES), "curves of constant parameter"),
+        (drawn.borders, Stroke { color: BORDERS, width: 1.6 }, "borders"),
+        (drawn.edges, Stroke { color: EDGES, width: 1.6 }, "trim edges"),
+    ];
+    for (lines, stroke, name) in groups {
+        if !lines.is_empty() {
+            legend.push((Key::Line(stroke), name.to_owned()));
+        }
+        items.extend(lines.into_iter().map(|line| {
+            let Line { at, pieces } = line;
+            let path = Path { at: Box::new(move |t| projection.of(at(t))), pieces };
+            Item::Curve { path, stroke }
+        }));
+    }
+    legend.reverse();
+    if net {
+        legend.push((Key::Point(Mark::Ring, GREY), "control points".to_owned()));
+    }
+    let title = title.unwrap_or_else(|| "In space".to_owned());
+    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+}
+
+/// So many values between two, evenly spaced.
+fn between((start, end): (f64, f64), count: usize) -> impl Iterator<Item = f64> {
+    (1..=count).map(move |k| start + k as f64 / (count + 1) as f64 * (end - start))
+}
+
+impl Lines {
+    fn nurbs(&mut self, surface: &NurbsSurface, lines: usize) {
+        for direction in [Direction::U, Direction::V] {
+            let curve = |at: f64| match direction {
+                Direction::U => surface.curve_at_u(at).ok(),
+                Direction::V => surface.curve_at_v(at).ok(),
+            };
+            let (start, end) = surface.knots(direction).domain();
+            self.borders.extend([start, end].into_iter().filter_map(curve).map(Line::of));
+            self.inner.extend(between((start, end), lines).filter_map(curve).map(Line::of));
+        }
+    }
+
+    fn trimmed(&mut self, trimmed: &TrimmedSurface, lines: usize) -> Result<(), CurveError> {
+        for direction in [Direction::U, Direction::V] {
+            let kept = |at: f64| trimmed.kept_curves(direction, at).unwrap_or_default();
+            let (start, end) = trimmed.surface().knots(direction).domain();
+            self.borders.extend([start, end].into_iter().flat_map(kept).map(Line::of));
+            self.inner.extend(between((start, end), lines).flat_map(kept).map(Line::of));
+        }
+        self.edges.extend(trimmed.edge_curves()?.into_iter().map(Line::of));
+        Ok(())
+    }
+
+    fn triangle(&mut self, patch: &TrianglePatch, lines: usize) {
+        // Along side k, from the line where the third coordinate is 0 towards its corner.
+        for k in 0..3 {
+            let line = |share: f64| {
+                let patch = patch.clone();
+                Line::new(move |t| {
+                    let coordinates = [(1.0 - share) * (1.0 - t), (1.0 - share) * t, share];
+                    patch.point_at(coordinates[k], coordinates[(k + 1) % 3])
+                })
+            };
+            self.borders.push(line(0.0));
+            self.inner.extend(between((0.0, 1.0), lines).map(line));
+        }
+    }
+
+    /// The borders of a limit surface's faces, and lines within.
+    fn limit(&mut self, surface: &std::sync::Arc<LimitSurface>, lines: usize) {
+        for unit in 0..surface.unit_count() {
+            let line = |along_u: bool, share: f64| {
+                let surface = std::sync::Arc::clone(surface);
+                // Where one unit square ends in u the next one begins.
+                let low = unit as f64;
+                let u = move |u: f64| (low + u).min((low + 1.0).next_down());
+                Line::new(move |t| {
+                    let uv = if along_u { (u(t), share) } else { (u(share), t) };
+                    surface.point_at(uv.into())
+                })
+            };
+            for along_u in [true, false] {
+                self.borders.extend([0.0, 1.0].map(|share| line(along_u, share)));
+                self.inner.extend(between((0.0, 1.0), lines).map(|share| line(along_u, share)));
+            }
+        }
+    }
+
+    fn any(&mut self, surface: &Surface, lines: usize) {
+        let domain = surface.domain();
+        for axis in 0..2 {
+            let line = |at: f64| {
+                let (surface, (start, end)) = (surface.clone(), domain[1 - axis]);
+                Line::new(move |t| {
+                    let mut uv = DVec2::splat(at);
+                    uv[1 - axis] = start + t * (end - start);
+                    surface.point_at(uv)
+                })
+            };
+            self.borders.extend([domain[axis].0, domain[axis].1].map(line));
+            self.inner.extend(between(domain[axis], lines).map(line));
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Where trims leave lines of constant parameter, and where their own loops run in the domain.
+
+use glam::{DVec2, DVec3, Vec3Swizzles};
+
+use super::curve::euclidean;
+use super::segment::Segment;
+use super::{Side, Trims};
+use crate::geometry::Direction;
+use crate::math::bernstein::{Row, restrict_row};
+
+/// A piece of a trim edge that crosses no line it should be cut at.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::geometry) struct EdgePiece {
+    /// Its homogeneous control points `(w u, w v, w)`, in the direction of the loop.
+    pub(in crate::geometry) control: Vec<DVec3>,
+}
+
+impl Trims {
+    /// The stretches of the line of constant `u` (or `v`, for [`Direction::V`]) that are kept, as
+    /// ranges of the other parameter, in order. What is kept is closed: a line along a trim edge
+    /// is kept where it touches what is. Off the domain there are none.
+    ///
+    /// Their ends are where the line crosses the trim curves, to a few roundings where these
+    /// cross it steeply.
+    pub fn kept_along(&self, direction: Direction, at: f64) -> Vec<[f64; 2]> {
+        let (fixed, free) = match direction {
+            Direction::U => (0, 1),
+            Direction::V => (1, 0),
+        };
+        let range = self.domain().range();
+        let on_domain = range[fixed][0] <= at && at <= range[fixed][1]; // false for NaN
+        if !on_domain {
+            return Vec::new();
+        }
+        let [start, end] = range[free];
+        let mut cuts = vec![start, end];
+        for segment in self.loop_segments().flatten() {
+            let [from, to] = segment.ends();
+            let meets = from[fixed].min(to[fixed]) <= at && at <= from[fixed].max(to[fixed]);
+            if meets && from[fixed] == to[fixed] {
+                cuts.extend([from[free], to[free]]);
+            } else if meets {
+                cuts.push(segment.at(reaching(segment, fixed, at))[free]);
+            }
+        }
+        cuts.retain(|cut| start <= *cut && *cut <= end);
+        cuts.sort_by(f64::total_cmp);
+        // What only touches the line, or two loops that touch there, cut it in two roundings.
+        let finest = 8.0 * f64::EPSILON * start.abs().max(end.abs());
+        cuts.dedup_by(|next, before| *next - *before <= finest && *next != end);
+
+        let mut kept: Vec<[f64; 2]> = Vec::new();
+        for pair in cuts.windows(2) {
+            let mut middle = DVec2::splat(at);
+            middle[free] = 0.5 * (pair[0] + pair[1]);
+            if pair[0] == pair[1] || self.contains(middle) == Side::Outside {
+                continue;
+            }
+            match kept.last_mut() {
+                Some(last) if last[1] == pair[0] => last[1] = pair[1],
+                _ => kept.push([pair[0], pair[1]]),
+            }
+        }
+        kept
+    }
+
+    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop. No
+    /// piece crosses a line of constant parameter among `cuts` (in u, in v); all pieces of a
+    /// loop have one degree. A loop that is never cut by the domain's border is one chain, whose
+    /// last piece ends where the first begins.
+    pub(in crate::geometry) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
+        let bounds = self.domain().bounds();
+        let mut chains = Vec::new();
+        for segments in self.loop_segments() {
+            let controls = segments.iter().map(directed);
+            let degree = segments.iter().map(|segment| directed(segment).len() - 1).max();
+            let degree = degree.unwrap_or(1);
+
+            // The pieces in order, `None` where the loop is outside.
+            let mut pieces: Vec<Option<EdgePiece>> = Vec::new();
+            for (segment, control) in segments.iter().zip(controls) {
+                let mut control = control;
+                while control.len() <= degree {
+                    control = elevated(&control);
+                }
+                let mut stops = vec![0.0, 1.0];
+                for axis in 0..2 {
+                    let [from, to] = segment.directed_ends().map(|end| end[axis]);
+                    let borders = [bounds.min[axis], bounds.max[axis]];
+                    let crossed = cuts[axis]
+                        .iter()
+                        .chain(&borders)
+                        .filter(|line| from.min(to) < **line && **line < from.max(to));
+                    stops.extend(crossed.map(|&line| {
+                        let t = reaching(segment, axis, line);
+                        if segment.is_forward() { t } else { 1.0 - t }
+                    }));
+                }
+                stops.sort_by(f64::total_cmp);
+                stops.dedup();
+                for pair in stops.windows(2) {
+                    let middle = segment.directed_at(0.5 * (pair[0] + pair[1]));
+                    let inside = bounds.holds(middle);
+                    pieces.push(inside.then(|| {
+                        let mut part = control.clone();
+                        let row = Row { start: 0, stride: 1, degree };
+                        restrict_row(&mut part, row, pair[0], pair[1]);
+                        EdgePiece { control: part }
+                    }));
+                }
+            }
+            // A loop that leaves the domain begins where it comes back.
+            if let Some(outside) = pieces.iter().position(Option::is_none) {
+                pieces.rotate_left(outside);
+            }
+            let parts = pieces.split(Option::is_none).filter(|part| !part.is_empty());
+            chains.extend(parts.map(|part| part.iter().flatten().cloned().collect::<Vec<_>>()));
+        }
+        chains
+    }
+}
+
+/// The control points of a segment in the direction in which the loop runs.
+fn directed(segment: &Segment) -> Vec<DVec3> {
+    let mut control = segment.homogeneous();
+    // Those of its outer points are good for their weights only.
+    let [start, end] = segment.ends();
+    let last = control.len() - 1;
+    for (index, point) in [(0, start), (last, end)] {
+        control[index] = (control[index].z * point).extend(control[index].z);
+    }
+    if !segment.is_forward() {
+        control.reverse();
+    }
+    control
+}
+
+/// The same Bézier curve with one control point more.
+fn elevated(control: &[DVec3]) -> Vec<DVec3> {
+    let degree = control.len();
+    let mixed = |k: usize| {
+        let share = k as f64 / degree as f64;
+        let before = k.checked_sub(1).map_or(DVec3::ZERO, |before| share * control[before]);
+        before + control.get(k).map_or(DVec3::ZERO, |&here| (1.0 - share) * here)
+    };
+    (0..=degree).map(mixed).collect()
+}
+
+/// The parameter of a segment, as it is held, at which one of its coordinates reaches a value
+/// between those of its ends: by bisection to neighbouring numbers, for it is monotone.
+fn reaching(segment: &Segment, axis: usize, value: f64) -> f64 {
+    let rises = segment.ends()[0][axis] < segment.ends()[1][axis];
+    let (mut low, mut high) = (0.0, 1.0);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return high;
+        }
+        let reached = segment.at(middle)[axis];
+        if reached == value {
+            return middle;
+        }
+        if (reached < value) == rises {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+impl EdgePiece {
+    /// The point in the middle of its parameter, which lies between all lines it was cut at.
+    pub(in crate::geometry) fn middle(&self) -> DVec2 {
+        let mut half = self.control.clone();
+        let row = Row { start: 0, stride: 1, degree: half.len() - 1 };
+        restrict_row(&mut half, row, 0.5, 1.0);
+        euclidean(half[0])
+    }
+
+    /// The control points in `[0, 1]²` of a cell of the domain that holds it.
+    pub(in crate::geometry) fn within(&self, low: DVec2, high: DVec2) -> Vec<DVec3> {
+        let local = |c: &DVec3| ((c.xy() - c.z * low) / (high - low)).extend(c.z);
+        self.control.iter().map(local).collect()
+    }
+}

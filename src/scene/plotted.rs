@@ -1,0 +1,167 @@
+//! Surfaces to plot: in space as lines, or their trims in (u, v).
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::curve::CurveFault;
+use super::placing::Placer;
+use super::plot::blame;
+use super::{CurveKind, LoopKind, LoopSpec, Part, Place, PlotError, Scene, SceneError, Written};
+use crate::geometry::{NurbsCurve, Surface};
+
+/// The surfaces of an object to plot, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectSpec {
+    /// The object's name.
+    pub of: Written<String>,
+    /// Which of its surfaces, counted from 0, if not all.
+    pub surface: Option<Written<usize>>,
+}
+
+/// A surface to plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlottedSurface {
+    /// The surface, in its place.
+    pub surface: Surface,
+    /// Its trim loops as they were written, in that order; none if it is whole.
+    pub loops: Vec<Vec<LoopCurve>>,
+}
+
+/// A curve of a trim loop, as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopCurve {
+    /// What it was written as.
+    pub kind: LoopCurveKind,
+    /// The curve in the plane z = 0, where x is u and y is v.
+    pub curve: NurbsCurve,
+}
+
+/// What a curve of a trim loop was written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LoopCurveKind {
+    /// Straight lines from point to point.
+    Lines,
+    /// A circle or an arc of one.
+    Arc,
+    /// A Bézier curve.
+    Bezier,
+    /// A spline, by its knots or through points.
+    Spline,
+}
+
+impl PlottedSurface {
+    /// How many curves of constant parameter are drawn between two borders, if nothing is said.
+    pub const LINES: usize = 3;
+
+    /// A surface made of a part of an object that is `reversed` or not.
+    ///
+    /// # Errors
+    /// When a curve of a loop is none.
+    pub fn new(surface: Surface, part: &Part, reversed: bool) -> Result<Self, SceneError> {
+        let mut loops = Vec::new();
+        if let Some(trims) = &part.trims {
+            let made = trims.loops.iter().map(LoopSpec::curves).collect::<Result<_, _>>();
+            loops = made.map_err(|fault| blame(&part.name, "trims", fault))?;
+        }
+        if reversed {
+            // As the surface's own: what was at u is as far from the other end then.
+            let [(start, end), _] = surface.domain();
+            let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+            let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
+            for one in loops.iter_mut().flatten() {
+                if let Ok(mirrored) = one.curve.transformed(&mirror) {
+                    one.curve = mirrored;
+                }
+            }
+        }
+        Ok(Self { surface, loops })
+    }
+}
+
+impl ObjectSpec {
+    /// The surfaces, each made anew.
+    ///
+    /// # Errors
+    /// When the object is not known, does not have that surface, or cannot be made; `fails`
+    /// says what it is for.
+    pub(super) fn surfaces(
+        &self,
+        scene: &Scene,
+        fails: impl Fn(&Place, PlotError) -> SceneError,
+    ) -> Result<Vec<PlottedSurface>, SceneError> {
+        let Some(object) = scene.named_object(&self.of.value) else {
+            let error = scene.unknown_object(&self.of.value);
+            return Err(fails(&self.of.place, PlotError::Object(error)));
+        };
+        let made = Placer { scene }.surfaces(&self.of.value, object)?;
+        if let Some(wanted) = &self.surface
+            && wanted.value >= made.len()
+        {
+            let (of, count) = (self.of.value.clone(), made.len());
+            let error = PlotError::NoSurface { of, count, wanted: wanted.value };
+            return Err(fails(&wanted.place, error));
+        }
+        let wanted = self.surface.as_ref().map(|wanted| wanted.value);
+        let made = made.into_iter().enumerate();
+        let made = made.filter(|(index, _)| wanted.is_none_or(|wanted| wanted == *index));
+        let plotted = made.map(|(_, (part, made))| {
+            PlottedSurface::new(made.surface, &object.parts[part], object.reverse)
+        });
+        plotted.collect()
+    }
+
+    /// The one trimmed surface.
+    ///
+    /// # Errors
+    /// As [`ObjectSpec::surfaces`], and when there is none, or several.
+    pub(super) fn trimmed(
+        &self,
+        scene: &Scene,
+        fails: impl Fn(&Place, PlotError) -> SceneError,
+    ) -> Result<PlottedSurface, SceneError> {
+        let all = self.surfaces(scene, &fails)?;
+        let numbers: Vec<usize> =
+            (0..all.len()).filter(|&index| all[index].surface.trimmed().is_some()).collect();
+        let mut trimmed = all.into_iter().filter(|one| one.surface.trimmed().is_some());
+        let of = self.of.value.clone();
+        match (trimmed.next(), numbers.len()) {
+            (Some(only), 1) => Ok(only),
+            (None, _) => Err(fails(&self.of.place, PlotError::NoTrims { of })),
+            _ => Err(fails(&self.of.place, PlotError::SeveralTrimmed { of, numbers })),
+        }
+    }
+}
+
+impl LoopSpec {
+    /// Its curves as they were written.
+    fn curves(&self) -> Result<Vec<LoopCurve>, CurveFault> {
+        let blame = |error| CurveFault::Curve(self.place.clone(), error);
+        let flat = |point: &DVec2| point.extend(0.0);
+        match &self.kind {
+            LoopKind::Polygon(corners) => {
+                let closed: Vec<DVec3> = corners.iter().chain(corners.first()).map(flat).collect();
+                let curve = NurbsCurve::polyline(&closed).map_err(blame)?;
+                Ok(vec![LoopCurve { kind: LoopCurveKind::Lines, curve }])
+            }
+            LoopKind::Circle { center, radius } => {
+                let circle = crate::geometry::shapes::circle_arc(*radius, 0.0, 360.0);
+                let placed = DAffine3::from_translation(flat(center));
+                let curve = circle.and_then(|circle| circle.transformed(&placed));
+                Ok(vec![LoopCurve { kind: LoopCurveKind::Arc, curve: curve.map_err(blame)? }])
+            }
+            LoopKind::Curves(curves) => {
+                let made = curves.iter().map(|spec| {
+                    let kind = match &spec.kind {
+                        CurveKind::Polyline(_) => LoopCurveKind::Lines,
+                        CurveKind::Bezier(_) => LoopCurveKind::Bezier,
+                        CurveKind::Arc { .. }
+                        | CurveKind::NoteCircle(_)
+                        | CurveKind::QuarticArc { .. } => LoopCurveKind::Arc,
+                        _ => LoopCurveKind::Spline,
+                    };
+                    Ok(LoopCurve { kind, curve: spec.curve()? })
+                });
+                made.collect()
+            }
+        }
+    }
+}
