@@ -19,30 +19,38 @@ use gaps::Gap;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-Gaps: each border of each surface is sampled at 33 points or more, and each point's nearest point
-on every other border is found by Newton's method. Two borders run side by side where at least a
-quarter of the points of one lie within 1e-3 of the model's size (and 1/20 of the shorter border's
-length) of the other. They meet if none of these points is farther off than rounding,
-4 (p + q + 4) 2^-53 M for each surface; else the largest distance is listed as a gap, through
-which rays may pass. Gaps narrower than the samples are long may be missed. What trims cut off a
-border does not count; the edges they cut are not compared.
+Gaps: each border of each surface is sampled at 33 points or more, and each
+point's nearest point on every other border is found by Newton's method. Two
+borders run side by side where at least a quarter of the points of one lie
+within 1e-3 of the model's size (and 1/20 of the shorter border's length) of the
+other. They meet if none of these points is farther off than rounding, 4 (p + q
++ 4) 2^-53 M for each surface; else the largest distance is listed as a gap,
+through which rays may pass. Gaps narrower than the samples are long may be
+missed. Trim edges are curves like borders; what trims cut off a border does not
+count.
 
-Bounds: the boxes the surfaces themselves just fit in, not their control points or leaves, to
-1e-12 of their size (1e-9 where a surface touches its box along a curve askew to u and v). Those of
-a trimmed surface hold its leaves, of which the ones at an edge reach a little beyond it.
+Bounds: the boxes the surfaces themselves just fit in, not their control points
+or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
+curve askew to u and v). Those of a trimmed surface hold its leaves, of which
+the ones at an edge reach a little beyond it.
 
 With --json one object:
   input, build_seconds
-  surfaces       a list, in the order hits count them: index, name, material, degree [p, q],
-                 rational, size [nu, nv] (control points), domain [[u0, u1], [v0, v1]], pieces,
-                 leaves, bytes (of its pieces and leaves), bounds [min, max],
-                 collapsed_edges (a list: edge, point), deviation (how far it may be from what
-                 the scene asks for: 0, or measured where a sweep is approximated), trims (null,
-                 or keep, loops, segments, bytes, mixed_leaves: those at an edge)
-  total          surfaces, control_points, pieces, leaves, bytes (with the hierarchy), bounds
-  borders        total, collapsed, meeting, nearly_meeting, free
-  gaps           a list, the widest first: surfaces [i, j], edges, width, relative (to the size
-                 of the bounding box), at [x, y, z]
+  surfaces       a list, in the order hits count them: index, name, material,
+                 degree [p, q], rational, size [nu, nv] (control points), domain
+                 [[u0, u1], [v0, v1]], pieces, leaves, bytes (of its pieces and
+                 leaves), bounds [min, max], collapsed_edges (a list: edge,
+                 point), deviation (how far it may be from what the scene asks
+                 for: 0, or measured where a sweep is approximated, or proved
+                 where a subdivision surface is), patches (null, or of a
+                 subdivision surface all, exact), trims (null, or keep, loops,
+                 segments, bytes, mixed_leaves: those at an edge)
+  total          surfaces, control_points, pieces, leaves, bytes (with the
+                 hierarchy), bounds
+  borders        total, trim_edges (of these), collapsed, meeting,
+                 nearly_meeting, free
+  gaps           a list, the widest first: surfaces [i, j], edges, width,
+                 relative (to the size of the bounding box), at [x, y, z]
   not_imported   a list: file, line, column (null where unknown), what, why
 
 Example:
@@ -81,6 +89,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
             },
             "borders": {
                 "total": fit.borders,
+                "trim_edges": fit.trim_edges,
                 "collapsed": fit.collapsed,
                 "meeting": fit.meeting,
                 "nearly_meeting": fit.nearly,
@@ -114,6 +123,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
         "bounds": bounds_json(surface.bounds),
         "collapsed_edges": collapsed.collect::<Value>(),
         "deviation": surface.deviation,
+        "patches": surface.patches.map(|[all, exact]| json!({ "all": all, "exact": exact })),
         "trims": surface.trims.map(|trims| json!({
             "keep": match trims.kept {
                 Kept::Odd => "inside",
@@ -134,7 +144,7 @@ fn bounds_json(bounds: nurbray::math::Aabb) -> Value {
 fn gap_json(gap: &Gap, size: f64) -> Value {
     json!({
         "surfaces": gap.edges.map(|edge| edge.surface),
-        "edges": gap.edges.map(|edge| edge.border.to_string()),
+        "edges": gap.edges.map(|edge| edge.which.to_string()),
         "width": gap.width,
         "relative": gap.width / size,
         "at": gap.at.to_array(),

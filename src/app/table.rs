@@ -29,23 +29,33 @@ pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
 
 /// A number with up to six significant digits, without trailing zeros.
 pub(crate) fn short(number: f64) -> String {
-    const DIGITS: i32 = 6;
+    digits(number, 6)
+}
+
+/// A number with up to so many significant digits, without trailing zeros.
+fn digits(number: f64, most: i32) -> String {
     let exponent = number.abs().log10().floor();
     if number == 0.0 || !number.is_finite() {
         return format!("{number}").replace("-0", "0");
     }
-    if !(-4.0..f64::from(DIGITS)).contains(&exponent) {
-        let text = format!("{number:.*e}", DIGITS as usize - 1);
+    if !(-4.0..f64::from(most)).contains(&exponent) {
+        let text = format!("{number:.*e}", most as usize - 1);
         let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
         return format!("{}e{power}", trimmed(digits));
     }
-    let decimals = (DIGITS - 1 - exponent as i32).max(0) as usize;
+    let decimals = (most - 1 - exponent as i32).max(0) as usize;
     trimmed(&format!("{number:.decimals$}")).to_owned()
 }
 
 /// `(x, y, z)`, each number shortened.
 pub(crate) fn short_point(point: DVec3) -> String {
     let [x, y, z] = point.to_array().map(short);
+    format!("({x}, {y}, {z})")
+}
+
+/// `(x, y, z)`, each number with up to ten significant digits.
+pub(crate) fn long_point(point: DVec3) -> String {
+    let [x, y, z] = point.to_array().map(|number| digits(number, 10));
     format!("({x}, {y}, {z})")
 }
 

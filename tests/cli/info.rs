@@ -32,8 +32,7 @@ fn a_sphere_is_closed_and_has_two_poles() {
 
     assert_eq!(json["total"]["surfaces"], 1);
     assert_eq!(json["total"]["control_points"], 28);
-    let borders =
-        json!({ "total": 4, "collapsed": 2, "meeting": 2, "nearly_meeting": 0, "free": 0 });
+    let borders = json!({ "total": 4, "trim_edges": 0, "collapsed": 2, "meeting": 2, "nearly_meeting": 0, "free": 0 });
     assert_eq!(json["borders"], borders);
     assert_eq!((&json["gaps"], &json["not_imported"]), (&json!([]), &json!([])));
     assert_eq!(json["input"], "sphere.toml");

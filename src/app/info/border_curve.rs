@@ -1,8 +1,8 @@
-//! A border curve, sampled, and how far points are from it.
+//! A border or a trim edge, sampled, and how far points are from it.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::{Side, Trims};
-use nurbray::geometry::{Chart, NurbsSurface};
+use nurbray::geometry::{Chart, KnotVector, NurbsCurve, NurbsSurface};
 use nurbray::math::Aabb;
 
 use super::super::border::Border;
@@ -14,12 +14,52 @@ pub(crate) const INTERVALS: usize = 32;
 /// of 32 intervals, so that six would do for a smooth piece; the rest is for corners.
 const STEPS: usize = 16;
 
-/// A border as a curve in space, with points on it.
+/// What a curve is.
+#[derive(Debug)]
+enum Source<'a> {
+    /// A border of a surface, of which trims may have cut off a part.
+    Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border },
+    /// A trim edge.
+    Edge(NurbsCurve),
+}
+
+impl Source<'_> {
+    fn knots(&self) -> &KnotVector {
+        match self {
+            Self::Border { surface, border, .. } => border.knots(surface),
+            Self::Edge(curve) => curve.knots(),
+        }
+    }
+
+    fn point(&self, t: f64) -> DVec3 {
+        match self {
+            Self::Border { surface, border, .. } => border.point(surface, t),
+            Self::Edge(curve) => curve.point_at(t),
+        }
+    }
+
+    /// The point at `t`, and how fast it moves with `t`.
+    fn tangent(&self, t: f64) -> (DVec3, DVec3) {
+        match self {
+            Self::Border { surface, border, .. } => border.tangent(surface, t),
+            Self::Edge(curve) => {
+                let at = curve.derivatives(t);
+                (at.point, at.first)
+            }
+        }
+    }
+
+    fn keeps(&self, t: f64) -> bool {
+        let Self::Border { trims: Some(trims), border, .. } = self else { return true };
+        let (u, v) = border.uv(t);
+        trims.contains(DVec2::new(u, v)) != Side::Outside
+    }
+}
+
+/// A border or a trim edge as a curve in space, with points on it.
 #[derive(Debug)]
 pub(crate) struct BorderCurve<'a> {
-    surface: &'a NurbsSurface,
-    trims: Option<&'a Trims>,
-    border: Border,
+    source: Source<'a>,
     /// Parameters and points, from end to end.
     samples: Vec<(f64, DVec3)>,
     bounds: Aabb,
@@ -32,21 +72,30 @@ impl<'a> BorderCurve<'a> {
     /// Samples a border.
     pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Self {
         let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
-        let knots = border.knots(surface);
+        Self::sampled(Source::Border { surface, trims, border })
+    }
+
+    /// Samples a trim edge.
+    pub(crate) fn of_edge(edge: NurbsCurve) -> Self {
+        Self::sampled(Source::Edge(edge))
+    }
+
+    fn sampled(source: Source<'a>) -> Self {
+        let knots = source.knots();
         let per_span = INTERVALS.div_ceil(knots.spans().count());
         let within = knots.spans().flat_map(|span| {
             let at = move |k| span.start + (span.end - span.start) * k as f64 / per_span as f64;
             (0..per_span).map(at)
         });
         let samples: Vec<(f64, DVec3)> =
-            within.chain([knots.domain().1]).map(|t| (t, border.point(surface, t))).collect();
+            within.chain([knots.domain().1]).map(|t| (t, source.point(t))).collect();
 
         let length = samples.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).sum();
         // Over two intervals a curve bulges four times as far from its chord as over one.
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
         let sag = samples.windows(3).map(bulge).fold(0.0, f64::max);
         let bounds = Aabb::around(samples.iter().map(|sample| sample.1)).grown(sag);
-        Self { surface, trims, border, samples, bounds, length, sag }
+        Self { source, samples, bounds, length, sag }
     }
 
     /// Holds the curve.
@@ -61,13 +110,8 @@ impl<'a> BorderCurve<'a> {
 
     /// Points on it, from end to end, but for those that trims have cut off.
     pub(crate) fn points(&self) -> Vec<DVec3> {
-        let kept = self.samples.iter().filter(|(t, _)| self.keeps(*t));
+        let kept = self.samples.iter().filter(|(t, _)| self.source.keeps(*t));
         kept.map(|sample| sample.1).collect()
-    }
-
-    fn keeps(&self, t: f64) -> bool {
-        let (u, v) = self.border.uv(t);
-        self.trims.is_none_or(|trims| trims.contains(DVec2::new(u, v)) != Side::Outside)
     }
 
     /// The distance of a point from the curve; `None` if that is more than `near`, or if the
@@ -91,7 +135,7 @@ impl<'a> BorderCurve<'a> {
         }
         let (distance, beyond, t) = self.refined(point, start);
         let there = distance <= near && beyond <= distance.max(near) * BEYOND;
-        (there && self.keeps(t)).then_some(distance)
+        (there && self.source.keeps(t)).then_some(distance)
     }
 
     /// The distance from the point of the curve nearest to `point`, searched from `t` on, how
@@ -100,10 +144,10 @@ impl<'a> BorderCurve<'a> {
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
     fn refined(&self, point: DVec3, mut t: f64) -> (f64, f64, f64) {
-        let (start, end) = self.border.knots(self.surface).domain();
+        let (start, end) = self.source.knots().domain();
         let mut best = (f64::INFINITY, 0.0, t);
         for _ in 0..STEPS {
-            let (on_curve, speed) = self.border.tangent(self.surface, t);
+            let (on_curve, speed) = self.source.tangent(t);
             let step = (point - on_curve).dot(speed) / speed.length_squared();
             let beyond = match (t + step).clamp(start, end) {
                 clamped if clamped == t => (step * speed).length(),

@@ -1,8 +1,8 @@
 //! What is known of each surface that is ready to trace.
 
 use glam::{DVec3, DVec4};
-use nurbray::geometry::Charts;
 use nurbray::geometry::trim::Kept;
+use nurbray::geometry::{Charts, Surface};
 use nurbray::math::Aabb;
 use nurbray::patch::{Leaf, Piece};
 use nurbray::scene::World;
@@ -45,6 +45,8 @@ pub(super) struct SurfaceFacts {
     pub(super) collapsed: Vec<(Border, DVec3)>,
     /// How far it may be from what the scene asks for.
     pub(super) deviation: f64,
+    /// The patches of a limit surface, and how many of them are exact.
+    pub(super) patches: Option<[usize; 2]>,
     /// What is known of its trims, if it has any.
     pub(super) trims: Option<TrimFacts>,
 }
@@ -148,6 +150,10 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
         bounds: Aabb::EMPTY,
         collapsed: collapsed.collect(),
         deviation: instance.deviation,
+        patches: match surface {
+            Surface::Limit(limit) => Some([limit.patches().len(), limit.exact_count()]),
+            _ => None,
+        },
         trims: surface.trimmed().map(|trimmed| {
             let trims = trimmed.trims();
             TrimFacts {

@@ -1,9 +1,10 @@
-//! Borders that nearly meet: gaps that let rays through.
+//! Borders and trim edges that nearly meet: gaps that let rays through.
 
 use std::collections::BTreeSet;
+use std::fmt;
 
 use glam::DVec3;
-use nurbray::geometry::{Chart, Charts};
+use nurbray::geometry::{Chart, Charts, CurveError, Surface, TrimmedSurface};
 use nurbray::math::Aabb;
 use rayon::prelude::*;
 
@@ -21,15 +22,33 @@ pub(crate) const NEAR_LENGTH: f64 = 0.05;
 /// side. Two borders that meet at a corner of more than 12° have a smaller share: 0.05 / sin 12°.
 pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
 
-/// A border of one of the surfaces.
+/// A border or a trim edge of one of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Edge {
     /// Which surface.
     pub(crate) surface: usize,
     /// Which chart, of those of all surfaces.
     chart: usize,
-    /// Which of its borders.
-    pub(crate) border: Border,
+    /// Which of its borders or edges.
+    pub(crate) which: Which,
+}
+
+/// Which border or trim edge of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Which {
+    /// A border.
+    Border(Border),
+    /// A trim edge, counted from 0.
+    Trim(usize),
+}
+
+impl fmt::Display for Which {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Border(border) => border.fmt(f),
+            Self::Trim(number) => write!(f, "trim edge {number}"),
+        }
+    }
 }
 
 /// Two borders that run side by side without meeting.
@@ -46,8 +65,10 @@ pub(crate) struct Gap {
 /// How the borders of a model fit together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fit {
-    /// Borders in all: four a surface.
+    /// Borders in all, four a surface, with all trim edges.
     pub(crate) borders: usize,
+    /// Of these, trim edges.
+    pub(crate) trim_edges: usize,
     /// Of these, collapsed to a point.
     pub(crate) collapsed: usize,
     /// Of the others, those that meet another to within rounding.
@@ -58,25 +79,43 @@ pub(crate) struct Fit {
     pub(crate) free: usize,
     /// The gaps, the widest first.
     pub(crate) gaps: Vec<Gap>,
+    /// Surfaces whose trim edges are not among these, with the reason.
+    pub(crate) left_out: Vec<(usize, CurveError)>,
 }
 
-/// Compares every border with every other that comes near it.
-pub(crate) fn fit(surfaces: &[impl Charts], size: f64) -> Fit {
+/// Compares every border and trim edge with every other that comes near it.
+pub(crate) fn fit(surfaces: &[Surface], size: f64) -> Fit {
     let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
+    let mut first_charts = Vec::new();
     for (surface, one) in surfaces.iter().enumerate() {
+        first_charts.push(charts.len());
         for chart in one.charts() {
             let index = charts.len();
             let there = Border::of(&chart).filter(|border| border.is_kept(&chart));
-            edges.extend(there.map(|border| Edge { surface, chart: index, border }));
+            let which = there.map(Which::Border);
+            edges.extend(which.map(|which| Edge { surface, chart: index, which }));
             charts.push(chart);
         }
     }
     let curve = |edge: &Edge| {
+        let Which::Border(border) = edge.which else { return None };
         let surface = &*charts[edge.chart].surface;
-        let extended = edge.border.pole(surface).is_none();
-        extended.then(|| (*edge, BorderCurve::new(&charts[edge.chart], edge.border)))
+        let extended = border.pole(surface).is_none();
+        extended.then(|| (*edge, BorderCurve::new(&charts[edge.chart], border)))
     };
-    let curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
+    let mut curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
+    let collapsed = edges.len() - curves.len();
+    let (borders, mut left_out) = (curves.len(), Vec::new());
+    for (surface, one) in surfaces.iter().enumerate() {
+        match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
+            Ok(edges) => curves.extend(edges.into_iter().enumerate().map(|(number, edge)| {
+                let which = Which::Trim(number);
+                (Edge { surface, chart: first_charts[surface], which }, BorderCurve::of_edge(edge))
+            })),
+            Err(error) => left_out.push((surface, error)),
+        }
+    }
+    let trim_edges = curves.len() - borders;
 
     let boxes: Vec<Aabb> = curves.iter().map(|(_, c)| c.bounds().grown(NEAR * size)).collect();
     let pairs = overlapping(&boxes);
@@ -101,12 +140,14 @@ pub(crate) fn fit(surfaces: &[impl Charts], size: f64) -> Fit {
     gaps.sort_by(|a, b| b.width.total_cmp(&a.width)); // stable: equal ones keep their order
     let nearly = beside.difference(&meeting).count();
     Fit {
-        borders: edges.len(),
-        collapsed: edges.len() - curves.len(),
+        borders: curves.len() + collapsed,
+        trim_edges,
+        collapsed,
         meeting: meeting.len(),
         nearly,
         free: curves.len() - meeting.len() - nearly,
         gaps,
+        left_out,
     }
 }
 
@@ -148,10 +189,17 @@ fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec2};
+    use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
     use nurbray::geometry::{NurbsSurface, shapes};
 
     use super::*;
+
+    /// [`super::fit`] of whole surfaces.
+    fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
+        let surfaces: Vec<Surface> = surfaces.iter().cloned().map(Surface::from).collect();
+        super::fit(&surfaces, size)
+    }
 
     fn plane_at(x: f64, y: f64, z: f64) -> NurbsSurface {
         let plane = shapes::plane(1.0, 1.0).unwrap();
@@ -200,5 +248,28 @@ mod tests {
         let torus = fit(&[shapes::torus(3.0, 1.0).unwrap()], 8.0);
         assert_eq!((torus.collapsed, torus.meeting, torus.free), (0, 4, 0));
         assert!(sphere.gaps.is_empty() && torus.gaps.is_empty());
+    }
+
+    #[test]
+    fn parts_cut_by_one_loop_meet_and_moved_ones_have_a_gap() {
+        let sphere = shapes::sphere(2.0).unwrap();
+        let [(u0, u1), (v0, v1)] = sphere.domain();
+        let center = DVec2::new(0.5 * (u0 + u1), 0.3 * v0 + 0.7 * v1);
+        let circle = TrimLoop::circle(center, 0.2).unwrap();
+        let domain = TrimDomain::with_seams_of(&sphere).unwrap();
+        let part = |kept, moved: f64| {
+            let trims = Trims::new(domain, kept, std::slice::from_ref(&circle)).unwrap();
+            let part = TrimmedSurface::new(sphere.clone(), trims).unwrap();
+            let map = DAffine3::from_scale(DVec3::splat(1.0 + moved));
+            Surface::from(part.transformed(&map).unwrap())
+        };
+        let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], 4.0);
+        assert_eq!((whole.trim_edges, whole.gaps.len()), (2, 0));
+        assert_eq!((whole.collapsed, whole.meeting, whole.free), (2, 4, 0));
+        // Larger by 1e-5, a part is 2e-5 off all along its edge.
+        let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], 4.0);
+        assert_eq!((torn.meeting, torn.nearly, torn.gaps.len()), (2, 2, 1));
+        assert!((torn.gaps[0].width - 2e-5).abs() < 1e-13, "{}", torn.gaps[0].width);
+        assert_eq!(torn.gaps[0].edges.map(|edge| edge.which), [Which::Trim(0); 2]);
     }
 }

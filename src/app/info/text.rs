@@ -7,7 +7,7 @@ use nurbray::geometry::trim::Kept;
 use nurbray::math::Aabb;
 use nurbray::scene::ImportNote;
 
-use super::super::table::{count, short, short_bytes, short_point, table};
+use super::super::table::{count, long_point, short, short_bytes, short_point, table};
 use super::facts::{Facts, SurfaceFacts};
 use super::gaps::{Edge, Fit, NEAR};
 
@@ -27,6 +27,7 @@ pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) 
     );
     text += &surfaces(&facts.surfaces);
     text += &trimmed(&facts.surfaces);
+    text += &subdivision(&facts.surfaces);
     text += &collapsed(&facts.surfaces);
     text += &approximated(&facts.surfaces);
     text += &borders(fit, facts);
@@ -86,6 +87,24 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
     }
 }
 
+/// The limit surfaces of cages, if there are any.
+fn subdivision(surfaces: &[SurfaceFacts]) -> String {
+    let row = |surface: &SurfaceFacts| {
+        let [all, exact] = surface.patches?;
+        let noun = if all == 1 { "patch" } else { "patches" };
+        let (name, all) = (format!("  {} {}", surface.index, surface.name), all.to_string());
+        Some(vec![name, format!("{all} {noun}"), format!("{exact} of them exact")])
+    };
+    let rows: Vec<Vec<String>> = surfaces.iter().filter_map(row).collect();
+    match rows.len() {
+        0 => String::new(),
+        number => {
+            let heading = count(number as u64, "subdivision surface");
+            format!("\n{heading}:\n") + &table(&rows, &[0, 1, 2])
+        }
+    }
+}
+
 fn collapsed(surfaces: &[SurfaceFacts]) -> String {
     let edges = surfaces.iter().flat_map(|surface| {
         surface.collapsed.iter().map(move |(border, point)| {
@@ -122,13 +141,21 @@ fn approximated(surfaces: &[SurfaceFacts]) -> String {
 
 fn borders(fit: &Fit, facts: &Facts) -> String {
     let mut text = format!(
-        "\n{}: {} collapsed, {} meeting another to within rounding, {} nearly meeting, {} free\n",
+        "\n{}{}: {} collapsed, {} meeting another to within rounding, {} nearly meeting, {} free\n",
         count(fit.borders as u64, "border"),
+        match fit.trim_edges {
+            0 => String::new(),
+            edges => format!(", {edges} of them trim edges"),
+        },
         fit.collapsed,
         fit.meeting,
         fit.nearly,
         fit.free
     );
+    for (surface, error) in &fit.left_out {
+        let name = &facts.surfaces[*surface].name;
+        let _ = writeln!(text, "trim edges of {surface} {name} are not among them: {error}");
+    }
     if fit.gaps.is_empty() {
         let _ = writeln!(text, "no gaps up to {NEAR:e} of the size");
         return text;
@@ -136,7 +163,7 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
     let _ = writeln!(text, "{}, widest first:", count(fit.gaps.len() as u64, "gap"));
     let edge = |edge: &Edge| {
         let name = &facts.surfaces[edge.surface].name;
-        format!("{} {name}, {}", edge.surface, edge.border)
+        format!("{} {name}, {}", edge.surface, edge.which)
     };
     let rows: Vec<Vec<String>> = fit
         .gaps
@@ -176,7 +203,7 @@ const TIGHTNESS: f64 = 1e-12;
 fn bounds(bounds: Aabb) -> String {
     let padding = TIGHTNESS * bounds.magnitude();
     let shown = |corner: DVec3| {
-        short_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
+        long_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
     };
     format!("{} to {}", shown(bounds.min), shown(bounds.max))
 }
