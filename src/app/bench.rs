@@ -44,10 +44,12 @@ a time.
 --against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST;
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
-triangles to stay within tolerance x diagonal. rtcIntersect1 (rtcOccluded1) for
-single rays; else the fastest of 1, 8 and 16. tnear is 0, but for rays that
-leave a surface twice the tolerance; nurbray needs none. A ray differs in t if
-the rival's hit is farther from the tangent plane of ours than the tolerance.
+triangles to stay within tolerance x diagonal; cells that trims cut become
+trapezoids, grids of their own, along chords as near to the trim curves.
+rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
+tnear is 0, but for rays that leave a surface twice the tolerance; nurbray needs
+none. A ray differs in t if the rival's hit is farther from the tangent plane of
+ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
   model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits,
