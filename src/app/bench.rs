@@ -58,6 +58,7 @@ With --json one object a line, for each model, ray set, kernel and tolerance:
   build_seconds   from the placed surfaces to ready, part of file_seconds
   total_seconds   from the file to the last ray
   bytes           everything tracing needs
+  pieces          Bezier pieces: bytes / pieces is the memory a patch
 and with a rival:
   rival (embree), rival_version, rival_width (rays a packet), tolerance,
   rival_mrays_per_s, rival_spread, rival_hits, rival_triangles

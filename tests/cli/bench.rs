@@ -43,7 +43,8 @@ fn an_object_for_each_model_ray_set_and_kernel() {
         lines.iter().map(|line| (line["model"].as_str().unwrap(), line["rays"].as_str().unwrap()));
     assert!(found.eq(expected), "{}", run.stdout);
     for line in &lines {
-        let keys = ["mrays_per_s", "build_seconds", "file_seconds", "total_seconds", "bytes"];
+        let keys =
+            ["mrays_per_s", "build_seconds", "file_seconds", "total_seconds", "bytes", "pieces"];
         check_positive(line, &keys);
         assert!(line["spread"].as_f64().unwrap() >= 0.0);
         assert_eq!((line["kernel"].as_str(), line["threads"].as_u64()), (Some("scalar"), Some(1)));

@@ -53,6 +53,7 @@ impl Report<'_> {
             "build_seconds": self.model.build_seconds,
             "total_seconds": measured.our_total(self.model, ours),
             "bytes": self.model.world.bvh.bytes(),
+            "pieces": self.model.world.bvh.patches().pieces().len(),
         });
         if measured.set == RaySet::AmbientOcclusion {
             line["radius"] = json!(REACH * self.model.diagonal);
@@ -111,14 +112,16 @@ impl Report<'_> {
     fn preparation(&self) -> String {
         let Self { model, .. } = self;
         let bvh = &model.world.bvh;
+        let pieces = bvh.patches().pieces().len();
         let mut text = format!(
-            "{}, {}: {}, {}, {}, {}; {} from the surfaces, {} from the file\n",
+            "{}, {}: {}, {}, {}, {} ({} a piece); {} from the surfaces, {} from the file\n",
             model.name,
             count(self.threads.into(), "thread"),
             count(bvh.surface_count() as u64, "surface"),
-            count(bvh.patches().pieces().len() as u64, "piece"),
+            count(pieces as u64, "piece"),
             count(bvh.leaves().len() as u64, "leaf").replace("leafs", "leaves"),
             short_bytes(bvh.bytes()),
+            short_bytes(bvh.bytes() / pieces.max(1)),
             time(model.build_seconds),
             time(model.file_seconds),
         );
