@@ -115,3 +115,49 @@ fn a_seam_is_found() {
         assert_eq!(side.keeps(DVec2::new(u, 0.5)), kept, "{u}");
     }
 }
+
+#[test]
+fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
+    const SHEET: &str = "[[object]]\nname = 's'\nshape.plane = { width = 2, height = 2 }\n\
+                         trims.loops = [{ circle = { center = [0.5, 0.5], radius = 0.25 } }]\n\
+                         [[object]]\nname = 'l'\n";
+    let made = |shape: &str| -> Result<World, String> {
+        let text = format!("{SHEET}{shape}");
+        let scene = read_scene(&text, "s.toml", &mut |_, _, _| unreachable!()).unwrap();
+        World::new(&scene).map_err(|error| error.to_string())
+    };
+    // The edge is a circle of radius 1/2: the tube is a torus, with no caps.
+    let world = made("shape.trim_curves = { of = 's', radius = 0.1 }").unwrap();
+    assert_eq!(world.surfaces.len(), 2);
+    let tube = &world.surfaces[1];
+    let [(u0, u1), (v0, v1)] = tube.surface.domain();
+    for k in 0..100 {
+        let (s, t) = (f64::from(k % 10) / 9.0, f64::from(k / 10) / 9.0);
+        let point = tube.surface.point_at((u0 + s * (u1 - u0), v0 + t * (v1 - v0)).into());
+        let off = (point.truncate().length() - 0.5).hypot(point.z) - 0.1;
+        assert!(off.abs() <= tube.deviation + 1e-14, "{point}: {off:e} of {:e}", tube.deviation);
+    }
+
+    // From end to end of the disk, round caps included.
+    let world = made("shape.iso_curves = { of = 's', u = [0.5], radius = 0.1 }").unwrap();
+    let reach = world.surfaces[1..].iter().flat_map(|one| {
+        let [(u0, u1), (v0, v1)] = one.surface.domain();
+        [(u0, v0), (u0, v1), (u1, v0), (u1, v1)].map(|at| one.surface.point_at(at.into()).y.abs())
+    });
+    let reach = reach.fold(0.0, f64::max);
+    assert!((0.5 - 1e-12..=0.6 + 1e-12).contains(&reach), "{reach}");
+
+    let error = made("shape.iso_curves = { of = 's', u = [0.5, 0.1], radius = 0.1 }").unwrap_err();
+    assert_eq!(
+        error,
+        "s.toml:7:1: surface \"l\": the line u = 0.1 lies where the trims keep nothing"
+    );
+    let bare = "[[object]]\nname = 'b'\nshape = 'deck_patch'\n\
+                [[object]]\nname = 'l'\nshape.trim_curves = { of = 'b', radius = 0.1 }\n";
+    let scene = read_scene(bare, "s.toml", &mut |_, _, _| unreachable!()).unwrap();
+    assert_eq!(
+        World::new(&scene).unwrap_err().to_string(),
+        "s.toml:6:1: surface \"l\": there are no trim edges to draw: no surface of that object is \
+         trimmed"
+    );
+}
