@@ -53,17 +53,23 @@ const KINK: f64 = 1e-9;
 /// Whether of two meetings on pieces that meet in a kink a doubtful one is grazing: then it may
 /// be a crossing of its own, on the other side of the kink.
 fn kinked(a: &Meeting, b: &Meeting) -> bool {
-    let touches = |m: &Meeting| {
-        m.flags.contains(HitFlags::DOUBTFUL) && m.cosine.abs() < GRAZING && m.normal.is_some()
-    };
     let turned = |(a, b): (DVec3, DVec3)| a.cross(b).length() > KINK;
     a.piece != b.piece && (touches(a) || touches(b)) && a.normal.zip(b.normal).is_some_and(turned)
 }
 
+/// Whether a meeting may be that of a ray that touches the surface: it has either side.
+///
+/// A doubtful meeting that is steep has a side. At a corner of a piece whose tangents there are
+/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
+/// which side the ray is of the surface around the corner is known.
+fn touches(meeting: &Meeting) -> bool {
+    let doubtful = meeting.flags.contains(HitFlags::DOUBTFUL);
+    doubtful && meeting.cosine.abs() < GRAZING && meeting.normal.is_some()
+}
+
 /// Whether two meetings, close in `t`, are the same crossing.
 fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
-    let doubtful = |m: &Meeting| m.flags.contains(HitFlags::DOUBTFUL);
-    let no_side = |m: &Meeting| doubtful(m) || m.normal.is_none();
+    let no_side = |m: &Meeting| m.normal.is_none() || touches(m);
     let same_side = a.cosine * b.cosine > 0.0 || no_side(a) || no_side(b);
     let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(1e-8);
     let same_place = a.jet.point.distance(b.jet.point) <= reach;

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use nurbray::geometry::Surface;
 use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Tracer};
-use nurbray::math::Ray;
+use nurbray::math::{Ray, RayFrame};
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
 use crate::model::{Model, bounds};
@@ -171,7 +171,7 @@ impl<'a> Judge<'a> {
     /// A ray aimed steeply at a point of a surface meets it there, if not before.
     fn target_passed(&self, shot: &Shot, name: &str, answer: &Answer) -> Option<String> {
         let (site, t, slack) = self.target(shot)?;
-        let late = |hit: Hit| (hit.t - t) * shot.ray.direction().length() > slack;
+        let late = |hit: Hit| (hit.t - t) * length(&shot.ray) > slack;
         (!answer.doubtful && answer.hit.is_none_or(late)).then(|| {
             let has = answer.hit.map(|hit| (hit.t, hit.uv));
             format!("{name} lost the target {site:?} {t}, has {has:?}")
@@ -180,7 +180,7 @@ impl<'a> Judge<'a> {
 
     fn target_lost(&self, shot: &Shot, answers: &Answers) -> Option<String> {
         let (site, t, slack) = self.target(shot)?;
-        let length = shot.ray.direction().length();
+        let length = length(&shot.ray);
         let found = |hit: &Hit| (hit.t - t).abs() * length <= slack;
         let lost = !answers.all_doubtful && !answers.all.iter().any(found);
         let of_all = lost.then(|| format!("all hits lost the target {site:?} {t}"));
@@ -222,7 +222,7 @@ impl<'a> Judge<'a> {
                     let measure = self.measure(line, hit);
                     self.slack(measure.promise + measure.excuse, measure.incidence)
                 };
-                let apart = (hits[k].t - hits[k - 1].t) * line.direction().length();
+                let apart = (hits[k].t - hits[k - 1].t) * length(line);
                 if apart <= slack(&hits[k]) + slack(&hits[k - 1]) {
                     outward.swap(k, k - 1);
                 }
@@ -244,7 +244,7 @@ impl<'a> Judge<'a> {
         let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
         let at_end = [ray.t_min(), ray.t_max()]
             .iter()
-            .any(|end| (hit.t - end).abs() * ray.direction().length() <= slack);
+            .any(|end| (hit.t - end).abs() * length(ray) <= slack);
         !hit.flags.contains(HitFlags::DOUBTFUL) && !outside && !at_end
     }
 
@@ -254,7 +254,7 @@ impl<'a> Judge<'a> {
         let (at_a, at_b) = (self.measure(ray, a), self.measure(ray, b));
         let bound = at_a.promise + at_a.excuse + at_b.promise + at_b.excuse;
         let slack = self.slack(bound, at_a.incidence.min(at_b.incidence));
-        if (a.t - b.t).abs() * ray.direction().length() <= slack {
+        if (a.t - b.t).abs() * length(ray) <= slack {
             return true;
         }
         let between = Hit { t: 0.5 * (a.t + b.t), uv: 0.5 * (a.uv + b.uv), ..*a };
@@ -285,9 +285,14 @@ impl<'a> Judge<'a> {
             residual: at.point.distance(ray.at(t)),
             promise,
             excuse: promise + 2.0 * UNIT_ROUNDOFF * parameters,
-            incidence: normal.dot(ray.direction().normalize()).abs(),
+            incidence: normal.dot(RayFrame::new(ray).axis).abs(),
         }
     }
+}
+
+/// The length of a ray's direction, also where its square has no number.
+fn length(ray: &Ray) -> f64 {
+    1.0 / RayFrame::new(ray).t_from_z
 }
 
 #[cfg(test)]
