@@ -9,6 +9,9 @@ use crate::patch::Piece;
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
 /// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
+///
+/// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
+/// leave there, or to do neither. Where only one of the two sides was near enough, it is doubtful.
 pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
     let place = |m: &Meeting| (m.surface, m.piece);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
@@ -17,15 +20,15 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
     let mut kept = 0;
     for k in 0..meetings.len() {
         let meeting = meetings[k];
-        let reach = |m: &Meeting| m.t + m.t_error + meeting.t_error;
         let same = meetings[..kept].iter().rposition(|earlier| {
-            reach(earlier) >= meeting.t && one_crossing(earlier, &meeting, pieces)
+            same_side(earlier, &meeting) && at_one_place(earlier, &meeting, pieces)
         });
         match same {
             // Of two views of a crossing the certain one counts; flags of place are joined. But
             // at a kink the doubtful one may be a crossing of its own, on the other side.
             Some(j) => {
                 let flags = meetings[j].flags.with(meeting.flags);
+                let beyond = meetings[j].beyond && meeting.beyond;
                 let doubtful = HitFlags::DOUBTFUL;
                 let certain = |m: &Meeting| !m.flags.contains(doubtful);
                 let decided =
@@ -34,6 +37,7 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
                     meetings[j] = meeting;
                 }
                 meetings[j].flags = if decided { flags.without(doubtful) } else { flags };
+                meetings[j].beyond = beyond;
             }
             None => {
                 meetings[kept] = meeting;
@@ -42,6 +46,20 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
         }
     }
     meetings.truncate(kept);
+    doubt_half_touches(meetings, pieces);
+}
+
+/// Flags what is met only because the ray passes close to it on its outside, unless another
+/// side of the same edge is met there in the other direction.
+fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
+    for k in (0..meetings.len()).filter(|&k| meetings[k].beyond).collect::<Vec<_>>() {
+        let touch = &meetings[k];
+        let opposite = |m: &Meeting| m.cosine * touch.cosine < 0.0;
+        let whole = meetings.iter().any(|m| opposite(m) && at_one_place(m, touch, pieces));
+        if !whole {
+            meetings[k].flags.insert(HitFlags::DOUBTFUL);
+        }
+    }
 }
 
 /// The cosine below which a doubtful meeting may be that of a ray that touches the surface.
@@ -67,13 +85,20 @@ fn touches(meeting: &Meeting) -> bool {
     doubtful && meeting.cosine.abs() < GRAZING && meeting.normal.is_some()
 }
 
-/// Whether two meetings, close in `t`, are the same crossing.
-fn one_crossing(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
+/// Whether two meetings lead through the surface in the same direction, as far as is known.
+fn same_side(a: &Meeting, b: &Meeting) -> bool {
     let no_side = |m: &Meeting| m.normal.is_none() || touches(m);
-    let same_side = a.cosine * b.cosine > 0.0 || no_side(a) || no_side(b);
+    a.cosine * b.cosine > 0.0 || no_side(a) || no_side(b)
+}
+
+/// Whether two meetings are at the same place: the same one, or one that pieces share.
+fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
+    // A point beyond a border may be off the ray by the whole error; where the other surface is
+    // met obliquely, that is as far along the ray as the other may be off.
+    let along = 2.0 * (a.t_error + b.t_error);
     let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(1e-8);
-    let same_place = a.jet.point.distance(b.jet.point) <= reach;
-    if !(same_side && same_place) {
+    let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
+    if !near {
         return false;
     }
     if a.piece == b.piece {

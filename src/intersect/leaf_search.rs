@@ -29,6 +29,9 @@ pub(super) struct Meeting {
     pub(super) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
     pub(super) stretch: Option<[f64; 2]>,
+    /// Whether the ray passes a side of the piece on its outside, by more than the rounding of
+    /// a ray that was aimed at the side.
+    pub(super) beyond: bool,
 }
 
 /// Everything a search of leaves needs to know of the question.
@@ -324,6 +327,7 @@ fn accept(
         Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
         _ => None,
     };
+    let beyond = st != solution.st && residual > AIMED * rounding_at(jet.point, piece, ray);
     let (surface, piece) = (piece.surface, leaf.piece);
     findings.meetings.push(Meeting {
         t,
@@ -337,7 +341,17 @@ fn accept(
         error,
         cosine,
         stretch,
+        beyond,
     });
+}
+
+/// A ray aimed at a point of a border passes it by no more than this part of what rounding may
+/// do there: 0.1 is the most that was seen.
+const AIMED: f64 = 0.25;
+
+/// The [`error_bound`] of a piece that is no larger than one of its points.
+fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
+    piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
 
 /// The place itself if it is on the piece, else the point of the piece's border that is

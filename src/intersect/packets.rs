@@ -179,5 +179,6 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
         error,
         cosine,
         stretch: None,
+        beyond: false,
     }
 }

@@ -259,6 +259,7 @@ impl<'a> Certain<'a> {
             error: self.error,
             cosine: self.cosine,
             stretch: None,
+            beyond: false,
         }
     }
 }

@@ -11,6 +11,10 @@ use super::{Jet, TensorPatch};
 use crate::geometry::ChartMap;
 use crate::geometry::trim::{Side, Trims, UvBox};
 
+/// The smallest sine of the angle between tangents that tells how far a side is: what is said of
+/// places with a smaller one is that they are at a side within a thousand times the distance.
+const LEAST_SINE: f64 = 1e-3;
+
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -122,9 +126,14 @@ impl Piece {
         Some(euclidean(self.patch.row(i)[j]))
     }
 
-    /// How far, to first order, a point is from the four sides.
+    /// How far, to first order, a point is from the four sides: along one parameter, times the
+    /// sine of the angle to the other. Where the tangents are parallel, as in a cusp, every side
+    /// would be near; there the sine is taken to be at least `LEAST_SINE`.
     pub fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
         let (ds, dt) = (jet.ds.length(), jet.dt.length());
+        let sine = jet.ds.cross(jet.dt).length() / (ds * dt);
+        let sine = if sine > 0.0 { sine.max(LEAST_SINE) } else { 1.0 }; // also at a pole
+        let (ds, dt) = (sine * ds, sine * dt);
         [st.x * ds, (1.0 - st.x) * ds, st.y * dt, (1.0 - st.y) * dt]
     }
 

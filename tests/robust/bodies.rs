@@ -1,75 +1,83 @@
-//! Closed bodies of triangles and of limit surfaces' patches: no ray leaks through their seams.
+//! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
+//! their seams, and none is said to enter without leaving, not even past a sharp edge.
 
 use glam::DVec3;
 use nurbray::geometry::{Cage, Surface};
-use nurbray::intersect::{Hit, Query};
+use nurbray::intersect::Query;
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
 use crate::judge::Judge;
 use crate::model::Model;
 use crate::random::Random;
-use crate::rays::{Class, Rays};
+use crate::rays::{Class, Rays, Shot};
 use crate::{models, patches};
 
-/// Rays through a body, in blocks, that do not enter and leave it in turn; and the share of
+/// Lines through a body, in blocks, that do not enter and leave it in turn; and the share of
 /// doubtful ones.
-fn leaks(model: &Model, count: u64) -> (Vec<String>, f64) {
+fn leaks(model: &Model, count: u64, aim: Aim) -> (Vec<String>, f64) {
     let classes =
         [Class::Random, Class::Aimed, Class::Lines, Class::Corners, Class::Borders, Class::Far];
     let (bvh, judge, rays) = (model.bvh(), Judge::new(model), Rays::new(model));
     let block = |seed: u64| {
         let mut tracer = bvh.tracer();
         let mut random = Random::new(0x5eed ^ seed << 20);
-        let (mut faults, mut doubtful, mut at_edges, mut hits) = (Vec::new(), 0, 0, Vec::new());
+        let (mut faults, mut doubtful, mut hits) = (Vec::new(), 0, Vec::new());
         for k in 0..500 {
-            let ray = rays.shot(classes[k % classes.len()], &mut random).ray;
-            let (from, to) = (f64::NEG_INFINITY, f64::INFINITY);
-            let line = Ray::with_range(ray.origin(), ray.direction(), from, to).unwrap();
+            let shot = rays.shot(classes[k % classes.len()], &mut random);
+            let line = aim.line(&shot, &judge, &mut random);
             hits.clear();
             if tracer.all_hits(&Query::primary(line), &mut hits) {
                 doubtful += 1;
-            } else if hits.iter().any(|hit| at_edge(model, hit, judge.measure(&line, hit).promise))
-            {
-                at_edges += 1;
             } else if let Some(fault) = judge.parity_broken(&hits, &line) {
                 faults.push(format!("{}: {fault}\n      {line:?}", model.name));
             }
         }
-        (faults, doubtful, at_edges)
+        (faults, doubtful)
     };
     let blocks: Vec<_> = (0..count / 500).into_par_iter().map(block).collect();
-    let at_edges: u64 = blocks.iter().map(|block| block.2).sum();
-    assert!(at_edges < count / 4, "{at_edges} rays meet edges");
     let doubtful: u32 = blocks.iter().map(|block| block.1).sum();
     let faults = blocks.into_iter().flat_map(|block| block.0).collect();
     (faults, f64::from(doubtful) / count as f64)
 }
 
-/// Whether a hit of a creased body is within rounding of where unit squares meet: past a sharp
-/// edge a ray may touch one side of it only.
-fn at_edge(model: &Model, hit: &Hit, promise: f64) -> bool {
-    if !model.name.contains("creased") {
-        return false;
+/// How well rays meet what they are aimed at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    /// To within rounding.
+    True,
+    /// Past it, by up to one and a half times what rounding may do: about sharp edges this is
+    /// where a ray may be said to touch one of the two sides and not the other.
+    Beside,
+}
+
+impl Aim {
+    /// The whole line of a ray.
+    fn line(self, shot: &Shot, judge: &Judge<'_>, random: &mut Random) -> Ray {
+        let (ray, mut origin) = (shot.ray, shot.ray.origin());
+        if let (Self::Beside, Some((site, t))) = (self, shot.target) {
+            let promise = judge.measure_at(&ray, site, t).promise;
+            origin += random.between(0.0, 1.5) * promise * random.perpendicular(ray.direction());
+        }
+        Ray::with_range(origin, ray.direction(), f64::NEG_INFINITY, f64::INFINITY).unwrap()
     }
-    let at = model.surfaces[0].derivatives(hit.uv);
-    let across = |t: f64| (t - t.round()).abs();
-    let distance = (across(hit.uv.x) * at.du.length()).min(across(hit.uv.y) * at.dv.length());
-    distance <= 8.0 * promise
 }
 
 fn bodies() -> Vec<Model> {
-    let mut bodies = vec![models::octants()];
+    let mut bodies = vec![models::octants(), models::cuboid(), models::can()];
     bodies.extend(models::limits().into_iter().filter(|model| model.closed));
     bodies
 }
 
 fn none_leaks(count: u64) {
     for model in bodies() {
-        let (faults, doubt) = leaks(&model, count);
-        println!("{:20} {count} rays, {} leak, {doubt:.5} doubtful", model.name, faults.len());
-        assert!(faults.is_empty(), "{} faults, first:\n{}", faults.len(), faults[0]);
-        assert!(doubt < 0.001, "{}: {doubt} doubtful", model.name);
+        for (aim, most_doubtful) in [(Aim::True, 0.001), (Aim::Beside, 0.02)] {
+            let (faults, doubt) = leaks(&model, count, aim);
+            let (name, leaking) = (&model.name, faults.len());
+            println!("{name:20} {aim:?}: {count} rays, {leaking} leak, {doubt:.5} doubtful");
+            assert!(faults.is_empty(), "{leaking} faults, first:\n{}", faults[0]);
+            assert!(doubt < most_doubtful, "{name} {aim:?}: {doubt} doubtful");
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use nurbray::geometry::Surface;
 use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion, Query, Tracer};
-use nurbray::math::{Ray, RayFrame};
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
+use nurbray::math::{Ray, RayFrame};
 
 use crate::model::{Model, bounds};
 use crate::rays::{Shot, Site};
@@ -242,9 +242,8 @@ impl<'a> Judge<'a> {
         let outside = hit.flags.contains(HitFlags::BORDER)
             && measure.residual > 0.5 * measure.promise + measure.excuse;
         let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
-        let at_end = [ray.t_min(), ray.t_max()]
-            .iter()
-            .any(|end| (hit.t - end).abs() * length(ray) <= slack);
+        let at_end =
+            [ray.t_min(), ray.t_max()].iter().any(|end| (hit.t - end).abs() * length(ray) <= slack);
         !hit.flags.contains(HitFlags::DOUBTFUL) && !outside && !at_end
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimCurve, TrimDomain, TrimLoop, Trims};
 use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 use nurbray::io::load_input;
@@ -168,6 +168,35 @@ pub(crate) fn trimmed(mut model: Model) -> Model {
 /// A sphere of eight quartic triangles.
 pub(crate) fn octants() -> Model {
     Model { name: "octant sphere".into(), surfaces: patches::octants(), closed: true }
+}
+
+/// Six rectangles around a volume.
+pub(crate) fn cuboid() -> Model {
+    let (low, size) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(1.0, 0.7, 1.3));
+    let face = |corner: DVec3, along_u: DVec3, along_v: DVec3| {
+        let corners = [DVec3::ZERO, along_v, along_u, along_u + along_v];
+        let corners = corners.map(|from| low + size * (corner + from)).to_vec();
+        let knots = || KnotVector::bezier(1).unwrap();
+        NurbsSurface::new(knots(), knots(), corners, None).unwrap().into()
+    };
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let surfaces = [(x, y, z), (y, z, x), (z, x, y)];
+    let surfaces = surfaces
+        .into_iter()
+        .flat_map(|(a, b, across)| [face(DVec3::ZERO, b, a), face(across, a, b)]);
+    Model { name: "cuboid".into(), surfaces: surfaces.collect(), closed: true }
+}
+
+/// A cylinder with a disk at each end.
+pub(crate) fn can() -> Model {
+    let half_turn = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+    let at_end = |height: f64, turn: DMat3| {
+        let map = DAffine3::from_translation(height * DVec3::Z) * DAffine3::from_mat3(turn);
+        shapes::disk(1.0).unwrap().transformed(&map).unwrap().into()
+    };
+    let wall = shapes::cylinder(1.0, 2.0).unwrap().into();
+    let surfaces = vec![wall, at_end(2.0, DMat3::IDENTITY), at_end(0.0, half_turn)];
+    Model { name: "can".into(), surfaces, closed: true }
 }
 
 /// Limit surfaces of cages: closed ones by both schemes, a creased one, a sheet with a hole.

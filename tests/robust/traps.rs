@@ -3,11 +3,23 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{BuildOptions, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, BuildOptions, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
 
 use crate::random::Random;
+
+/// The first hits of rays by every kernel, with and without packets; and which it was.
+fn by_every_kernel(bvh: &SurfaceBvh, rays: &[Ray], mut judge: impl FnMut(&Answer, &Ray, &str)) {
+    for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+            let mut answers = Vec::new();
+            bvh.tracer_with(kernel).first_hits(rays, coherence, &mut answers);
+            let who = format!("{kernel} {coherence:?}");
+            answers.iter().zip(rays).for_each(|(answer, ray)| judge(answer, ray, &who));
+        }
+    }
+}
 
 fn build(surfaces: &[NurbsSurface]) -> SurfaceBvh {
     SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
@@ -132,16 +144,10 @@ fn slivers_are_not_lost() {
                 Ray::new(from, sliver.point_at(u, v) - from).unwrap()
             })
             .collect();
-        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-                let mut answers = Vec::new();
-                bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
-                for (answer, ray) in answers.iter().zip(&rays) {
-                    let met = answer.hit.is_some_and(|hit| (hit.t - 1.0).abs() < 1e-12);
-                    assert!(met || answer.doubtful, "{width:e} {kernel} {coherence:?}: {ray:?}");
-                }
-            }
-        }
+        by_every_kernel(&bvh, &rays, |answer, ray, who| {
+            let met = answer.hit.is_some_and(|hit| (hit.t - 1.0).abs() < 1e-12);
+            assert!(met || answer.doubtful, "{width:e} {who}: {ray:?}");
+        });
     }
 }
 
@@ -160,17 +166,11 @@ fn no_size_is_too_small_or_too_large() {
                 Ray::new(p - 2.0 * size * d, size * d).unwrap()
             })
             .collect();
-        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-                let mut answers = Vec::new();
-                bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
-                for (answer, ray) in answers.iter().zip(&rays) {
-                    // The place aimed at, unless another is nearer.
-                    let met = answer.hit.is_some_and(|hit| hit.t < 2.0 + 1e-6);
-                    assert!(met || answer.doubtful, "{size:e} {kernel} {coherence:?}: {ray:?}");
-                }
-            }
-        }
+        by_every_kernel(&bvh, &rays, |answer, ray, who| {
+            // The place aimed at, unless another is nearer.
+            let met = answer.hit.is_some_and(|hit| hit.t < 2.0 + 1e-6);
+            assert!(met || answer.doubtful, "{size:e} {who}: {ray:?}");
+        });
     }
 }
 
@@ -260,27 +260,21 @@ fn weights_of_many_magnitudes_are_answered_for() {
                     Ray::new(surface.point_at(u, v) - 9.0 * d, d).unwrap()
                 })
                 .collect();
-            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-                    let mut answers = Vec::new();
-                    bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
-                    for (answer, ray) in answers.iter().zip(&rays) {
-                        let context = || format!("1e±{exponent} {kernel} {coherence:?}: {ray:?}");
-                        if answer.doubtful {
-                            continue;
-                        }
-                        let Some(hit) = answer.hit.filter(|hit| hit.t < 9.0 + 1e-3) else {
-                            panic!("lost: {}", context());
-                        };
-                        let magnitude = ray.origin().abs().max_element().max(p.max(q) as f64);
-                        let promise = residual_factor(p, q) * magnitude;
-                        let residual = hit.point.distance(ray.at(hit.t));
-                        // What this sum rounds comes on top.
-                        assert!(residual <= 1.05 * promise, "{residual:e}: {}", context());
-                        certain += 1;
-                    }
+            by_every_kernel(&bvh, &rays, |answer, ray, who| {
+                let context = || format!("1e±{exponent} {who}: {ray:?}");
+                if answer.doubtful {
+                    return;
                 }
-            }
+                let Some(hit) = answer.hit.filter(|hit| hit.t < 9.0 + 1e-3) else {
+                    panic!("lost: {}", context());
+                };
+                let magnitude = ray.origin().abs().max_element().max(p.max(q) as f64);
+                let promise = residual_factor(p, q) * magnitude;
+                let residual = hit.point.distance(ray.at(hit.t));
+                // What this sum rounds comes on top.
+                assert!(residual <= 1.05 * promise, "{residual:e}: {}", context());
+                certain += 1;
+            });
         }
         assert!(certain >= least, "1e±{exponent}: {certain} answers are certain");
     }
@@ -304,22 +298,16 @@ fn a_tip_has_no_normal_and_a_pole_has() {
                     Ray::new(at + scale * (DVec3::new(0.0, 0.0, 2.0) - d), scale * d).unwrap()
                 })
                 .collect();
-            for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-                    let mut answers = Vec::new();
-                    bvh.tracer_with(kernel).first_hits(&rays, coherence, &mut answers);
-                    for (answer, ray) in answers.iter().zip(&rays) {
-                        let hit = answer.hit.unwrap_or_else(|| panic!("{kernel}: {ray:?}"));
-                        let nowhere = hit.flags.contains(HitFlags::NO_NORMAL);
-                        // Rounding may have led the ray past the tip, to where there is a normal.
-                        let near = hit.point.distance(at + scale * 2.0 * DVec3::Z) < 1e-15 * scale;
-                        assert_eq!(nowhere, hit.normal.is_nan());
-                        assert!(nowhere == (is_tip && near) || is_tip && !near, "{hit:?}");
-                        assert!(is_tip || hit.normal.z > 0.99, "{hit:?}");
-                        tips += usize::from(nowhere);
-                    }
-                }
-            }
+            by_every_kernel(&bvh, &rays, |answer, ray, who| {
+                let hit = answer.hit.unwrap_or_else(|| panic!("{who}: {ray:?}"));
+                let nowhere = hit.flags.contains(HitFlags::NO_NORMAL);
+                // Rounding may have led the ray past the tip, to where there is a normal.
+                let near = hit.point.distance(at + scale * 2.0 * DVec3::Z) < 1e-15 * scale;
+                assert_eq!(nowhere, hit.normal.is_nan());
+                assert!(nowhere == (is_tip && near) || is_tip && !near, "{hit:?}");
+                assert!(is_tip || hit.normal.z > 0.99, "{hit:?}");
+                tips += usize::from(nowhere);
+            });
             assert!(tips > 0 || !is_tip, "no ray met the tip at {scale:e}");
         }
     }
