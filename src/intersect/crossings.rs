@@ -1,7 +1,5 @@
 //! Which meetings are one crossing.
 
-use glam::DVec3;
-
 use super::HitFlags;
 use super::leaf_search::Meeting;
 use crate::patch::Piece;
@@ -25,14 +23,14 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
         });
         match same {
             // Of two views of a crossing the certain one counts; flags of place are joined. But
-            // at a kink the doubtful one may be a crossing of its own, on the other side.
+            // a doubtful one that is grazing may be a crossing of its own, or hold another.
             Some(j) => {
                 let flags = meetings[j].flags.with(meeting.flags);
                 let beyond = meetings[j].beyond && meeting.beyond;
                 let doubtful = HitFlags::DOUBTFUL;
                 let certain = |m: &Meeting| !m.flags.contains(doubtful);
-                let decided =
-                    (certain(&meetings[j]) || certain(&meeting)) && !kinked(&meetings[j], &meeting);
+                let decided = (certain(&meetings[j]) || certain(&meeting))
+                    && !(touches(&meetings[j]) || touches(&meeting));
                 if certain(&meeting) && !certain(&meetings[j]) {
                     meetings[j] = meeting;
                 }
@@ -64,16 +62,6 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
 
 /// The cosine below which a doubtful meeting may be that of a ray that touches the surface.
 const GRAZING: f64 = 1e-4;
-
-/// The sine of the angle from which on two pieces may meet in a kink: far above rounding.
-const KINK: f64 = 1e-9;
-
-/// Whether of two meetings on pieces that meet in a kink a doubtful one is grazing: then it may
-/// be a crossing of its own, on the other side of the kink.
-fn kinked(a: &Meeting, b: &Meeting) -> bool {
-    let turned = |(a, b): (DVec3, DVec3)| a.cross(b).length() > KINK;
-    a.piece != b.piece && (touches(a) || touches(b)) && a.normal.zip(b.normal).is_some_and(turned)
-}
 
 /// Whether a meeting may be that of a ray that touches the surface: it has either side.
 ///

@@ -264,8 +264,12 @@ fn accept(
 
     let normal = piece.normal(st, &jet);
     let cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
-    // A ray through a pole crosses the surface there, unless it may as well touch it.
-    let touches = cosine * cosine * piece.patch.magnitude() <= 4.0 * error;
+    // A ray through a pole crosses the surface there, unless it may as well touch it: where the
+    // radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
+    // between is within R cos² / 2 of it. A leaf turns by less than its length over R.
+    let sides = leaf.rect().map(|[from, to]| to - from);
+    let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
+    let touches = cosine * cosine * length <= CLEAR_OF_POLE * error;
     if solution.proof == Proof::Collapsed && touches {
         flags.insert(HitFlags::DOUBTFUL);
     }
@@ -344,6 +348,10 @@ fn accept(
         beyond,
     });
 }
+
+/// How far from the surface, in errors, a ray must be between a pole and the next root for the two
+/// to be told apart: half of this; with two errors and less they were seen as one.
+const CLEAR_OF_POLE: f64 = 16.0;
 
 /// A ray aimed at a point of a border passes it by no more than this part of what rounding may
 /// do there: 0.1 is the most that was seen.

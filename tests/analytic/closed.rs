@@ -198,26 +198,12 @@ fn every_class_of_rays_agrees_with_the_closed_forms() {
             cases.extend(Class::all().into_iter().map(|class| (placed, class)));
         }
     }
-    let tallies: Vec<Tally> = cases
-        .par_iter()
-        .map(|(placed, class)| {
-            let t = std::time::Instant::now();
-            let r = survey(placed, *class, 7);
-            println!(
-                "TIME {:.3} {:?} {:e} {:e} {class}",
-                t.elapsed().as_secs_f64(),
-                placed.form,
-                placed.scale,
-                placed.shift.x
-            );
-            r
-        })
-        .collect();
+    let tallies: Vec<Tally> =
+        cases.par_iter().map(|(placed, class)| survey(placed, *class, 7)).collect();
     let mut faults = Vec::new();
     for class in Class::all() {
         let mut sum = Tally::default();
-        for (case, tally) in cases.iter().zip(&tallies).filter(|(case, _)| case.1 == class) {
-            let _ = case;
+        for (_, tally) in cases.iter().zip(&tallies).filter(|(case, _)| case.1 == class) {
             sum.rays += tally.rays;
             sum.certain += tally.certain;
             sum.doubtful += tally.doubtful;

@@ -1,7 +1,7 @@
 //! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
 //! their seams, and none is said to enter without leaving, not even past a sharp edge.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::{Cage, Surface};
 use nurbray::intersect::Query;
 use nurbray::math::Ray;
@@ -91,6 +91,36 @@ fn no_ray_leaks_through_seams() {
 #[ignore = "takes minutes"]
 fn no_ray_of_millions_leaks_through_seams() {
     none_leaks(1_000_000);
+}
+
+/// A ray through a pole that nearly touches the surface there meets it again soon: the two are
+/// told apart, or there is doubt.
+#[test]
+fn no_crossing_is_lost_beside_a_pole() {
+    let mut random = Random::new(60);
+    for (scale, shift) in [(1.0, DVec3::ZERO), (1e-3, DVec3::ONE), (1.0, DVec3::splat(1e6))] {
+        let model = models::sphere().placed(scale, shift);
+        let (bvh, judge) = (model.bvh(), Judge::new(&model));
+        let mut tracer = bvh.tracer();
+        let mut certain = 0;
+        for k in 0..20_000 {
+            let pole = model.surfaces[0].point_at(DVec2::new(0.3, f64::from(k % 2)));
+            let along = random.perpendicular(DVec3::Z);
+            let direction = along + random.power_of_ten(-12.0, -1.0) * DVec3::Z;
+            let origin = pole - scale * random.between(1.0, 15.0) * direction;
+            let line = Ray::with_range(origin, direction, f64::NEG_INFINITY, f64::INFINITY);
+            let line = line.unwrap();
+            let mut hits = Vec::new();
+            if !tracer.all_hits(&Query::primary(line), &mut hits) {
+                let fault = judge.parity_broken(&hits, &line);
+                assert_eq!(fault, None, "{}: {line:?}", model.name);
+                certain += 1;
+            }
+        }
+        // Doubt is due below the root of the rounding error.
+        let least = if shift.x > 1e3 { 0.2 } else { 0.4 };
+        assert!(f64::from(certain) > least * 20_000.0, "{}: {certain} certain", model.name);
+    }
 }
 
 /// Rays at the limit points of the cage's vertices, which the limit masks give.

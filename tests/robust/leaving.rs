@@ -185,16 +185,28 @@ fn curved(seed: u64) -> Model {
     model.placed(random.power_of_ten(-8.0, 8.0), DVec3::ZERO)
 }
 
-#[test]
-fn no_self_hit_and_no_lost_neighbour_on_a_thousand_surfaces() {
+/// Rays that leave a thousand surfaces, `rays` each.
+fn a_thousand_surfaces(rays: u64) {
     let count: u64 = std::env::var("N").map_or(1000, |n| n.parse().unwrap());
     let tallies: Vec<Tally> = (0..count)
         .into_par_iter()
-        .map(|seed| survey(&curved(seed), Departure::Any, 100, seed))
+        .map(|seed| survey(&curved(seed), Departure::Any, rays, seed))
         .collect();
     let tally = tallies.into_iter().fold(Tally::default(), Tally::add);
     tally.print("any direction");
     assert!(tally.faults.is_empty(), "{}", tally.faults.join("\n"));
+}
+
+#[test]
+fn no_self_hit_and_no_lost_neighbour_on_a_thousand_surfaces() {
+    a_thousand_surfaces(100);
+}
+
+/// The same with a thousand rays each.
+#[test]
+#[ignore = "takes minutes"]
+fn no_self_hit_and_no_lost_neighbour_of_a_million_rays() {
+    a_thousand_surfaces(1000);
 }
 
 #[test]
