@@ -113,14 +113,16 @@ impl<'a> Cutter<'a> {
     /// and chords do not cross each other.
     fn push_trapezoids(&self, i: usize, j: usize, mesh: &mut GridMesh) -> Result<(), MeshError> {
         let UvBox { min, max } = self.cell(i, j);
-        let near: Vec<Edge> = self.chords[j]
+        let mut near: Vec<Edge> = self.chords[j]
             .iter()
-            .filter(|[a, b]| a.x.min(b.x) < max.x && a.x.max(b.x) > min.x && a.y < b.y)
+            .filter(|[a, b]| a.x.min(b.x) < max.x && a.x.max(b.x) > min.x)
             .map(|&[from, to]| Edge { from, to })
             .collect();
         let mut levels = vec![min.y, max.y];
+        levels.extend(near.iter().flat_map(|edge| [edge.from.y, edge.to.y]));
+        // Chords along u end strips, but are no sides of any.
+        near.retain(|edge| edge.from.y < edge.to.y);
         for edge in &near {
-            levels.extend([edge.from.y, edge.to.y]);
             for side in [min.x, max.x] {
                 let share = (side - edge.from.x) / (edge.to.x - edge.from.x);
                 levels.push(edge.from.y + share * (edge.to.y - edge.from.y));
