@@ -132,6 +132,20 @@ pub enum SceneFault {
         /// The surface's name.
         surface: String,
     },
+    /// Trims for a surface of a kind that cannot have any.
+    #[error("object \"{object}\": trims cut NURBS surfaces, and this is {kind}")]
+    NotTrimmed {
+        /// The object's name.
+        object: String,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// Trims for a surface that its file has trimmed.
+    #[error("object \"{object}\": its file has trimmed this surface: it cannot be trimmed again")]
+    TrimmedTwice {
+        /// The object's name.
+        object: String,
+    },
     /// Trims for several surfaces at once.
     #[error("object \"{object}\": trims cut one surface, and here are {count}")]
     TrimsOfSeveral {

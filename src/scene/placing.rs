@@ -174,8 +174,18 @@ fn trimmed(name: &str, trims: &TrimSpec, made: Vec<Made>) -> Result<Vec<Made>, S
                 let surface = trims.trimmed(name, surface)?.into();
                 trimmed.push(Made { surface, ..one });
             }
-            _ => {
-                let fault = SceneFault::TrimsOfSeveral { object: name.to_owned(), count };
+            (_, surface) => {
+                let object = name.to_owned();
+                let fault = match surface {
+                    _ if count > 1 => SceneFault::TrimsOfSeveral { object, count },
+                    Surface::Nurbs(_) | Surface::Trimmed(_) => SceneFault::TrimmedTwice { object },
+                    Surface::Triangle(_) => {
+                        SceneFault::NotTrimmed { object, kind: "a triangular patch" }
+                    }
+                    Surface::Limit(_) => {
+                        SceneFault::NotTrimmed { object, kind: "a subdivision surface" }
+                    }
+                };
                 return Err(SceneError::new(trims.place.clone(), fault));
             }
         }

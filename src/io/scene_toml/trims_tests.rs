@@ -103,6 +103,11 @@ fn trims_cut_one_surface() {
         error(&format!("[[object]]\nname = 'rod'\n{tube}\n{trims}")),
         "s.toml:4:9: object \"rod\": trims cut one surface, and here are 3"
     );
+    let octant = "shape = { octant_quartic = { radius = 1 } }";
+    assert_eq!(
+        error(&format!("[[object]]\nname = 'o'\n{octant}\n{trims}")),
+        "s.toml:4:9: object \"o\": trims cut NURBS surfaces, and this is a triangular patch"
+    );
 }
 
 #[test]
