@@ -17,8 +17,19 @@ fn a_row_for_each_class_and_one_for_all() {
     let classes: Vec<&str> = rows[1..].iter().map_while(|row| row.first().copied()).collect();
     assert_eq!(classes.len(), 25, "{classes:?}"); // 24 classes and the total
     assert!(run.stdout.contains("\nno unflagged miss, no wrong root, no false hit\ndoubtful: "));
-    assert!(run.stdout.contains(" exactly tangent or starting on a surface ("));
-    assert!(run.stdout.ends_with(" %)\n"));
+    // Every ray is of one of three kinds, every doubtful one, too; and the shares are theirs.
+    let (_, summary) = run.stdout.rsplit_once("\ndoubtful: ").unwrap();
+    let kinds = ["random", "nasty", "exactly tangent or starting on a surface"];
+    let mut sums = [0, 0];
+    for (part, kind) in summary.trim_end().split(", ").zip(kinds) {
+        let (doubtful, rest) = part.split_once(" of ").unwrap();
+        let (rays, rest) = rest.split_once(' ').unwrap();
+        let [doubtful, rays] = [doubtful, rays].map(|count| count.parse::<u32>().unwrap());
+        let share = 100.0 * f64::from(doubtful) / f64::from(rays);
+        assert_eq!(rest, format!("{kind} ({share:.2} %)"));
+        sums = [sums[0] + doubtful, sums[1] + rays];
+    }
+    assert_eq!(sums.map(|sum| sum.to_string()), [total[6], total[1]]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
 use super::LANES;
+use super::cubic::{bernstein, moved, slope_weight};
 use super::distances::LaneDistances;
 use super::packet::Packet;
 use super::search::bits;
@@ -296,47 +297,12 @@ fn store4<S: Simd>(
     }
 }
 
-/// The coefficients of a cubic in `(x − middle) / half`.
-#[inline(always)]
-fn moved<S: Simd>(
-    simd: S,
-    [c0, c1, c2, c3]: [f32x16<S>; 4],
-    (middle, half): (f32, f32),
-) -> [f32x16<S>; 4] {
-    let (m, h) = (f32x16::splat(simd, middle), f32x16::splat(simd, half));
-    let (three, h2) = (f32x16::splat(simd, 3.0), f32x16::splat(simd, half * half));
-    let twice = c2 + c2;
-    let thrice = c3 * three;
-    [
-        c3.mul_add(m, c2).mul_add(m, c1).mul_add(m, c0),
-        thrice.mul_add(m, twice).mul_add(m, c1) * h,
-        thrice.mul_add(m, c2) * h2,
-        c3 * (h2 * h),
-    ]
-}
-
-/// From coefficients of powers of a number within ±1 to Bernstein coefficients.
-#[inline(always)]
-fn bernstein<S: Simd>(simd: S, [c0, c1, c2, c3]: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
-    let third = f32x16::splat(simd, 1.0 / 3.0);
-    let (even, odd) = (c0 + c2, c1 + c3);
-    let (inner_even, inner_odd) = (c0 - c2 * third, c3 - c1 * third);
-    [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
-}
-
 /// `(i + j) REACHⁱ⁺ʲ⁻¹`.
 const SLOPE_WEIGHTS: [f32; 16] = {
     let mut weights = [0.0; 16];
     let mut k = 1;
     while k < 16 {
-        let sum = k / 4 + k % 4;
-        let mut weight = sum as f32;
-        let mut power = 1;
-        while power < sum {
-            weight *= REACH;
-            power += 1;
-        }
-        weights[k] = weight;
+        weights[k] = slope_weight(k / 4, k % 4, REACH);
         k += 1;
     }
     weights

@@ -16,6 +16,7 @@
 //! A ray that comes alone (`single`) goes through the same tree, sixteen boxes at a time, down to
 //! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched.
 
+mod cubic;
 mod distances;
 mod finish;
 mod jets;

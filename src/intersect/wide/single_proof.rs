@@ -17,6 +17,7 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
+use super::cubic::{bernstein, moved, slope_weight};
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
@@ -283,48 +284,14 @@ impl<S: Simd> Local<S> {
     }
 }
 
-/// The coefficients of a cubic in `(x − middle) / half`.
-#[inline(always)]
-fn moved<S: Simd>(
-    simd: S,
-    [c0, c1, c2, c3]: [f32x8<S>; 4],
-    (middle, half): (f32, f32),
-) -> [f32x8<S>; 4] {
-    let (m, h) = (f32x8::splat(simd, middle), f32x8::splat(simd, half));
-    let (three, h2) = (f32x8::splat(simd, 3.0), f32x8::splat(simd, half * half));
-    let twice = c2 + c2;
-    let thrice = c3 * three;
-    [
-        c3.mul_add(m, c2).mul_add(m, c1).mul_add(m, c0),
-        thrice.mul_add(m, twice).mul_add(m, c1) * h,
-        thrice.mul_add(m, c2) * h2,
-        c3 * (h2 * h),
-    ]
-}
-
-/// From coefficients of powers of a number within ±1 to Bernstein coefficients.
-#[inline(always)]
-fn bernstein<S: Simd>(simd: S, [c0, c1, c2, c3]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
-    let third = f32x8::splat(simd, 1.0 / 3.0);
-    let (even, odd) = (c0 + c2, c1 + c3);
-    let (inner_even, inner_odd) = (c0 - c2 * third, c3 - c1 * third);
-    [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
-}
-
 /// `(i + j) REACHⁱ⁺ʲ⁻¹`, for both distances.
 const SLOPE_WEIGHTS: [[f32; 8]; 4] = {
     let mut weights = [[0.0; 8]; 4];
     let mut k = 1;
     while k < 16 {
         let (i, j) = (k / 4, k % 4);
-        let mut weight = (i + j) as f32;
-        let mut power = 1;
-        while power < i + j {
-            weight *= REACH;
-            power += 1;
-        }
-        weights[i][j] = weight;
-        weights[i][j + 4] = weight;
+        weights[i][j] = slope_weight(i, j, REACH);
+        weights[i][j + 4] = weights[i][j];
         k += 1;
     }
     weights
