@@ -182,82 +182,63 @@ struct Certain<'a> {
     frame: &'a RayFrame,
     piece: &'a Piece,
     index: u32,
-    z: f64,
-    st: DVec2,
-    jet: Jet,
+    hit: &'a SingleHit,
     normal: DVec3,
-    cosine: f64,
-    error: f64,
     flags: HitFlags,
 }
 
 impl<'a> Certain<'a> {
     #[inline(always)]
-    fn new(bvh: &'a SurfaceBvh, frame: &'a RayFrame, hit: &SingleHit) -> Self {
+    fn new(bvh: &'a SurfaceBvh, frame: &'a RayFrame, hit: &'a SingleHit) -> Self {
         let leaf = &bvh.leaves[hit.leaf as usize];
         let index = leaf.piece;
         let piece = &bvh.set.pieces()[index as usize];
-        let error = leaf_search::error_bound(piece, frame);
-        let jet = piece.patch.jet(hit.st);
-        let cross = jet.ds.cross(jet.dt);
-        // Near a pole the normal is a limit.
-        let normal = if leaf.has_pole() {
-            piece.normal(hit.st, &jet).unwrap_or(DVec3::NAN)
-        } else {
-            cross * (1.0 / cross.length())
-        };
-        let cosine = normal.dot(frame.axis);
+        let mut normal = hit.cross * (1.0 / hit.cross.length());
         let mut flags = HitFlags::NONE;
-        if piece.has_border()
-            && near_border(leaf, piece, hit.st)
-            && leaf_search::at_border(piece, hit.st, &jet, error)
-        {
-            flags.insert(HitFlags::BORDER);
+        // Near a pole the normal is a limit.
+        if leaf.has_pole() {
+            normal = piece.normal(hit.st, &piece.patch.jet(hit.st)).unwrap_or(DVec3::NAN);
+        }
+        if piece.has_border() && near_border(leaf, piece, hit.st) {
+            let jet = piece.patch.jet(hit.st);
+            if leaf_search::at_border(piece, hit.st, &jet, leaf_search::error_bound(piece, frame)) {
+                flags.insert(HitFlags::BORDER);
+            }
         }
         if !normal.is_finite() {
             flags.insert(HitFlags::NO_NORMAL);
         }
-        Self { frame, piece, index, z: hit.z, st: hit.st, jet, normal, cosine, error, flags }
-    }
-
-    /// How far the place along the ray may be off.
-    fn z_error(&self) -> f64 {
-        self.error / self.cosine.abs().max(f64::EPSILON)
+        Self { frame, piece, index, hit, normal, flags }
     }
 
     /// As an answer.
     #[inline(always)]
     fn hit(&self) -> Hit {
-        let root = Root { piece: self.index, st: self.st, error: self.z_error() };
+        let SingleHit { z, z_error, st, point, .. } = *self.hit;
+        let root = Root { piece: self.index, st, error: z_error };
         let (mut normal, mut flags) = (self.normal, self.flags);
-        if self.piece.is_tip(self.jet.point) {
+        if self.piece.is_tip(point) {
             normal = DVec3::NAN;
             flags.insert(HitFlags::NO_NORMAL);
         }
-        Hit {
-            t: self.z * self.frame.t_from_z,
-            surface: self.piece.surface,
-            uv: self.piece.uv(self.st),
-            point: self.jet.point,
-            normal,
-            flags,
-            root,
-        }
+        let (t, uv) = (z * self.frame.t_from_z, self.piece.uv(st));
+        Hit { t, surface: self.piece.surface, uv, point, normal, flags, root }
     }
 
     /// As the scalar search would have found it.
     fn meeting(&self) -> Meeting {
+        let SingleHit { z, z_error, st, point, .. } = *self.hit;
         Meeting {
-            t: self.z * self.frame.t_from_z,
-            t_error: self.z_error() * self.frame.t_from_z,
+            t: z * self.frame.t_from_z,
+            t_error: z_error * self.frame.t_from_z,
             surface: self.piece.surface,
             piece: self.index,
-            st: self.st,
-            jet: self.jet,
+            st,
+            jet: Jet { point, ..self.piece.patch.jet(st) },
             normal: self.normal.is_finite().then_some(self.normal),
             flags: self.flags.without(HitFlags::NO_NORMAL),
-            error: self.error,
-            cosine: self.cosine,
+            error: leaf_search::error_bound(self.piece, self.frame),
+            cosine: self.normal.dot(self.frame.axis),
             stretch: None,
             beyond: false,
         }

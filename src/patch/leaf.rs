@@ -132,6 +132,14 @@ impl Leaf {
         &self.fit
     }
 
+    /// The approximation's second derivatives in the middle, by box coordinates: twice by the
+    /// first, by both, twice by the second.
+    #[inline(always)]
+    pub fn second_derivatives(&self) -> [DVec3; 3] {
+        let term = |k: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.fit[axis][k])));
+        [2.0 * term(8), term(5), 2.0 * term(2)]
+    }
+
     /// How far the approximation may be from the surface: see [`FitError`](super::FitError).
     #[inline(always)]
     pub fn fit_error(&self) -> f32 {

@@ -24,12 +24,12 @@ use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
 const MOST_STEPS: usize = 4;
 
 /// How much of the promised error a last step may leave behind.
-const PART_OF_ERROR: f64 = 0.125;
+pub(super) const PART_OF_ERROR: f64 = 0.125;
 
 /// A bound of how far the normal may turn in the last step, in radians. It is some times as large
 /// as the turn itself, of which second derivatives from the middle of the leaf's approximation
 /// leave a tenth or so.
-const MOST_TURN: f64 = 1e-10;
+pub(super) const MOST_TURN: f64 = 1e-10;
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -65,10 +65,7 @@ impl<'a> Target<'a> {
             Some(_) => Some([f64::INFINITY; 4]),
             None => leaf_search::border_reach(leaf, piece),
         };
-        let fit = leaf.fit();
-        let [xx, xy, yy] =
-            [8, 5, 2].map(|k| DVec3::from_array([0, 1, 2].map(|axis| f64::from(fit[axis][k]))));
-        let second = [2.0 * xx, xy, 2.0 * yy];
+        let second = leaf.second_derivatives();
         let bend = f64::from(leaf.fit_bend());
         Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, second }
     }

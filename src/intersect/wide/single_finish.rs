@@ -7,8 +7,10 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
-use glam::{DVec2, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
+use super::distances::Approximate;
+use super::finish::{MOST_TURN, PART_OF_ERROR};
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -16,9 +18,6 @@ use crate::patch::{Leaf, TensorPatch};
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: u64 = 4;
-
-/// How much of the promised error a last step may leave behind.
-const PART_OF_ERROR: f64 = 0.125;
 
 /// Parameters are rounded by half a unit. What that moves a point by may be a quarter of the
 /// promised error, for the sum of both speeds times this.
@@ -36,18 +35,20 @@ pub(super) enum Outcome {
     NotFound,
 }
 
-/// Newton's steps in f64 from a start in box coordinates, in a domain where there is one root
-/// at most; `error` is how far a point may be from the ray. Also returns the number of steps.
+/// Newton's steps in f64 from what the search in f32 has found, in a domain in box coordinates
+/// where there is one root at most; `error` is how far a point may be from the ray. Also returns
+/// the number of steps.
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
-/// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
+/// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way. As for
+/// packets, the first step takes the approximation's tangents.
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
     leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
-    task: ([f32; 2], [[f64; 2]; 2], f64),
+    task: (&Approximate<f32>, [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
@@ -69,25 +70,44 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
-    (start, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
+    (near, domain, error): (&Approximate<f32>, [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
     let [s_range, t_range] = leaf.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
     let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
-    let mut x = within(f64::from(start[0]), domain[0]);
-    let mut y = within(f64::from(start[1]), domain[1]);
     let columns = columns(simd, ray);
     let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
     let bend = f64::from(leaf.fit_bend());
 
-    for step in 1..=MOST_STEPS {
+    let mut x = within(f64::from(near.x), domain[0]);
+    let mut y = within(f64::from(near.y), domain[1]);
+    let mut step = 0;
+    // For a hit that is to be told, the normal is wanted where the last step starts: so the first
+    // takes the approximation's tangents, and the next is next to nothing.
+    let told = ray.asks_where();
+    if told {
+        let place = place::<S, P, Q, N>(simd, patch, mid_s + x * half_s, mid_t + y * half_t);
+        let at = seen(relative(place, origin), &columns);
+        let per_weight = 1.0 / place[3];
+        let (f1, f2) = (at[0] * per_weight, at[1] * per_weight);
+        let [[xx, xy], [yx, yy]] = near.inverse.map(|row| row.map(f64::from));
+        x = within(x - (xx * f1 + xy * f2), domain[0]);
+        y = within(y - (yx * f1 + yy * f2), domain[1]);
+        step = 1;
+    }
+
+    while step < MOST_STEPS {
+        step += 1;
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
         let sums = sums::<S, P, Q, N>(simd, patch, s, t);
         // In the ray's coordinates, by box coordinate.
+        let along_x = sums[1] * f64x4::splat(simd, half_s);
+        let along_y = sums[2] * f64x4::splat(simd, half_t);
         let at = seen(relative(sums[0], origin), &columns);
-        let a = seen(relative(sums[1], origin) * f64x4::splat(simd, half_s), &columns);
-        let b = seen(relative(sums[2], origin) * f64x4::splat(simd, half_t), &columns);
-        let inverse = 1.0 / (a[0] * b[1] - a[1] * b[0]);
+        let a = seen(relative(along_x, origin), &columns);
+        let b = seen(relative(along_y, origin), &columns);
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        let inverse = 1.0 / determinant;
         let step_x = (at[0] * b[1] - at[1] * b[0]) * inverse;
         let step_y = (a[0] * at[1] - a[1] * at[0]) * inverse;
         let (new_x, new_y) = (x - step_x, y - step_y);
@@ -97,16 +117,19 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
         let longest = step_x.abs().max(step_y.abs());
         let weight = sums[0][3];
         let close = at[0] * at[0] + at[1] * at[1] <= error * error * weight * weight;
+        let straight = bend * longest * longest <= PART_OF_ERROR * error;
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
-        if inside && (close || bend * longest * longest <= PART_OF_ERROR * error) {
+        if inside && (close || straight) {
             if !(new_x.abs() <= REACH && new_y.abs() <= REACH) {
                 return (Outcome::Missed, step);
             }
-            let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            let weights = [weight, sums[1][3] * half_s, sums[2][3] * half_t];
-            let step_of = DVec2::new(step_x, step_y);
-            let found = Converged { st, half: [half_s, half_t], step: step_of, weights, at, a, b };
-            return (judge(&found, ray, error), step);
+            let tangents = Tangents::new(leaf, [sums[0], along_x, along_y], [step_x, step_y]);
+            if close || !told || tangents.turn_less(MOST_TURN, bend * longest) {
+                let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
+                let along = at[2] - a[2] * step_x - b[2] * step_y;
+                let found = Converged { st, half: [half_s, half_t], along, determinant, tangents };
+                return (judge(&found, ray, error), step);
+            }
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -115,56 +138,86 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     (Outcome::NotFound, MOST_STEPS)
 }
 
+/// The surface after a last small step, by box coordinates.
+struct Tangents {
+    point: DVec3,
+    weight: f64,
+    along_x: DVec3,
+    along_y: DVec3,
+    cross: DVec3,
+}
+
+impl Tangents {
+    /// From `X, W` and their derivatives before the step: the point follows the tangent plane, the
+    /// tangents the second derivatives in the middle of the leaf's approximation.
+    #[inline(always)]
+    fn new<S: Simd>(leaf: &Leaf, sums: [f64x4<S>; 3], [step_x, step_y]: [f64; 2]) -> Self {
+        let simd = sums[0].simd;
+        let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
+        let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
+        let inverse = f64x4::splat(simd, 1.0 / moved[3]);
+        let point = moved * inverse;
+        let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
+        let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
+        let [xx, xy, yy] = leaf.second_derivatives();
+        let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
+        let along_x = vector(along_x) - (xx * step_x + xy * step_y);
+        let along_y = vector(along_y) - (xy * step_x + yy * step_y);
+        let cross = along_x.cross(along_y);
+        Self { point: vector(point), weight: moved[3], along_x, along_y, cross }
+    }
+
+    /// Whether the normal turns by less than an angle, in radians, where the tangents turn by no
+    /// more than `bent`.
+    #[inline(always)]
+    fn turn_less(&self, angle: f64, bent: f64) -> bool {
+        let sides = sum_of_sizes(self.along_x) + sum_of_sizes(self.along_y);
+        let turn = 2.0 * bent * sides;
+        turn * turn <= angle * angle * self.cross.length_squared()
+    }
+}
+
+/// No less than the length.
+#[inline(always)]
+fn sum_of_sizes(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
 /// Where Newton's iteration has converged.
 struct Converged {
-    /// After the last step.
     st: DVec2,
     /// Half the leaf's sides.
     half: [f64; 2],
-    /// The last step, in box coordinates.
-    step: DVec2,
-    /// The weight before it and its derivatives by box coordinates; and the homogeneous sums as
-    /// the ray sees them.
-    weights: [f64; 3],
-    at: [f64; 3],
-    a: [f64; 3],
-    b: [f64; 3],
+    /// How far along the ray, times the weight.
+    along: f64,
+    /// Of the last step, in homogeneous coordinates.
+    determinant: f64,
+    tangents: Tangents,
 }
 
 /// Whether a root of the leaf is a hit.
 #[inline(always)]
 fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
-    let Converged { st, half, step, weights, at, a, b } = found;
-    // What is left of the distance is taken off along the tangent plane.
-    let [weight, along_x, along_y] = weights;
-    let moved = weight - along_x * step.x - along_y * step.y;
-    let z = (at[2] - a[2] * step.x - b[2] * step.y) / moved;
-
-    // Errors along the ray grow with the angle: the tangents less their part along the ray.
-    let (wx, wy) = (along_x / weight, along_y / weight);
-    let across = [a[2] - wx * at[2], b[2] - wy * at[2]];
-    let cross = [
-        a[1] * across[1] - across[0] * b[1],
-        across[0] * b[0] - a[0] * across[1],
-        a[0] * b[1] - a[1] * b[0],
-    ];
-    let size = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
-    let z_error = error * size / cross[2].abs();
+    let Converged { st, half, along, determinant, tangents } = found;
+    let Tangents { point, weight, along_x, along_y, cross } = tangents;
+    let z = along / weight;
+    // One over the cosine is `|a × b| / det`.
+    let steepness = cross.length() * (weight * weight / determinant).abs();
+    let z_error = error * steepness;
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
     // Rounding of a parameter must be small against the error: no certificate has looked at it.
-    let speed = |tangent: &[f64; 3], along: f64| tangent[0].abs() + tangent[1].abs() + along.abs();
-    let speed = speed(a, across[0]) * half[1] + speed(b, across[1]) * half[0];
-    let fine = COARSEST * speed <= error * weight * half[0] * half[1];
+    let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
+    let fine = COARSEST * speed <= error * half[0] * half[1];
     if !(on_piece && clear && fine) {
         return Outcome::Undecided;
     }
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st: *st })
+    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st: *st, point: *point, cross: *cross })
 }
 
 /// The columns of the matrix that takes a vector to the ray's coordinates.
@@ -192,6 +245,28 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
     let xy = columns[1].mul_add(f64x4::splat(simd, v[1]), columns[0] * f64x4::splat(simd, v[0]));
     let xyz = columns[2].mul_add(f64x4::splat(simd, v[2]), xy);
     [xyz[0], xyz[1], xyz[2]]
+}
+
+/// `X, W`: as in [`sums`], but for rounding.
+#[inline(always)]
+fn place<S: Simd, const P: usize, const Q: usize, const N: usize>(
+    simd: S,
+    patch: &TensorPatch,
+    s: f64,
+    t: f64,
+) -> f64x4<S> {
+    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+    let ((bs, _), (bt, _)) = (basis::<N>(p, s), basis::<N>(q, t));
+    let mut value = f64x4::splat(simd, 0.0);
+    for i in 0..=p {
+        let row = patch.row(i);
+        let mut sum = f64x4::splat(simd, 0.0);
+        for j in 0..=q {
+            sum = load(simd, row[j]).mul_add(f64x4::splat(simd, bt[j]), sum);
+        }
+        value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
+    }
+    value
 }
 
 /// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],

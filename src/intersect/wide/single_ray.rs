@@ -1,6 +1,6 @@
 //! A ray prepared for all that one ray is put through.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::intersect::Root;
 use crate::math::RayFrame;
@@ -37,6 +37,9 @@ pub(in crate::intersect) struct SingleHit {
     /// How far `z` may be off.
     pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) st: DVec2,
+    pub(in crate::intersect) point: DVec3,
+    /// Along `S_s × S_t`.
+    pub(in crate::intersect) cross: DVec3,
 }
 
 /// One ray, in f64 and in scaled f32 coordinates.
@@ -130,6 +133,11 @@ impl<'a> SingleRay<'a> {
     #[inline(always)]
     pub(super) fn start_reach(&self, error: f64) -> f64 {
         2.0 * error + self.from.map_or(0.0, |root| root.error)
+    }
+
+    /// Whether more is wanted of a hit than that there is one.
+    pub(super) fn asks_where(&self) -> bool {
+        self.wanted == Wanted::First
     }
 
     /// Ends the ray at a hit.
