@@ -20,12 +20,11 @@ pub fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
     let complement = 1.0 - t;
 
     // Powers of t upwards with the binomial factor, then powers of 1 − t downwards.
+    let binomials = binomials(degree);
     let mut power = 1.0;
-    let mut binomial = 1.0;
     for i in 0..=degree {
-        values[i] = binomial * power;
+        values[i] = binomials[i] * power;
         power *= t;
-        binomial = binomial * (degree - i) as f64 / (i + 1) as f64;
     }
     power = 1.0;
     for i in (0..=degree).rev() {
@@ -39,6 +38,29 @@ pub fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
 pub fn binomial(n: usize, k: usize) -> f64 {
     (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
 }
+
+/// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
+/// [`MAX_DEGREE`]. Looked up: worked out one from another they take a division each, and longer
+/// than all the rest of a sum over them.
+#[inline(always)]
+pub(crate) fn binomials(n: usize) -> &'static Basis {
+    &BINOMIALS[n]
+}
+
+const BINOMIALS: [Basis; MAX_DEGREE + 1] = {
+    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+    let mut n = 0;
+    while n <= MAX_DEGREE {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k]; // Pascal's triangle
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};
 
 /// The derivatives `B_i'(t) = p (B_{i−1}^{p−1}(t) − B_i^{p−1}(t))`, from the functions of
 /// degree `p − 1`.

@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
-use crate::math::bernstein::MAX_DEGREE;
+use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::TensorPatch;
 
 /// Points of eight lanes and the derivatives there.
@@ -145,11 +145,10 @@ fn basis<S: Simd, const N: usize>(
     let rest = one - t;
     let mut lower = [zero; N];
     let mut power = one;
-    let mut binomial = 1.0;
+    let binomials = binomials(degree - 1);
     for i in 0..degree {
-        lower[i] = power * f64x8::splat(simd, binomial);
+        lower[i] = power * f64x8::splat(simd, binomials[i]);
         power *= t;
-        binomial *= (degree - 1 - i) as f64 / (i + 1) as f64;
     }
     power = one;
     for i in (0..degree).rev() {

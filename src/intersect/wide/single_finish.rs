@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3, DVec4};
 use super::distances::Approximate;
 use super::finish::{MOST_TURN, PART_OF_ERROR};
 use super::single_ray::{REACH, SingleHit, SingleRay};
-use crate::math::bernstein::MAX_DEGREE;
+use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::patch::{Leaf, TensorPatch};
 
@@ -256,7 +256,10 @@ fn place<S: Simd, const P: usize, const Q: usize, const N: usize>(
     t: f64,
 ) -> f64x4<S> {
     let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let ((bs, _), (bt, _)) = (basis::<N>(p, s), basis::<N>(q, t));
+    let mut bases = [Basis::<N>::ZERO; 2];
+    bases[0].fill(p, s);
+    bases[1].fill(q, t);
+    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
     let mut value = f64x4::splat(simd, 0.0);
     for i in 0..=p {
         let row = patch.row(i);
@@ -279,8 +282,11 @@ fn sums<S: Simd, const P: usize, const Q: usize, const N: usize>(
     t: f64,
 ) -> [f64x4<S>; 3] {
     let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let (bs, ds) = basis::<N>(p, s);
-    let (bt, dt) = basis::<N>(q, t);
+    let mut bases = [Basis::<N>::ZERO; 2];
+    bases[0].fill(p, s);
+    bases[1].fill(q, t);
+    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
+    let [ds, dt] = bases.each_ref().map(|basis| &basis.slopes);
     let zero = f64x4::splat(simd, 0.0);
     let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
     for i in 0..=p {
@@ -303,35 +309,44 @@ fn load<S: Simd>(simd: S, control: DVec4) -> f64x4<S> {
     f64x4::from_slice(simd, &control.to_array())
 }
 
-/// Bernstein functions and their derivatives: those of one degree less, then the recurrence.
-#[inline(always)]
-fn basis<const N: usize>(degree: usize, t: f64) -> ([f64; N], [f64; N]) {
-    let rest = 1.0 - t;
-    let mut lower = [0.0; N];
-    let mut power = 1.0;
-    let mut binomial = 1.0;
-    for i in 0..degree {
-        lower[i] = power * binomial;
-        power *= t;
-        binomial *= (degree - 1 - i) as f64 / (i + 1) as f64;
+/// Bernstein functions and their derivatives, filled in where they stand: returned, they would be
+/// copied, which stalls.
+struct Basis<const N: usize> {
+    values: [f64; N],
+    slopes: [f64; N],
+}
+
+impl<const N: usize> Basis<N> {
+    const ZERO: Self = Self { values: [0.0; N], slopes: [0.0; N] };
+
+    /// From those of one degree less, by the recurrence.
+    #[inline(always)]
+    fn fill(&mut self, degree: usize, t: f64) {
+        let Self { values, slopes } = self;
+        let rest = 1.0 - t;
+        let binomials = binomials(degree - 1);
+        // The lower ones take the places of the slopes for a while.
+        let mut power = 1.0;
+        for i in 0..degree {
+            slopes[i] = power * binomials[i];
+            power *= t;
+        }
+        power = 1.0;
+        for i in (0..degree).rev() {
+            slopes[i] *= power;
+            power *= rest;
+        }
+        let p = degree as f64;
+        let mut before = 0.0;
+        for i in 0..degree {
+            let here = slopes[i];
+            values[i] = rest * here + t * before;
+            slopes[i] = p * (before - here);
+            before = here;
+        }
+        values[degree] = t * before;
+        slopes[degree] = p * before;
     }
-    power = 1.0;
-    for i in (0..degree).rev() {
-        lower[i] *= power;
-        power *= rest;
-    }
-    let p = degree as f64;
-    let mut values = [0.0; N];
-    let mut slopes = [0.0; N];
-    values[0] = rest * lower[0];
-    slopes[0] = -p * lower[0];
-    for i in 1..degree {
-        values[i] = rest * lower[i] + t * lower[i - 1];
-        slopes[i] = p * (lower[i - 1] - lower[i]);
-    }
-    values[degree] = t * lower[degree - 1];
-    slopes[degree] = p * lower[degree - 1];
-    (values, slopes)
 }
 
 /// The number, or the nearest bound; the lower one for NaN.
