@@ -41,6 +41,7 @@ pub struct Leaf {
     fit_error: Up16,
     slope_error: Up16,
     fit_bend: Up16,
+    stretch: Up16,
     trimmed: bool,
 }
 
@@ -71,6 +72,7 @@ impl Leaf {
             fit_error: Up16::above(error.value),
             slope_error: Up16::above(error.slope),
             fit_bend: Up16::above(error.bend),
+            stretch: Up16::above(stretch(&fit, error.slope)),
             trimmed: part.trimmed,
         };
         (leaf, oriented)
@@ -158,6 +160,14 @@ impl Leaf {
         self.fit_bend.value()
     }
 
+    /// How much farther apart two places of the leaf, or a little outside, are at most than their
+    /// points in space, where box coordinates are multiplied by [`Self::side_lengths`]; infinite
+    /// where nothing is known.
+    #[inline(always)]
+    pub fn stretch(&self) -> f32 {
+        self.stretch.value()
+    }
+
     /// The lengths, about, of the half sides in `x` and `y`.
     pub fn side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {
@@ -165,6 +175,33 @@ impl Leaf {
             (x * x + y * y + z * z).sqrt()
         })
     }
+}
+
+/// See [`Leaf::stretch`]; `slope_error` is that of [`FitError`](super::FitError).
+///
+/// With the sides made unit vectors, the tangents in the middle take a vector to one that is not
+/// shorter than `√(1 − |cos φ|)` of it, `φ` the angle between them; all other terms of the
+/// approximation add no more than their sizes, and the surface the slopes' error.
+fn stretch(fit: &Fit, slope_error: f64) -> f64 {
+    let term = |i: usize, j: usize| {
+        DVec3::from_array([0, 1, 2].map(|axis| f64::from(fit[axis][4 * i + j])))
+    };
+    let (a, b) = (term(1, 0), term(0, 1));
+    let lengths = [a.length(), b.length()];
+    let least = (1.0 - (a.dot(b) / (lengths[0] * lengths[1])).abs()).sqrt();
+    let mut turning = [slope_error; 2];
+    let reach = 1.2f64; // where the error's bounds hold
+    for i in 0..4 {
+        for j in (0..4).filter(|j| i + j > 1) {
+            let size = term(i, j).length() * reach.powi((i + j) as i32 - 1);
+            turning[0] += i as f64 * size;
+            turning[1] += j as f64 * size;
+        }
+    }
+    let most = (turning[0] / lengths[0]).hypot(turning[1] / lengths[1]);
+    // What rounding does is far less than this; false for NaN.
+    let stretches = least - most > 1e-3;
+    if stretches { 1.0 / (least - most) } else { f64::INFINITY }
 }
 
 /// The collapsed side of a piece that a rectangle touches.

@@ -59,6 +59,9 @@ pub(super) fn search_leaf<S: Simd>(
         if packet.from_roots {
             // The one root of these is the one they start on.
             certain &= !packet.starts_in(simd, base, target.leaf.piece, target.domain);
+            if doubted != 0 {
+                doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
+            }
         }
         if certain | doubted == 0 {
             continue;

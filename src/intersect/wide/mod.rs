@@ -17,6 +17,7 @@
 //! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched.
 
 mod cubic;
+mod departure;
 mod distances;
 mod finish;
 mod jets;

@@ -1,10 +1,15 @@
 //! Sixty-four rays, coordinate by coordinate, and what has been found for each.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdMask, SimdSplit, f32x8, f64x8, mask32x8, u32x16};
+use fearless_simd::{
+    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, u32x16,
+};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
+use super::departure::{Departure, Final, NEARBY};
+use super::finish::Target;
 use super::load::END_SPARE;
+use super::search::load3;
 use super::single_ray::Wanted;
 use super::{LANES, PACKET};
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
@@ -226,6 +231,66 @@ impl Packet {
             inside |= (within.to_bitmask() as u32) << half;
         }
         inside & on_piece
+    }
+
+    /// One bit for each of the sixteen rays from `base` on that starts on a leaf, or near it on its
+    /// piece, that does not lie ahead of it again. A point may be as far from a ray as its magnitude times `factor`.
+    #[simd]
+    pub(super) fn departs_from<S: Simd>(
+        &self,
+        simd: S,
+        base: usize,
+        target: &Target<'_>,
+        (magnitude, factor): (f32x16<S>, f64),
+    ) -> u32 {
+        let leaf = target.leaf;
+        let nearby = target.parameters([[-NEARBY, NEARBY]; 2]);
+        let here = self.starts_in(simd, base, leaf.piece, nearby);
+        if here == 0 {
+            return 0;
+        }
+        let mut ahead = 0;
+        let zero = f64x8::splat(simd, 0.0);
+        let (mut place, mut origin, mut known) = ([[zero; 2]; 2], [[zero; 2]; 3], [zero; 2]);
+        for half in 0..2 {
+            let eight = base + 8 * half..base + 8 * half + 8;
+            let z_min = f64x8::from_slice(simd, &self.z_min[eight.clone()]);
+            ahead |= (z_min.simd_ge(zero).to_bitmask() as u32) << (8 * half);
+            for k in 0..2 {
+                let [from, to] = leaf.rect()[k];
+                let at = f64x8::from_slice(simd, &self.from_st[k][eight.clone()]);
+                let twice = at + at - f64x8::splat(simd, from + to);
+                place[k][half] = twice * f64x8::splat(simd, 1.0 / (to - from));
+            }
+            for k in 0..3 {
+                let at = f64x8::from_slice(simd, &self.origin[k][eight.clone()]);
+                origin[k][half] = at - f64x8::splat(simd, leaf.middle[k]);
+            }
+            known[half] = f64x8::from_slice(simd, &self.from_error[eight]);
+        }
+        if here & ahead == 0 {
+            return 0;
+        }
+        let narrow = |[low, high]: [f64x8<S>; 2]| simd.narrow_f64x8(low, high);
+        // Both rounded up by more than they were rounded.
+        let error = magnitude * f32x16::splat(simd, 1.001 * factor as f32);
+        let departure = Departure {
+            place: [narrow(place[0]), narrow(place[1])],
+            origin: [narrow(origin[0]), narrow(origin[1]), narrow(origin[2])],
+            axis: load3(simd, &self.axis_f, base),
+            reach: narrow(known).mul_add(f32x16::splat(simd, 1.001), error),
+        };
+        let Final { mut surely, if_near } = departure.is_final(simd, leaf);
+        let mut asked = here & ahead & if_near & !surely;
+        while asked != 0 {
+            let k = asked.trailing_zeros() as usize;
+            asked &= asked - 1;
+            let at = base + k;
+            let point = target.piece.patch.point(pair(&self.from_st, at));
+            let reach = self.from_error[at] + factor * f64::from(magnitude[k]);
+            surely |= u32::from(point.distance(gather(&self.origin, at)) <= reach) << k;
+        }
+        here & ahead & surely
     }
 
     /// The answer to a ray whose nearest hit needs no closer look.

@@ -258,6 +258,9 @@ fn search_leaf<S: Simd>(
     if certified && ray.starts_in(leaf) {
         return; // the one root is the one the ray starts on
     }
+    if !certified && ray.departs_from(simd, (leaf, &piece.patch), error) {
+        return;
+    }
     let distances = Distances::new(simd, leaf, ray);
     if certified {
         let near = distances.newton(simd, start);

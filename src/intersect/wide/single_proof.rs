@@ -37,7 +37,7 @@ pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 pub(super) const LARGEST: f32 = 1e18;
 
 /// How far the leaf and its slack reach.
-const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
+pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
 /// Roots are unique in a box widened by this: so that one on its side is not lost.
 pub(super) const REACH: f32 = 1.1;

@@ -1,10 +1,13 @@
 //! A ray prepared for all that one ray is put through.
 
+use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::departure::{Departure, Final, NEARBY};
 use crate::intersect::Root;
-use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
+use crate::math::{RayFrame, rounding};
+use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, TensorPatch, WIDENING};
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
@@ -126,6 +129,35 @@ impl<'a> SingleRay<'a> {
         // A little less than the certificate speaks of: in f32.
         let reach = 1.0 + 1.99 * WIDENING as f32;
         self.start_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
+    }
+
+    /// Whether the ray starts on a leaf, or near it on its piece, that does not lie ahead of it
+    /// again; `error` is how far a point may be from the ray.
+    #[simd]
+    pub(super) fn departs_from<S: Simd>(
+        &self,
+        simd: S,
+        (leaf, patch): (&Leaf, &TensorPatch),
+        error: f64,
+    ) -> bool {
+        let (Some(root), Some(place)) = (self.from, self.start_in(leaf)) else { return false };
+        let nearby = place[0].abs().max(place[1].abs()) <= NEARBY;
+        let ahead = self.frame.z_range[0] >= 0.0;
+        if !(nearby && ahead) {
+            return false;
+        }
+        let [x, y, z] = (self.frame.origin - leaf.middle).as_vec3().to_array();
+        let [dx, dy, dz] = self.axis;
+        let reach = root.error + error;
+        let departure = Departure {
+            place: [f32x16::splat(simd, place[0]), f32x16::splat(simd, place[1])],
+            origin: [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)],
+            axis: [f32x16::splat(simd, dx), f32x16::splat(simd, dy), f32x16::splat(simd, dz)],
+            reach: f32x16::splat(simd, rounding::f32_above(reach)),
+        };
+        let Final { surely, if_near } = departure.is_final(simd, leaf);
+        let near = || patch.point(root.st).distance(self.frame.origin) <= reach;
+        surely & 1 != 0 || (if_near & 1 != 0 && near())
     }
 
     /// How far from the ray's start a root may be and yet be the start itself, for the
