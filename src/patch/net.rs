@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec4;
+use glam::{DVec3, DVec4};
 
 use crate::geometry::trim::Trims;
 use crate::geometry::{Chart, ChartMap, KnotVector};
@@ -11,12 +11,10 @@ use crate::geometry::{Chart, ChartMap, KnotVector};
 #[derive(Debug)]
 pub(super) struct BezierNet {
     pub(super) degree: [usize; 2],
-    /// Homogeneous, row by row.
-    pub(super) control: Vec<DVec4>,
+    /// Row by row.
+    pub(super) control: Control,
     /// The length of a row.
     pub(super) stride: usize,
-    /// Whether the weights differ.
-    pub(super) rational: bool,
     /// For each direction and each row, or column: what is to be known of the pieces that
     /// begin there.
     pub(super) spans: [Vec<PieceSpan>; 2],
@@ -24,6 +22,66 @@ pub(super) struct BezierNet {
     pub(super) map: ChartMap,
     /// Which part of the chart is there; all of it without trims.
     pub(super) trims: Option<Arc<Trims>>,
+}
+
+/// Homogeneous control points `(w x, w y, w z, w)`; of those that all have the same weight, it is
+/// kept once.
+#[derive(Debug)]
+pub(super) struct Control {
+    /// Four numbers a point, or three, and one more: so that four can be read at any point.
+    numbers: Vec<f64>,
+    /// The weight of all points, if it is one.
+    weight: Option<f64>,
+}
+
+impl Control {
+    fn new(points: &[DVec4]) -> Self {
+        let first = points.first().map_or(1.0, |point| point.w);
+        if points.iter().all(|point| point.w == first) {
+            let mut numbers = Vec::with_capacity(3 * points.len() + 1);
+            numbers.extend(points.iter().flat_map(|point| point.truncate().to_array()));
+            numbers.push(0.0);
+            return Self { numbers, weight: Some(first) };
+        }
+        let mut numbers = Vec::with_capacity(4 * points.len() + 1);
+        numbers.extend(points.iter().flat_map(|point| point.to_array()));
+        numbers.push(0.0);
+        Self { numbers, weight: None }
+    }
+
+    /// The weight of all points, if it is one.
+    #[inline(always)]
+    pub(super) fn weight(&self) -> Option<f64> {
+        self.weight
+    }
+
+    /// How many numbers a point has: three, or four where weights differ.
+    #[inline(always)]
+    pub(super) fn components(&self) -> usize {
+        if self.weight.is_some() { 3 } else { 4 }
+    }
+
+    /// Points from the `first` on, so many.
+    #[inline]
+    pub(super) fn points(&self, first: usize, count: usize) -> impl Iterator<Item = DVec4> + '_ {
+        let (size, weight) = (self.components(), self.weight);
+        let numbers = &self.numbers[size * first..size * (first + count)];
+        numbers.chunks_exact(size).map(move |point| match weight {
+            Some(weight) => DVec3::from_slice(point).extend(weight),
+            None => DVec4::from_slice(point),
+        })
+    }
+
+    /// The numbers of points from the `first` on, so many, and one more.
+    #[inline(always)]
+    pub(super) fn numbers(&self, first: usize, count: usize) -> &[f64] {
+        let size = self.components();
+        &self.numbers[size * first..=size * (first + count)]
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.numbers[..])
+    }
 }
 
 /// The part of a knot vector that pieces cover.
@@ -50,32 +108,27 @@ impl BezierNet {
             piece_spans(knots[1], [b2, b3], chart.open_end[1]),
         ];
         let (_, stride) = bezier.size();
-        let control = bezier.into_control();
-        let rational = is_rational(&control);
+        let control = Control::new(&bezier.into_control());
         let (map, trims) = (chart.map, chart.trims.clone());
-        (Self { degree, control, stride, rational, spans, map, trims }, firsts)
+        (Self { degree, control, stride, spans, map, trims }, firsts)
     }
 
     /// The memory held, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
         let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
-        size_of::<Self>() + size_of_val(&self.control[..]) + spans.sum::<usize>() + trims
+        size_of::<Self>() + self.control.bytes() + spans.sum::<usize>() + trims
     }
 
     /// A net of one piece, on the unit square.
     #[cfg(test)]
-    pub(super) fn single(degree: [usize; 2], control: Vec<DVec4>) -> Self {
+    pub(super) fn single(degree: [usize; 2], control: &[DVec4]) -> Self {
         let span = PieceSpan { domain: [0.0, 1.0], border: [true; 2], open_end: false };
-        let rational = is_rational(&control);
+        let control = Control::new(control);
         let spans = [vec![span], vec![span]];
         let map = ChartMap::Identity;
-        Self { degree, control, stride: degree[1] + 1, rational, spans, map, trims: None }
+        Self { degree, control, stride: degree[1] + 1, spans, map, trims: None }
     }
-}
-
-fn is_rational(control: &[DVec4]) -> bool {
-    control.iter().any(|c| c.w != control[0].w)
 }
 
 /// What is to be known of pieces by the first point they have.

@@ -255,8 +255,8 @@ impl Halving {
 fn copied(piece: &Piece) -> ControlNet {
     let [p, q] = piece.patch.degree();
     let mut net = ControlNet::with_capacity((p + 1) * (q + 1));
-    for row in piece.patch.rows() {
-        net.extend_from_slice(row);
+    for i in 0..=p {
+        net.extend(piece.patch.row(i));
     }
     net
 }

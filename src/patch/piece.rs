@@ -123,7 +123,7 @@ impl Piece {
         }
         let [p, q] = self.patch.degree();
         let (i, j) = [(0, 0), (p, 0), (0, 0), (0, q)][side];
-        Some(euclidean(self.patch.row(i)[j]))
+        Some(euclidean(self.patch.control_point(i, j)))
     }
 
     /// How far, to first order, a point is from the four sides: along one parameter, times the
@@ -223,10 +223,10 @@ fn collapsed_sides(patch: &TensorPatch) -> u8 {
     let [p, q] = patch.degree();
     let tolerance = 4.0 * patch.residual_factor() * patch.magnitude();
     let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
-        let first = euclidean(patch.row(i)[j]);
+        let first = euclidean(patch.control_point(i, j));
         // From the far end: sides that are not collapsed are told at once.
         (1..=degree).rev().all(|k| {
-            let point = euclidean(patch.row(i + k * di)[j + k * dj]);
+            let point = euclidean(patch.control_point(i + k * di, j + k * dj));
             (point - first).abs().max_element() <= tolerance
         })
     };

@@ -56,25 +56,49 @@ impl TensorPatch {
 
     /// The homogeneous control points `(w x, w y, w z, w)`, second index fastest.
     pub fn control(&self) -> impl Iterator<Item = DVec4> + '_ {
-        self.rows().flatten().copied()
+        (0..=self.degree()[0]).flat_map(|i| self.row(i))
+    }
+
+    /// One of them.
+    pub fn control_point(&self, i: usize, j: usize) -> DVec4 {
+        let at = self.row_start(i) + j;
+        self.net.control.points(at, 1).next().unwrap_or(DVec4::NAN) // there is one
     }
 
     /// One row of them, of `q + 1` points, for the `i`-th Bernstein function of `s`.
     #[inline]
-    pub fn row(&self, i: usize) -> &[DVec4] {
-        let net = &*self.net;
-        let start = (self.first[0] as usize + i) * net.stride + self.first[1] as usize;
-        &net.control[start..=start + net.degree[1]]
+    pub fn row(&self, i: usize) -> impl Iterator<Item = DVec4> + '_ {
+        self.net.control.points(self.row_start(i), self.degree()[1] + 1)
     }
 
-    /// All rows.
-    pub fn rows(&self) -> impl Iterator<Item = &[DVec4]> {
-        (0..=self.degree()[0]).map(|i| self.row(i))
+    /// The numbers of a row: four for each point, or three where all weights are the same, and
+    /// one more, so that four can be read at every point.
+    #[inline(always)]
+    pub fn row_numbers(&self, i: usize) -> &[f64] {
+        self.net.control.numbers(self.row_start(i), self.degree()[1] + 1)
+    }
+
+    /// The place of a row's first point in the net.
+    #[inline(always)]
+    fn row_start(&self, i: usize) -> usize {
+        (self.first[0] as usize + i) * self.net.stride + self.first[1] as usize
+    }
+
+    /// The weight of all points of the surface; `None` where they differ.
+    #[inline(always)]
+    pub fn weight(&self) -> Option<f64> {
+        self.net.control.weight()
     }
 
     /// Whether the weights of the surface differ.
+    #[inline(always)]
     pub fn is_rational(&self) -> bool {
-        self.net.rational
+        self.weight().is_none()
+    }
+
+    /// The memory a control point takes.
+    pub fn bytes_a_point(&self) -> usize {
+        self.net.control.components() * size_of::<f64>()
     }
 
     /// The largest absolute coordinate of the control points, rounded up to six digits.
@@ -118,9 +142,9 @@ impl TensorPatch {
         let mut value = DVec4::ZERO;
         let mut along_s = DVec4::ZERO;
         let mut along_t = DVec4::ZERO;
-        for (i, row) in self.rows().enumerate() {
+        for i in 0..=p {
             let (mut sum, mut slope) = (DVec4::ZERO, DVec4::ZERO);
-            for (j, &c) in row.iter().enumerate() {
+            for (j, c) in self.row(i).enumerate() {
                 sum += bt[j] * c;
                 slope += dt[j] * c;
             }
@@ -130,8 +154,7 @@ impl TensorPatch {
         }
 
         // Quotient rule: S_s = (X_s − S W_s) / W.
-        if !self.is_rational() {
-            let w = self.row(0)[0].w;
+        if let Some(w) = self.weight() {
             return Jet {
                 point: value.truncate() / w,
                 ds: along_s.truncate() / w,
@@ -161,15 +184,14 @@ impl TensorPatch {
             (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
         let (bs, bt) = (bernstein::raised(p, st.x, &lower_s), bernstein::raised(q, st.y, &lower_t));
         let mut value = DVec4::ZERO;
-        for (i, row) in self.rows().enumerate() {
+        for i in 0..=p {
             let mut sum = DVec4::ZERO;
-            for (j, &c) in row.iter().enumerate() {
+            for (j, c) in self.row(i).enumerate() {
                 sum += bt[j] * c;
             }
             value += bs[i] * sum;
         }
-        let weight = if self.is_rational() { value.w } else { self.row(0)[0].w };
-        value.truncate() / weight
+        value.truncate() / self.weight().unwrap_or(value.w)
     }
 
     /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
@@ -178,11 +200,8 @@ impl TensorPatch {
         let [p, q] = self.degree();
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
         let sum = |order_s: usize, order_t: usize| -> DVec4 {
-            let rows = self.rows().zip(&bs[order_s]);
-            rows.map(|(row, &b)| {
-                b * row.iter().zip(&bt[order_t]).map(|(&c, &b)| b * c).sum::<DVec4>()
-            })
-            .sum()
+            let row = |i: usize| self.row(i).zip(&bt[order_t]).map(|(c, &b)| b * c).sum::<DVec4>();
+            (0..=p).map(|i| bs[order_s][i] * row(i)).sum()
         };
         let (value, a, b) = (sum(0, 0), sum(1, 0), sum(0, 1));
         let (aa, ab, bb) = (sum(2, 0), sum(1, 1), sum(0, 2));
@@ -241,7 +260,7 @@ mod tests {
                         w * DVec3::new((3.0 * x).cos(), x.sin(), 0.1 * x).extend(1.0)
                     })
                     .collect();
-                let net = Arc::new(BezierNet::single(degree, net));
+                let net = Arc::new(BezierNet::single(degree, &net));
                 let patch = TensorPatch::new(&net, [0, 0]);
                 assert_eq!(patch.is_rational(), rational);
                 for st in [DVec2::new(0.3, 0.7), DVec2::new(0.0, 1.0), DVec2::new(-0.01, 1.02)] {

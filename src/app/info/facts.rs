@@ -1,6 +1,6 @@
 //! What is known of each surface that is ready to trace.
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 use nurbray::geometry::trim::Kept;
 use nurbray::geometry::{Charts, Surface};
 use nurbray::math::Aabb;
@@ -75,7 +75,7 @@ impl Facts {
             let surface = &mut surfaces[piece.surface as usize];
             surface.pieces += 1;
             surface.bytes +=
-                size_of::<Piece>() + piece.patch.control().count() * size_of::<DVec4>();
+                size_of::<Piece>() + piece.patch.control().count() * piece.patch.bytes_a_point();
         }
         for leaf in world.bvh.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];

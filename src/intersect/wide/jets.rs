@@ -49,10 +49,10 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
     let mut along_s = [zero; C];
     let mut along_t = [zero; C];
     for i in 0..=p {
-        let row = patch.row(i);
+        let row = patch.row_numbers(i);
         let (mut sum, mut slope) = ([zero; C], [zero; C]);
         for j in 0..=q {
-            let control = row[j].to_array();
+            let control = &row[C * j..C * (j + 1)];
             for c in 0..C {
                 let control = f64x8::splat(simd, control[c]);
                 sum[c] = bt[j].mul_add(control, sum[c]);
@@ -65,7 +65,10 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
             along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
         }
     }
-    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.row(0)[0].w) };
+    let weight = match patch.weight() {
+        Some(weight) if C == 3 => f64x8::splat(simd, weight),
+        _ => value[C - 1],
+    };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
     for i in 0..3 {
@@ -116,10 +119,10 @@ fn points_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     let zero = f64x8::splat(simd, 0.0);
     let mut value = [zero; C];
     for i in 0..=p {
-        let row = patch.row(i);
+        let row = patch.row_numbers(i);
         let mut sum = [zero; C];
         for j in 0..=q {
-            let control = row[j].to_array();
+            let control = &row[C * j..C * (j + 1)];
             for c in 0..C {
                 sum[c] = bt[j].mul_add(f64x8::splat(simd, control[c]), sum[c]);
             }
@@ -128,7 +131,10 @@ fn points_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
             value[c] = bs[i].mul_add(sum[c], value[c]);
         }
     }
-    let weight = if C == 4 { value[C - 1] } else { f64x8::splat(simd, patch.row(0)[0].w) };
+    let weight = match patch.weight() {
+        Some(weight) if C == 3 => f64x8::splat(simd, weight),
+        _ => value[C - 1],
+    };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     [value[0] * inverse, value[1] * inverse, value[2] * inverse]
 }

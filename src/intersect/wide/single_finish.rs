@@ -5,9 +5,9 @@
 //! leaf is proved to be missed. Roots outside the piece, or too near an end of the ray or the
 //! root it starts on, are left to the scalar search, as is what does not converge.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
 use fearless_simd_macros::simd;
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 
 use super::distances::Approximate;
 use super::finish::{MOST_TURN, PART_OF_ERROR};
@@ -52,20 +52,24 @@ pub(super) fn finish<S: Simd>(
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
-    match patch.degree() {
-        [3, 3] => finish_of::<S, 3, 3, 4>(simd, leaf, patch, ray, task),
-        [2, 2] => finish_of::<S, 2, 2, 4>(simd, leaf, patch, ray, task),
-        [2, 1] => finish_of::<S, 2, 1, 4>(simd, leaf, patch, ray, task),
-        [1, 2] => finish_of::<S, 1, 2, 4>(simd, leaf, patch, ray, task),
-        [1, 1] => finish_of::<S, 1, 1, 4>(simd, leaf, patch, ray, task),
-        [p, q] if p.max(q) < 8 => finish_of::<S, 0, 0, 8>(simd, leaf, patch, ray, task),
-        _ => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }>(simd, leaf, patch, ray, task),
+    match (patch.degree(), patch.is_rational()) {
+        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, patch, ray, task),
+        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, patch, ray, task),
+        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, patch, ray, task),
+        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, patch, ray, task),
+        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, patch, ray, task),
+        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, patch, ray, task),
+        ([p, q], true) if p.max(q) < 8 => finish_of::<S, 0, 0, 8, 4>(simd, leaf, patch, ray, task),
+        ([p, q], false) if p.max(q) < 8 => finish_of::<S, 0, 0, 8, 3>(simd, leaf, patch, ray, task),
+        (_, true) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, patch, ray, task),
+        (_, false) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, patch, ray, task),
     }
 }
 
-/// [`finish`] for degrees `P` and `Q`, zero standing for any degree below `N`.
+/// [`finish`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C` numbers a
+/// control point: four where weights differ, else three.
 #[simd]
-fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
+fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     leaf: &Leaf,
     patch: &TensorPatch,
@@ -86,7 +90,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     // takes the approximation's tangents, and the next is next to nothing.
     let told = ray.asks_where();
     if told {
-        let place = place::<S, P, Q, N>(simd, patch, mid_s + x * half_s, mid_t + y * half_t);
+        let place = place::<S, P, Q, N, C>(simd, patch, mid_s + x * half_s, mid_t + y * half_t);
         let at = seen(relative(place, origin), &columns);
         let per_weight = 1.0 / place[3];
         let (f1, f2) = (at[0] * per_weight, at[1] * per_weight);
@@ -99,7 +103,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize>(
     while step < MOST_STEPS {
         step += 1;
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
-        let sums = sums::<S, P, Q, N>(simd, patch, s, t);
+        let sums = sums::<S, P, Q, N, C>(simd, patch, s, t);
         // In the ray's coordinates, by box coordinate.
         let along_x = sums[1] * f64x4::splat(simd, half_s);
         let along_y = sums[2] * f64x4::splat(simd, half_t);
@@ -249,7 +253,7 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
 
 /// `X, W`: as in [`sums`], but for rounding.
 #[inline(always)]
-fn place<S: Simd, const P: usize, const Q: usize, const N: usize>(
+fn place<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     patch: &TensorPatch,
     s: f64,
@@ -262,20 +266,20 @@ fn place<S: Simd, const P: usize, const Q: usize, const N: usize>(
     let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
     let mut value = f64x4::splat(simd, 0.0);
     for i in 0..=p {
-        let row = patch.row(i);
+        let row = patch.row_numbers(i);
         let mut sum = f64x4::splat(simd, 0.0);
         for j in 0..=q {
-            sum = load(simd, row[j]).mul_add(f64x4::splat(simd, bt[j]), sum);
+            sum = load::<S, C>(simd, row, j).mul_add(f64x4::splat(simd, bt[j]), sum);
         }
         value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
     }
-    value
+    if C == 4 { value } else { with_weight(value, patch.weight().unwrap_or(1.0)) }
 }
 
 /// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],
 /// lanes for the coordinates.
 #[inline(always)]
-fn sums<S: Simd, const P: usize, const Q: usize, const N: usize>(
+fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     patch: &TensorPatch,
     s: f64,
@@ -290,10 +294,10 @@ fn sums<S: Simd, const P: usize, const Q: usize, const N: usize>(
     let zero = f64x4::splat(simd, 0.0);
     let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
     for i in 0..=p {
-        let row = patch.row(i);
+        let row = patch.row_numbers(i);
         let (mut sum, mut slope) = (zero, zero);
         for j in 0..=q {
-            let control = load(simd, row[j]);
+            let control = load::<S, C>(simd, row, j);
             sum = control.mul_add(f64x4::splat(simd, bt[j]), sum);
             slope = control.mul_add(f64x4::splat(simd, dt[j]), slope);
         }
@@ -301,12 +305,24 @@ fn sums<S: Simd, const P: usize, const Q: usize, const N: usize>(
         along_s = sum.mul_add(f64x4::splat(simd, ds[i]), along_s);
         along_t = slope.mul_add(f64x4::splat(simd, bs[i]), along_t);
     }
-    [value, along_s, along_t]
+    if C == 4 {
+        return [value, along_s, along_t];
+    }
+    let weight = patch.weight().unwrap_or(1.0);
+    [with_weight(value, weight), with_weight(along_s, 0.0), with_weight(along_t, 0.0)]
 }
 
+/// A control point of a row, of `C` numbers; the weight is any number where there are three.
 #[inline(always)]
-fn load<S: Simd>(simd: S, control: DVec4) -> f64x4<S> {
-    f64x4::from_slice(simd, &control.to_array())
+fn load<S: Simd, const C: usize>(simd: S, row: &[f64], j: usize) -> f64x4<S> {
+    f64x4::from_slice(simd, &row[C * j..C * j + 4])
+}
+
+/// The vector with another weight.
+#[inline(always)]
+fn with_weight<S: Simd>(v: f64x4<S>, weight: f64) -> f64x4<S> {
+    let simd = v.simd;
+    mask64x4::from_bitmask(simd, 0b1000).select(f64x4::splat(simd, weight), v)
 }
 
 /// Bernstein functions and their derivatives, filled in where they stand: returned, they would be
