@@ -37,6 +37,7 @@ mod curve_error;
 mod derivatives;
 mod elevate;
 mod evaluate;
+mod extremes;
 mod iso;
 mod knot_error;
 mod knots;

@@ -23,6 +23,35 @@ impl fmt::Display for Shown {
     }
 }
 
+/// A number that was measured or computed, as a message shows it: six digits, without the
+/// rounding that follows them. `0.333333`, `2.5`, `1.11022e-16`.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured(pub f64);
+
+impl fmt::Display for Measured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        // What is written with six digits is read as the number nearest to them.
+        let rounded = format!("{number:.5e}").parse().unwrap_or(number);
+        Shown(rounded).fmt(f)
+    }
+}
+
+/// A point that was computed, as a message shows it: each coordinate as [`Measured`], those that
+/// are but rounding of the largest as 0.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredPoint(pub DVec3);
+
+impl fmt::Display for MeasuredPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let largest = self.0.abs().max_element();
+        let noise = 16.0 * f64::EPSILON * largest;
+        let kept = |x: f64| Measured(if x.abs() <= noise { 0.0 } else { x });
+        let [x, y, z] = self.0.to_array().map(kept);
+        write!(f, "({x}, {y}, {z})")
+    }
+}
+
 /// A point or a vector as a message shows it: `(0, 2.5, 1e151)`.
 #[derive(Clone, Copy, Debug)]
 pub struct ShownVector(pub DVec3);
@@ -59,5 +88,24 @@ mod tests {
         }
         let point = DVec3::new(1.0, -2.5, 1e300);
         assert_eq!(ShownVector(point).to_string(), "(1, -2.5, 1e300)");
+    }
+
+    #[test]
+    fn measured_numbers_lose_their_rounding() {
+        for (number, text) in [
+            (0.1 + 0.2, "0.3"),
+            (1.0 / 3.0, "0.333333"),
+            (-2.0 / 3e7, "-6.66667e-8"),
+            (1234567.0, "1234570"),
+            (0.0, "0"),
+            (f64::EPSILON / 2.0, "1.11022e-16"),
+            (f64::MAX, "1.79769e308"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(Measured(number).to_string(), text);
+        }
+        let point = DVec3::new(0.1 + 0.2, 1e-17, -1e-9);
+        assert_eq!(MeasuredPoint(point).to_string(), "(0.3, 0, -1e-9)");
     }
 }

@@ -38,8 +38,27 @@ pub(super) struct Workshop<'a> {
 }
 
 impl Workshop<'_> {
-    /// The surfaces of a construction.
+    /// The surfaces of a construction. What is wrong with one of its curves is told where that was
+    /// written.
     pub(super) fn make(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
+        self.made(what).map_err(|error| {
+            let curves = what.curves();
+            let blamed = match error.fault() {
+                SceneFault::Construction { error, .. } => {
+                    curves.iter().find(|(name, _)| error.blames(name))
+                }
+                _ => None,
+            };
+            match blamed {
+                Some((_, curve)) if error.place() == self.place => {
+                    SceneError::new(curve.place.clone(), error.fault().clone())
+                }
+                _ => error,
+            }
+        })
+    }
+
+    fn made(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
         let pieces = match what {
             Construction::Revolution { profile, through, axis, degrees } => {
                 let profile = self.curve("profile", profile)?;

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::Corner;
 use crate::geometry::{CurveError, Direction, SurfaceError};
+use crate::math::{Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
 /// what is needed.
@@ -38,7 +39,7 @@ pub enum ConstructError {
     #[error("a trim edge in space: {0}")]
     TrimEdge(CurveError),
     /// A line of constant parameter lies where trims keep nothing.
-    #[error("the line {direction} = {t} lies where the trims keep nothing")]
+    #[error("the line {direction} = {} lies where the trims keep nothing", Shown(*.t))]
     IsoCut {
         /// Which parameter is constant.
         direction: Direction,
@@ -46,7 +47,7 @@ pub enum ConstructError {
         t: f64,
     },
     /// A line of constant parameter is but a point, as at a pole.
-    #[error("the line {direction} = {t} is a single point, where there is nothing to draw")]
+    #[error("the line {direction} = {} is a single point, where there is nothing to draw", Shown(*.t))]
     IsoPoint {
         /// Which parameter is constant.
         direction: Direction,
@@ -72,7 +73,7 @@ pub enum ConstructError {
         limit: usize,
     },
     /// A direction has no length, or is not finite.
-    #[error("{what} ({}, {}, {}): it must be finite and not zero", .vector.x, .vector.y, .vector.z)]
+    #[error("{what} {}: it must be finite and not zero", ShownVector(*.vector))]
     Direction {
         /// What it is the direction of.
         what: &'static str,
@@ -80,7 +81,7 @@ pub enum ConstructError {
         vector: DVec3,
     },
     /// A point is not finite.
-    #[error("{what} ({}, {}, {}): it must be finite", .point.x, .point.y, .point.z)]
+    #[error("{what} {}: it must be finite", ShownVector(*.point))]
     Point {
         /// Which point.
         what: &'static str,
@@ -88,7 +89,7 @@ pub enum ConstructError {
         point: DVec3,
     },
     /// An angle of revolution is zero, or more than a full turn.
-    #[error("angle {degrees}°: it must be from -360° to 360°, and not 0°")]
+    #[error("angle {}°: it must be from -360° to 360°, and not 0°", Shown(*.degrees))]
     Angle {
         /// The angle.
         degrees: f64,
@@ -106,6 +107,21 @@ pub enum ConstructError {
         /// How many it needs.
         needed: usize,
     },
+    /// The weights of sections differ so much that those between them would not be positive.
+    #[error(
+        "section {section}: its weights and its neighbours' differ too much: interpolated, that of \
+         control point {point} comes to {}, and it must be positive; give all sections similar \
+         weights, or a lower degree across",
+        Measured(*.weight)
+    )]
+    SectionWeights {
+        /// The section nearest to the control point, counted from 0.
+        section: usize,
+        /// Which control point along the sections, once they have common knots.
+        point: usize,
+        /// Its weight.
+        weight: f64,
+    },
     /// Two sections in a row are the same.
     #[error("sections {first} and {second} coincide: neighbours must differ")]
     SameSections {
@@ -115,13 +131,16 @@ pub enum ConstructError {
         second: usize,
     },
     /// A path has no direction at a parameter.
-    #[error("the path stands still at t = {t}: it has no direction there")]
+    #[error("the path stands still at t = {}: it has no direction there", Measured(*.t))]
     StandsStill {
         /// The parameter.
         t: f64,
     },
     /// A path is not connected.
-    #[error("the path has a gap at t = {t}, {gap} wide: it must be connected")]
+    #[error(
+        "the path has a gap at t = {}, {} wide: it must be connected",
+        Measured(*.t), Measured(*.gap)
+    )]
     Gap {
         /// The parameter.
         t: f64,
@@ -129,17 +148,59 @@ pub enum ConstructError {
         gap: f64,
     },
     /// A path turns all at once.
-    #[error("the path has a kink of {degrees}° at t = {t}: it must be smooth; split it there")]
+    #[error(
+        "the path has a kink of {}° at t = {}: it must be smooth; split it there",
+        Measured(*.degrees), Measured(*.t)
+    )]
     Kink {
         /// The parameter.
         t: f64,
         /// By how much it turns.
         degrees: f64,
     },
+    /// A curve runs back over itself.
+    #[error(
+        "{which}: it folds at {}{}: there it turns round and runs back over itself, for a length \
+         of {}; the surface would be covered twice",
+        corner_or_parameter(*.corner, *.t), MeasuredPoint(*.point), Measured(*.length)
+    )]
+    RunsBack {
+        /// Which curve, as `profile` or `section 2`.
+        which: String,
+        /// The parameter where it turns round.
+        t: f64,
+        /// The control point of a polyline where it does.
+        corner: Option<usize>,
+        /// The place.
+        point: DVec3,
+        /// The distance from there to the end of the stretch that it runs through twice.
+        length: f64,
+    },
+    /// A profile is turned to where another part of it has been.
+    #[error(
+        "profile: turned by {}° about the axis it covers itself: its two parts at t = {}, \
+         {}, are {}° apart and each other's image, as at t = {} and {}; turn it by no more than \
+         that, or leave out one of the two",
+        Shown(*.degrees), Measured(*.t), MeasuredPoint(*.point), Measured(*.between), Measured(.twice[0]),
+        Measured(.twice[1])
+    )]
+    CoversItself {
+        /// The parameter where the two parts meet.
+        t: f64,
+        /// The place.
+        point: DVec3,
+        /// A parameter of each part, taken to the same place.
+        twice: [f64; 2],
+        /// The angle of the revolution.
+        degrees: f64,
+        /// The angle about the axis between the two parts.
+        between: f64,
+    },
     /// A sweep would run backwards where its path bends.
     #[error(
-        "the sweep folds at t = {t} of the path: the path bends with radius {radius} there, \
-         and the profile reaches {reach} towards the centre"
+        "the sweep folds at t = {} of the path: the path bends with radius {} there, \
+         and the profile reaches {} towards the centre",
+        Measured(*.t), Measured(*.radius), Measured(*.reach)
     )]
     Fold {
         /// The path's parameter.
@@ -151,9 +212,8 @@ pub enum ConstructError {
     },
     /// An upward direction is the path's own.
     #[error(
-        "up ({}, {}, {}) runs along the path, whose direction there is ({}, {}, {}): \
-         choose another one",
-        .up.x, .up.y, .up.z, .tangent.x, .tangent.y, .tangent.z
+        "up {} runs along the path, whose direction there is {}: choose another one",
+        ShownVector(*.up), MeasuredPoint(*.tangent)
     )]
     Up {
         /// The upward direction.
@@ -162,7 +222,7 @@ pub enum ConstructError {
         tangent: DVec3,
     },
     /// A scale is negative or not finite.
-    #[error("scale {index} is {factor}: it must be finite, and not negative")]
+    #[error("scale {index} is {}: it must be finite, and not negative", Shown(*.factor))]
     Scale {
         /// Which of the scales, counted from 0.
         index: usize,
@@ -173,7 +233,7 @@ pub enum ConstructError {
     #[error("the scale is 0 all along the path: one at least must be positive")]
     NoScale,
     /// A radius is not a usable length.
-    #[error("{what} radius {radius}: it must be positive and finite")]
+    #[error("{what} radius {}: it must be positive and finite", Shown(*.radius))]
     Radius {
         /// Which one.
         what: &'static str,
@@ -181,27 +241,28 @@ pub enum ConstructError {
         radius: f64,
     },
     /// A width is not a usable length.
-    #[error("width {width}: it must be positive and finite")]
+    #[error("width {}: it must be positive and finite", Shown(*.width))]
     Width {
         /// The width.
         width: f64,
     },
     /// A twist is not finite.
-    #[error("twist {degrees}°: it must be finite")]
+    #[error("twist {}°: it must be finite", Shown(*.degrees))]
     Twist {
         /// The twist.
         degrees: f64,
     },
     /// A tolerance is not a usable length.
-    #[error("tolerance {tolerance}: it must be positive and finite")]
+    #[error("tolerance {}: it must be positive and finite", Shown(*.tolerance))]
     Tolerance {
         /// The tolerance.
         tolerance: f64,
     },
     /// A tolerance is finer than rounding, or than a sensible number of pieces.
     #[error(
-        "the tolerance {tolerance} cannot be held: at t = {t} of the path, {deviation} is \
-         left after as many halvings as there may be"
+        "the tolerance {} cannot be held: at t = {} of the path, {} is left after as many \
+         halvings as there may be",
+        Measured(*.tolerance), Measured(*.t), Measured(*.deviation)
     )]
     NotHeld {
         /// The tolerance.
@@ -213,8 +274,8 @@ pub enum ConstructError {
     },
     /// Two borders of a Coons patch do not meet.
     #[error(
-        "{corner}: they end at ({}, {}, {}) and ({}, {}, {}), {distance} apart; they must meet",
-        .u.x, .u.y, .u.z, .v.x, .v.y, .v.z
+        "{corner}: they end at {} and {}, {} apart; they must meet",
+        MeasuredPoint(*.u), MeasuredPoint(*.v), Measured(*.distance)
     )]
     Corner {
         /// Where they should.
@@ -229,11 +290,36 @@ pub enum ConstructError {
 }
 
 impl ConstructError {
+    /// Whether the curve of this name in a construction is at fault: `profile`, `section 2`, …
+    pub fn blames(&self, curve: &str) -> bool {
+        match self {
+            Self::Curve { which, .. } | Self::RunsBack { which, .. } => {
+                which == curve
+                    || which
+                        .strip_suffix('`')
+                        .is_some_and(|name| name.strip_prefix("curve `") == Some(curve))
+            }
+            Self::CoversItself { .. } | Self::OnAxis => curve == "profile",
+            Self::SectionWeights { section, .. } | Self::SameSections { second: section, .. } => {
+                curve == format!("section {section}")
+            }
+            Self::StandsStill { .. } | Self::Gap { .. } | Self::Kink { .. } | Self::Fold { .. } => {
+                ["path", "curve"].contains(&curve)
+            }
+            _ => false,
+        }
+    }
+
     /// Blames a curve.
     pub(crate) fn of(which: impl Into<String>) -> impl FnOnce(CurveError) -> Self {
         let which = which.into();
         move |error| Self::Curve { which, error }
     }
+}
+
+/// `control point 2, ` or `t = 0.5, `, before the point.
+fn corner_or_parameter(corner: Option<usize>, t: f64) -> String {
+    corner.map_or_else(|| format!("t = {}, ", Measured(t)), |k| format!("control point {k}, "))
 }
 
 /// The most control points of one surface made: 2²⁴, half a gigabyte. Curves of thousands of

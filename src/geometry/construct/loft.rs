@@ -5,6 +5,7 @@ use glam::{DVec4, Vec4Swizzles};
 use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
+use super::fold::check_fold;
 use super::interpolate::Interpolation;
 use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
 
@@ -30,14 +31,25 @@ pub const LOFT_DEGREE: usize = 3;
 /// of the `v_k`. Two sections and degree 1 make a ruled surface.
 ///
 /// # Errors
-/// When there are fewer than `degree + 1` sections, two in a row coincide, or sections of
+/// When there are fewer than `degree + 1` sections, two in a row coincide, one that is neither
+/// the first nor the last runs back over itself (these two may, as the bow of a hull does; not
+/// both if there are no others), or sections of
 /// very different weights make the interpolated ones not positive.
 pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructError> {
     let needed = degree.max(1) + 1;
     if sections.len() < needed {
         return Err(ConstructError::Sections { found: sections.len(), degree, needed });
     }
-    let sections = compatible(sections, &|index| format!("section {index}"))?;
+    let which = |index| format!("section {index}");
+    let last = sections.len() - 1;
+    for (index, section) in sections.iter().enumerate().take(last).skip(1) {
+        check_fold(section, &which(index))?;
+    }
+    if last == 1 {
+        check_fold(&sections[0], &which(0))
+            .or_else(|error| check_fold(&sections[1], &which(1)).map_err(|_| error))?;
+    }
+    let sections = compatible(sections, &which)?;
     let lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
     let parameters = averaged_chords(&lines)?;
     let across = |error| SurfaceError::Knots { direction: crate::geometry::Direction::V, error };
@@ -49,7 +61,14 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
         let through: Vec<DVec4> = lines.iter().map(|line| line[i]).collect();
         net.extend(equations.control(&through));
     }
-    let surface = NurbsSurface::from_homogeneous(knots_u, equations.knots().clone(), net)?;
+    let surface = NurbsSurface::from_homogeneous(knots_u, equations.knots().clone(), net);
+    let surface = surface.map_err(|error| match error {
+        // There are as many control points across as sections, the ones near the others.
+        SurfaceError::Weight { i, j, weight } => {
+            ConstructError::SectionWeights { section: j, point: i, weight }
+        }
+        error => error.into(),
+    })?;
     Ok(Loft { surface, parameters })
 }
 
@@ -159,6 +178,33 @@ mod tests {
             loft(&[ray(0.0), ray(1.0), ray(1.0)], 2).unwrap_err().to_string(),
             "sections 1 and 2 coincide: neighbours must differ"
         );
+        let weighted = |z: f64, w: f64| {
+            let points =
+                vec![DVec3::new(0.0, 0.0, z), DVec3::new(1.0, 0.0, z), DVec3::new(2.0, 0.0, z)];
+            NurbsCurve::new(KnotVector::bezier(2).unwrap(), points, Some(vec![1.0, w, 1.0]))
+                .unwrap()
+        };
+        let uneven =
+            [weighted(0.0, 1.0), weighted(1.0, 100.0), weighted(2.0, 1.0), weighted(3.0, 1.0)];
+        let message = loft(&uneven, 3).unwrap_err().to_string();
+        assert!(
+            message.starts_with("section 2: its weights and its neighbours' differ too much: "),
+            "{message}"
+        );
+        // A section inside that runs back over itself; at an end it closes the body.
+        let folded = |z: f64| {
+            let points = [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 0.0, z]].map(DVec3::from);
+            NurbsCurve::polyline(&points).unwrap()
+        };
+        let open = |z: f64| circle(1.0, z);
+        assert_eq!(
+            loft(&[open(0.0), folded(1.0), open(2.0)], 2).unwrap_err().to_string(),
+            "section 1: it folds at control point 1, (1, 0, 1): there it turns round and runs back \
+             over itself, for a length of 1; the surface would be covered twice"
+        );
+        assert!(loft(&[folded(0.0), open(1.0), folded(2.0)], 2).is_ok());
+        assert!(loft(&[folded(0.0), open(1.0)], 1).is_ok());
+        assert!(loft(&[folded(0.0), folded(1.0)], 1).is_err());
         assert_eq!(
             loft(&[ray(0.0), ray(1.0)], 3).unwrap_err().to_string(),
             "2 sections: degree 3 across needs at least 4"

@@ -4,6 +4,12 @@
 //! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
 //! the control points of the very surface.
 //!
+//! Profiles, sections, paths and the curves inside tubes and ribbons must not *fold*, that is
+//! turn round at a place and run back over the stretch they have just run through: the surface
+//! would cover itself twice. Corners, cusps whose two sides part, and curves that touch or cross
+//! themselves are no folds. Nor may a revolution take a part of its profile to where another part has
+//! been, as when a full circle is turned about its diameter by more than 180°.
+//!
 //! ```
 //! use glam::DVec3;
 //! use nurbray::geometry::NurbsCurve;
@@ -22,6 +28,7 @@ pub(crate) mod arc;
 mod compatible;
 mod coons;
 mod error;
+mod fold;
 mod frames;
 mod interpolate;
 mod loft;

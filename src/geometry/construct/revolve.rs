@@ -4,6 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::ConstructError;
 use super::arc::UnitArc;
+use super::fold::check_turned;
 use crate::geometry::{NurbsCurve, NurbsSurface};
 
 /// A line in space about which things are turned.
@@ -30,6 +31,11 @@ impl Axis {
         Ok(Self { origin, direction: unit })
     }
 
+    /// How far along the axis a point is, from the point that the axis is given by.
+    pub(crate) fn height(&self, point: DVec3) -> f64 {
+        self.direction.dot(point - self.origin)
+    }
+
     /// The z axis.
     pub const Z: Self = Self { origin: DVec3::ZERO, direction: DVec3::Z };
 }
@@ -43,6 +49,11 @@ pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
         let scaled = vector / largest;
         scaled / scaled.length()
     })
+}
+
+/// The vector from an axis to a point, at right angles to it.
+pub(crate) fn across(point: DVec3, axis: &Axis) -> DVec3 {
+    point - axis.origin - axis.direction * axis.height(point)
 }
 
 /// A point that is turned: `centre + x across + y ahead` for `(x, y)` on the unit circle.
@@ -90,12 +101,15 @@ pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec
 /// for a negative angle), `v` along the profile on its own domain. Where the profile rises
 /// along the axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and
 /// what lies on the axis (within rounding) becomes a collapsed edge exactly. A profile may
-/// cross the axis: the surface then meets itself there, and its normals point inward beyond.
+/// cross the axis: the surface then meets itself there, and its normals point inward beyond. But
+/// no part of it may be taken to where another one has been: a full circle about its own
+/// diameter makes a sphere with 180°, and covers it twice with 360°.
 ///
 /// Arcs of at most 90° of degree 2 (Piegl & Tiller 1997, A8.1).
 ///
 /// # Errors
-/// When the angle is zero or more than a full turn, or the profile lies on the axis.
+/// When the angle is zero or more than a full turn, or the profile lies on the axis, runs back
+/// over itself, or is turned onto another part of itself.
 pub fn revolve(
     profile: &NurbsCurve,
     axis: &Axis,
@@ -111,6 +125,7 @@ pub fn revolve(
     if points.iter().all(|point| point.across == DVec3::ZERO) {
         return Err(ConstructError::OnAxis);
     }
+    check_turned(profile, axis, degrees)?;
     let arc = UnitArc::new(0.0, degrees);
     let net = turned_net(&arc.points, &points);
     Ok(NurbsSurface::from_homogeneous(arc.knots, profile.knots().clone(), net)?)

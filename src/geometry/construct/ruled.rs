@@ -4,6 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::ConstructError;
 use super::compatible::compatible;
+use super::fold::check_fold;
 use crate::geometry::shapes::unit_knots;
 use crate::geometry::{NurbsCurve, NurbsSurface};
 
@@ -14,12 +15,13 @@ use crate::geometry::{NurbsCurve, NurbsSurface};
 /// outward.
 ///
 /// # Errors
-/// When the vector is zero or not finite.
+/// When the vector is zero or not finite, or the profile runs back over itself.
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {
         return Err(ConstructError::Direction { what: "extrusion by", vector: by });
     }
+    check_fold(profile, "profile")?;
     let moved = |point: &DVec4| [*point, *point + (point.w * by).extend(0.0)];
     let net = profile.control().iter().flat_map(moved).collect();
     Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
@@ -31,12 +33,15 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
 /// `u` runs along both curves (on their common domain, or `[0, 1]` if theirs differ), `v` in
 /// `[0, 1]` from the first to the second. Both are met exactly; along the lines the speed
 /// is even where the weights of the two ends are equal. Degree elevation and merged knots
-/// (Piegl & Tiller 1997, 8.4).
+/// (Piegl & Tiller 1997, 8.4). One of the two may run back over itself, as the pressed end of
+/// a tube does.
 ///
 /// # Errors
-/// When the curves are the same point, or have knots too close together.
+/// When the curves are the same point, have knots too close together, or both run back over
+/// themselves.
 pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, ConstructError> {
     let which = |index| if index == 0 { "curve `from`" } else { "curve `to`" }.to_owned();
+    check_fold(from, &which(0)).or_else(|error| check_fold(to, &which(1)).map_err(|_| error))?;
     let both = compatible(&[from.clone(), to.clone()], &which)?;
     let pairs = both[0].control().iter().zip(both[1].control());
     let net = pairs.flat_map(|(a, b)| [*a, *b]).collect();

@@ -5,6 +5,7 @@ use glam::{DVec3, DVec4};
 use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
+use super::fold::check_fold;
 use super::frames::Frame;
 use super::moving::{MovingFrames, approximate};
 use super::path::{OnCircle, is_straight, kinks};
@@ -63,7 +64,7 @@ const TOLERANCE: f64 = 1e-6;
 /// derivatives, halved until the distance to the true sweep is within the tolerance.
 ///
 /// # Errors
-/// When the path has a kink, a gap or a cusp; when the sweep folds: where the path bends, the
+/// When profile or path runs back over itself; when the path has a kink, a gap or a cusp; when the sweep folds: where the path bends, the
 /// profile reaches beyond the centre of curvature; when the scale is negative, or zero all
 /// along; when the tolerance cannot be held.
 pub fn sweep(
@@ -72,6 +73,8 @@ pub fn sweep(
     options: &SweepOptions,
 ) -> Result<Sweep, ConstructError> {
     check_options(options)?;
+    check_fold(profile, "profile")?;
+    check_fold(path, "path")?;
     let path = path.clamped();
     if let Some(kink) = kinks(&path)?.first() {
         return Err(ConstructError::Kink { t: kink.t, degrees: kink.degrees });

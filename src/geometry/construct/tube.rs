@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::ConstructError;
+use super::fold::check_fold;
 use super::path::{direction, is_closed, is_straight, smooth_parts};
 use super::revolve::{Axis, revolve};
 use super::ruled::extrude;
@@ -58,11 +59,12 @@ pub struct TubeStyle {
 /// it begins has no caps.
 ///
 /// # Errors
-/// When the radius is not a positive length, the curve has a gap, stands still, or bends with
-/// a radius smaller than the tube's.
+/// When the radius is not a positive length, the curve has a gap, stands still, runs back over
+/// itself, or bends with a radius smaller than the tube's.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
     let radius = style.radius;
     let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
+    check_fold(curve, "curve")?;
     let parts = smooth_parts(curve)?;
     let mut pieces = Vec::new();
     for part in &parts {
@@ -165,6 +167,7 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, Con
     if !usable {
         return Err(ConstructError::Width { width: style.width });
     }
+    check_fold(curve, "curve")?;
     let half = DVec3::X * (style.width / 2.0);
     let profile = NurbsCurve::polyline(&[half, -half]).map_err(ConstructError::of("ribbon"))?;
     let options = SweepOptions {

@@ -4,6 +4,17 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::geometry::{Direction, KnotError};
+use crate::math::{Measured, Shown};
+
+/// A point of (u, v) as it was given.
+fn shown(point: DVec2) -> String {
+    format!("({}, {})", Shown(point.x), Shown(point.y))
+}
+
+/// A point of (u, v) that was computed.
+fn measured(point: DVec2) -> String {
+    format!("({}, {})", Measured(point.x), Measured(point.y))
+}
 
 /// Why numbers cannot be a curve of a trim loop.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -27,7 +38,7 @@ pub enum TrimCurveError {
     #[error(transparent)]
     Degree(#[from] KnotError),
     /// A point is NaN, infinite, or absurdly large.
-    #[error("point {index} is ({}, {}): it must be finite and at most 1e100", .point.x, .point.y)]
+    #[error("point {index} is {}: it must be finite and at most 1e100", shown(*.point))]
     Point {
         /// Which point, counted from 0.
         index: usize,
@@ -35,7 +46,7 @@ pub enum TrimCurveError {
         point: DVec2,
     },
     /// A curve in space that leaves the plane of (u, v).
-    #[error("control point {index} has z = {z}: a trim curve lies in the plane z = 0")]
+    #[error("control point {index} has z = {}: a trim curve lies in the plane z = 0", Shown(*.z))]
     NotFlat {
         /// Which control point, counted from 0.
         index: usize,
@@ -52,7 +63,8 @@ pub enum TrimCurveError {
     },
     /// A weight is not positive and finite, or too small beside the largest of its piece.
     #[error(
-        "the weight of point {index} is {weight}: it must be positive and finite, and at least 1e-9 of the largest, {largest}"
+        "the weight of point {index} is {}: it must be positive and finite, and at least 1e-9 of the largest, {}",
+        Shown(*.weight), Shown(*.largest)
     )]
     Weight {
         /// Which point, counted from 0; in a spline, counted in its Bézier form.
@@ -63,14 +75,15 @@ pub enum TrimCurveError {
         largest: f64,
     },
     /// An arc has no usable radius.
-    #[error("the radius is {radius}: it must be positive and finite")]
+    #[error("the radius is {}: it must be positive and finite", Shown(*.radius))]
     Radius {
         /// The radius.
         radius: f64,
     },
     /// An arc has no usable angles.
     #[error(
-        "the arc goes from {from} to {to} radians: they must be finite, differ, and lie at most one turn apart"
+        "the arc goes from {} to {} radians: they must be finite, differ, and lie at most one turn apart",
+        Shown(*.from), Shown(*.to)
     )]
     Angles {
         /// Where it begins.
@@ -92,8 +105,8 @@ pub enum TrimLoopError {
     Empty,
     /// A curve does not begin where the one before it ends.
     #[error(
-        "the loop is open: curve {curve} ends at ({}, {}), but curve {next} begins ({:.3e}, {:.3e}) away from there; at most ({:.1e}, {:.1e}) is taken for rounding",
-        .end.x, .end.y, .gap.x, .gap.y, .tolerance.x, .tolerance.y
+        "the loop is open: curve {curve} ends at {}, but curve {next} begins {} away from there; at most {} is taken for rounding",
+        measured(*.end), measured(*.gap), measured(*.tolerance)
     )]
     Open {
         /// The curve that ends, counted from 0.
@@ -108,7 +121,7 @@ pub enum TrimLoopError {
         tolerance: DVec2,
     },
     /// The loop is a point, or runs back over itself.
-    #[error("the loop encloses nothing: it lies on ({}, {}) to ({}, {})", .min.x, .min.y, .max.x, .max.y)]
+    #[error("the loop encloses nothing: it lies on {} to {}", measured(*.min), measured(*.max))]
     Degenerate {
         /// The smallest parameters of the loop.
         min: DVec2,
@@ -123,7 +136,8 @@ pub enum TrimLoopError {
 pub enum TrimError {
     /// The domain is not one.
     #[error(
-        "the domain in {direction} goes from {start} to {end}: it must be finite, at most 1e100, and not empty"
+        "the domain in {direction} goes from {} to {}: it must be finite, at most 1e100, and not empty",
+        Shown(*.start), Shown(*.end)
     )]
     Domain {
         /// The direction.
@@ -135,9 +149,8 @@ pub enum TrimError {
     },
     /// The trims are made for another domain than the surface's.
     #[error(
-        "the trims are made for the domain ({}, {}) to ({}, {}), but the surface's is ({}, {}) to ({}, {})",
-        .trims[0].x, .trims[0].y, .trims[1].x, .trims[1].y,
-        .surface[0].x, .surface[0].y, .surface[1].x, .surface[1].y
+        "the trims are made for the domain {} to {}, but the surface's is {} to {}",
+        shown(.trims[0]), shown(.trims[1]), shown(.surface[0]), shown(.surface[1])
     )]
     OtherDomain {
         /// The smallest and largest parameters of the trims' domain.
@@ -158,9 +171,8 @@ pub enum TrimError {
     },
     /// A loop lies beside the domain and cuts nothing.
     #[error(
-        "loop {index} lies on ({}, {}) to ({}, {}), outside the domain ({}, {}) to ({}, {})",
-        .loop_box[0].x, .loop_box[0].y, .loop_box[1].x, .loop_box[1].y,
-        .domain[0].x, .domain[0].y, .domain[1].x, .domain[1].y
+        "loop {index} lies on {} to {}, outside the domain {} to {}",
+        measured(.loop_box[0]), measured(.loop_box[1]), shown(.domain[0]), shown(.domain[1])
     )]
     OutsideDomain {
         /// Which loop, counted from 0.
@@ -171,7 +183,10 @@ pub enum TrimError {
         domain: [DVec2; 2],
     },
     /// A loop goes around a periodic domain too often.
-    #[error("loop {index} is {periods} periods long in {direction}: at most {limit} are supported")]
+    #[error(
+        "loop {index} is {} periods long in {direction}: at most {limit} are supported",
+        Measured(*.periods)
+    )]
     TooManyPeriods {
         /// Which loop, counted from 0.
         index: usize,
@@ -183,7 +198,7 @@ pub enum TrimError {
         limit: usize,
     },
     /// A loop crosses itself, or a copy of itself moved by a period.
-    #[error("loop {index} crosses itself at (u, v) = ({}, {})", .at.x, .at.y)]
+    #[error("loop {index} crosses itself at (u, v) = {}", measured(*.at))]
     SelfCrossing {
         /// Which loop, counted from 0.
         index: usize,
@@ -191,7 +206,7 @@ pub enum TrimError {
         at: DVec2,
     },
     /// Two loops cross.
-    #[error("loops {} and {} cross at (u, v) = ({}, {})", .loops[0], .loops[1], .at.x, .at.y)]
+    #[error("loops {} and {} cross at (u, v) = {}", .loops[0], .loops[1], measured(*.at))]
     Crossing {
         /// Which loops, counted from 0.
         loops: [usize; 2],
@@ -220,7 +235,8 @@ pub enum TrimError {
     },
     /// No outline can be drawn to this tolerance.
     #[error(
-        "the tolerance is {tolerance}: it must be positive, and not so small that more than {limit} points are needed"
+        "the tolerance is {}: it must be positive, and not so small that more than {limit} points are needed",
+        Shown(*.tolerance)
     )]
     Tolerance {
         /// The tolerance.

@@ -6,11 +6,8 @@ use super::UvBox;
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::trim_loop::LoopPiece;
-use crate::math::bernstein::{Row, binomial, restrict_row};
-use crate::math::rounding::UNIT_ROUNDOFF;
-
-/// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
-const FINEST: f64 = UNIT_ROUNDOFF;
+use crate::geometry::extremes::{FINEST, add_extremes};
+use crate::math::bernstein::{Row, restrict_row};
 
 /// A monotone stretch is halved at most so often: a cusp never becomes flat.
 const MOST_HALVINGS: u32 = 6;
@@ -98,99 +95,15 @@ fn turns(control: &[DVec3]) -> Vec<f64> {
     let points = control.iter().map(|&c| euclidean(c));
     let center = UvBox::around(points).center();
     let mut turns = Vec::new();
+    let weights: Vec<f64> = control.iter().map(|c| c.z).collect();
     for axis in 0..2 {
-        let derivative = Derivative::new(control, axis, center);
-        derivative.roots(&mut turns);
+        let coordinate: Vec<f64> = control.iter().map(|c| c[axis]).collect();
+        add_extremes(&coordinate, &weights, center[axis], &mut turns);
     }
     turns.sort_by(f64::total_cmp);
     turns.dedup_by(|a, b| *a - *b <= FINEST);
     turns.retain(|t| FINEST < *t && *t < 1.0 - FINEST);
     turns
-}
-
-/// The numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor, as
-/// Bernstein coefficients, with a bound on what rounding may have done to each.
-#[derive(Clone)]
-struct Derivative {
-    coefficients: Vec<f64>,
-    noise: Vec<f64>,
-}
-
-impl Derivative {
-    /// For the coordinate `axis`, measured from `center`: that changes nothing in the
-    /// numerator, but far from 0 it saves the digits in which the points differ.
-    fn new(control: &[DVec3], axis: usize, center: DVec2) -> Self {
-        let p = control.len() - 1;
-        let weights: Vec<f64> = control.iter().map(|c| c.z).collect();
-        let centered: Vec<f64> = control.iter().map(|c| c[axis] - center[axis] * c.z).collect();
-        let size: Vec<f64> =
-            control.iter().map(|c| c[axis].abs() + center[axis].abs() * c.z).collect();
-        let unit = 4.0 * (p + 2) as f64 * UNIT_ROUNDOFF;
-
-        if weights.iter().all(|w| *w == weights[0]) {
-            let coefficients = centered.windows(2).map(|x| x[1] - x[0]).collect();
-            // Equal weights take part in no product, and control points are as given.
-            let noise = size.windows(2).map(|m| UNIT_ROUNDOFF * (m[0] + m[1])).collect();
-            return Self { coefficients, noise };
-        }
-        let mut coefficients = vec![0.0; 2 * p];
-        let mut noise = vec![0.0; 2 * p];
-        for i in 0..p {
-            let (dx, dw) = (centered[i + 1] - centered[i], weights[i + 1] - weights[i]);
-            let (sx, sw) = (size[i + 1] + size[i], weights[i + 1] + weights[i]);
-            for j in 0..=p {
-                // B_i of degree p − 1 times B_j of degree p is this much of B_{i+j}.
-                let share = binomial(p - 1, i) * binomial(p, j) / binomial(2 * p - 1, i + j);
-                coefficients[i + j] += share * (dx * weights[j] - centered[j] * dw);
-                noise[i + j] += share * unit * (sx * weights[j] + size[j] * sw);
-            }
-        }
-        Self { coefficients, noise }
-    }
-
-    /// Adds the places in (0, 1) where the sign changes, and perhaps some where it only might.
-    ///
-    /// Halving shrinks the coefficients to the polynomial's values; a part whose coefficients
-    /// have one sign is left alone. By Descartes' rule no more parts stay than there are
-    /// coefficients, and they are halved at most 53 times.
-    fn roots(self, found: &mut Vec<f64>) {
-        let mut waiting = vec![(self, [0.0, 1.0])];
-        while let Some((part, [from, to])) = waiting.pop() {
-            if part.has_one_sign() {
-                continue;
-            }
-            let middle = 0.5 * (from + to);
-            if to - from <= FINEST {
-                found.push(middle);
-                continue;
-            }
-            let [below, above] = part.halves();
-            // A root on the very cut would be seen by neither half.
-            if above.coefficients[0].abs() <= above.noise[0] {
-                found.push(middle);
-            }
-            waiting.push((below, [from, middle]));
-            waiting.push((above, [middle, to]));
-        }
-    }
-
-    fn has_one_sign(&self) -> bool {
-        let pairs = || self.coefficients.iter().zip(&self.noise);
-        let some_below = pairs().any(|(c, noise)| *c < -noise);
-        let some_above = pairs().any(|(c, noise)| *c > *noise);
-        !(some_below && some_above)
-    }
-
-    fn halves(self) -> [Self; 2] {
-        let row = Row { start: 0, stride: 1, degree: self.coefficients.len() - 1 };
-        let mut below = self.clone();
-        let mut above = self;
-        for (half, from, to) in [(&mut below, 0.0, 0.5), (&mut above, 0.5, 1.0)] {
-            restrict_row(&mut half.coefficients, row, from, to);
-            restrict_row(&mut half.noise, row, from, to);
-        }
-        [below, above]
-    }
 }
 
 #[cfg(test)]

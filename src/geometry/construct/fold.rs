@@ -1,0 +1,444 @@
+//! Curves that run back over themselves, and profiles that do so once they are turned.
+//!
+//! A curve *folds* at a place where it turns round (by 180°) and runs back over a stretch that
+//! it has just run through, as a polyline does that returns on its own side, or a Bézier curve
+//! whose control points lie on a line out of order. What is made from it would cover itself
+//! twice. No folds are corners, however sharp; cusps whose two sides part from each other;
+//! curves that touch or cross themselves; those that run through a stretch again after they
+//! have been elsewhere.
+
+use glam::{DVec3, DVec4, Vec4Swizzles};
+
+use super::ConstructError;
+use super::path::{SAME_DIRECTION, is_closed, pieces};
+use super::revolve::{Axis, across};
+use crate::geometry::NurbsCurve;
+use crate::geometry::extremes::add_extremes;
+use crate::math::bernstein::binomial;
+
+/// Stretches no longer than this are rounding: in shares of the curve's extent, as where
+/// several coordinates turn round at a place that each gives a little otherwise (a triple root
+/// is known to a third of the digits), and of its largest coordinate, for control points that
+/// are themselves rounded.
+const ROUNDING: (f64, f64) = (16384.0 * f64::EPSILON, 16.0 * f64::EPSILON);
+
+/// Points are one that are apart by no more than so many of those: the two stretches may each
+/// have lost one or two at their beginning.
+const SAME_POINT: f64 = 4.0;
+
+/// A stretch that is run through again is longer than so many of those: narrower things than
+/// that cannot be told from it.
+const LONGER: f64 = 64.0;
+
+/// At how many places a stretch and the way back are compared. Two curves of degree p that are
+/// not the same meet at no more than p² of them; corners and cusps part at the first one.
+const PLACES: usize = 32;
+
+/// Halvings of `[0, 1]` that leave nothing between two numbers.
+const HALVINGS: usize = 60;
+
+/// Where a curve folds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fold {
+    /// The parameter where it turns round.
+    pub(crate) t: f64,
+    /// The two parameters, before and after, of one place which it passes twice: halfway along.
+    pub(crate) twice: [f64; 2],
+    /// The parameter to which it runs back.
+    pub(crate) until: f64,
+}
+
+/// Fails where a curve runs back over itself.
+pub(crate) fn check_fold(curve: &NurbsCurve, which: &str) -> Result<(), ConstructError> {
+    match Course::in_space(curve).fold() {
+        Some(fold) => Err(runs_back(curve, which, fold)),
+        None => Ok(()),
+    }
+}
+
+fn runs_back(curve: &NurbsCurve, which: &str, fold: Fold) -> ConstructError {
+    let knots = curve.knots();
+    // The corners of a polygon are its control points.
+    let corner = || knots.values()[1..].iter().position(|&knot| knot == fold.t);
+    let point = curve.point_at(fold.t);
+    let length = point.distance(curve.point_at(fold.until));
+    let corner = (knots.degree() == 1).then(corner).flatten();
+    ConstructError::RunsBack { which: which.to_owned(), t: fold.t, corner, point, length }
+}
+
+/// Fails when a profile runs back over itself, or, turned about an axis by this angle, is taken
+/// to where another part of itself has been.
+///
+/// The latter is decided in the half plane of `(r², z)`, `r` the distance from the axis and `z`
+/// the height, which are rational: there the profile folds where it crosses the axis and goes
+/// on as its own mirror image. The two parts meet if the turn is at least the angle between
+/// them.
+pub(crate) fn check_turned(
+    profile: &NurbsCurve,
+    axis: &Axis,
+    degrees: f64,
+) -> Result<(), ConstructError> {
+    check_fold(profile, "profile")?;
+    let Some(Fold { t, twice, .. }) = Course::turned(profile, axis).fold() else { return Ok(()) };
+    let [before, after] = twice.map(|t| across(profile.point_at(t), axis));
+    let between = before.cross(after).length().atan2(before.dot(after));
+    if degrees.abs().to_radians() <= between + SAME_DIRECTION {
+        return Ok(());
+    }
+    let point = profile.point_at(t);
+    let between = between.to_degrees();
+    Err(ConstructError::CoversItself { t, point, twice, degrees, between })
+}
+
+/// A way to run through: a chain of rational Bézier pieces.
+struct Course {
+    pieces: Vec<CoursePiece>,
+    closed: bool,
+    /// The length of stretches that are but rounding.
+    slack: f64,
+}
+
+/// One of its pieces, of any degree.
+struct CoursePiece {
+    domain: (f64, f64),
+    control: Vec<DVec4>,
+}
+
+impl CoursePiece {
+    /// The point at a share of the piece, by de Casteljau's algorithm.
+    fn at(&self, share: f64) -> DVec3 {
+        let mut d = self.control.clone();
+        for last in (1..d.len()).rev() {
+            for j in 0..last {
+                d[j] = (1.0 - share) * d[j] + share * d[j + 1];
+            }
+        }
+        d[0].xyz() / d[0].w
+    }
+
+    fn parameter(&self, share: f64) -> f64 {
+        let (start, end) = self.domain;
+        if share == 1.0 { end } else { start + share * (end - start) }
+    }
+
+    /// The shares at which a coordinate may turn around, with 0 and 1.
+    fn cuts(&self) -> Vec<f64> {
+        let mut cuts = vec![0.0, 1.0];
+        if self.control.len() > 2 {
+            let weights: Vec<f64> = self.control.iter().map(|point| point.w).collect();
+            let middle = self.at(0.5);
+            for axis in 0..3 {
+                let coordinate: Vec<f64> = self.control.iter().map(|point| point[axis]).collect();
+                add_extremes(&coordinate, &weights, middle[axis], &mut cuts);
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+}
+
+/// A part of a course along which no coordinate turns around.
+#[derive(Clone, Copy)]
+struct Stretch<'a> {
+    piece: &'a CoursePiece,
+    shares: [f64; 2],
+    ends: [DVec3; 2],
+}
+
+impl Stretch<'_> {
+    /// The same, run through in the other direction.
+    fn back(self) -> Self {
+        let ([a, b], [p, q]) = (self.shares, self.ends);
+        Self { shares: [b, a], ends: [q, p], ..self }
+    }
+
+    fn run(&self) -> DVec3 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// The share and the point at a distance from the beginning, the coordinates' distances
+    /// taken together: that grows all along.
+    fn at_distance(&self, distance: f64) -> (f64, DVec3) {
+        let [mut near, mut far] = self.shares;
+        if distance >= length(self.run()) {
+            return (far, self.ends[1]);
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (near + far);
+            if length(self.piece.at(middle) - self.ends[0]) < distance {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        (far, self.piece.at(far))
+    }
+}
+
+fn length(vector: DVec3) -> f64 {
+    vector.abs().element_sum()
+}
+
+impl Course {
+    fn in_space(curve: &NurbsCurve) -> Self {
+        let piece = |piece: NurbsCurve| CoursePiece {
+            domain: piece.domain(),
+            control: piece.control().to_vec(),
+        };
+        let pieces = pieces(curve).into_iter().map(piece).collect();
+        Self::new(pieces, is_closed(curve), curve.magnitude())
+    }
+
+    /// The profile as `(r² / R, z, 0)`, `R` being its largest distance from the axis.
+    fn turned(profile: &NurbsCurve, axis: &Axis) -> Self {
+        let points = || (0..profile.control().len()).map(|i| profile.point(i));
+        let reach = points().map(|point| across(point, axis).length()).fold(0.0, f64::max);
+        let piece = |piece: NurbsCurve| {
+            let p = piece.knots().degree();
+            let mut control = vec![DVec4::ZERO; 2 * p + 1];
+            let point = |i: usize| {
+                let point = piece.point(i);
+                (across(point, axis), axis.height(point), piece.weight(i))
+            };
+            let points: Vec<(DVec3, f64, f64)> = (0..=p).map(point).collect();
+            for (i, (a, z, w)) in points.iter().enumerate() {
+                for (j, (b, _, v)) in points.iter().enumerate() {
+                    // B_i B_j of degree p is this much of B_{i+j} of degree 2p.
+                    let share = binomial(p, i) * binomial(p, j) / binomial(2 * p, i + j) * w * v;
+                    control[i + j] += share * DVec4::new(a.dot(*b) / reach, *z, 0.0, 1.0);
+                }
+            }
+            CoursePiece { domain: piece.domain(), control }
+        };
+        let pieces = pieces(profile).into_iter().map(piece).collect();
+        Self::new(pieces, is_closed(profile), profile.magnitude())
+    }
+
+    fn new(pieces: Vec<CoursePiece>, closed: bool, magnitude: f64) -> Self {
+        let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
+        let (low, high) =
+            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let slack = ROUNDING.0 * (high - low).max_element() + ROUNDING.1 * magnitude;
+        Self { pieces, closed, slack }
+    }
+
+    /// The first place where it turns round and runs back.
+    fn fold(&self) -> Option<Fold> {
+        let mut first: Option<Stretch<'_>> = None;
+        let mut before: Option<Stretch<'_>> = None;
+        for piece in &self.pieces {
+            for shares in piece.cuts().windows(2) {
+                let shares = [shares[0], shares[1]];
+                let stretch = Stretch { piece, shares, ends: shares.map(|share| piece.at(share)) };
+                // Where it stands still, what is on both sides meets.
+                if length(stretch.run()) <= self.slack {
+                    continue;
+                }
+                if let Some(fold) = before.and_then(|before| self.fold_between(before, stretch)) {
+                    return Some(fold);
+                }
+                first = first.or(Some(stretch));
+                before = Some(stretch);
+            }
+        }
+        let seam = before.zip(first).filter(|_| self.closed);
+        seam.and_then(|(last, first)| self.fold_between(last, first))
+    }
+
+    /// Whether a stretch is run back over by the one that follows.
+    fn fold_between(&self, before: Stretch<'_>, after: Stretch<'_>) -> Option<Fold> {
+        let back = before.back();
+        let runs = [back.run(), after.run()];
+        let parts = (0..3).any(|k| {
+            let [a, b] = runs.map(|run| run[k]);
+            a.abs().min(b.abs()) > self.slack && (a > 0.0) != (b > 0.0)
+        });
+        let common = length(runs[0]).min(length(runs[1]));
+        if parts || common <= LONGER * self.slack {
+            return None;
+        }
+        let meeting = |place: usize| {
+            let distance = common * place as f64 / PLACES as f64;
+            let [(s, p), (t, q)] = [back, after].map(|stretch| stretch.at_distance(distance));
+            let together = p.distance(q) <= SAME_POINT * self.slack; // false for NaN
+            together.then(|| [before.piece.parameter(s), after.piece.parameter(t)])
+        };
+        let both: Vec<[f64; 2]> = (1..=PLACES).map_while(meeting).collect();
+        let until = both.get(PLACES - 1)?[1];
+        Some(Fold { t: after.piece.parameter(after.shares[0]), twice: both[PLACES / 2 - 1], until })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::KnotVector;
+    use crate::geometry::shapes::{circle_arc, circle_cubic};
+    use glam::{DAffine3, DQuat};
+
+    fn plane(points: &[[f64; 2]]) -> Vec<DVec3> {
+        points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
+    }
+
+    fn polyline(points: &[[f64; 2]]) -> NurbsCurve {
+        NurbsCurve::polyline(&plane(points)).unwrap()
+    }
+
+    fn bezier(points: &[[f64; 2]]) -> NurbsCurve {
+        NurbsCurve::bezier(&plane(points)).unwrap()
+    }
+
+    fn fold(curve: &NurbsCurve) -> Option<Fold> {
+        Course::in_space(curve).fold()
+    }
+
+    /// At some places, of some sizes, however turned.
+    fn everywhere(curve: &NurbsCurve) -> Vec<NurbsCurve> {
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let maps = [1e-8, 1.0, 1e8].map(|size| {
+            let at = DVec3::new(0.3, -2.0, 1.0) * size;
+            DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, at)
+        });
+        let placed = maps.iter().map(|map| curve.transformed(map).unwrap());
+        placed.chain([curve.clone()]).collect()
+    }
+
+    #[test]
+    fn curves_that_run_back_over_themselves() {
+        let arc = circle_arc(1.0, 20.0, 130.0).unwrap();
+        let there_and_back = {
+            let (there, back) = (arc.bezier_form(), arc.bezier_form().reversed());
+            let mut control = there.control().to_vec();
+            control.extend(&back.control()[1..]);
+            let breaks: Vec<(f64, usize)> = (0..=4).map(|k| (f64::from(k), 2)).collect();
+            let mut breaks = breaks;
+            (breaks[0].1, breaks[4].1) = (3, 3);
+            let knots = KnotVector::with_multiplicities(2, &breaks).unwrap();
+            NurbsCurve::from_homogeneous(knots, control).unwrap()
+        };
+        // The parabola y = x² with x = (t − 0.3)², run through down to its vertex and back. The
+        // coefficients of (t − c)ᵐ are its blossoms: means of products of m of four factors.
+        let blossom = |m: usize, k: usize| -> f64 {
+            let factors = [k, 4 - k].map(|count| (0..=count).map(move |i| binomial(count, i)));
+            let [above, below] = factors.map(Iterator::collect::<Vec<f64>>);
+            let of = |i: usize| 0.7_f64.powi(i as i32) * (-0.3_f64).powi((m - i) as i32);
+            let chosen = |i: usize| above.get(i).unwrap_or(&0.0) * below.get(m - i).unwrap_or(&0.0);
+            (0..=m).map(|i| chosen(i) * of(i)).sum::<f64>() / binomial(4, m)
+        };
+        let folded_parabola = NurbsCurve::bezier(
+            &[0, 1, 2, 3, 4].map(|k| DVec3::new(blossom(2, k), blossom(4, k), 0.0)),
+        )
+        .unwrap();
+        let spike = [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+        let cases = [
+            ("line", polyline(&[[0.0, 0.0], [3.0, 0.0], [1.0, 0.0]]), 3.0),
+            (
+                "slanted",
+                polyline(&[[0.0, 0.0], [0.3, 0.1], [0.6, 0.2], [0.15, 0.05]]),
+                0.4_f64.sqrt(),
+            ),
+            // x = 6t(1−t) + t²: turns at 3/5.
+            ("bezier", bezier(&[[0.0, 0.0], [3.0, 3.0], [1.0, 1.0]]), 0.6),
+            ("arc", there_and_back, 2.0),
+            ("parabola", folded_parabola, 0.3),
+            (
+                "at the seam",
+                polyline(&[[3.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 0.0], [3.0, 0.0]]),
+                0.0,
+            ),
+        ];
+        for (name, curve, t) in cases {
+            for (k, placed) in everywhere(&curve).iter().enumerate() {
+                let found = fold(placed).unwrap_or_else(|| panic!("{name}, {k}"));
+                // Polylines may have been moved: their parameter has not.
+                assert!((found.t - t).abs() < 1e-7, "{name}, {k}: {found:?}");
+                let [a, b] = found.twice.map(|t| placed.point_at(t));
+                assert!(a.distance(b) < 1e-11 * placed.magnitude(), "{name}, {k}");
+            }
+        }
+        assert!(fold(&polyline(&spike)).is_none(), "no spike at all");
+    }
+
+    #[test]
+    fn corners_cusps_and_touches_are_no_folds() {
+        let needle = |width: f64| polyline(&[[0.0, 0.0], [1.0, 0.0], [0.0, width]]);
+        let cases = [
+            ("needle", needle(1e-6)),
+            ("finer needle", needle(1e-10)),
+            ("cusp", bezier(&[[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.0]])),
+            // y² = x³ through its cusp.
+            (
+                "semicubical",
+                bezier(&[[1.0, -1.0], [-1.0 / 3.0, 1.0], [-1.0 / 3.0, -1.0], [1.0, 1.0]]),
+            ),
+            // Two circles that touch at the point of a crescent.
+            ("crescent", {
+                let outer = circle_arc(1.0, 0.0, 90.0).unwrap();
+                let mut control = outer.control().to_vec();
+                let inner =
+                    [[0.0, 1.0], [0.5, 1.0], [0.5, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
+                let weights = [1.0, 0.5_f64.sqrt(), 1.0];
+                let inner = inner.iter().zip(weights).skip(1);
+                control.extend(inner.map(|(&p, w)| (p * w).extend(w)));
+                let breaks = [(0.0, 3), (1.0, 2), (2.0, 3)];
+                let knots = KnotVector::with_multiplicities(2, &breaks).unwrap();
+                NurbsCurve::from_homogeneous(knots, control).unwrap()
+            }),
+            ("eight", polyline(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])),
+            ("circle", circle_arc(2.0, 10.0, 360.0).unwrap()),
+            ("full circle", circle_cubic()),
+            // A point of the outline twice, and a bridge that is crossed both ways.
+            (
+                "touching",
+                polyline(&[
+                    [0.0, 0.0],
+                    [2.0, 0.0],
+                    [1.0, 1.0],
+                    [2.0, 2.0],
+                    [0.0, 2.0],
+                    [1.0, 1.0],
+                    [0.0, 0.0],
+                ]),
+            ),
+            ("repeated points", bezier(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0]])),
+            ("straight on", polyline(&[[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]])),
+        ];
+        for (name, curve) in cases {
+            for (k, placed) in everywhere(&curve).iter().enumerate() {
+                assert_eq!(fold(placed), None, "{name}, {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_profile_and_its_mirror_image_about_the_axis() {
+        let y = Axis::new(DVec3::ZERO, DVec3::Y).unwrap();
+        let found = |profile: &NurbsCurve, degrees: f64| {
+            check_turned(profile, &y, degrees).map_err(|error| error.to_string())
+        };
+        let error = "profile: turned by 360° about the axis it covers itself: its two parts at \
+                     t = 0.5, (0, -1, 0), are 180° apart and each other's image, as at t = ";
+        for start in [90.0, 0.0, 33.0, -100.0] {
+            let circle = circle_arc(1.0, start, 360.0).unwrap();
+            assert_eq!(found(&circle, 180.0), Ok(()), "{start}");
+            assert_eq!(found(&circle, -180.0), Ok(()), "{start}");
+            let refused = found(&circle, 360.0).unwrap_err();
+            if start == 90.0 {
+                assert!(refused.starts_with(error), "{refused}");
+            }
+            assert!(found(&circle, 200.0).is_err(), "{start}");
+            // Half of it, and a circle whose centre is not on the axis.
+            assert_eq!(found(&circle_arc(1.0, -90.0, 180.0).unwrap(), 360.0), Ok(()));
+            let aside = circle.transformed(&DAffine3::from_translation(0.5 * DVec3::X)).unwrap();
+            assert_eq!(found(&aside, 360.0), Ok(()), "{start}");
+        }
+        // A disk twice; a double cone once.
+        assert!(found(&polyline(&[[-1.0, 0.0], [2.0, 0.0]]), 270.0).is_err());
+        assert_eq!(found(&polyline(&[[-1.0, -1.0], [2.0, 2.0]]), 360.0), Ok(()));
+        // A triangle about its height, corner by corner.
+        let triangle = polyline(&[[0.0, 2.0], [-1.0, 0.0], [1.0, 0.0], [0.0, 2.0]]);
+        assert!(found(&triangle, 360.0).is_err());
+        assert_eq!(found(&polyline(&[[0.0, 2.0], [-1.0, 0.0], [0.0, 0.0]]), 360.0), Ok(()));
+    }
+}
