@@ -42,6 +42,23 @@ fn blocks(language: &str) -> Vec<String> {
     rest.map(|text| text.split("```").next().unwrap().to_owned()).collect()
 }
 
+/// Every scene has a picture in `renders/`, and the README shows or links it.
+#[test]
+fn every_scene_of_ours_is_in_the_gallery() {
+    let scenes = fs::read_dir(root().join("scenes")).unwrap();
+    let paths = scenes.map(|entry| entry.unwrap().path());
+    let names = paths.filter(|path| path.extension().is_some_and(|kind| kind == "toml"));
+    let names: Vec<String> =
+        names.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    assert!(names.len() > 30);
+    for name in names {
+        let files = ["png", "svg"].map(|kind| format!("renders/{name}.{kind}"));
+        let shown =
+            |file: &&String| root().join(file).exists() && README.contains(&format!("({file})"));
+        assert!(files.iter().any(|file| shown(&file)), "{name} is not in the gallery");
+    }
+}
+
 /// The scene: the block that begins by naming its file.
 fn scene() -> (String, String) {
     let text = blocks("toml").into_iter().find(|text| text.starts_with("# ")).unwrap();
