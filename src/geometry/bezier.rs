@@ -7,7 +7,11 @@ use super::knots::MAX_DEGREE;
 use super::line::mix;
 
 /// The point at `t` of the Bézier curve with these homogeneous control points, at most
-/// [`MAX_DEGREE`] + 1 of them, by de Casteljau's repeated mixing of neighbours.
+/// [`MAX_DEGREE`] + 1 of them, by de Casteljau's repeated mixing of neighbours:
+/// `P_i^r(t) = (1 − t) P_i^{r−1}(t) + t P_{i+1}^{r−1}(t)`, `P_i^0 = P_i`.
+///
+/// (The course deck prints `P_i^0(u)` once where all else depends on t, and in its pyramid for a
+/// cubic `3t(1 − t)² P_0^1`, where the control point `P_1` is meant.)
 ///
 /// `None` for no points or too many.
 pub fn de_casteljau(points: &[DVec4], t: f64) -> Option<DVec4> {
@@ -38,6 +42,9 @@ pub fn halves(points: &[DVec4], t: f64) -> (Vec<DVec4>, Vec<DVec4>) {
 }
 
 /// The Bernstein polynomials `B_{k,n}(t) = (n choose k) tᵏ (1 − t)ⁿ⁻ᵏ`, `k = 0 … n`.
+///
+/// A Bézier curve is `Σ P_i B_{i,n}(t)`: n is the second index, where the course deck prints
+/// `B_{i,t}(t)` on two slides.
 ///
 /// `None` for degrees above [`MAX_DEGREE`].
 pub fn bernstein(degree: usize, t: f64) -> Option<BasisValues> {

@@ -101,7 +101,9 @@ impl NurbsSurface {
     /// inside the domain; `None` where there is none.
     ///
     /// A point so close to a border that no rounding tells it from the border, and whose own
-    /// derivatives are lost in rounding, as near a pole, gets the border's normal. See
+    /// derivatives are lost in rounding, as near a pole, gets the border's normal. The derivatives of
+    /// a rational surface are by the quotient rule (the course deck prints `N = S_u × S_v` with the
+    /// derivatives of a polynomial patch only). See
     /// [`SurfaceDerivatives::unit_normal`].
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         let [domain_u, domain_v] = self.domain();

@@ -26,6 +26,15 @@ pub const MAX_POINTS: usize = 1 << 24;
 /// - the domain is not empty: `tₚ < tₙ`.
 ///
 /// Clamped ends are *not* assumed: periodic and imported knots are welcome.
+///
+/// # Where the course deck and the lecture differ
+/// For control points 0 to n (here there are `n` of them, 0 to `n − 1`) the deck prints `u_{n+k+1}`
+/// as the last knot: with the degree p it is `u_{n+p+1}`, the deck's k elsewhere being the order
+/// `p + 1`. And the domain is not all of `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`, which differs unless
+/// the ends are clamped. The lecture says that every control point has a t-value, the knot vector being
+/// their list: there are `p + 1` more knots than control points. By "uniform" it means evenly
+/// spaced knots, not points; and knots without space between them make a jump only if `p + 1` of
+/// them coincide (p of them make a corner).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector {
     degree: usize,
@@ -114,7 +123,8 @@ impl KnotVector {
 
     /// The "standard knot vector" of the textbooks: clamped, `0, 1, 2, …` inside.
     ///
-    /// Five points of degree 3 get `0, 0, 0, 0, 1, 2, 2, 2, 2`.
+    /// Five points of degree 3 get `0, 0, 0, 0, 1, 2, 2, 2, 2`. (The lecture prints
+    /// `0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5` for five: these twelve knots are those of eight points.)
     ///
     /// # Errors
     /// When the degree or the number of points is not supported.
@@ -179,6 +189,7 @@ impl KnotVector {
     }
 
     /// Index `i` of the non-empty span that holds `t`: `tᵢ ≤ t < tᵢ₊₁`, the last span closed.
+    /// (The source note's (2) prints half-open spans only, whose functions all vanish at the end.)
     ///
     /// Parameters off the domain get its end spans, NaN the first.
     pub fn span(&self, t: f64) -> usize {

@@ -1,7 +1,9 @@
 //! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
 //!
-//! As the lecture on bicubic surfaces and splines writes them (its `M` for B-splines is not
-//! symmetric: for surfaces, `S M G Mᵀ Tᵀ` is meant wherever it drops the transposition).
+//! As the lecture on bicubic surfaces and splines writes them, with these differences. It prints
+//! `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is symmetric; B-splines
+//! need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. And it counts the
+//! blending functions from B₀ to B₃ on one slide and from B₄ to B₁ on the next: here it is B₀ to B₃.
 
 use glam::{DVec3, DVec4};
 

@@ -42,7 +42,8 @@ impl NurbsCurve {
 }
 
 /// The control points with the first and the last repeated, each so many times in all. A
-/// uniform spline of degree `p` meets an end point that is there `p` times.
+/// uniform spline of degree `p` meets an end point that is there `p` times. (The lecture's slide with
+/// threefold ends prints coordinates a hundred times those of the slide that defines the points.)
 ///
 /// # Errors
 /// When there are no points, or a number is not from 1 to [`MAX_REPEATED`].

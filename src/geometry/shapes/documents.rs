@@ -18,6 +18,9 @@ fn bicubic(net: &Net) -> NurbsSurface {
 
 /// The lecture's first patch: a graph over the square `[0, 3]²`, as `x = 3v` and `y = 3u`,
 /// so that each vertical line over it meets it exactly once. Its normals point down.
+///
+/// The polynomial that the lecture prints for z is right. Its three 4 × 4 matrices of coordinates,
+/// `G_x`, `G_y`, `G_z`, stand there as one block of twelve rows: four rows each.
 pub fn lecture_patch_1() -> NurbsSurface {
     let heights =
         [[5.0, 6.0, 3.0, 5.0], [3.0, 5.0, 6.0, 3.0], [4.0, 3.0, 5.0, 6.0], [5.0, 4.0, 3.0, 5.0]];
@@ -52,6 +55,11 @@ pub fn lecture_patch_3() -> NurbsSurface {
 
 /// The course deck's OpenGL net: a graph over the square `[−1.5, 1.5]²`, as
 /// `x = 3v − 1.5` and `y = 3u − 1.5`. Its normals point down.
+///
+/// The deck prints the program with a scan's letters (`glMapI`, `GL_MAPI_VERTEX_3`: a 1 is meant, as
+/// in `glMap1f`) and without the inner braces of the `4 × 4 × 3` array. Called as printed, OpenGL's
+/// u runs along the inner index and its v over the rows: the transpose of the deck's own
+/// `S(u, v) = Σ P_ij B_i(u) B_j(v)`, which is used here.
 pub fn deck_patch() -> NurbsSurface {
     let heights = [
         [4.0, 2.0, -1.0, 2.0],

@@ -28,7 +28,10 @@ const AROUND: [(f64, f64, f64); 7] = [
 ///
 /// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y`; both in
 /// `[0, 1]`, with the half planes of `v = 1/2` and of the seam `v = 0 = 1` both at `y = 0`.
-/// The note's parametrisation is oriented outward as it stands.
+/// The note's parametrisation is oriented outward as it stands. Its tables 3 and 4 print u at the
+/// rows and v at the columns, as here (u has 4 control points, v has 7), its table 2 the other way
+/// round. Where 3.3 prints "wrap around the u-axis", the z axis is meant, and for the knots
+/// `u_i = 1` the indices are `4 ≤ i ≤ 7` ("4 <= 7" is printed).
 ///
 /// # Errors
 /// When the radius is not positive and finite.
@@ -54,6 +57,9 @@ pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 
 /// The hemisphere with the parameters of the source note's table 2, whose normals point
 /// *inward*: `u` runs around, `v` from the pole `+z` to the pole `−z`.
+///
+/// The table is right; the list of control points that the source note prints in its 3.2 lacks
+/// `(−2, 0, ±1)` and `(−2, 4, ±1)`.
 ///
 /// # Errors
 /// When the radius is not positive and finite.
@@ -87,8 +93,10 @@ pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// The biquadratic octant with the source note's parameters, whose normals point *inward*:
 /// `((1−u²)(1−v²), (1−u²) 2v, 2u (1+v²)) / ((1+u²)(1+v²))` on the unit square.
 ///
-/// `u = 1` is the pole, `v` runs around. (The note gives the triangle `u + v ≤ 1` as its
-/// domain, which covers only three quarters of the octant.)
+/// `u = 1` is the pole, `v` runs around. (The source note prints the triangle `u + v ≤ 1` as its
+/// domain, which covers only 75.3 % of the octant: `(1/2, 1/2)` is `(9/25, 12/25, 4/5)`, inside. It
+/// calls the patch triangular, of degree 4: it is a tensor product of degrees 2 and 2, whose side
+/// `u = 1` is the pole.)
 ///
 /// # Errors
 /// When the radius is not positive and finite.
