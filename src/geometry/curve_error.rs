@@ -3,8 +3,8 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::KnotError;
-use crate::math::{Shown, ShownVector};
+use super::{KnotError, MAX_MAGNITUDE};
+use crate::math::{Measured, Shown, ShownVector};
 
 /// Why numbers cannot be a curve, or an operation not be done on one.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -64,7 +64,7 @@ pub enum CurveError {
         second: usize,
     },
     /// A radius is not a usable length.
-    #[error("radius {radius}: it must be positive and finite")]
+    #[error("radius {}: it must be positive and finite", Shown(*.radius))]
     Radius {
         /// The radius.
         radius: f64,
@@ -78,7 +78,7 @@ pub enum CurveError {
         degrees: f64,
     },
     /// A weight of a basis function is negative or not finite.
-    #[error("the weight of control point {index} is {weight}: it must be finite, and not negative")]
+    #[error("the weight of control point {index} is {}: it must be finite, and not negative", Shown(*.weight))]
     BasisWeight {
         /// Which control point, counted from 0.
         index: usize,
@@ -131,7 +131,7 @@ pub enum CurveError {
     /// A control point of a quarter circle lies outside the first quadrant.
     #[error(
         "control point {index} is ({}, {}): both coordinates must be positive for a quarter circle",
-        .point.x, .point.y
+        Shown(.point.x), Shown(.point.y)
     )]
     OffQuadrant {
         /// Which control point, counted from 0.
@@ -139,8 +139,22 @@ pub enum CurveError {
         /// Its coordinates.
         point: DVec3,
     },
+    /// The weight that a quarter circle of degree 4 is to have is none it can have.
+    #[error(
+        "w1 is {}: solution {solution} needs a weight above {}{}, up to {MAX_MAGNITUDE:e}",
+        Shown(*.w1), Measured(*.above),
+        if *.above > 0.0 { " (√2/8, below which the arc leaves its quadrant)" } else { "" }
+    )]
+    QuarticWeight {
+        /// Which solution of the constraint: 1 or 2.
+        solution: u8,
+        /// The weight.
+        w1: f64,
+        /// What it must be greater than.
+        above: f64,
+    },
     /// Weights or constants do not make a circle.
-    #[error("{what} is {found}: a circle needs {needed}")]
+    #[error("{what} is {}: a circle needs {needed}", Measured(*.found))]
     NotRound {
         /// What is wrong.
         what: &'static str,

@@ -74,7 +74,9 @@
 //! [[object]]
 //! shape = { octant = { radius = 1 } }                 # x, y, z ≥ 0
 //! [[object]]
-//! shape = { octant_quartic = { radius = 1 } }         # the same as a quartic triangle
+//! shape = { octant_quartic = { radius = 1 } }         # the same as a quartic triangle; it may
+//!                                                     # have constants of its own, a = [a0, a1, a2]
+//!                                                     # and b = [b0, b1, b2, b3], all b times any factor
 //! [[object]]
 //! shape = { cylinder = { radius = 1, height = 1 } }   # its side, on z = 0
 //! [[object]]

@@ -65,6 +65,7 @@ impl Placer<'_> {
                 let named = match &error {
                     ShapeError::Length { measure, .. } => measure,
                     ShapeError::Torus { .. } => "minor radius",
+                    ShapeError::Octant { .. } => "constants",
                 };
                 let place = measures.iter().find(|measure| measure.value == named);
                 let place = place.map_or(&part.place, |measure| &measure.place).clone();

@@ -1,7 +1,7 @@
 //! Shapes the program knows by name.
 
 use crate::geometry::Surface;
-use crate::geometry::shapes::{self, ShapeError};
+use crate::geometry::shapes::{self, OctantConstants, ShapeError};
 
 /// A shape the program knows by name; [`shapes`] says how each lies and runs.
 ///
@@ -34,6 +34,8 @@ pub enum NamedShape {
     OctantQuartic {
         /// Its radius.
         radius: f64,
+        /// `a₀ … a₂` and `b₀ … b₃`; the source note's if not given.
+        constants: Option<([f64; 3], [f64; 4])>,
     },
     /// The side of a cylinder that stands on `z = 0`.
     Cylinder {
@@ -102,14 +104,21 @@ impl NamedShape {
     /// The surface.
     ///
     /// # Errors
-    /// When a length is not positive and finite, or a torus would meet itself.
+    /// When a length is not positive and finite, a torus would meet itself, or the constants of an
+    /// octant make no sphere.
     pub fn surface(&self) -> Result<Surface, ShapeError> {
         let surface = match *self {
             Self::Sphere { radius } => shapes::sphere(radius)?,
             Self::SphereBiquadratic { radius } => shapes::sphere_biquadratic(radius)?,
             Self::Hemisphere { radius } => shapes::hemisphere(radius)?,
             Self::Octant { radius } => shapes::octant_biquadratic(radius)?,
-            Self::OctantQuartic { radius } => return Ok(shapes::octant_quartic(radius)?.into()),
+            Self::OctantQuartic { radius, constants } => {
+                let constants = constants.map_or_else(
+                    || Ok(OctantConstants::of_the_note()),
+                    |(a, b)| OctantConstants::new(a, b),
+                );
+                return Ok(constants?.octant(radius)?.into());
+            }
             Self::Cylinder { radius, height } => shapes::cylinder(radius, height)?,
             Self::Cone { radius, height } => shapes::cone(radius, height)?,
             Self::Torus { major, minor } => shapes::torus(major, minor)?,

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::quadrics::unit_knots;
 use crate::geometry::construct::arc::UnitArc;
-use crate::geometry::{CurveError, KnotVector, NurbsCurve};
+use crate::geometry::{CurveError, KnotVector, MAX_MAGNITUDE, NurbsCurve};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,9 @@ pub enum QuadraticArc {
 ///
 /// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`,
 /// its denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic:
-/// both have one constant left, and `w₁` chooses it. (The note's third and fourth solution
-/// for `w₁ = 1`, with negative `w₂` or `y₁`, leave the quadrant.)
+/// both have one constant left, and `w₁` chooses it. (The source note prints "2 possibilities" for
+/// `w₁ = 1`; its equations have two more solutions, `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and
+/// `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`, which leave the quadrant.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuarticArc {
     /// The quadratic arc times a factor: `y₁ = √2/(4 w₁)`, `x₂ = 1 − √2/(8 w₁)`,
@@ -51,13 +52,24 @@ pub struct QuarticConstants {
     x2: f64,
 }
 
+/// At this `w₁` or less, the control point `(x₂, x₂)` of the first family leaves the quadrant.
+const FIRST_ABOVE: f64 = SQRT_2 / 8.0;
+
 impl QuarticConstants {
     /// The solution of the constraint for a given `w₁`.
     ///
     /// # Errors
-    /// When `w₁` is not positive and finite, or so small (below √2/8) that the first family
-    /// leaves the quadrant.
+    /// When `w₁` is not positive, above [`MAX_MAGNITUDE`], or so small (√2/8 or less) that the
+    /// first family leaves the quadrant.
     pub fn solved(arc: QuarticArc, w1: f64) -> Result<Self, CurveError> {
+        let (solution, least) = match arc {
+            QuarticArc::First => (1, FIRST_ABOVE),
+            QuarticArc::Second => (2, 0.0),
+        };
+        let usable = w1 > least && w1 <= MAX_MAGNITUDE; // false for NaN
+        if !usable {
+            return Err(CurveError::QuarticWeight { solution, w1, above: least });
+        }
         let (y1, x2, w2) = match arc {
             QuarticArc::First => {
                 (SQRT_2 / (4.0 * w1), 1.0 - SQRT_2 / (8.0 * w1), 2.0 * SQRT_2 * w1 / 3.0)
@@ -175,6 +187,8 @@ pub fn quarter_circle_quartic(arc: QuarticArc) -> NurbsCurve {
 
 /// The half of the unit circle with `x ≥ 0`, from `(0, 1)` to `(0, −1)`, of degree 3:
 /// `(2t(1 − t), 1 − 2t) / (2t² − 2t + 1)`.
+///
+/// The source note prints `(1, 0)` for the first control point (2.2); a circle needs `(0, 1)`.
 pub fn half_circle_cubic() -> NurbsCurve {
     let third = 1.0 / 3.0;
     let points = [(0.0, 1.0, 1.0), (2.0, 1.0, third), (2.0, -1.0, third), (0.0, -1.0, 1.0)];
@@ -183,6 +197,10 @@ pub fn half_circle_cubic() -> NurbsCurve {
 
 /// The unit circle of degree 3, clockwise from `(0, 1)`: two half circles, joined at a knot
 /// of multiplicity 3. As a curve in the plane it is smooth there and where it closes.
+///
+/// The source note prints other control points: first and last `(1, 0)` in the list of its 2.3, the
+/// last `(0, −1)` in its table 1. All three must be `(0, 1)`. Its line for degree 2 prints
+/// `N₂,₂ = 0`; it is `N₀,₂` that vanishes, `N₂,₂` follows two lines below.
 pub fn circle_cubic() -> NurbsCurve {
     let (third, half) = (1.0 / 3.0, 0.5);
     let points = [
@@ -297,10 +315,18 @@ mod tests {
         );
         assert_eq!(
             QuarticConstants::solved(QuarticArc::First, 0.125).unwrap_err().to_string(),
-            "control point 2 is (-0.41421356237309515, -0.41421356237309515): \
-             both coordinates must be positive for a quarter circle"
+            "w1 is 0.125: solution 1 needs a weight above 0.176777 (√2/8, below which the arc \
+             leaves its quadrant), up to 1e70"
         );
-        assert!(QuarticConstants::solved(QuarticArc::Second, -1.0).is_err());
+        assert!(QuarticConstants::solved(QuarticArc::First, FIRST_ABOVE).is_err());
+        stays_on_the_circle(&QuarticConstants::solved(QuarticArc::First, 0.1768).unwrap().curve());
+        assert_eq!(
+            QuarticConstants::solved(QuarticArc::Second, -1.0).unwrap_err().to_string(),
+            "w1 is -1: solution 2 needs a weight above 0, up to 1e70"
+        );
+        assert!(QuarticConstants::solved(QuarticArc::Second, f64::INFINITY).is_err());
+        let off = QuarticConstants::new([1.0, 1.0], 0.5, -0.75).unwrap_err().to_string();
+        assert!(off.starts_with("control point 2 is (-0.75, -0.75): both"), "{off}");
         assert!(QuarticConstants::solved(QuarticArc::Second, f64::NAN).is_err());
         assert_eq!(
             quarter_circle_weighted([1.0, 1.0, 1.0]).unwrap_err().to_string(),

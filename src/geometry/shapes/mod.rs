@@ -13,7 +13,7 @@ pub use circles::{
     quarter_circle_quadratic, quarter_circle_quartic, quarter_circle_weighted,
 };
 pub use documents::{deck_patch, lecture_patch_1, lecture_patch_2, lecture_patch_3};
-pub use octant::octant_quartic;
+pub use octant::{OctantConstants, octant_quartic};
 pub(crate) use quadrics::unit_knots;
 pub use quadrics::{
     hemisphere, hemisphere_of_the_note, octant_biquadratic, octant_of_the_note, plane, sphere,
@@ -23,7 +23,7 @@ pub use revolved::{cone, cylinder, disk, sphere_biquadratic, torus};
 use thiserror::Error;
 
 use super::{MAX_MAGNITUDE, MIN_MAGNITUDE};
-use crate::math::Shown;
+use crate::math::{Measured, Shown};
 
 /// Why numbers cannot be the measures of a shape.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -40,6 +40,24 @@ pub enum ShapeError {
         /// Its value.
         value: f64,
     },
+    /// Constants of a quartic triangle violate their constraint.
+    #[error(
+        "the constants a = {}, b = {} make no sphere: of x² + y² + z² - w², a polynomial of \
+         degree 8 that must be 0, the coefficient at ({}, {}, {}) is {} of its terms; the source \
+         note has a = {}, b = {}",
+        list(.a), list(.b), .exponents[0], .exponents[1], .exponents[2], Measured(*.residual),
+        all_digits(OctantConstants::of_the_note().a()), all_digits(OctantConstants::of_the_note().b())
+    )]
+    Octant {
+        /// `a₀, a₁, a₂`.
+        a: [f64; 3],
+        /// `b₀, b₁, b₂, b₃`.
+        b: [f64; 4],
+        /// The exponents of the Bernstein coefficient that is farthest from zero.
+        exponents: [usize; 3],
+        /// That coefficient, as a share of the sum of its terms' magnitudes.
+        residual: f64,
+    },
     /// The tube of a torus is as thick as its circle, or thicker.
     #[error(
         "minor radius {}: it must be smaller than the major radius {}, \
@@ -53,6 +71,18 @@ pub enum ShapeError {
         /// The radius of the tube.
         minor: f64,
     },
+}
+
+/// Numbers as a message shows them.
+fn list(numbers: &[f64]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(|&x| Measured(x).to_string()).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+/// Numbers to be copied from a message.
+fn all_digits<const N: usize>(numbers: [f64; N]) -> String {
+    let numbers = numbers.map(|x| Shown(x).to_string());
+    format!("[{}]", numbers.join(", "))
 }
 
 fn check_length(measure: &'static str, value: f64) -> Result<(), ShapeError> {

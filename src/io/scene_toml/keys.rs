@@ -13,6 +13,7 @@ use super::kinds::{Kinds, OneOf};
 use super::plots::{FigureKeys, PlotKeys};
 use super::trims::TrimKeys;
 use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
+use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
 
 #[derive(Deserialize)]
@@ -189,7 +190,7 @@ pub(super) enum ShapeKeys {
     SphereBiquadratic(Keyed<RadiusKeys>),
     Hemisphere(Keyed<RadiusKeys>),
     Octant(Keyed<RadiusKeys>),
-    OctantQuartic(Keyed<RadiusKeys>),
+    OctantQuartic(Keyed<OctantKeys>),
     Cylinder(Keyed<RadiusHeightKeys>),
     Cone(Keyed<RadiusHeightKeys>),
     Torus(Keyed<TorusKeys>),
@@ -234,6 +235,15 @@ pub(super) struct NoKeys {}
 pub(super) struct RadiusKeys {
     #[serde(default = "one")]
     radius: Spanned<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OctantKeys {
+    #[serde(default = "one")]
+    radius: Spanned<Number>,
+    a: Option<Spanned<Exactly<Number, 3>>>,
+    b: Option<Spanned<Exactly<Number, 4>>>,
 }
 
 #[derive(Deserialize)]
@@ -305,6 +315,24 @@ pub(super) enum ShapeSource {
 /// The measures that are written, by their names in errors, and where.
 pub(super) type Measures = Vec<(&'static str, usize)>;
 
+/// The constants of an octant, those that are not written being the source note's; and where
+/// they are written.
+fn octant_constants(
+    a: Option<Spanned<Exactly<Number, 3>>>,
+    b: Option<Spanned<Exactly<Number, 4>>>,
+    measures: &mut Measures,
+) -> Option<([f64; 3], [f64; 4])> {
+    let starts = [a.as_ref().map(|a| a.span().start), b.as_ref().map(|b| b.span().start)];
+    let first = starts.into_iter().flatten().min()?;
+    measures.push(("constants", first));
+    let names = [("a0", 0), ("a1", 0), ("a2", 0), ("b0", 1), ("b1", 1), ("b2", 1), ("b3", 1)];
+    measures.extend(names.iter().map(|&(name, list)| (name, starts[list].unwrap_or(first))));
+    let note = OctantConstants::of_the_note();
+    let a = a.map_or(note.a(), |a| a.into_inner().0.map(|x| x.0));
+    let b = b.map_or(note.b(), |b| b.into_inner().0.map(|x| x.0));
+    Some((a, b))
+}
+
 impl ShapeKeys {
     pub(super) fn source(self) -> ShapeSource {
         use ConstructionKeys as Built;
@@ -352,7 +380,9 @@ impl ShapeKeys {
                 NamedShape::Octant { radius: measure("radius", keys.radius) }
             }
             Self::OctantQuartic(Keyed(keys)) => {
-                NamedShape::OctantQuartic { radius: measure("radius", keys.radius) }
+                let radius = measure("radius", keys.radius);
+                let constants = octant_constants(keys.a, keys.b, &mut measures);
+                NamedShape::OctantQuartic { radius, constants }
             }
             Self::Cylinder(Keyed(keys)) => NamedShape::Cylinder {
                 radius: measure("radius", keys.radius),

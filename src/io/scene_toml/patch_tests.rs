@@ -35,6 +35,65 @@ fn what_is_no_triangle_is_told() {
 }
 
 #[test]
+fn an_octant_s_constants_are_told_where_they_are_written() {
+    let octant = |keys: &str| format!("[[object]]\nshape = {{ octant_quartic = {{ {keys} }} }}");
+    let a = "a = [0.4226497308103742, 0.7886751345948129, 0.589353461558106]";
+    let b = "b = [5.071796769724491, 4.242640687119285, 4, 3.344677257168586]";
+    for keys in [a.to_owned(), b.to_owned(), format!("radius = 2, {a}, {b}")] {
+        let world = World::new(&scene(&octant(&keys))).unwrap();
+        let point = world.surfaces[0].surface.point_at(DVec2::new(0.2, 0.3));
+        let radius = if keys.starts_with('r') { 2.0 } else { 1.0 };
+        assert!((point.length() - radius).abs() < 1e-15, "{keys}: {point}");
+    }
+    let message = error(&octant("radius = 1, a = [0.42, 0.79, 0.59]"));
+    let begins =
+        "s.toml:2:44: surface \"octant_quartic\": the constants a = [0.42, 0.79, 0.59], b = [";
+    assert!(message.starts_with(begins), "{message}");
+    assert!(
+        message.contains("] make no sphere: ") && message.contains("a = [0.4226497308103742, "),
+        "{message}"
+    );
+    assert_eq!(
+        error(&octant("b = [5, 4, 4, -3]")),
+        "s.toml:2:32: surface \"octant_quartic\": b3 -3: it must be positive and finite (from 1e-70 to \
+         1e70)"
+    );
+    assert!(
+        error(&octant("b = [5, 4, 4]")).contains("list of 4"),
+        "{}",
+        error(&octant("b = [5, 4, 4]"))
+    );
+}
+
+/// Each at the curve that folds.
+#[test]
+fn profiles_that_fold_are_told_where_they_are_written() {
+    let of = |shape: &str| error(&format!("[[object]]\nname = 'o'\n[object.shape.{shape}"));
+    let back = "{ polyline = [[0, 0], [3, 1], [1.5, 0.5]] }";
+    let line = "{ polyline = [[0, 0, 1], [1, 0, 1]] }";
+    let folds = "it folds at control point 1, (3, 1, 0): there it turns round and runs back over \
+                 itself, for a length of 1.58114; the surface would be covered twice";
+    for (shape, place, which) in [
+        (format!("extrusion]\nby = [0, 0, 1]\nprofile = {back}"), "5:11", "profile"),
+        (format!("revolution]\naxis = 'y'\nprofile = {back}"), "5:11", "profile"),
+        (format!("sweep]\npath = {line}\nprofile = {back}"), "5:11", "profile"),
+        (format!("sweep]\nprofile = {line}\npath = {back}"), "5:8", "path"),
+        (format!("tube]\nradius = 0.1\ncurve = {back}"), "5:9", "curve"),
+        (format!("ribbon]\nwidth = 0.1\ncurve = {back}"), "5:9", "curve"),
+        (format!("ruled]\nto = {back}\nfrom = {back}"), "5:8", "curve `from`"),
+        (format!("loft]\nsections = [\n{line},\n{back},\n{line},\n]"), "6:1", "section 1"),
+    ] {
+        assert_eq!(of(&shape), format!("s.toml:{place}: surface \"o\": {which}: {folds}"));
+    }
+    // A circle about its own diameter.
+    let ball = "revolution]\naxis = 'y'\nprofile = { circle = { radius = 1 } }";
+    let message = of(ball);
+    let begins =
+        "s.toml:5:11: surface \"o\": profile: turned by 360° about the axis it covers itself: ";
+    assert!(message.starts_with(begins), "{message}");
+}
+
+#[test]
 fn what_is_no_cage_is_told_where_it_is_written() {
     let cage = |text: &str| error(&format!("[[object]]\nname = 'box'\n[object.shape.{text}"));
     let points = "points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]";
