@@ -41,6 +41,10 @@ Kernels and rival take turns in each round; before the first everyone traces all
 rays once. Everyone works on the same number of threads, which take 4096 rays at
 a time.
 
+Bytes a Bezier patch: everything that tracing needs, divided by the number of
+patches that the surfaces are cut into at their knots (a triangular patch is
+three of these; trims and the hierarchy count, too).
+
 --against embree: RTC_GEOMETRY_TYPE_GRID, a grid a knot span, with flag ROBUST;
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
@@ -58,7 +62,7 @@ With --json one object a line, for each model, ray set, kernel and tolerance:
   build_seconds   from the placed surfaces to ready, part of file_seconds
   total_seconds   from the file to the last ray
   bytes           everything tracing needs
-  pieces          Bezier pieces: bytes / pieces is the memory a patch
+  pieces          Bezier patches: bytes / pieces is the memory a patch
 and with a rival:
   rival (embree), rival_version, rival_width (rays a packet), tolerance,
   rival_mrays_per_s, rival_spread, rival_hits, rival_triangles

@@ -11,6 +11,8 @@ use std::process::ExitCode;
 use nurbray::geometry::trim::Kept;
 use serde_json::{Value, json};
 
+use nurbray::scene::{Instance, Shape};
+
 use super::args::InfoArguments;
 use super::failure::Failure;
 use super::{console, input};
@@ -27,7 +29,7 @@ other. They meet if none of these points is farther off than rounding, 4 (p + q
 + 4) 2^-53 M for each surface; else the largest distance is listed as a gap,
 through which rays may pass. Gaps narrower than the samples are long may be
 missed. Trim edges are curves like borders; what trims cut off a border does not
-count.
+count, nor do the parts of one tube, ribbon or net, which run into each other.
 
 Bounds: the boxes the surfaces themselves just fit in, not their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
@@ -62,7 +64,15 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let (world, build) = input::prepare(&scene)?;
     let facts = Facts::new(&world);
     let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
-    let fit = gaps::fit(&surfaces, facts.size());
+    let drawing = |instance: &Instance| {
+        let [object, part] = instance.part;
+        match &scene.objects[object].parts[part].shape {
+            Shape::Built(construction) => construction.is_drawing().then_some(instance.part),
+            _ => None,
+        }
+    };
+    let drawings: Vec<_> = world.surfaces.iter().map(drawing).collect();
+    let fit = gaps::fit(&surfaces, &drawings, facts.size());
     let input = arguments.input.display().to_string();
     if arguments.json {
         let not_imported = scene.notes.iter().map(|note| {

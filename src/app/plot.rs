@@ -70,9 +70,9 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
         Some(columns) => columns.value.min(panels.len()),
         None => (1..).find(|side| side * side >= panels.len()).unwrap_or(1),
     };
-    let size = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
+    let (size, place) = size(arguments, &scene, [columns, panels.len().div_ceil(columns)])?;
     let text = svg::svg(&panels, columns, size)
-        .map_err(|unable| refused(unable, size, (&scene, &panels)))?;
+        .map_err(|unable| refused(unable, (size, &place), (&scene, &panels)))?;
 
     for (path, format) in paths.into_iter().zip(formats) {
         match format {
@@ -105,7 +105,12 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
 }
 
 /// The size of the picture: the command line's, the scene's, or so much a plot.
-fn size(arguments: &PlotArguments, scene: &Scene, grid: [usize; 2]) -> Result<[u32; 2], Failure> {
+/// and where the scene gives it, before a message about it.
+fn size(
+    arguments: &PlotArguments,
+    scene: &Scene,
+    grid: [usize; 2],
+) -> Result<([u32; 2], String), Failure> {
     let (size, place) = match (arguments.size, &scene.figure.size) {
         (Some(size), _) => ([size.width, size.height], String::new()),
         (None, Some(size)) => (size.value, format!("{}: ", size.place)),
@@ -116,17 +121,21 @@ fn size(arguments: &PlotArguments, scene: &Scene, grid: [usize; 2]) -> Result<[u
         }
     };
     match size {
-        [..=MAX_SIDE, ..=MAX_SIDE] => Ok(size),
+        [..=MAX_SIDE, ..=MAX_SIDE] => Ok((size, place)),
         [width, height] => Err(Failure::input(format!(
             "{place}{width} x {height} pixels: a picture of plots has at most {MAX_SIDE} each way"
         ))),
     }
 }
 
-fn refused(unable: Unable, size: [u32; 2], (scene, panels): (&Scene, &[Panel])) -> Failure {
+fn refused(
+    unable: Unable,
+    (size, place): ([u32; 2], &str),
+    (scene, panels): (&Scene, &[Panel]),
+) -> Failure {
     match unable {
         Unable::TooSmall([width, height]) => Failure::input(format!(
-            "{} x {} pixels are too few for {}: at least {width}x{height} are needed",
+            "{place}{} x {} pixels are too few for {}: at least {width}x{height} are needed",
             size[0],
             size[1],
             count(panels.len() as u64, "plot"),

@@ -121,6 +121,13 @@ impl Construction {
         }
     }
 
+    /// Whether it makes a thing seen as lines, of many surfaces that run into each other: tubes,
+    /// ribbons, nets.
+    pub fn is_drawing(&self) -> bool {
+        let curve = matches!(self, Self::Tube { .. } | Self::Ribbon { .. } | Self::Polygon { .. });
+        curve || self.draws().is_some()
+    }
+
     /// The number of control points of its curves.
     pub fn point_count(&self) -> usize {
         let counts = self.curves().into_iter().map(|(_, curve)| curve.point_count());

@@ -68,6 +68,10 @@ impl Scene {
 
     /// What to say of a name that was given to no object.
     pub(super) fn unknown_object(&self, name: &str) -> UnknownName {
+        let called = |object: &Object| object.name.is_none() && object.default_name == name;
+        if self.objects.iter().any(called) {
+            return UnknownName::unnamed("object", name);
+        }
         let names = self.objects.iter().filter_map(|object| object.name.as_ref());
         let known: Vec<&str> = names.map(|name| name.value.as_str()).collect();
         UnknownName::new("object", name, &known)

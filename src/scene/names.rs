@@ -34,6 +34,7 @@ pub struct UnknownName {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Hint {
+    Unnamed,
     Nearest(String),
     Known(Vec<String>),
 }
@@ -47,17 +48,33 @@ impl UnknownName {
         };
         Self { what, written: written.to_owned(), hint }
     }
+
+    /// The name of a thing that has none of its own, but is called so by its kind.
+    pub(super) fn unnamed(what: &'static str, written: &str) -> Self {
+        Self { what, written: written.to_owned(), hint: Hint::Unnamed }
+    }
 }
 
 impl std::error::Error for UnknownName {}
 
 impl fmt::Display for UnknownName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "unknown {} \"{}\"; ", self.what, self.written.escape_debug())?;
+        let (what, written) = (self.what, self.written.escape_debug());
         match &self.hint {
-            Hint::Nearest(name) => write!(f, "did you mean \"{name}\"?"),
-            Hint::Known(names) if names.is_empty() => write!(f, "there is none"),
-            Hint::Known(names) => write!(f, "known: {}", names.join(", ")),
+            Hint::Unnamed => write!(
+                f,
+                "no {what} has the name \"{written}\", but there is a {written} without a name: \
+                 give it one, as in name = \"{written}\""
+            ),
+            Hint::Nearest(name) => {
+                write!(f, "unknown {what} \"{written}\"; did you mean \"{name}\"?")
+            }
+            Hint::Known(names) if names.is_empty() => {
+                write!(f, "unknown {what} \"{written}\"; there is none")
+            }
+            Hint::Known(names) => {
+                write!(f, "unknown {what} \"{written}\"; known: {}", names.join(", "))
+            }
         }
     }
 }
@@ -78,6 +95,11 @@ mod tests {
 
     #[test]
     fn messages() {
+        assert_eq!(
+            UnknownName::unnamed("object", "sphere").to_string(),
+            "no object has the name \"sphere\", but there is a sphere without a name: give it one, \
+             as in name = \"sphere\""
+        );
         let known = ["red", "green"];
         assert_eq!(
             UnknownName::new("material", "gren", &known).to_string(),

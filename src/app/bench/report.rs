@@ -114,11 +114,11 @@ impl Report<'_> {
         let bvh = &model.world.bvh;
         let pieces = bvh.patches().pieces().len();
         let mut text = format!(
-            "{}, {}: {}, {}, {}, {} ({} a piece); {} from the surfaces, {} from the file\n",
+            "{}, {}: {}, {}, {}, {} ({} a Bézier patch); {} from the surfaces, {} from the file\n",
             model.name,
             count(self.threads.into(), "thread"),
             count(bvh.surface_count() as u64, "surface"),
-            count(pieces as u64, "piece"),
+            count(pieces as u64, "Bézier patch").replace("patchs", "patches"),
             count(bvh.leaves().len() as u64, "leaf").replace("leafs", "leaves"),
             short_bytes(bvh.bytes()),
             short_bytes(bvh.bytes() / pieces.max(1)),

@@ -84,7 +84,10 @@ pub(crate) struct Fit {
 }
 
 /// Compares every border and trim edge with every other that comes near it.
-pub(crate) fn fit(surfaces: &[Surface], size: f64) -> Fit {
+///
+/// `drawings` says of each surface which drawing (a tube, a net) it belongs to, if to one. Tubes and
+/// joints of one drawing run into each other: what nearly meets there is no gap.
+pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], size: f64) -> Fit {
     let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
     let mut first_charts = Vec::new();
     for (surface, one) in surfaces.iter().enumerate() {
@@ -130,9 +133,10 @@ pub(crate) fn fit(surfaces: &[Surface], size: f64) -> Fit {
     for ([i, j], (width, at)) in sides {
         let edges = [i, j].map(|k| curves[k].0);
         let met = width <= edges.iter().map(|edge| rounding(&charts[edge.chart].surface)).sum();
+        let [a, b] = edges.map(|edge| drawings.get(edge.surface).copied().flatten());
         if met {
             meeting.extend([i, j]);
-        } else {
+        } else if a.is_none() || a != b {
             beside.extend([i, j]);
             gaps.push(Gap { edges, width, at });
         }
@@ -198,7 +202,17 @@ mod tests {
     /// [`super::fit`] of whole surfaces.
     fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
         let surfaces: Vec<Surface> = surfaces.iter().cloned().map(Surface::from).collect();
-        super::fit(&surfaces, size)
+        super::fit(&surfaces, &[], size)
+    }
+
+    #[test]
+    fn the_parts_of_one_drawing_have_no_gaps() {
+        let sheets = [plane_at(0.0, 0.0, 0.0), plane_at(1.0 + 1e-6, 0.0, 0.0)].map(Surface::from);
+        let gaps =
+            |drawings: [Option<[usize; 2]>; 2]| super::fit(&sheets, &drawings, 2.0).gaps.len();
+        assert_eq!(gaps([Some([3, 0]); 2]), 0);
+        assert_eq!(gaps([Some([3, 0]), Some([4, 0])]), 1);
+        assert_eq!(gaps([Some([3, 0]), None]), 1);
     }
 
     fn plane_at(x: f64, y: f64, z: f64) -> NurbsSurface {
@@ -263,11 +277,11 @@ mod tests {
             let map = DAffine3::from_scale(DVec3::splat(1.0 + moved));
             Surface::from(part.transformed(&map).unwrap())
         };
-        let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], 4.0);
+        let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], &[], 4.0);
         assert_eq!((whole.trim_edges, whole.gaps.len()), (2, 0));
         assert_eq!((whole.collapsed, whole.meeting, whole.free), (2, 4, 0));
         // Larger by 1e-5, a part is 2e-5 off all along its edge.
-        let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], 4.0);
+        let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], &[], 4.0);
         assert_eq!((torn.meeting, torn.nearly, torn.gaps.len()), (2, 2, 1));
         assert!((torn.gaps[0].width - 2e-5).abs() < 1e-13, "{}", torn.gaps[0].width);
         assert_eq!(torn.gaps[0].edges.map(|edge| edge.which), [Which::Trim(0); 2]);

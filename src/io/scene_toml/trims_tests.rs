@@ -61,7 +61,7 @@ fn trims_that_cannot_be_are_named() {
         ),
         (
             "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]] },\n  { polyline = [[0.9, 0.8], [0.1, 0.1]] },\n] }]",
-            "7:3: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 1 begins (0.000e0, -1.000e-1) away",
+            "7:3: surface \"sheet\": trims: loop 0: the loop is open: curve 0 ends at (0.9, 0.9), but curve 1 begins (0, -0.1) away",
         ),
         (
             "loops = [{ curves = [\n  { polyline = [[0.1, 0.1], [0.9, 0.1]] },\n  { bezier = [[0.9, 0.1]] },\n] }]",
