@@ -47,7 +47,7 @@ fn an_octant_s_constants_are_told_where_they_are_written() {
     }
     let message = error(&octant("radius = 1, a = [0.42, 0.79, 0.59]"));
     let begins =
-        "s.toml:2:44: surface \"octant_quartic\": the constants a = [0.42, 0.79, 0.59], b = [";
+        "s.toml:2:46: surface \"octant_quartic\": the constants a = [0.42, 0.79, 0.59], b = [";
     assert!(message.starts_with(begins), "{message}");
     assert!(
         message.contains("] make no sphere: ") && message.contains("a = [0.4226497308103742, "),
@@ -55,7 +55,7 @@ fn an_octant_s_constants_are_told_where_they_are_written() {
     );
     assert_eq!(
         error(&octant("b = [5, 4, 4, -3]")),
-        "s.toml:2:32: surface \"octant_quartic\": b3 -3: it must be positive and finite (from 1e-70 to \
+        "s.toml:2:34: surface \"octant_quartic\": b3 -3: it must be positive and finite (from 1e-70 to \
          1e70)"
     );
     assert!(
