@@ -24,6 +24,15 @@ const OVERLAP: f64 = 0.05;
 /// A clip that leaves more than this part of a side is followed by halving.
 const WORTHWHILE: f64 = 0.7;
 
+/// A box is not clipped to an image thinner than so many errors along one parameter while its
+/// image is wider than [`WIDE`] errors along the other. A Jacobian is of use where the error is
+/// less than a twentieth of the image: this is some times that.
+const THIN: f64 = 256.0;
+
+/// Where a box is within so many errors along both parameters it may get as thin as it likes: it
+/// is soon within rounding.
+const WIDE: f64 = 4096.0;
+
 /// A box is not divided below this side: parameters near 1 have no finer digits.
 const FINEST: f64 = 4.0 * f64::EPSILON;
 
@@ -221,7 +230,7 @@ impl ExactSolver {
                 return Verdict::Empty;
             }
         }
-        next_box(rect, [s, t], exhausted, longer)
+        next_box(rect, self.not_too_thin([s, t], error), exhausted, longer)
     }
 
     /// What becomes of a box where the Jacobian is singular to working precision: near a
@@ -258,7 +267,24 @@ impl ExactSolver {
             }
         }
         let spread = self.net.spread();
+        let part = self.not_too_thin(part, error);
         next_box(rect, part, exhausted, usize::from(spread.y > spread.x))
+    }
+
+    /// The part of the box, widened where it is thin as rounding along one parameter and wide along
+    /// the other: there the Jacobian would be singular to working precision however small the
+    /// box, and no root could be proved. So it is where the ray is at right angles to the straight lines
+    /// of a surface: one clip then tells which line it meets, to the last digit.
+    fn not_too_thin(&self, mut part: Rect, error: f64) -> Rect {
+        let spread = self.net.spread().to_array();
+        let image = [0, 1].map(|k| spread[k] * (part[k][1] - part[k][0]));
+        for k in 0..2 {
+            if image[k] < THIN * error && image[1 - k] > WIDE * error {
+                let more = 0.5 * THIN * error / spread[k];
+                part[k] = [(part[k][0] - more).max(0.0), (part[k][1] + more).min(1.0)];
+            }
+        }
+        part
     }
 
     /// A box that cannot be told from the ray: one place, or a stretch whose ends are still
@@ -379,4 +405,41 @@ fn next_box(rect: Rect, part: Rect, exhausted: [bool; 2], longer: usize) -> Verd
         shrunk[k] = [at(part[k][0] - more), at(part[k][1] + more)];
     }
     Verdict::Shrunk(shrunk)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::geometry::NurbsCurve;
+    use crate::geometry::construct::{Caps, TubeStyle, tube};
+    use crate::intersect::{BuildOptions, Query, SurfaceBvh};
+    use crate::math::Ray;
+
+    /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along it (by up
+    /// to 3°): one clip tells where along the axis they are, to the last digit. All of these were
+    /// doubtful when no root could be proved in what was left of a box.
+    #[test]
+    fn rays_at_right_angles_to_straight_lines_are_decided() {
+        let line = [[5.0, 2.0], [6.0, 5.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let line = NurbsCurve::polyline(&line).unwrap();
+        let style = TubeStyle { radius: 0.03, caps: Caps::Open, tolerance: None };
+        let cylinder = tube(&line, &style).unwrap()[0].surface.clone();
+        let bvh = SurfaceBvh::build(std::slice::from_ref(&cylinder), &BuildOptions::default());
+        let bvh = bvh.unwrap();
+        let mut tracer = bvh.tracer();
+        for k in 0..70 {
+            for v in [0.1, 0.37, 0.8] {
+                let u = 0.129_007_5 + 1e-4 * f64::from(k);
+                let normal = cylinder.normal(u, v).unwrap();
+                let inward = Ray::new(cylinder.point_at(u, v) + 0.5 * normal, -normal).unwrap();
+                let hit = tracer.first_hit(&Query::primary(inward)).hit.unwrap();
+                let onward = Ray::new(hit.point, DVec3::new(3.0, -1.0, 3.0)).unwrap();
+                let cosine = normal.dot(onward.direction().normalize());
+                assert!((0.0..0.055).contains(&cosine), "{cosine}");
+                let answer = tracer.occluded(&Query::leaving(onward, &hit));
+                assert!(!answer.occluded && !answer.doubtful, "({u}, {v}): {answer:?}");
+            }
+        }
+    }
 }
