@@ -91,7 +91,7 @@ pub(crate) fn check_turned(
 }
 
 /// A way to run through: a chain of rational Bézier pieces.
-struct Course {
+pub(super) struct Course {
     pieces: Vec<CoursePiece>,
     closed: bool,
     /// The length of stretches that are but rounding.
@@ -181,7 +181,7 @@ fn length(vector: DVec3) -> f64 {
 }
 
 impl Course {
-    fn in_space(curve: &NurbsCurve) -> Self {
+    pub(super) fn in_space(curve: &NurbsCurve) -> Self {
         let piece = |piece: NurbsCurve| CoursePiece {
             domain: piece.domain(),
             control: piece.control().to_vec(),
@@ -224,7 +224,7 @@ impl Course {
     }
 
     /// The first place where it turns round and runs back.
-    fn fold(&self) -> Option<Fold> {
+    pub(super) fn fold(&self) -> Option<Fold> {
         let mut first: Option<Stretch<'_>> = None;
         let mut before: Option<Stretch<'_>> = None;
         for piece in &self.pieces {
@@ -267,178 +267,5 @@ impl Course {
         let both: Vec<[f64; 2]> = (1..=PLACES).map_while(meeting).collect();
         let until = both.get(PLACES - 1)?[1];
         Some(Fold { t: after.piece.parameter(after.shares[0]), twice: both[PLACES / 2 - 1], until })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::KnotVector;
-    use crate::geometry::shapes::{circle_arc, circle_cubic};
-    use glam::{DAffine3, DQuat};
-
-    fn plane(points: &[[f64; 2]]) -> Vec<DVec3> {
-        points.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
-    }
-
-    fn polyline(points: &[[f64; 2]]) -> NurbsCurve {
-        NurbsCurve::polyline(&plane(points)).unwrap()
-    }
-
-    fn bezier(points: &[[f64; 2]]) -> NurbsCurve {
-        NurbsCurve::bezier(&plane(points)).unwrap()
-    }
-
-    fn fold(curve: &NurbsCurve) -> Option<Fold> {
-        Course::in_space(curve).fold()
-    }
-
-    /// At some places, of some sizes, however turned.
-    fn everywhere(curve: &NurbsCurve) -> Vec<NurbsCurve> {
-        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
-        let maps = [1e-8, 1.0, 1e8].map(|size| {
-            let at = DVec3::new(0.3, -2.0, 1.0) * size;
-            DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, at)
-        });
-        let placed = maps.iter().map(|map| curve.transformed(map).unwrap());
-        placed.chain([curve.clone()]).collect()
-    }
-
-    #[test]
-    fn curves_that_run_back_over_themselves() {
-        let arc = circle_arc(1.0, 20.0, 130.0).unwrap();
-        let there_and_back = {
-            let (there, back) = (arc.bezier_form(), arc.bezier_form().reversed());
-            let mut control = there.control().to_vec();
-            control.extend(&back.control()[1..]);
-            let breaks: Vec<(f64, usize)> = (0..=4).map(|k| (f64::from(k), 2)).collect();
-            let mut breaks = breaks;
-            (breaks[0].1, breaks[4].1) = (3, 3);
-            let knots = KnotVector::with_multiplicities(2, &breaks).unwrap();
-            NurbsCurve::from_homogeneous(knots, control).unwrap()
-        };
-        // The parabola y = x² with x = (t − 0.3)², run through down to its vertex and back. The
-        // coefficients of (t − c)ᵐ are its blossoms: means of products of m of four factors.
-        let blossom = |m: usize, k: usize| -> f64 {
-            let factors = [k, 4 - k].map(|count| (0..=count).map(move |i| binomial(count, i)));
-            let [above, below] = factors.map(Iterator::collect::<Vec<f64>>);
-            let of = |i: usize| 0.7_f64.powi(i as i32) * (-0.3_f64).powi((m - i) as i32);
-            let chosen = |i: usize| above.get(i).unwrap_or(&0.0) * below.get(m - i).unwrap_or(&0.0);
-            (0..=m).map(|i| chosen(i) * of(i)).sum::<f64>() / binomial(4, m)
-        };
-        let folded_parabola = NurbsCurve::bezier(
-            &[0, 1, 2, 3, 4].map(|k| DVec3::new(blossom(2, k), blossom(4, k), 0.0)),
-        )
-        .unwrap();
-        let spike = [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
-        let cases = [
-            ("line", polyline(&[[0.0, 0.0], [3.0, 0.0], [1.0, 0.0]]), 3.0),
-            (
-                "slanted",
-                polyline(&[[0.0, 0.0], [0.3, 0.1], [0.6, 0.2], [0.15, 0.05]]),
-                0.4_f64.sqrt(),
-            ),
-            // x = 6t(1−t) + t²: turns at 3/5.
-            ("bezier", bezier(&[[0.0, 0.0], [3.0, 3.0], [1.0, 1.0]]), 0.6),
-            ("arc", there_and_back, 2.0),
-            ("parabola", folded_parabola, 0.3),
-            (
-                "at the seam",
-                polyline(&[[3.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 0.0], [3.0, 0.0]]),
-                0.0,
-            ),
-        ];
-        for (name, curve, t) in cases {
-            for (k, placed) in everywhere(&curve).iter().enumerate() {
-                let found = fold(placed).unwrap_or_else(|| panic!("{name}, {k}"));
-                // Polylines may have been moved: their parameter has not.
-                assert!((found.t - t).abs() < 1e-7, "{name}, {k}: {found:?}");
-                let [a, b] = found.twice.map(|t| placed.point_at(t));
-                assert!(a.distance(b) < 1e-11 * placed.magnitude(), "{name}, {k}");
-            }
-        }
-        assert!(fold(&polyline(&spike)).is_none(), "no spike at all");
-    }
-
-    #[test]
-    fn corners_cusps_and_touches_are_no_folds() {
-        let needle = |width: f64| polyline(&[[0.0, 0.0], [1.0, 0.0], [0.0, width]]);
-        let cases = [
-            ("needle", needle(1e-6)),
-            ("finer needle", needle(1e-10)),
-            ("cusp", bezier(&[[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.0]])),
-            // y² = x³ through its cusp.
-            (
-                "semicubical",
-                bezier(&[[1.0, -1.0], [-1.0 / 3.0, 1.0], [-1.0 / 3.0, -1.0], [1.0, 1.0]]),
-            ),
-            // Two circles that touch at the point of a crescent.
-            ("crescent", {
-                let outer = circle_arc(1.0, 0.0, 90.0).unwrap();
-                let mut control = outer.control().to_vec();
-                let inner =
-                    [[0.0, 1.0], [0.5, 1.0], [0.5, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
-                let weights = [1.0, 0.5_f64.sqrt(), 1.0];
-                let inner = inner.iter().zip(weights).skip(1);
-                control.extend(inner.map(|(&p, w)| (p * w).extend(w)));
-                let breaks = [(0.0, 3), (1.0, 2), (2.0, 3)];
-                let knots = KnotVector::with_multiplicities(2, &breaks).unwrap();
-                NurbsCurve::from_homogeneous(knots, control).unwrap()
-            }),
-            ("eight", polyline(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])),
-            ("circle", circle_arc(2.0, 10.0, 360.0).unwrap()),
-            ("full circle", circle_cubic()),
-            // A point of the outline twice, and a bridge that is crossed both ways.
-            (
-                "touching",
-                polyline(&[
-                    [0.0, 0.0],
-                    [2.0, 0.0],
-                    [1.0, 1.0],
-                    [2.0, 2.0],
-                    [0.0, 2.0],
-                    [1.0, 1.0],
-                    [0.0, 0.0],
-                ]),
-            ),
-            ("repeated points", bezier(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0]])),
-            ("straight on", polyline(&[[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]])),
-        ];
-        for (name, curve) in cases {
-            for (k, placed) in everywhere(&curve).iter().enumerate() {
-                assert_eq!(fold(placed), None, "{name}, {k}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_profile_and_its_mirror_image_about_the_axis() {
-        let y = Axis::new(DVec3::ZERO, DVec3::Y).unwrap();
-        let found = |profile: &NurbsCurve, degrees: f64| {
-            check_turned(profile, &y, degrees).map_err(|error| error.to_string())
-        };
-        let error = "profile: turned by 360° about the axis it covers itself: its two parts at \
-                     t = 0.5, (0, -1, 0), are 180° apart and each other's image, as at t = ";
-        for start in [90.0, 0.0, 33.0, -100.0] {
-            let circle = circle_arc(1.0, start, 360.0).unwrap();
-            assert_eq!(found(&circle, 180.0), Ok(()), "{start}");
-            assert_eq!(found(&circle, -180.0), Ok(()), "{start}");
-            let refused = found(&circle, 360.0).unwrap_err();
-            if start == 90.0 {
-                assert!(refused.starts_with(error), "{refused}");
-            }
-            assert!(found(&circle, 200.0).is_err(), "{start}");
-            // Half of it, and a circle whose centre is not on the axis.
-            assert_eq!(found(&circle_arc(1.0, -90.0, 180.0).unwrap(), 360.0), Ok(()));
-            let aside = circle.transformed(&DAffine3::from_translation(0.5 * DVec3::X)).unwrap();
-            assert_eq!(found(&aside, 360.0), Ok(()), "{start}");
-        }
-        // A disk twice; a double cone once.
-        assert!(found(&polyline(&[[-1.0, 0.0], [2.0, 0.0]]), 270.0).is_err());
-        assert_eq!(found(&polyline(&[[-1.0, -1.0], [2.0, 2.0]]), 360.0), Ok(()));
-        // A triangle about its height, corner by corner.
-        let triangle = polyline(&[[0.0, 2.0], [-1.0, 0.0], [1.0, 0.0], [0.0, 2.0]]);
-        assert!(found(&triangle, 360.0).is_err());
-        assert_eq!(found(&polyline(&[[0.0, 2.0], [-1.0, 0.0], [0.0, 0.0]]), 360.0), Ok(()));
     }
 }

@@ -29,6 +29,8 @@ mod compatible;
 mod coons;
 mod error;
 mod fold;
+#[cfg(test)]
+mod fold_tests;
 mod frames;
 mod interpolate;
 mod loft;
