@@ -129,7 +129,7 @@ impl<S: Simd> Departure<S> {
         // All are false for NaN.
         let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(NEARBY));
         let if_near = inside & (self.reach * aside).simd_lt(most_beside);
-        let seen = self.reach + splat(2.0 * fit_error);
+        let seen = self.reach + splat(2.0 * fit_error + rounding);
         let near = off.simd_le(self.reach + splat(fit_error + rounding));
         let surely = if_near & near & (seen * aside).simd_lt(most_beside);
         Final { surely: bits(surely), if_near: bits(if_near) }
