@@ -59,7 +59,29 @@ impl<'a> Question<'a> {
         let piece = self.set.pieces().get(root.piece as usize)?;
         (piece.surface == surface).then_some((root, piece))
     }
+
+    /// Whether a crossing of an edge within `reach` of the ray's start is that of another surface's
+    /// edge which the ray starts on: at the same place, and with the same sign of `N · d`, as in
+    /// [`crossings`](super::crossings).
+    fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
+        let Some(root) = self.from else { return false };
+        let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };
+        let jet = piece.patch.jet(root.st);
+        let near = point.distance(jet.point) <= 2.0 * (z_error + root.error);
+        let edge = || {
+            at_border(piece, root.st, &jet, error_bound(piece, self.ray))
+                || matches!(piece.side(root.st, trim_reach(&jet, root.error)), Side::Edge { .. })
+        };
+        let same_side = || {
+            let other = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
+            cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE
+        };
+        near && edge() && same_side()
+    }
 }
+
+/// The cosine above which it is clear on which side a ray leaves an edge.
+const CLEAR_SIDE: f64 = 1e-4;
 
 /// What a search found, and its scratch memory.
 #[derive(Debug, Default)]
@@ -311,6 +333,17 @@ fn accept(
         }
     }
 
+    let border = at_border(piece, st, &jet, error);
+    let edge = border || flags.contains(HitFlags::TRIM_EDGE);
+    let start_reach = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
+    if edge
+        && flags.without(HitFlags::TRIM_EDGE).is_empty()
+        && z.abs() <= start_reach
+        && question.starts_on_edge_at(jet.point, cosine, z_error)
+    {
+        return;
+    }
+
     let t = z * ray.t_from_z;
     let t_error = z_error * ray.t_from_z;
     let [t_min, t_max] = question.t_range;
@@ -324,7 +357,7 @@ fn accept(
     if undecided {
         flags.insert(HitFlags::DOUBTFUL);
     }
-    if at_border(piece, st, &jet, error) {
+    if border {
         flags.insert(HitFlags::BORDER);
     }
     let stretch = match solution.proof {

@@ -1,7 +1,7 @@
 //! Eight quartic triangles make a sphere: against the closed form and against the bicubic one.
 
 use glam::DVec3;
-use nurbray::geometry::shapes;
+use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
@@ -112,4 +112,94 @@ fn eight_octants_are_met_as_the_bicubic_sphere() {
 #[ignore = "takes a minute"]
 fn eight_octants_are_met_as_the_bicubic_sphere_a_million_times() {
     compare(1_000_000);
+}
+
+/// A ray that leaves the sphere where triangles meet leaves all of them: outwards nothing is met,
+/// inwards the far side at twice the cosine.
+#[test]
+fn rays_leave_shared_edges_as_they_leave_one_surface() {
+    let octants = SurfaceBvh::build(&patches::octants(), &BuildOptions::default()).unwrap();
+    let mut random = Random::new(0x51);
+    let mut tracer = octants.tracer();
+    let (mut left, mut doubtful) = (0, 0);
+    for k in 0..20_000 {
+        let mut at = random.direction();
+        at[random.below(3)] = 0.0;
+        let at = if k % 4 == 0 { [DVec3::X, -DVec3::Y, DVec3::Z][random.below(3)] } else { at };
+        let Ok(inward) = Ray::new(3.0 * at.normalize(), -at) else { continue };
+        let Some(start) = tracer.first_hit(&Query::primary(inward)).hit else {
+            panic!("no hit from {at}")
+        };
+        assert!(start.flags.contains(HitFlags::BORDER), "{at}");
+        let ray = Ray::new(start.point, random.direction()).unwrap();
+        let cosine = ray.direction().dot(start.point);
+        if cosine.abs() < 1e-3 {
+            continue;
+        }
+        left += 1;
+        let answer = tracer.first_hit(&Query::leaving(ray, &start));
+        let occlusion = tracer.occluded(&Query::leaving(ray, &start));
+        doubtful += u32::from(answer.doubtful || occlusion.doubtful);
+        if answer.doubtful || occlusion.doubtful {
+            continue;
+        }
+        assert_eq!(answer.hit.is_some(), cosine < 0.0, "{ray:?}");
+        assert_eq!(occlusion.occluded, cosine < 0.0, "{ray:?}");
+        let Some(hit) = answer.hit else { continue };
+        assert!((hit.t + 2.0 * cosine).abs() < 1e-11, "{ray:?}: {}", hit.t);
+    }
+    println!("{doubtful} of {left} doubtful");
+    assert!(left > 19_000 && doubtful < left / 100, "{doubtful} of {left}");
+}
+
+/// At the ridge of a roof the sides part: rays that go up leave both, rays that go down meet the
+/// floor, and of those between it is not said that nothing is met.
+#[test]
+fn rays_leave_a_ridge_on_the_side_they_go_to() {
+    let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let side = |x: f64, sign: f64| {
+        // Both normals point up.
+        let (near, far) = (corner(x, 0.0, 0.0), corner(x, 1.0, 0.0));
+        let (low, high) = (corner(0.0, 0.0, 1.0), corner(0.0, 1.0, 1.0));
+        let net = if sign < 0.0 { [near, far, low, high] } else { [low, high, near, far] };
+        let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
+        NurbsSurface::new(knots(), knots(), net.to_vec(), None).unwrap()
+    };
+    let floor = {
+        let points = [[-9.0, -9.0], [-9.0, 9.0], [9.0, -9.0], [9.0, 9.0]];
+        let net = points.map(|[x, y]| corner(x, y, -1.0)).to_vec();
+        let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
+        NurbsSurface::new(knots(), knots(), net, None).unwrap()
+    };
+    let roof = [side(-1.0, -1.0), side(1.0, 1.0), floor];
+    let bvh = SurfaceBvh::build(&roof, &BuildOptions::default()).unwrap();
+    let mut tracer = bvh.tracer();
+    let mut random = Random::new(0x52);
+    let mut flagged = 0;
+    for _ in 0..2_000 {
+        let top = corner(0.0, random.between(0.05, 0.95), 1.0);
+        let down = Ray::new(top + DVec3::Z, -DVec3::Z).unwrap();
+        let start = tracer.first_hit(&Query::primary(down)).hit.unwrap();
+        assert!(start.point.distance(top) < 1e-14);
+        let direction = random.direction();
+        let [left, right] = [corner(-1.0, 0.0, 1.0), corner(1.0, 0.0, 1.0)];
+        let [a, b] = [left, right].map(|normal| normal.normalize().dot(direction));
+        if a.abs().min(b.abs()) < 1e-2 {
+            continue;
+        }
+        let ray = Ray::new(start.point, direction).unwrap();
+        let answer = tracer.first_hit(&Query::leaving(ray, &start));
+        if a * b > 0.0 {
+            assert!(!answer.doubtful, "{ray:?}");
+            let floor = answer.hit.map(|hit| hit.point.z);
+            // Towards the floor, which is large, but not endless.
+            let [x, y] = [direction.x, direction.y].map(|d| -2.0 * d / direction.z);
+            let meets = direction.z < 0.0 && x.abs() < 8.9 && (y + top.y).abs() < 8.9;
+            assert_eq!(meets, floor == Some(-1.0), "{ray:?}: {floor:?}");
+        } else {
+            flagged += u32::from(answer.doubtful);
+            assert!(answer.doubtful, "{ray:?}: {answer:?}");
+        }
+    }
+    assert!(flagged > 200, "{flagged}");
 }
