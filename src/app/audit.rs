@@ -24,7 +24,7 @@ use super::{console, input, output, threads};
 use check::Audit;
 use report::Report;
 
-/// The most rays of one audit: the error of every hit is kept for the quantiles, 8 GB of them.
+/// The most rays of one audit: a day's work and more. What is kept of them does not grow.
 pub(crate) const MAX_RAYS: u64 = 1_000_000_000;
 
 /// What `--help` says behind the options.
@@ -59,9 +59,9 @@ Columns, for each class:
   doubtful     rays whose answer the fast path flags; they are not judged
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
-  error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 %,
-               99 %, the largest (JSON: error_50, error_99, error_max; null without
-               such hits)
+  error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and
+               99 % (at most 1/256 too large), the largest (JSON: error_50, error_99,
+               error_max; null without such hits)
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
 Certain is a hit of the exact solver without doubt, unless it lies within the
 bound of an end of the ray's range, or the ray passes a border on its outside by

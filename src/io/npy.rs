@@ -454,7 +454,7 @@ mod tests {
             read_rays(&path).unwrap_err().to_string(),
             format!(
                 "{}: row 1, counted from 0: the direction is zero: \
-                 a ray needs a direction of any other length",
+                 a ray needs one that points somewhere",
                 path.display()
             )
         );

@@ -107,72 +107,98 @@ pub fn restrict_row<T>(net: &mut [T], row: Row, a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
-    // The same for every degree; small ones in a row of known length.
+    // The same for every degree; small ones in a row of known length, outside the net.
     match row.degree {
-        1 => restrict_in_place::<T, 2>(net, row, a, b),
-        2 => restrict_in_place::<T, 3>(net, row, a, b),
-        3 => restrict_in_place::<T, 4>(net, row, a, b),
-        _ => cut(net, row, a, b),
+        1 => restrict_outside::<T, 2>(net, row, a, b),
+        2 => restrict_outside::<T, 3>(net, row, a, b),
+        3 => restrict_outside::<T, 4>(net, row, a, b),
+        _ if row.stride == 1 => {
+            let row = &mut net[row.start..=row.start + row.degree];
+            restrict_along(row, a, b);
+        }
+        degree => cut(degree, a, b, |here, other, [own, others]| {
+            let (here, other) = (row.start + here * row.stride, row.start + other * row.stride);
+            net[here] = net[here] * own + net[other] * others;
+        }),
     }
 }
 
 /// Restricts a row of `N` coefficients outside the net.
-fn restrict_in_place<T, const N: usize>(net: &mut [T], row: Row, a: f64, b: f64)
+fn restrict_outside<T, const N: usize>(net: &mut [T], row: Row, a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
     let mut coefficients = std::array::from_fn::<T, N, _>(|i| net[row.start + i * row.stride]);
-    cut(&mut coefficients, Row { start: 0, stride: 1, degree: N - 1 }, a, b);
+    restrict_along(&mut coefficients, a, b);
     for (i, coefficient) in coefficients.into_iter().enumerate() {
         net[row.start + i * row.stride] = coefficient;
     }
 }
 
+/// Restricts all coefficients of a row.
 #[inline(always)]
-fn cut<T>(net: &mut [T], row: Row, a: f64, b: f64)
+fn restrict_along<T>(row: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
+    cut(row.len() - 1, a, b, |here, other, [own, others]| {
+        row[here] = row[here] * own + row[other] * others;
+    });
+}
+
+/// Restricts all columns of a net at once, given the length of its rows: what lies side by side
+/// is worked on side by side.
+fn restrict_columns<T>(net: &mut [T], length: usize, a: f64, b: f64)
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
+    cut(net.len() / length - 1, a, b, |here, other, [own, others]| {
+        let range = |row: usize| row * length..(row + 1) * length;
+        let Ok([here, other]) = net.get_disjoint_mut([range(here), range(other)]) else {
+            return; // two rows never overlap
+        };
+        for (here, &other) in here.iter_mut().zip(&*other) {
+            *here = *here * own + other * others;
+        }
+    });
+}
+
+/// De Casteljau's steps that cut a polynomial of this degree down to `[a, b]`. `mix` is to
+/// replace one coefficient, given first, by its mean with another; the weights are of both.
+#[inline(always)]
+fn cut(degree: usize, a: f64, b: f64, mut mix: impl FnMut(usize, usize, [f64; 2])) {
     // Cutting first at the end that leaves the longer part keeps the second cut inside.
     if 1.0 - a >= b {
-        keep_right(net, row, a);
-        keep_left(net, row, (b - a) / (1.0 - a));
+        keep_right(degree, a, &mut mix);
+        keep_left(degree, (b - a) / (1.0 - a), &mut mix);
     } else {
-        keep_left(net, row, b);
-        keep_right(net, row, a / b);
+        keep_left(degree, b, &mut mix);
+        keep_right(degree, a / b, &mut mix);
     }
 }
 
 /// De Casteljau at `t`, keeping the part on `[0, t]`.
 #[inline(always)]
-fn keep_left<T>(net: &mut [T], row: Row, t: f64)
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
+fn keep_left(degree: usize, t: f64, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
     if t == 1.0 {
         return;
     }
-    for level in 1..=row.degree {
-        for i in (level..=row.degree).rev() {
-            let (before, here) = (row.start + (i - 1) * row.stride, row.start + i * row.stride);
-            net[here] = net[before] * (1.0 - t) + net[here] * t;
+    for level in 1..=degree {
+        for i in (level..=degree).rev() {
+            mix(i, i - 1, [t, 1.0 - t]);
         }
     }
 }
 
 /// De Casteljau at `t`, keeping the part on `[t, 1]`.
 #[inline(always)]
-fn keep_right<T>(net: &mut [T], row: Row, t: f64)
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
+fn keep_right(degree: usize, t: f64, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
     if t == 0.0 {
         return;
     }
-    for level in 1..=row.degree {
-        for i in 0..=row.degree - level {
-            let (here, after) = (row.start + i * row.stride, row.start + (i + 1) * row.stride);
-            net[here] = net[here] * (1.0 - t) + net[after] * t;
+    for level in 1..=degree {
+        for i in 0..=degree - level {
+            mix(i, i + 1, [1.0 - t, t]);
         }
     }
 }
@@ -183,7 +209,9 @@ where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
     let [p, q] = degree;
-    if s != [0.0, 1.0] {
+    if s != [0.0, 1.0] && p > 3 {
+        restrict_columns(net, q + 1, s[0], s[1]);
+    } else if s != [0.0, 1.0] {
         for j in 0..=q {
             restrict_row(net, Row { start: j, stride: q + 1, degree: p }, s[0], s[1]);
         }

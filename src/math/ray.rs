@@ -11,7 +11,9 @@ use super::{Shown, ShownVector};
 /// default `(0, ∞)` leaves out the origin itself.
 ///
 /// # Invariants, checked once in [`Ray::with_range`]
-/// - origin and direction are finite, and the direction is not zero;
+/// - coordinates of the origin and components of the direction are finite, and at most
+///   [`Ray::MAX_MAGNITUDE`];
+/// - the largest component of the direction is at least [`Ray::MIN_DIRECTION`];
 /// - `t_min < t_max`, neither is NaN; either may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)] // eight numbers in the order of `to_array`: one load for a wide register
@@ -26,14 +28,23 @@ pub struct Ray {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RayError {
-    /// The origin is not finite.
-    #[error("the origin {} is not finite", ShownVector(*.0))]
+    /// The origin is not finite, or too far away.
+    #[error(
+        "the origin is {}: coordinates must be finite (up to {:e})",
+        ShownVector(*.0),
+        Ray::MAX_MAGNITUDE
+    )]
     Origin(DVec3),
-    /// The direction is not finite.
-    #[error("the direction {} is not finite", ShownVector(*.0))]
+    /// The direction is not finite, too long or too short.
+    #[error(
+        "the direction is {}: it must be finite, its largest component from {:e} to {:e}",
+        ShownVector(*.0),
+        Ray::MIN_DIRECTION,
+        Ray::MAX_MAGNITUDE
+    )]
     Direction(DVec3),
     /// The direction has no length.
-    #[error("the direction is zero: a ray needs a direction of any other length")]
+    #[error("the direction is zero: a ray needs one that points somewhere")]
     NoDirection,
     /// The range of `t` is empty or not a number.
     #[error("t_min {} and t_max {}: a ray needs t_min < t_max", Shown(*t_min), Shown(*t_max))]
@@ -46,10 +57,21 @@ pub enum RayError {
 }
 
 impl Ray {
+    /// The largest coordinate of an origin, and the largest component of a direction.
+    ///
+    /// Surfaces end at 1e70, so `t` is at most a few times 1e300 for any of their points: with
+    /// directions shorter than [`MIN_DIRECTION`](Self::MIN_DIRECTION) it would have no number
+    /// in f64, and there could be something on a ray, but no hit to tell it by.
+    pub const MAX_MAGNITUDE: f64 = 1e150;
+
+    /// The least that the largest component of a direction may be.
+    pub const MIN_DIRECTION: f64 = 1e-150;
+
     /// The ray `o + t d` with `t` in `(0, ∞)`.
     ///
     /// # Errors
-    /// When the origin or the direction is not finite, or the direction is zero.
+    /// When the origin or the direction is not finite or too large, or the direction is zero or
+    /// too short.
     pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, RayError> {
         Self::with_range(origin, direction, 0.0, f64::INFINITY)
     }
@@ -64,14 +86,16 @@ impl Ray {
         t_min: f64,
         t_max: f64,
     ) -> Result<Self, RayError> {
-        if !origin.is_finite() {
+        let usable = |v: DVec3| v.abs().cmple(DVec3::splat(Self::MAX_MAGNITUDE)).all(); // NaN is not
+        if !usable(origin) {
             return Err(RayError::Origin(origin));
-        }
-        if !direction.is_finite() {
-            return Err(RayError::Direction(direction));
         }
         if direction == DVec3::ZERO {
             return Err(RayError::NoDirection);
+        }
+        let long = direction.abs().cmpge(DVec3::splat(Self::MIN_DIRECTION)).any();
+        if !(usable(direction) && long) {
+            return Err(RayError::Direction(direction));
         }
         let ordered = t_min < t_max; // false for NaN
         if !ordered {
@@ -125,6 +149,15 @@ mod tests {
         assert!(matches!(Ray::new(o, DVec3::INFINITY), Err(RayError::Direction(_))));
         assert!(matches!(Ray::with_range(o, d, 1.0, 1.0), Err(RayError::Range { .. })));
         assert!(matches!(Ray::with_range(o, d, f64::NAN, 1.0), Err(RayError::Range { .. })));
-        assert!(Ray::new(o, DVec3::splat(1e-300)).is_ok());
+        assert!(matches!(Ray::new(DVec3::splat(1e151), d), Err(RayError::Origin(_))));
+        assert!(Ray::new(o, DVec3::splat(1e150)).is_ok());
+        assert!(matches!(Ray::new(o, DVec3::splat(1e151)), Err(RayError::Direction(_))));
+        assert!(Ray::new(o, DVec3::new(0.0, -1e-150, 1e-320)).is_ok());
+        let short = Ray::new(o, DVec3::new(0.0, -1e-310, 0.0)).unwrap_err();
+        assert_eq!(
+            short.to_string(),
+            "the direction is (0, -1e-310, 0): it must be finite, its largest component from \
+             1e-150 to 1e150"
+        );
     }
 }

@@ -188,9 +188,19 @@ fn rows_that_are_no_rays_are_named() {
     let sandbox = sandbox();
     let good = [0.0, 0.0, 2.0, 0.0, 0.0, -1.0];
     for (bad, error) in [
-        ([0.0, f64::NAN, 2.0, 0.0, 0.0, -1.0], "the origin (0, NaN, 2) is not finite"),
-        ([0.0, 0.0, 2.0, 0.0, 0.0, f64::INFINITY], "the direction (0, 0, inf) is not finite"),
-        ([0.0; 6], "the direction is zero: a ray needs a direction of any other length"),
+        (
+            [0.0, f64::NAN, 2.0, 0.0, 0.0, -1.0],
+            "the origin is (0, NaN, 2): coordinates must be finite (up to 1e150)",
+        ),
+        (
+            [0.0, 0.0, 2.0, 0.0, 0.0, f64::INFINITY],
+            "the direction is (0, 0, inf): it must be finite, its largest component from 1e-150 to 1e150",
+        ),
+        (
+            [0.0, 0.0, 2.0, 0.0, 0.0, 1e-310],
+            "the direction is (0, 0, 1e-310): it must be finite, its largest component from 1e-150 to 1e150",
+        ),
+        ([0.0; 6], "the direction is zero: a ray needs one that points somewhere"),
     ] {
         sandbox.write_rows("rays.npy", &[good, good, bad]);
         let message = format!("rays.npy: row 2, counted from 0: {error}");

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nurbray::geometry::shapes;
-use nurbray::intersect::{BuildOptions, Hit, Query, SurfaceBvh};
+use nurbray::intersect::{BuildOptions, Coherence, Hit, Kernel, Query, SurfaceBvh};
 use nurbray::math::{Ray, RayError};
 
 use crate::model::Model;
@@ -76,7 +76,7 @@ fn t_is_in_units_of_the_direction() {
     let bvh = model.bvh();
     let mut tracer = bvh.tracer();
     let direction = DVec3::new(-0.6, -0.48, -0.64);
-    for k in (-200..=200).step_by(10) {
+    for k in (-140..=140).step_by(10) {
         let length = 10f64.powi(k);
         let (o, d) = (-3.0 * direction, length * direction);
         let hit = |range: Result<Ray, RayError>| tracer_hit(&bvh, &range.unwrap());
@@ -89,6 +89,39 @@ fn t_is_in_units_of_the_direction() {
         assert!((far * length - 4.0).abs() < 1e-14, "length 1e{k}: {far}");
         let all = Query::primary(Ray::with_range(o, d, 3.9 / length, 4.1 / length).unwrap());
         assert!(tracer.occluded(&all).occluded, "1e{k}");
+    }
+}
+
+/// However far away a hit is and however short the direction, all queries tell of it, on every
+/// kernel, for every direction that a ray accepts.
+#[test]
+fn all_queries_agree_for_the_shortest_directions() {
+    let size = 1e69;
+    let model = Model::new("sphere", shapes::sphere(size).unwrap());
+    let bvh = model.bvh();
+    for length in [1e-160, 1e-150, 1e-149, 1.0, 1e149] {
+        let d = DVec3::new(0.0, 0.0, -length);
+        let ray = Ray::new(size * DVec3::new(0.1, 0.2, 5.0), d);
+        let Ok(ray) = ray else {
+            assert_eq!(length, 1e-160, "refused");
+            continue;
+        };
+        let query = Query::primary(ray);
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let expected = (5.0 - 0.95f64.sqrt()) * size / length;
+            let (mut answers, mut occlusions, mut hits) = (Vec::new(), Vec::new(), Vec::new());
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                tracer.first_hits(&[query], coherence, &mut answers);
+                let t = answers[0].hit.map(|hit| hit.t);
+                let near = t.is_some_and(|t| (t / expected - 1.0).abs() < 1e-13);
+                assert!(near, "{kernel}, {length:e}: {t:?}, not {expected:e}");
+                tracer.occlusions(&[query], coherence, &mut occlusions);
+                assert!(occlusions[0].occluded, "{kernel}, {length:e}");
+            }
+            tracer.all_hits(&query, &mut hits);
+            assert_eq!(hits.len(), 2, "{kernel}, {length:e}");
+        }
     }
 }
 

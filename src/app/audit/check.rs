@@ -43,18 +43,20 @@ pub(crate) fn audit(
         .into_iter()
         .zip(shares)
         .map(|(class, share)| {
-            let starts: Vec<u64> = (0..share).step_by(CHUNK as usize).collect();
-            let tallies: Vec<Tally> = starts
+            // Tallies are added up as they come, but in the order of their rays.
+            let whole = (0..share.div_ceil(CHUNK))
                 .into_par_iter()
-                .map(|start| {
+                .map(|chunk_index| {
+                    let start = chunk_index * CHUNK;
                     let end = (start + CHUNK).min(share);
                     let tally = chunk(what, (&source, &judge), class, start..end);
                     done(end - start);
                     tally
                 })
-                .collect();
-            let mut whole = Tally::default();
-            tallies.into_iter().for_each(|tally| whole.merge(tally));
+                .reduce(Tally::default, |mut whole, tally| {
+                    whole.merge(tally);
+                    whole
+                });
             (class, whole)
         })
         .collect()

@@ -31,7 +31,7 @@ struct Row {
 }
 
 impl Row {
-    fn new(tally: &mut Tally) -> Self {
+    fn new(tally: &Tally) -> Self {
         Self {
             rays: tally.rays,
             hits: tally.hits,
@@ -70,13 +70,13 @@ impl Report {
         let mut total = Tally::default();
         let rows = classes
             .into_iter()
-            .map(|(class, mut tally)| {
-                let row = Row::new(&mut tally);
+            .map(|(class, tally)| {
+                let row = Row::new(&tally);
                 total.merge(tally);
                 (class, row)
             })
             .collect();
-        Self { rows, total: Row::new(&mut total) }
+        Self { rows, total: Row::new(&total) }
     }
 
     /// Misses, wrong roots and false hits of all classes.

@@ -1,5 +1,7 @@
 //! What one class of rays came to.
 
+use std::collections::BTreeMap;
+
 use nurbray::math::Ray;
 
 use super::judge::{Fault, Finding};
@@ -24,8 +26,8 @@ pub(crate) struct Tally {
     /// Rays for which the exact solver could not decide everything.
     pub(crate) undecided: u64,
     /// The error of each hit of an answer without doubt, over the largest coordinate
-    /// magnitude; in no order.
-    errors: Vec<f64>,
+    /// magnitude.
+    errors: Errors,
     /// The largest error of a hit of a doubtful answer.
     doubtful_error: Option<f64>,
     /// The rays at fault.
@@ -43,7 +45,7 @@ impl Tally {
         if finding.doubtful {
             self.doubtful_error = larger(self.doubtful_error, finding.error);
         } else {
-            self.errors.extend(finding.error);
+            finding.error.into_iter().for_each(|error| self.errors.add(error));
         }
         match finding.fault {
             None => return,
@@ -64,7 +66,7 @@ impl Tally {
         self.doubtful += other.doubtful;
         self.tangent = [0, 1].map(|k| self.tangent[k] + other.tangent[k]);
         self.undecided += other.undecided;
-        self.errors.extend(other.errors);
+        self.errors.merge(other.errors);
         self.doubtful_error = larger(self.doubtful_error, other.doubtful_error);
         self.offenders.extend(other.offenders);
     }
@@ -80,12 +82,50 @@ impl Tally {
     }
 
     /// The error that this share of the hits without doubt does not exceed: `share` = 1 is
-    /// the largest. `None` without such hits. An error that is not a number counts as larger than any.
-    pub(crate) fn error_quantile(&mut self, share: f64) -> Option<f64> {
-        let last = self.errors.len().checked_sub(1)?;
-        let rank = (share * self.errors.len() as f64).ceil() as usize;
-        let rank = rank.saturating_sub(1).min(last);
-        Some(*self.errors.select_nth_unstable_by(rank, f64::total_cmp).1)
+    /// the largest, others are up to 1/256 too large. `None` without such hits. An error that
+    /// is not a number counts as larger than any.
+    pub(crate) fn error_quantile(&self, share: f64) -> Option<f64> {
+        self.errors.quantile(share)
+    }
+}
+
+/// How many errors there are of each size: as many sizes as 8 bits of mantissa tell apart, some
+/// thousands for errors of rounding, however many rays there are.
+#[derive(Clone, Debug, Default)]
+struct Errors {
+    /// By the largest error of each size, in bits: those of positive numbers are in their order,
+    /// and NaN comes last.
+    counts: BTreeMap<u64, u64>,
+    largest: Option<f64>,
+}
+
+impl Errors {
+    /// The bits of an error that make no difference.
+    const FINER: u64 = (1 << (f64::MANTISSA_DIGITS - 1 - 8)) - 1;
+
+    fn add(&mut self, error: f64) {
+        *self.counts.entry(error.abs().to_bits() | Self::FINER).or_default() += 1;
+        self.largest = larger(self.largest, Some(error));
+    }
+
+    fn merge(&mut self, other: Self) {
+        for (size, count) in other.counts {
+            *self.counts.entry(size).or_default() += count;
+        }
+        self.largest = larger(self.largest, other.largest);
+    }
+
+    fn quantile(&self, share: f64) -> Option<f64> {
+        let largest = self.largest?;
+        let all: u64 = self.counts.values().sum();
+        let rank = (share * all as f64).ceil() as u64;
+        let mut below = 0;
+        let size = self.counts.iter().find(|(_, count)| {
+            below += **count;
+            below >= rank
+        });
+        let quantile = size.map_or(largest, |(size, _)| f64::from_bits(*size));
+        [quantile, largest].into_iter().min_by(f64::total_cmp)
     }
 }
 
@@ -112,14 +152,29 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_errors_that_occurred() {
-        let mut hundred = tally(&(1..=100).rev().map(f64::from).collect::<Vec<_>>());
-        assert_eq!(hundred.error_quantile(0.5), Some(50.0));
-        assert_eq!(hundred.error_quantile(0.99), Some(99.0));
+    fn quantiles_are_a_little_more_than_errors_that_occurred() {
+        let hundred = tally(&(1..=100).rev().map(f64::from).collect::<Vec<_>>());
+        for (share, error) in [(0.001, 1.0), (0.5, 50.0), (0.99, 99.0)] {
+            let quantile = hundred.error_quantile(share).unwrap();
+            assert!((error..=error * (1.0 + 1.0 / 256.0)).contains(&quantile), "{quantile}");
+        }
         assert_eq!(hundred.error_quantile(1.0), Some(100.0));
         assert_eq!(tally(&[3.0]).error_quantile(0.5), Some(3.0));
         assert_eq!(tally(&[]).error_quantile(1.0), None);
         assert!(tally(&[1.0, f64::NAN, 2.0]).error_quantile(1.0).unwrap().is_nan());
+    }
+
+    #[test]
+    fn what_is_kept_of_errors_does_not_grow_with_their_number() {
+        let mut all = Tally::default();
+        for k in 0..20 {
+            let few: Vec<f64> = (0..1000).map(|i| 1e-17 * f64::from(1000 * k + i)).collect();
+            all.merge(tally(&few));
+        }
+        assert_eq!(all.errors.counts.values().sum::<u64>(), 20_000);
+        assert!(all.errors.counts.len() < 16 * 256, "{}", all.errors.counts.len());
+        let median = all.error_quantile(0.5).unwrap();
+        assert!((1e-13..1.004e-13).contains(&median), "{median:e}");
     }
 
     #[test]

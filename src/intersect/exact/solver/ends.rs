@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DVec2};
 
-use super::{END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task};
+use super::{Candidate, END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task};
 use super::{halves, holds, inner, linearised};
 use crate::intersect::exact::Rect;
 use crate::intersect::exact::contact::{self, Contact};
@@ -40,18 +40,13 @@ impl ExactSolver {
         }
         let mut end = None;
         for _ in 0..END_BUDGET {
-            let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].0.total_cmp(&queue[b].0));
+            let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].z.total_cmp(&queue[b].z));
             let Some(nearest) = nearest else { break };
-            let (z, rect) = queue.swap_remove(nearest);
-            self.net.restrict_from(&self.whole, rect);
-            let bounds = self.net.bounds();
-            let short = bounds.z.hi - bounds.z.lo <= (2.0 * task.error).max(END * self.size);
-            let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+            let Candidate { rect, z, short, axis } = queue.swap_remove(nearest);
             end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
-            if short || exhausted == [true; 2] {
+            if short {
                 break;
             }
-            let axis = self.end_axis(task, rect, exhausted);
             for part in halves(rect, axis, 0.0) {
                 self.boxes += 1;
                 self.consider(task, part, sign, &mut queue);
@@ -64,7 +59,7 @@ impl ExactSolver {
         end
     }
 
-    /// Across which direction to halve a box on the way to an end. At a collapsed side that is
+    /// Across which direction to halve the box just looked at on the way to an end. At a collapsed side that is
     /// the one that leads away from it: halves across the other would both keep the point.
     fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
@@ -76,12 +71,20 @@ impl ExactSolver {
         if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
-    fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<(f64, Rect)>) {
+    fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<Candidate>) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if !self.is_empty(task, rect, &bounds, self.error(task)) {
-            queue.push((if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi }, rect));
+        if self.is_empty(task, rect, &bounds, self.error(task)) {
+            return;
         }
+        let exhausted = rect.map(|[from, to]| to - from <= FINEST);
+        let finest = (2.0 * task.error).max(END * self.size);
+        queue.push(Candidate {
+            rect,
+            z: if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi },
+            short: bounds.z.hi - bounds.z.lo <= finest || exhausted == [true; 2],
+            axis: self.end_axis(task, rect, exhausted),
+        });
     }
 
     /// Turns isolated roots and contacts into solutions; a root found in two overlapping
