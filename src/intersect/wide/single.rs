@@ -265,8 +265,8 @@ fn search_leaf<S: Simd>(
     if certified {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
-        if near.x.abs().max(near.y.abs()) <= WIDENED[0][1] as f32 {
-            let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (&near, WIDENED, error));
+        if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
+            let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, WIDENED, error));
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -286,7 +286,7 @@ fn search_leaf<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (&near, domain, error));
+        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, domain, error));
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -9,8 +9,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::distances::Approximate;
-use super::finish::{MOST_TURN, PART_OF_ERROR};
+use super::finish::PART_OF_ERROR;
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -22,6 +21,10 @@ const MOST_STEPS: u64 = 4;
 /// Parameters are rounded by half a unit. What that moves a point by may be a quarter of the
 /// promised error, for the sum of both speeds times this.
 pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
+
+/// A bound of how far the normal may turn in a last step, in radians, that second derivatives are
+/// to make up for: they leave a tenth or so.
+const MOST_TURN: f64 = 1e-13;
 
 /// What became of a ray and a leaf.
 pub(super) enum Outcome {
@@ -35,20 +38,19 @@ pub(super) enum Outcome {
     NotFound,
 }
 
-/// Newton's steps in f64 from what the search in f32 has found, in a domain in box coordinates
-/// where there is one root at most; `error` is how far a point may be from the ray. Also returns
+/// Newton's steps in f64 from a start in box coordinates, in a domain where there is one root at
+/// most; `error` is how far a point may be from the ray. Also returns
 /// the number of steps.
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
-/// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way. As for
-/// packets, the first step takes the approximation's tangents.
+/// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
     leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
-    task: (&Approximate<f32>, [[f64; 2]; 2], f64),
+    task: ([f32; 2], [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
@@ -74,7 +76,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     leaf: &Leaf,
     patch: &TensorPatch,
     ray: &SingleRay<'_>,
-    (near, domain, error): (&Approximate<f32>, [[f64; 2]; 2], f64),
+    (near, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
     let [s_range, t_range] = leaf.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
@@ -83,25 +85,9 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     let origin = f64x4::from_slice(simd, &ray.frame.origin.extend(1.0).to_array());
     let bend = f64::from(leaf.fit_bend());
 
-    let mut x = within(f64::from(near.x), domain[0]);
-    let mut y = within(f64::from(near.y), domain[1]);
-    let mut step = 0;
-    // For a hit that is to be told, the normal is wanted where the last step starts: so the first
-    // takes the approximation's tangents, and the next is next to nothing.
-    let told = ray.asks_where();
-    if told {
-        let place = place::<S, P, Q, N, C>(simd, patch, mid_s + x * half_s, mid_t + y * half_t);
-        let at = seen(relative(place, origin), &columns);
-        let per_weight = 1.0 / place[3];
-        let (f1, f2) = (at[0] * per_weight, at[1] * per_weight);
-        let [[xx, xy], [yx, yy]] = near.inverse.map(|row| row.map(f64::from));
-        x = within(x - (xx * f1 + xy * f2), domain[0]);
-        y = within(y - (yx * f1 + yy * f2), domain[1]);
-        step = 1;
-    }
-
-    while step < MOST_STEPS {
-        step += 1;
+    let mut x = within(f64::from(near[0]), domain[0]);
+    let mut y = within(f64::from(near[1]), domain[1]);
+    for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
         let sums = sums::<S, P, Q, N, C>(simd, patch, s, t);
         // In the ray's coordinates, by box coordinate.
@@ -127,13 +113,19 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
             if !(new_x.abs() <= REACH && new_y.abs() <= REACH) {
                 return (Outcome::Missed, step);
             }
-            let tangents = Tangents::new(leaf, [sums[0], along_x, along_y], [step_x, step_y]);
-            if close || !told || tangents.turn_less(MOST_TURN, bend * longest) {
-                let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-                let along = at[2] - a[2] * step_x - b[2] * step_y;
-                let found = Converged { st, half: [half_s, half_t], along, determinant, tangents };
-                return (judge(&found, ray, error), step);
+            let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
+            let mut tangents = Tangents::new(leaf, [sums[0], along_x, along_y], [step_x, step_y]);
+            // The weight goes along the same plane as what is divided by it.
+            let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
+            if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
+                let [value, along_s, along_t] =
+                    self::sums::<S, P, Q, N, C>(simd, patch, st.x, st.y);
+                let along_x = along_s * f64x4::splat(simd, half_s);
+                let along_y = along_t * f64x4::splat(simd, half_t);
+                tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
             }
+            let found = Converged { st, half: [half_s, half_t], z, determinant, tangents };
+            return (judge(&found, ray, error), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -192,8 +184,8 @@ struct Converged {
     st: DVec2,
     /// Half the leaf's sides.
     half: [f64; 2],
-    /// How far along the ray, times the weight.
-    along: f64,
+    /// How far along the ray.
+    z: f64,
     /// Of the last step, in homogeneous coordinates.
     determinant: f64,
     tangents: Tangents,
@@ -202,9 +194,8 @@ struct Converged {
 /// Whether a root of the leaf is a hit.
 #[inline(always)]
 fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
-    let Converged { st, half, along, determinant, tangents } = found;
+    let &Converged { st, half, z, determinant, ref tangents } = found;
     let Tangents { point, weight, along_x, along_y, cross } = tangents;
-    let z = along / weight;
     // One over the cosine is `|a × b| / det`.
     let steepness = cross.length() * (weight * weight / determinant).abs();
     let z_error = error * steepness;
@@ -221,7 +212,7 @@ fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st: *st, point: *point, cross: *cross })
+    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st, point: *point, cross: *cross })
 }
 
 /// The columns of the matrix that takes a vector to the ray's coordinates.
@@ -249,31 +240,6 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
     let xy = columns[1].mul_add(f64x4::splat(simd, v[1]), columns[0] * f64x4::splat(simd, v[0]));
     let xyz = columns[2].mul_add(f64x4::splat(simd, v[2]), xy);
     [xyz[0], xyz[1], xyz[2]]
-}
-
-/// `X, W`: as in [`sums`], but for rounding.
-#[inline(always)]
-fn place<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    patch: &TensorPatch,
-    s: f64,
-    t: f64,
-) -> f64x4<S> {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let mut bases = [Basis::<N>::ZERO; 2];
-    bases[0].fill(p, s);
-    bases[1].fill(q, t);
-    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
-    let mut value = f64x4::splat(simd, 0.0);
-    for i in 0..=p {
-        let row = patch.row_numbers(i);
-        let mut sum = f64x4::splat(simd, 0.0);
-        for j in 0..=q {
-            sum = load::<S, C>(simd, row, j).mul_add(f64x4::splat(simd, bt[j]), sum);
-        }
-        value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
-    }
-    if C == 4 { value } else { with_weight(value, patch.weight().unwrap_or(1.0)) }
 }
 
 /// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],

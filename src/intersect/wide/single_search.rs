@@ -3,7 +3,6 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::distances::Approximate;
 use super::single_ray::SingleRay;
 use crate::patch::Leaf;
 
@@ -71,10 +70,9 @@ impl<S: Simd> Distances<S> {
     /// Horner's scheme in `x` runs on all lanes at once; they are then turned into four powers
     /// of `y` of `f₁`, `f₂` and their derivatives by `x`.
     #[simd]
-    pub(super) fn newton(self, simd: S, start: [f32; 2]) -> Approximate<f32> {
+    pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;
         let [mut x, mut y] = start;
-        let mut inverse = [[0.0; 2]; 2];
         let twice = rows[2] + rows[2];
         let thrice = rows[3] * f32x8::splat(simd, 3.0);
         for _ in 0..STEPS {
@@ -88,12 +86,11 @@ impl<S: Simd> Distances<S> {
             let along_y = (c3 * three).mul_add(ys, c2 + c2).mul_add(ys, c1);
             let (f1, f2, a1, a2) = (across[0], across[1], across[2], across[3]);
             let (b1, b2) = (along_y[0], along_y[1]);
-            let d = 1.0 / (a1 * b2 - a2 * b1);
-            x = within_reach(x - (f1 * b2 - f2 * b1) * d);
-            y = within_reach(y - (a1 * f2 - a2 * f1) * d);
-            inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
+            let inverse = 1.0 / (a1 * b2 - a2 * b1);
+            x = within_reach(x - (f1 * b2 - f2 * b1) * inverse);
+            y = within_reach(y - (a1 * f2 - a2 * f1) * inverse);
         }
-        Approximate { x, y, inverse }
+        [x, y]
     }
 }
 
