@@ -54,7 +54,9 @@ struct Measure {
     residual: f64,
     /// The largest coordinate magnitude of the ray's origin and the surface.
     magnitude: f64,
-    /// What the residual may be.
+    /// What the residual may be by the promise.
+    promise: f64,
+    /// What it may be as measured here.
     bound: f64,
     /// `|N·d|` for unit vectors; 0 where there is no normal.
     incidence: f64,
@@ -157,8 +159,14 @@ impl<'a> Judge<'a> {
         let surface = &self.surfaces[site.surface];
         let normal = surface.normal(site.uv).unwrap_or_default();
         let incidence = normal.dot(ray.direction()).abs() / length;
-        let bound = self.at(ray, site, t).bound;
-        let due = surface.on_border(site.uv) || on_edge || incidence >= SURE_INCIDENCE;
+        let Measure { bound, promise, .. } = self.at(ray, site, t);
+        let on_border = surface.on_border(site.uv);
+        // Rounded parameters may lie beyond a side that no number of theirs is on, as the third one
+        // of a triangle; where weights make points move fast, by more than the promise.
+        if on_border && surface.nurbs().is_none() && bound > 2.5 * promise {
+            return None;
+        }
+        let due = on_border || on_edge || incidence >= SURE_INCIDENCE;
         due.then(|| t + self.slack(bound, incidence) / length)
     }
 
@@ -217,7 +225,8 @@ impl<'a> Judge<'a> {
         let surface = hit.surface as usize;
         if surface >= self.surfaces.len() {
             // A surface that does not exist: nothing is near it.
-            return Measure { residual: f64::NAN, magnitude: 1.0, bound: 0.0, incidence: 0.0 };
+            let (residual, magnitude) = (f64::NAN, 1.0);
+            return Measure { residual, magnitude, promise: 0.0, bound: 0.0, incidence: 0.0 };
         }
         self.at(ray, Site { surface, uv: hit.uv }, hit.t)
     }
@@ -237,6 +246,7 @@ impl<'a> Judge<'a> {
         Measure {
             residual: at.point.distance(ray.at(t)),
             magnitude,
+            promise: factor * magnitude,
             bound: 2.0 * (factor * magnitude + UNIT_ROUNDOFF * parameters),
             incidence: normal.dot(ray.direction().normalize()).abs(),
         }
