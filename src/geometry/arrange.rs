@@ -52,8 +52,32 @@ pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
     if invertible { Ok(()) } else { Err(SurfaceError::Transform { determinant }) }
 }
 
-/// By how much a map lengthens distances at most: the root of the sum of its squares is a
-/// bound of the largest singular value, and no more than √3 times it.
+/// By how much a map lengthens distances at most: the square of its largest singular value is the
+/// largest eigenvalue of `MᵀM`, which is no larger than the sum of the sizes in any row of that. For
+/// rotations and scalings that is the value itself.
 pub(crate) fn stretch(map: &DAffine3) -> f64 {
-    map.matrix3.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    let squares = map.matrix3.transpose() * map.matrix3; // symmetric
+    let sums = squares.to_cols_array_2d().map(|column| column.iter().map(|x| x.abs()).sum::<f64>());
+    sums.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DQuat, DVec3};
+
+    use super::*;
+
+    #[test]
+    fn a_stretch_is_what_the_map_does_to_its_longest_vector() {
+        let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0);
+        let scales = DVec3::new(2.0, 0.5, 1.0);
+        let moved = DAffine3::from_scale_rotation_translation(scales, turned, DVec3::ONE);
+        assert!((stretch(&moved) - 2.0).abs() < 1e-15);
+        assert_eq!(stretch(&DAffine3::from_translation(DVec3::X)), 1.0);
+        // A shear: its largest singular value is the golden ratio.
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z);
+        let longest = 0.5 * (1.0 + 5f64.sqrt());
+        let bound = stretch(&DAffine3::from_mat3(shear));
+        assert!((longest..1.1 * longest).contains(&bound), "{bound}");
+    }
 }
