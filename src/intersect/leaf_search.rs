@@ -60,9 +60,9 @@ impl<'a> Question<'a> {
         (piece.surface == surface).then_some((root, piece))
     }
 
-    /// Whether a crossing of an edge within `reach` of the ray's start is that of another surface's
-    /// edge which the ray starts on: at the same place, and with the same sign of `N · d`, as in
-    /// [`crossings`](super::crossings).
+    /// Whether a crossing of an edge is that of the edge which the ray starts on, of another
+    /// surface: at the same place, to within what both may be off by, and with the same sign of
+    /// `N · d`, as in [`crossings`](super::crossings).
     fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
         let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };

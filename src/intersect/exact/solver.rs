@@ -291,8 +291,8 @@ impl ExactSolver {
 
     /// The part of the box, widened where it is thin as rounding along one parameter and wide along
     /// the other: there the Jacobian would be singular to working precision however small the
-    /// box, and no root could be proved. So it is where the ray is at right angles to the straight lines
-    /// of a surface: one clip then tells which line it meets, to the last digit.
+    /// box, and no root could be proved. So it is where the ray is at right angles to the
+    /// straight lines of a surface: one clip then tells which line it meets, to the last digit.
     fn not_too_thin(&self, mut part: Rect, error: f64) -> Rect {
         let spread = self.net.spread().to_array();
         let image = [0, 1].map(|k| spread[k] * (part[k][1] - part[k][0]));

@@ -29,7 +29,7 @@ pub(super) const PART_OF_ERROR: f64 = 0.125;
 /// A bound of how far the normal may turn in the last step, in radians. It is some times as large
 /// as the turn itself, of which second derivatives from the middle of the leaf's approximation
 /// leave a tenth or so.
-pub(super) const MOST_TURN: f64 = 1e-10;
+const MOST_TURN: f64 = 1e-10;
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]

@@ -234,7 +234,8 @@ impl Packet {
     }
 
     /// One bit for each of the sixteen rays from `base` on that starts on a leaf, or near it on its
-    /// piece, that does not lie ahead of it again. A point may be as far from a ray as its magnitude times `factor`.
+    /// piece, that does not lie ahead of it again. A point may be as far from a ray as its magnitude
+    /// times `factor`.
     #[simd]
     pub(super) fn departs_from<S: Simd>(
         &self,

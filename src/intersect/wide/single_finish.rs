@@ -39,8 +39,7 @@ pub(super) enum Outcome {
 }
 
 /// Newton's steps in f64 from a start in box coordinates, in a domain where there is one root at
-/// most; `error` is how far a point may be from the ray. Also returns
-/// the number of steps.
+/// most; `error` is how far a point may be from the ray. Also returns the number of steps.
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
 /// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.

@@ -59,8 +59,9 @@ impl ExactSolver {
         end
     }
 
-    /// Across which direction to halve the box just looked at on the way to an end. At a collapsed side that is
-    /// the one that leads away from it: halves across the other would both keep the point.
+    /// Across which direction to halve the box just looked at on the way to an end. At a
+    /// collapsed side that is the one that leads away from it: halves across the other would both
+    /// keep the point.
     fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
