@@ -104,6 +104,12 @@ fn circles_are_round() {
         ("quarter_circle_4 = { solution = 2 }", quarter),
         ("quarter_circle_4 = { solution = 1, w1 = 0.8 }", quarter),
         ("quarter_circle_4 = { solution = 2, w1 = 3 }", quarter),
+        ("quarter_circle_2 = { weights = [1, 3, 18] }", quarter),
+        (
+            "quarter_circle_4 = { weights = [0.8365163037378079, 0.7886751345948129], \
+           y1 = 0.4226497308103742, x2 = 0.7886751345948129 }",
+            quarter,
+        ),
         ("note_circle = \"half_3\"", half),
         ("note_circle = \"full_3\"", full),
     ] {
@@ -575,5 +581,72 @@ fn triangles_and_cages_are_drawn_in_space() {
         assert!(svg.contains(title) && svg.contains("control points"), "{title}");
         // Two circles a ring, and one in the legend.
         assert_eq!(attributes(&svg, "circle", "r").len(), 2 * rings + 1);
+    }
+}
+
+/// A Doo–Sabin surface ends within the faces of an open cage: that of a flat grid of unit squares
+/// half a square inside its border, and no line of it leaves that square.
+#[test]
+fn lines_of_an_open_doo_sabin_surface_end_where_it_does() {
+    let points: Vec<_> = (0..16).map(|k| format!("[{}, {}, 0]", k % 4, k / 4)).collect();
+    let face = |k: usize| {
+        let corner = k / 3 * 4 + k % 3;
+        format!("[{corner}, {}, {}, {}]", corner + 1, corner + 5, corner + 4)
+    };
+    let faces: Vec<_> = (0..9).map(face).collect();
+    let text = format!(
+        "[[plot]]\nshow = {{ surfaces = {{ of = \"g\", net = true, lines = 1 }} }}\n[[object]]\n\
+         name = \"g\"\nshape = {{ doo_sabin = {{ points = [{}], faces = [{}] }} }}\n",
+        points.join(", "),
+        faces.join(", ")
+    );
+    let svg = plotted(&text, "");
+    // The rings of the cage's vertices: the first at (0, 0), the last but the legend's at (3, 3).
+    let rings: Vec<[f64; 2]> = svg
+        .split("<circle cx=\"")
+        .skip(1)
+        .map(|rest| {
+            let mut quoted = rest.split('"').step_by(2);
+            [(); 2].map(|()| quoted.next().unwrap().parse::<f64>().unwrap() / SUBPIXELS)
+        })
+        .collect();
+    let axes = Axes::new([rings[0], rings[rings.len() - 2]], [[0.0, 0.0], [3.0, 3.0]]);
+    // Borders: those of the surface, and twice the inner ones of faces; between them the middles
+    // of faces, on the border half of the time.
+    for (color, width, expected) in [(BLUE, 1.6, 8.0 + 16.0), ("#56B4E9", 1.0, 12.0)] {
+        let lines = polylines(&svg, color, width);
+        let mut length = 0.0;
+        for line in lines.iter().filter(|line| line.len() > 2) {
+            let points: Vec<_> = line.iter().map(|&pixel| axes.point(pixel)).collect();
+            for &point in &points {
+                assert!(point.iter().all(|x| (0.49..2.51).contains(x)), "{color}: {point:?}");
+            }
+            length += points
+                .windows(2)
+                .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]))
+                .sum::<f64>();
+        }
+        assert!((length - expected).abs() < 0.05, "{color}: {length} for {expected}");
+    }
+}
+
+/// At a knot of multiplicity p + 1 functions end as high as others begin: they jump, and no line
+/// is drawn down to zero.
+#[test]
+fn basis_functions_that_jump_are_broken_there() {
+    for weights in ["", "weights = [1, 2, 1, 3, 1, 1]\n"] {
+        let text = format!(
+            "[[plot]]\n[plot.show.basis]\ndegree = 2\nknots = [0, 0, 0, 1, 1, 1, 2, 2, 2]\n{weights}"
+        );
+        let svg = plotted(&text, "--size 640x480");
+        // The axis at zero, from t = 0 to t = 2.
+        let axis = polylines(&svg, GREY, 1.0);
+        let axis = axis.iter().find(|line| line.len() == 2 && line[0][1] == line[1][1]).unwrap();
+        let jumps = polylines(&svg, GREEN, CURVE); // the third function, and its legend
+        let line = jumps.iter().find(|line| line.len() > 4).unwrap();
+        let [first, last] = [line[0], line[line.len() - 1]];
+        assert!((first[1] - axis[0][1]).abs() < 0.1, "it begins at zero: {first:?}");
+        assert!((last[0] - 0.5 * (axis[0][0] + axis[1][0])).abs() < 0.1, "and ends at t = 1");
+        assert!(last[1] < axis[0][1] - 100.0, "high up: {last:?}");
     }
 }

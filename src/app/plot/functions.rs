@@ -48,11 +48,13 @@ pub(super) fn basis(
                 0.0 => format!("{} = 0", indexed(letter, index)),
                 _ => indexed(letter, index),
             };
-            Function {
-                name,
-                value: Box::new(value),
-                pieces: spans.iter().filter(lives).copied().collect(),
+            let mut pieces: Vec<[f64; 2]> = spans.iter().filter(lives).copied().collect();
+            // At a knot of multiplicity p + 1 it jumps to zero where it ends: there the value
+            // is that of the functions that begin.
+            if let Some([_, end]) = pieces.last_mut().filter(|last| Some(&**last) != spans.last()) {
+                *end = end.next_down();
             }
+            Function { name, value: Box::new(value), pieces }
         }),
     );
     let values = basis.knots().values();

@@ -148,22 +148,27 @@ impl Lines {
         }
     }
 
-    /// The borders of a limit surface's faces, and lines within.
-    fn limit(&mut self, surface: &std::sync::Arc<LimitSurface>, lines: usize) {
+    /// The borders of a limit surface and of its cage's faces, and lines within, where the faces
+    /// are part of the surface.
+    fn limit(&mut self, surface: &LimitSurface, lines: usize) {
         for unit in 0..surface.unit_count() {
-            let line = |along_u: bool, share: f64| {
-                let surface = std::sync::Arc::clone(surface);
-                // Where one unit square ends in u the next one begins.
-                let low = unit as f64;
-                let u = move |u: f64| (low + u).min((low + 1.0).next_down());
-                Line::new(move |t| {
-                    let uv = if along_u { (u(t), share) } else { (u(share), t) };
-                    surface.point_at(uv.into())
-                })
-            };
-            for along_u in [true, false] {
-                self.borders.extend([0.0, 1.0].map(|share| line(along_u, share)));
-                self.inner.extend(between((0.0, 1.0), lines).map(|share| line(along_u, share)));
+            for direction in [Direction::U, Direction::V] {
+                let curves =
+                    |at| surface.unit_curves(unit, direction, at).into_iter().map(Line::of);
+                self.borders.extend([0.0, 1.0].into_iter().flat_map(curves));
+                self.inner.extend(between((0.0, 1.0), lines).flat_map(curves));
+            }
+        }
+        // Doo–Sabin surfaces end within faces.
+        for (index, patch) in surface.patches().iter().enumerate() {
+            let Some(Ok(net)) = surface.surface(index) else { continue };
+            let [high_u, high_v] = patch.square.unit_uv(1.0, 1.0);
+            let [low_u, low_v] = patch.square.low;
+            let sides = [low_u, high_u, low_v, high_v].into_iter().zip(patch.border).enumerate();
+            for (side, _) in sides.filter(|(_, (at, border))| *border && *at != 0.0 && *at != 1.0) {
+                let end = (side % 2) as f64;
+                let curve = if side < 2 { net.curve_at_u(end) } else { net.curve_at_v(end) };
+                self.borders.extend(curve.ok().map(Line::of));
             }
         }
     }

@@ -34,6 +34,7 @@ mod catmull_clark;
 mod doo_sabin;
 mod isolate;
 mod limit_charts;
+mod limit_curves;
 mod limit_surface;
 mod limits;
 mod mesh;

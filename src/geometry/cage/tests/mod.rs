@@ -2,6 +2,7 @@
 
 mod catmull_clark;
 mod checks;
+mod curves;
 mod doo_sabin;
 mod limits;
 mod seams;

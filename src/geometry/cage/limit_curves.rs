@@ -1,0 +1,83 @@
+//! Curves of constant parameter on a limit surface.
+
+use glam::{DVec3, DVec4};
+
+use super::limit_surface::{FaceSquare, LimitSurface};
+use crate::geometry::{Direction, KnotVector, NurbsCurve, bernstein};
+
+impl LimitSurface {
+    /// The curves on which one parameter of a unit square is fixed at `at`, from 0 to 1, exactly
+    /// those of the patches: one for each unbroken part, over its part of the domain, in order.
+    /// Where the unit square is no part of the surface (Doo–Sabin surfaces end in the middle of
+    /// faces) there is none.
+    ///
+    /// Between two patches it is the one that begins there. Inner knots are there as often as
+    /// the degree says, for each patch brings a Bézier piece.
+    pub fn unit_curves(&self, unit: usize, direction: Direction, at: f64) -> Vec<NurbsCurve> {
+        let (fixed, along) = match direction {
+            Direction::U => (0, 1),
+            Direction::V => (1, 0),
+        };
+        let first = self.patches.partition_point(|patch| patch.square.unit < unit);
+        let beyond = self.patches.partition_point(|patch| patch.square.unit <= unit);
+
+        // The patches that the line meets, of two beside it the one that begins there first.
+        let mut met: Vec<(FaceSquare, bool, usize)> = (first..beyond)
+            .filter_map(|index| {
+                let square = self.patches[index].square;
+                let (low, high) = (square.low[fixed], square.low[fixed] + square.side);
+                let ends = at == high;
+                ((low <= at && at < high) || ends).then_some((square, ends, index))
+            })
+            .collect();
+        met.sort_by(|(a, a_ends, _), (b, b_ends, _)| {
+            a.low[along].total_cmp(&b.low[along]).then(a_ends.cmp(b_ends))
+        });
+
+        // Pieces that follow each other are one curve.
+        let offset = if along == 0 { unit as f64 } else { 0.0 };
+        let mut curves: Vec<(Vec<f64>, Vec<DVec4>)> = Vec::new();
+        let mut reached = f64::NEG_INFINITY;
+        for (square, _, index) in met {
+            let (low, high) = (square.low[along], square.low[along] + square.side);
+            if low < reached {
+                continue; // beside a patch that is there already
+            }
+            let piece = self.piece(index, direction, (at - square.low[fixed]) / square.side);
+            match curves.last_mut().filter(|_| low == reached) {
+                Some((breaks, control)) => {
+                    breaks.push(offset + high);
+                    control.pop();
+                    control.extend(piece);
+                }
+                None => curves.push((vec![offset + low, offset + high], piece)),
+            }
+            reached = high;
+        }
+        curves.into_iter().map(|(breaks, control)| self.joined(&breaks, control)).collect()
+    }
+
+    /// The Bézier points of a line of a patch, at a share of the patch.
+    fn piece(&self, patch: usize, direction: Direction, share: f64) -> Vec<DVec4> {
+        let n = self.degree + 1;
+        let net = &self.control[patch * n * n..][..n * n];
+        let basis =
+            bernstein(self.degree, share).unwrap_or([f64::NAN; crate::geometry::MAX_DEGREE + 1]);
+        let point = |k: usize| {
+            let across = |l: usize| match direction {
+                Direction::U => net[l * n + k],
+                Direction::V => net[k * n + l],
+            };
+            (0..n).map(|l| basis[l] * across(l)).sum::<DVec3>().extend(1.0)
+        };
+        (0..n).map(point).collect()
+    }
+
+    fn joined(&self, breaks: &[f64], control: Vec<DVec4>) -> NurbsCurve {
+        let p = self.degree;
+        let last = breaks.len() - 1;
+        let times = |k: usize| if k == 0 || k == last { p + 1 } else { p };
+        let knots = breaks.iter().enumerate().flat_map(|(k, &t)| std::iter::repeat_n(t, times(k)));
+        NurbsCurve::assembled(KnotVector::derived(p, knots.collect()), control)
+    }
+}
