@@ -14,6 +14,7 @@ use serde_json::json;
 use super::args::CastArguments;
 use super::failure::{Failure, OrFail};
 use super::progress::Progress;
+use super::table::count;
 use super::{console, input, output, threads};
 use trace::{Traced, Tracing};
 
@@ -58,12 +59,11 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     } else {
         let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
         console::print(&format!(
-            "{} rays, {} hits, {} doubtful; {seconds:.3} s on {threads} {} ({rate:.3} Mrays/s, \
-             kernel {}); wrote {}\n",
-            rays.len(),
-            counts.hits,
+            "{}, {}, {} doubtful; {seconds:.3} s on {} ({rate:.3} Mrays/s, kernel {}); wrote {}\n",
+            count(rays.len() as u64, "ray"),
+            count(counts.hits as u64, "hit"),
             counts.doubtful,
-            if threads == 1 { "thread" } else { "threads" },
+            count(threads as u64, "thread"),
             tracing.kernel,
             arguments.output.display(),
         ))?;

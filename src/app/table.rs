@@ -1,6 +1,7 @@
 //! Tables and numbers for people.
 
 use glam::DVec3;
+use nurbray::math::Counted;
 
 /// Lines of cells under one another: words to the left, all else to the right. The first row
 /// is the heading; its first cell and those of `words` hold words.
@@ -72,8 +73,7 @@ pub(crate) fn short_bytes(bytes: usize) -> String {
 
 /// `1 ray`, `2 rays`: a count with its noun.
 pub(crate) fn count(number: u64, noun: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {noun}{plural}")
+    Counted(usize::try_from(number).unwrap_or(usize::MAX), noun).to_string()
 }
 
 /// `0.0123`, `1.23`, `12.3`, `123`.

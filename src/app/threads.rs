@@ -4,6 +4,7 @@ use anyhow::Context;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::failure::{Failure, OrFail};
+use super::table;
 
 /// A pool of the number of threads asked for, or of one for each processor.
 ///
@@ -15,7 +16,7 @@ pub(crate) fn pool(threads: Option<u16>) -> Result<ThreadPool, Failure> {
         .num_threads(count)
         .build()
         .with_context(|| match threads {
-            Some(count) => format!("cannot start {count} threads"),
+            Some(count) => format!("cannot start {}", table::count(count.into(), "thread")),
             None => "cannot start the threads".into(),
         })
         .or_failed()

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::{KnotError, MAX_MAGNITUDE};
-use crate::math::{Measured, Shown, ShownVector};
+use crate::math::{Counted, Measured, Shown, ShownVector};
 
 /// Why numbers cannot be a curve, or an operation not be done on one.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -14,7 +14,7 @@ pub enum CurveError {
     #[error(transparent)]
     Knots(#[from] KnotError),
     /// The number of control points does not match the knots.
-    #[error("{points} control points, but the knots need {needed}")]
+    #[error("{}, but the knots need {needed}", Counted(*.points, "control point"))]
     PointCount {
         /// The number of control points given.
         points: usize,
@@ -22,7 +22,10 @@ pub enum CurveError {
         needed: usize,
     },
     /// The number of weights does not match the control points.
-    #[error("{weights} weights for {points} control points: each needs one, or none has any")]
+    #[error(
+        "{} for {}: each needs one, or none has any",
+        Counted(*.weights, "weight"), Counted(*.points, "control point")
+    )]
     WeightCount {
         /// The number of weights given.
         weights: usize,
@@ -92,7 +95,7 @@ pub enum CurveError {
         t: f64,
     },
     /// Too few points for what is to be made of them.
-    #[error("{found} points: at least {needed} are needed")]
+    #[error("{}: at least {needed} are needed", Counted(*.found, "point"))]
     TooFewPoints {
         /// How many there are.
         found: usize,
@@ -100,7 +103,10 @@ pub enum CurveError {
         needed: usize,
     },
     /// The number of derivatives does not match the points.
-    #[error("{derivatives} derivatives for {points} points: each needs one")]
+    #[error(
+        "{} for {}: each needs one",
+        Counted(*.derivatives, "derivative"), Counted(*.points, "point")
+    )]
     DerivativeCount {
         /// The number of derivatives given.
         derivatives: usize,
@@ -117,8 +123,8 @@ pub enum CurveError {
     },
     /// A curve is not a single cubic polynomial.
     #[error(
-        "needed is one cubic, polynomial piece; this has degree {degree} and {pieces} pieces{}",
-        if *.rational { ", and weights" } else { "" }
+        "needed is one cubic, polynomial piece; this has degree {degree} and {}{}",
+        Counted(*.pieces, "piece"), if *.rational { ", and weights" } else { "" }
     )]
     NotOneCubic {
         /// Its degree.

@@ -172,7 +172,7 @@ fn errors_tell_what_is_needed() {
     assert_eq!(message(&points[..2], None), "2 control points, but the knots need 3");
     assert_eq!(
         message(&points, Some(&[1.0])),
-        "1 weights for 3 control points: each needs one, or none has any"
+        "1 weight for 3 control points: each needs one, or none has any"
     );
     assert_eq!(
         message(&points, Some(&[1.0, 0.0, 1.0])),

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::knots::{MAX_DEGREE, MAX_POINTS};
-use crate::math::Shown;
+use crate::math::{Counted, Shown};
 
 /// Why numbers cannot be the knots of a spline: what was found and what is needed.
 ///
@@ -18,7 +18,10 @@ pub enum KnotError {
         degree: usize,
     },
     /// Fewer control points than a spline of this degree has in a single span.
-    #[error("{points} points of degree {degree}: at least {} are needed", degree + 1)]
+    #[error(
+        "{} of degree {degree}: at least {} are needed",
+        Counted(*.points, "point"), degree + 1
+    )]
     TooFewPoints {
         /// The number of control points given, or left by the number of knots.
         points: usize,
@@ -26,7 +29,7 @@ pub enum KnotError {
         degree: usize,
     },
     /// Too few knots for even one span.
-    #[error("{knots} knots: degree {degree} needs at least {}", 2 * degree + 2)]
+    #[error("{}: degree {degree} needs at least {}", Counted(*.knots, "knot"), 2 * degree + 2)]
     TooFewKnots {
         /// The number of knots given.
         knots: usize,
@@ -40,7 +43,10 @@ pub enum KnotError {
         points: usize,
     },
     /// The number of knots does not match the degree and the control points.
-    #[error("{knots} knots, but {points} points of degree {degree} need {}", points + degree + 1)]
+    #[error(
+        "{}, but {points} points of degree {degree} need {}",
+        Counted(*.knots, "knot"), points + degree + 1
+    )]
     Count {
         /// The number of knots given.
         knots: usize,

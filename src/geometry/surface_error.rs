@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::surface::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 use super::{CageError, KnotError, TriangleError};
-use crate::math::{Shown, ShownVector};
+use crate::math::{Counted, Shown, ShownVector};
 
 /// One of the two parameters of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,7 +42,10 @@ pub enum SurfaceError {
         error: KnotError,
     },
     /// The number of control points does not match the two knot vectors.
-    #[error("{points} control points, but the knots need {nu} × {nv} of them")]
+    #[error(
+        "{}, but the knots need {nu} × {nv} of them",
+        Counted(*.points, "control point")
+    )]
     PointCount {
         /// The number of control points given.
         points: usize,
@@ -52,7 +55,10 @@ pub enum SurfaceError {
         nv: usize,
     },
     /// The number of weights does not match the control points.
-    #[error("{weights} weights for {points} control points: each needs one, or none has any")]
+    #[error(
+        "{} for {}: each needs one, or none has any",
+        Counted(*.weights, "weight"), Counted(*.points, "control point")
+    )]
     WeightCount {
         /// The number of weights given.
         weights: usize,

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::{MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE};
-use crate::math::{Shown, ShownVector};
+use crate::math::{Counted, Shown, ShownVector};
 
 /// Why numbers cannot be a triangular patch: what was found and what is needed.
 ///
@@ -19,7 +19,10 @@ pub enum TriangleError {
         degree: usize,
     },
     /// The number of control points does not match the degree.
-    #[error("{points} control points, but a triangle of degree {degree} needs {needed}")]
+    #[error(
+        "{}, but a triangle of degree {degree} needs {needed}",
+        Counted(*.points, "control point")
+    )]
     PointCount {
         /// The number of control points given.
         points: usize,
@@ -29,7 +32,10 @@ pub enum TriangleError {
         needed: usize,
     },
     /// The number of weights does not match the control points.
-    #[error("{weights} weights for {points} control points: each needs one, or none has any")]
+    #[error(
+        "{} for {}: each needs one, or none has any",
+        Counted(*.weights, "weight"), Counted(*.points, "control point")
+    )]
     WeightCount {
         /// The number of weights given.
         weights: usize,

@@ -12,7 +12,7 @@ use super::nearby::nearest_file;
 use super::npy_header::read_header;
 use super::quoted::{DidYouMean, Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
-use crate::math::{Ray, RayError};
+use crate::math::{Counted, Ray, RayError};
 
 /// A table of numbers, row after row.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,7 @@ pub enum NpyError {
         found: String,
     },
     /// The file ends too early.
-    #[error("{}: found {found} bytes of data, needed {needed}: the file is cut short", .path.display())]
+    #[error("{}: found {} of data, needed {needed}: the file is cut short", .path.display(), Counted(usize::try_from(*.found).unwrap_or(usize::MAX), "byte"))]
     Truncated {
         /// The file.
         path: PathBuf,

@@ -6,6 +6,7 @@ use std::path::Path;
 use npyz::NpyHeader;
 
 use super::NpyError;
+use crate::math::Counted;
 
 /// The longest header read, as NumPy itself has it: that of a table has about 100 bytes.
 const MAX_HEADER: usize = 10_000;
@@ -41,7 +42,7 @@ pub(super) fn read_header(
     stream.read_exact(&mut bytes[8..]).map_err(short)?;
     let length = bytes[8..].iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte));
     if length > MAX_HEADER {
-        return Err(wrong(&format!("its header is said to have {length} bytes")));
+        return Err(wrong(&format!("its header is said to have {}", Counted(length, "byte"))));
     }
     let start = bytes.len();
     bytes.resize(start + length, 0);

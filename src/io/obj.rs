@@ -32,6 +32,7 @@ use super::LoadError;
 use super::cage_offsets::CageOffsets;
 use super::source::Source;
 use crate::geometry::{Cage, CageError, CageParts};
+use crate::math::Counted;
 use crate::scene::ImportNote;
 
 /// A cage from a file, and what else the file holds.
@@ -192,7 +193,8 @@ impl<'a> Reader<'a> {
             3 | 6 => None,
             4 | 7 => Some(3),
             count => {
-                let message = format!("a vertex has {count} numbers: it needs 3 (x y z)");
+                let message =
+                    format!("a vertex has {}: it needs 3 (x y z)", Counted(count, "number"));
                 return Err(self.malformed(keyword, message));
             }
         };
@@ -212,7 +214,8 @@ impl<'a> Reader<'a> {
     /// `f v v v …`, `f v/vt …`, `f v//vn …` or `f v/vt/vn …`.
     fn face(&mut self, keyword: &'a str, values: &[&'a str]) -> Result<(), LoadError> {
         if values.len() < 3 {
-            let message = format!("a face has {} corners: it needs 3 or more", values.len());
+            let message =
+                format!("a face has {}: it needs 3 or more", Counted(values.len(), "corner"));
             return Err(self.malformed(keyword, message));
         }
         let corners = values.iter().map(|word| self.corner_vertex(word));
@@ -252,7 +255,10 @@ impl<'a> Reader<'a> {
         }
         let back = usize::try_from(vertex.unsigned_abs()).unwrap_or(usize::MAX);
         known.checked_sub(back).ok_or_else(|| {
-            self.malformed(word, format!("vertex {vertex}: only {known} vertices come before"))
+            self.malformed(word, {
+                let verb = if known == 1 { "comes" } else { "come" };
+                format!("vertex {vertex}: only {} {verb} before", Counted(known, "vertex"))
+            })
         })
     }
 

@@ -17,4 +17,4 @@ pub use aabb::Aabb;
 pub use interval::Interval;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
-pub use shown::{Measured, MeasuredPoint, Shown, ShownVector};
+pub use shown::{Counted, Measured, MeasuredPoint, Shown, ShownVector};

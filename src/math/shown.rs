@@ -63,6 +63,28 @@ impl fmt::Display for ShownVector {
     }
 }
 
+/// A count with its noun as a message shows it: `1 point`, `2 points`, `0 vertices`.
+#[derive(Clone, Copy, Debug)]
+pub struct Counted<'a>(pub usize, pub &'a str);
+
+impl fmt::Display for Counted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number, noun) = *self;
+        if number == 1 {
+            return write!(f, "1 {noun}");
+        }
+        match noun.strip_suffix("ex").or(noun.strip_suffix("ix")) {
+            Some(stem) => return write!(f, "{number} {stem}ices"),
+            None => write!(f, "{number} ")?,
+        }
+        match noun.strip_suffix("f") {
+            Some(stem) => write!(f, "{stem}ves"),
+            None if noun.ends_with("ch") || noun.ends_with('s') => write!(f, "{noun}es"),
+            None => write!(f, "{noun}s"),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,6 +110,25 @@ mod tests {
         }
         let point = DVec3::new(1.0, -2.5, 1e300);
         assert_eq!(ShownVector(point).to_string(), "(1, -2.5, 1e300)");
+    }
+
+    #[test]
+    fn nouns_agree_with_their_numbers() {
+        for (number, noun, text) in [
+            (0, "point", "0 points"),
+            (1, "point", "1 point"),
+            (2, "control point", "2 control points"),
+            (1, "vertex", "1 vertex"),
+            (3, "vertex", "3 vertices"),
+            (1, "index", "1 index"),
+            (4, "index", "4 indices"),
+            (1, "patch", "1 patch"),
+            (7, "Bézier patch", "7 Bézier patches"),
+            (2, "leaf", "2 leaves"),
+            (2, "sharpness", "2 sharpnesses"),
+        ] {
+            assert_eq!(Counted(number, noun).to_string(), text);
+        }
     }
 
     #[test]

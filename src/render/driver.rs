@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::painter::Painter;
 use super::tile::TileGrid;
 use super::{Counters, Film, FilmError, RenderSettings};
+use crate::math::Counted;
 use crate::scene::World;
 
 /// How far a render has come.
@@ -30,7 +31,7 @@ pub enum RenderError {
     #[error(transparent)]
     Film(#[from] FilmError),
     /// The system gives no threads.
-    #[error("cannot start {threads} threads: {reason}")]
+    #[error("cannot start {}: {reason}", Counted(*.threads, "thread"))]
     Threads {
         /// How many were asked for; 0 for one for each processor.
         threads: usize,

@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::plot::{MAX_LINES, MAX_ROUNDS, MAX_TEETH};
 use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
+use crate::math::Counted;
 
 /// Why a plot cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -39,7 +40,7 @@ pub enum PlotError {
     #[error("basis: it is not known how many functions: give knots, weights, or count = …")]
     NoCount,
     /// Two numbers of functions.
-    #[error("basis: {weights} weights for count = {count}: each function has one")]
+    #[error("basis: {} for count = {count}: each function has one", Counted(*.weights, "weight"))]
     Count {
         /// The number that is given.
         count: usize,

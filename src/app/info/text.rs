@@ -21,7 +21,7 @@ pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) 
         count(facts.surfaces.len() as u64, "surface"),
         count(facts.control_points() as u64, "control point"),
         count(facts.pieces() as u64, "piece"),
-        count(facts.leaves() as u64, "leaf").replace("leafs", "leaves"),
+        count(facts.leaves() as u64, "leaf"),
         short_bytes(facts.bytes),
         bounds(facts.bounds),
     );
@@ -91,9 +91,8 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
 fn subdivision(surfaces: &[SurfaceFacts]) -> String {
     let row = |surface: &SurfaceFacts| {
         let [all, exact] = surface.patches?;
-        let noun = if all == 1 { "patch" } else { "patches" };
-        let (name, all) = (format!("  {} {}", surface.index, surface.name), all.to_string());
-        Some(vec![name, format!("{all} {noun}"), format!("{exact} of them exact")])
+        let name = format!("  {} {}", surface.index, surface.name);
+        Some(vec![name, count(all as u64, "patch"), format!("{exact} of them exact")])
     };
     let rows: Vec<Vec<String>> = surfaces.iter().filter_map(row).collect();
     match rows.len() {
@@ -134,7 +133,8 @@ fn approximated(surfaces: &[SurfaceFacts]) -> String {
         0 => String::new(),
         number => {
             let surfaces = count(number as u64, "approximated surface");
-            format!("\n{surfaces}, measured or proved when made:\n") + &table(&rows, &[0, 1])
+            format!("\n{surfaces}, in units of the scene, measured or proved when made:\n")
+                + &table(&rows, &[0, 1])
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::geometry::{MAX_MAGNITUDE, SurfaceError};
-use crate::math::{Shown, ShownVector};
+use crate::math::{Counted, Shown, ShownVector};
 
 /// Why polygons cannot be the cage of a subdivision surface. Vertices and faces are counted
 /// from 0.
@@ -36,7 +36,7 @@ pub enum CageError {
         position: DVec3,
     },
     /// A face has too few corners.
-    #[error("face {face} has {corners} corners: it needs 3 or more")]
+    #[error("face {face} has {}: it needs 3 or more", Counted(*.corners, "corner"))]
     FewCorners {
         /// Which face.
         face: usize,
@@ -44,7 +44,10 @@ pub enum CageError {
         corners: usize,
     },
     /// A face names a vertex that is not there.
-    #[error("face {face} names vertex {vertex}, but there are only {vertices} vertices")]
+    #[error(
+        "face {face} names vertex {vertex}, but there {} only {}",
+        are(*.vertices), Counted(*.vertices, "vertex")
+    )]
     NoSuchVertex {
         /// Which face.
         face: usize,
@@ -111,7 +114,10 @@ pub enum CageError {
         vertices: [usize; 2],
     },
     /// A sharp corner is asked for where there is no vertex.
-    #[error("corner {corner} names vertex {vertex}, but there are only {vertices} vertices")]
+    #[error(
+        "corner {corner} names vertex {vertex}, but there {} only {}",
+        are(*.vertices), Counted(*.vertices, "vertex")
+    )]
     NoSuchCorner {
         /// Which corner.
         corner: usize,
@@ -160,6 +166,11 @@ impl fmt::Display for Feature {
             Self::Corner => "corner",
         })
     }
+}
+
+/// The verb for so many things.
+fn are(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
 }
 
 /// Numbers as in `1, 2 and 3`.

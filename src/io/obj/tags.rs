@@ -3,6 +3,7 @@
 use super::{Reader, shown};
 use crate::geometry::{BoundaryRule, Corner, Crease};
 use crate::io::LoadError;
+use crate::math::Counted;
 
 /// From this sharpness on files mean infinite, as OpenSubdiv does.
 const INFINITE: f64 = 10.0;
@@ -17,7 +18,12 @@ impl<'a> Reader<'a> {
         let [integers, numbers, strings] = self.counts(counts)?;
         let wanted = integers.checked_add(numbers).and_then(|sum| sum.checked_add(strings));
         if wanted != Some(values.len()) {
-            let message = format!("{} values follow the counts {}", values.len(), shown(counts));
+            let message = format!(
+                "{} {} the counts {}",
+                Counted(values.len(), "value"),
+                if values.len() == 1 { "follows" } else { "follow" },
+                shown(counts)
+            );
             return Err(self.malformed(counts, message));
         }
         let (integers, rest) = values.split_at(integers);
@@ -72,10 +78,9 @@ impl<'a> Reader<'a> {
         let edges = vertices.len().saturating_sub(1);
         if edges == 0 || (numbers.len() != 1 && numbers.len() != edges) {
             let message = format!(
-                "a crease of {} vertices with {} sharpnesses: it needs 2 or more, and one \
-                 sharpness or one for each edge",
-                vertices.len(),
-                numbers.len()
+                "a crease of {} with {}: it needs 2 or more, and one sharpness or one for each edge",
+                Counted(vertices.len(), "vertex"),
+                Counted(numbers.len(), "sharpness")
             );
             return Err(self.malformed(counts, message));
         }
@@ -97,9 +102,9 @@ impl<'a> Reader<'a> {
     ) -> Result<(), LoadError> {
         if vertices.is_empty() || (numbers.len() != 1 && numbers.len() != vertices.len()) {
             let message = format!(
-                "{} corners with {} sharpnesses: one for all or one for each is needed",
-                vertices.len(),
-                numbers.len()
+                "{} with {}: one for all or one for each is needed",
+                Counted(vertices.len(), "corner"),
+                Counted(numbers.len(), "sharpness")
             );
             return Err(self.malformed(counts, message));
         }

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
-use crate::math::Shown;
+use crate::math::{Counted, Shown};
 use crate::scene::{Knots, Rgb};
 
 /// A finite number, whole or not.
@@ -154,7 +154,9 @@ impl Loose {
             Self::List(list) if list.len() >= LONGEST => {
                 format!("found a list of {LONGEST} numbers or more, needed {needed}")
             }
-            Self::List(list) => format!("found a list of {} numbers, needed {needed}", list.len()),
+            Self::List(list) => {
+                format!("found a list of {}, needed {needed}", Counted(list.len(), "number"))
+            }
         }
     }
 
