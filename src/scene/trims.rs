@@ -108,7 +108,7 @@ impl TrimSpec {
         };
         let domain = TrimDomain::with_seams_of(&surface).map_err(fails)?;
         let loops = self.loops.iter().enumerate();
-        let loops = loops.map(|(index, one)| one.trim_loop(name, index));
+        let loops = loops.map(|(index, one)| one.trim_loop(name, index, domain));
         let loops = loops.collect::<Result<Vec<_>, _>>()?;
         let trims = Trims::new(domain, self.kept, &loops).map_err(|error| {
             let place = self.place_of(&error).clone();
@@ -176,7 +176,12 @@ impl TrimSpec {
 }
 
 impl LoopSpec {
-    fn trim_loop(&self, name: &str, index: usize) -> Result<TrimLoop, SceneError> {
+    fn trim_loop(
+        &self,
+        name: &str,
+        index: usize,
+        domain: TrimDomain,
+    ) -> Result<TrimLoop, SceneError> {
         let made = match &self.kind {
             LoopKind::Polygon(corners) => TrimLoop::polygon(corners),
             LoopKind::Circle { center, radius } => TrimLoop::circle(*center, *radius),
@@ -193,7 +198,8 @@ impl LoopSpec {
                 }
                 _ => &self.place,
             };
-            let (surface, error) = (name.to_owned(), TrimError::Loop { index, error });
+            let error = TrimError::Loop { index, error: domain.explained(error) };
+            let surface = name.to_owned();
             SceneError::new(place.clone(), SceneFault::Trims { surface, error })
         })
     }

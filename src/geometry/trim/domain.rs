@@ -1,6 +1,8 @@
 //! The rectangle of parameters that trim loops cut from, and whether it closes on itself.
 
-use super::{TrimError, UvBox};
+use super::{JOINT_TOLERANCE, TrimError, TrimLoopError, UvBox};
+use glam::DVec2;
+
 use crate::geometry::{Direction, NurbsSurface};
 
 /// Parameters beyond this are refused: products of three of them must not overflow.
@@ -16,7 +18,8 @@ pub(super) const MAX_PARAMETER: f64 = 1e100;
 ///
 /// A loop must close in the plane. A cut that runs once around a cylinder does not: it ends
 /// one period from where it began, and which side of it is meant is not known. It is
-/// completed to a loop along the seam and a border, like a sheet unrolled.
+/// completed to a loop along the seam and a border, like a sheet unrolled, or two such cuts are
+/// joined along the seam and bound a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimDomain {
     range: [[f64; 2]; 2],
@@ -83,6 +86,28 @@ impl TrimDomain {
     /// Whether it closes on itself in a direction.
     pub fn is_periodic(&self, direction: Direction) -> bool {
         self.periodic[direction as usize]
+    }
+
+    /// What is wrong with a loop, in words for loops on this domain: one that is open by just the
+    /// length of the domain, as a line around a cylinder is, runs [`TrimLoopError::Across`] it.
+    #[must_use]
+    pub fn explained(&self, error: TrimLoopError) -> TrimLoopError {
+        let TrimLoopError::Open { next: 0, end, gap, .. } = error else { return error };
+        let UvBox { min, max } = self.bounds();
+        let slack = JOINT_TOLERANCE * (max - min);
+        let across = [Direction::U, Direction::V].into_iter().find(|&direction| {
+            let (along, beside) = (direction as usize, 1 - direction as usize);
+            let off = gap[along].abs() - (max - min)[along];
+            off.abs() <= slack[along] && gap[beside].abs() <= slack[beside]
+        });
+        let Some(direction) = across else { return error };
+        let ends = [end + gap, end];
+        let at = |point: DVec2, border: DVec2| match direction {
+            Direction::U => DVec2::new(point.x, border.y),
+            Direction::V => DVec2::new(border.x, point.y),
+        };
+        let back = [min, max].map(|border| [at(ends[1], border), at(ends[0], border)]);
+        TrimLoopError::Across { direction, ends, back }
     }
 
     /// The domain as a rectangle.

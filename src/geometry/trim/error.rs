@@ -4,7 +4,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::geometry::{Direction, KnotError};
-use crate::math::{Measured, Shown};
+use crate::math::{Counted, Measured, Shown};
 
 /// A point of (u, v) as it was given.
 fn shown(point: DVec2) -> String {
@@ -21,7 +21,7 @@ fn measured(point: DVec2) -> String {
 #[non_exhaustive]
 pub enum TrimCurveError {
     /// Too few points.
-    #[error("{points} points: a curve needs at least 2")]
+    #[error("{}: a curve needs at least 2", Counted(*.points, "point"))]
     TooFewPoints {
         /// The number given.
         points: usize,
@@ -54,7 +54,10 @@ pub enum TrimCurveError {
         z: f64,
     },
     /// The number of weights does not match the points.
-    #[error("{weights} weights for {points} points: each needs one, or none has any")]
+    #[error(
+        "{} for {}: each needs one, or none has any",
+        Counted(*.weights, "weight"), Counted(*.points, "point")
+    )]
     WeightCount {
         /// The number of weights.
         weights: usize,
@@ -119,6 +122,23 @@ pub enum TrimLoopError {
         gap: DVec2,
         /// How large a gap may be, in u and in v.
         tolerance: DVec2,
+    },
+    /// A loop runs from one end of the domain to the other and does not come back.
+    #[error(
+        "the loop is open: it runs once across the domain in {direction}, from {} to {}, and which \
+         side of it is meant is not known; lead it back through {} and {} for the one side, through \
+         {} and {} for the other, or along a second such line for the band between the two",
+        measured(.ends[0]), measured(.ends[1]), measured(.back[0][0]), measured(.back[0][1]),
+        measured(.back[1][0]), measured(.back[1][1])
+    )]
+    Across {
+        /// The direction in which it runs the whole length of the domain.
+        direction: Direction,
+        /// Where it begins and ends.
+        ends: [DVec2; 2],
+        /// Two points beside its end and its beginning on one border of the domain, then two on
+        /// the other border: ways back.
+        back: [[DVec2; 2]; 2],
     },
     /// The loop is a point, or runs back over itself.
     #[error("the loop encloses nothing: it lies on {} to {}", measured(*.min), measured(*.max))]

@@ -208,14 +208,14 @@ fn curves_name_what_is_wrong() {
     use TrimCurveError as E;
     let two = [DVec2::ZERO, DVec2::ONE];
     let say = |curve: Result<TrimCurve, E>| curve.unwrap_err().to_string();
-    assert_eq!(say(TrimCurve::polyline(&two[..1])), "1 points: a curve needs at least 2");
+    assert_eq!(say(TrimCurve::polyline(&two[..1])), "1 point: a curve needs at least 2");
     assert_eq!(
         say(TrimCurve::line(DVec2::ZERO, DVec2::new(0.0, f64::NAN))),
         "point 1 is (0, NaN): it must be finite and at most 1e100"
     );
     assert_eq!(
         say(TrimCurve::bezier(&two, Some(&[1.0]))),
-        "1 weights for 2 points: each needs one, or none has any"
+        "1 weight for 2 points: each needs one, or none has any"
     );
     for (weight, shown) in [(0.0, "0"), (-1.0, "-1"), (f64::NAN, "NaN"), (1e-12, "1e-12")] {
         assert_eq!(

@@ -30,6 +30,7 @@ enum KeepKey {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum LoopKeys {
+    #[serde(alias = "polyline")]
     Polygon(Vec<Pair>),
     Circle(Keyed<CircleKeys>),
     Curves(Vec<Spanned<CurveKeys>>),

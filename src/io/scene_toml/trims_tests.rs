@@ -1,8 +1,10 @@
 //! What trims cut, and what is said of broken ones.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
+use crate::intersect::{HitFlags, Query};
 use crate::io::read_scene;
+use crate::math::Ray;
 use crate::scene::{Scene, World};
 
 fn scene(text: &str) -> Result<Scene, String> {
@@ -70,6 +72,18 @@ fn trims_that_cannot_be_are_named() {
         (
             "loops = [{ curves = [{ polyline = [[0, 0, 0], [1, 0, 2]] }] }]",
             "5:22: surface \"sheet\": trims: loop 0, curve 0: control point 1 has z = 2: a trim curve lies in the plane z = 0",
+        ),
+        (
+            "loops = [{ curves = [{ polyline = [[0, 0.25], [1, 0.25]] }] }]",
+            "5:22: surface \"sheet\": trims: loop 0: the loop is open: it runs once across the domain in u, from (0, 0.25) to (1, 0.25), and which side of it is meant is not known; lead it back through (1, 0) and (0, 0) for the one side, through (1, 1) and (0, 1) for the other, or along a second such line for the band between the two",
+        ),
+        (
+            "loops = [{ curves = [\n  { polygon = [[0.5, 1], [0.25, 0.5]] },\n  { polyline = [[0.25, 0.5], [0.5, 0]] },\n] }]",
+            "6:3: surface \"sheet\": trims: loop 0: the loop is open: it runs once across the domain in v, from (0.5, 1) to (0.5, 0), and which side of it is meant is not known; lead it back through (0, 0) and (0, 1) for the one side, through (1, 0) and (1, 1) for the other, or along",
+        ),
+        (
+            "loops = [{ polyline = [[0, 0], [1, 1], [1, 0], [0, 1]] }]",
+            "5:10: surface \"sheet\": trims: loop 0 crosses itself at (u, v) = (0.5, 0.5)",
         ),
         (
             "loops = [{ polygon = [[0, 0], [1, 1], [1, 0], [0, 1]] }]",
@@ -155,7 +169,8 @@ fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
     let error = made("shape.iso_curves = { of = 's', u = [0.5, 0.1], radius = 0.1 }").unwrap_err();
     assert_eq!(
         error,
-        "s.toml:7:1: surface \"l\": the line u = 0.1 lies where the trims keep nothing"
+        "s.toml:7:1: surface \"l\": the line u = 0.1 lies where trims keep nothing, or where \
+         the surface has ended"
     );
     let bare = "[[object]]\nname = 'b'\nshape = 'deck_patch'\n\
                 [[object]]\nname = 'l'\nshape.trim_curves = { of = 'b', radius = 0.1 }\n";
@@ -165,4 +180,35 @@ fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
         "s.toml:6:1: surface \"l\": there are no trim edges to draw: no surface of that object is \
          trimmed"
     );
+}
+
+/// A cylinder between two lines once around it: the part of the seam that is kept is no edge.
+#[test]
+fn a_band_around_a_cylinder_is_cut_along_two_lines_and_the_seam() {
+    let text = "[[object]]\nshape.cylinder = { radius = 1, height = 2 }\n\
+                trims.loops = [{ polygon = [[0, 0.25], [1, 0.25], [1, 0.75], [0, 0.75]] }]\n";
+    let scene = read_scene(text, "s.toml", &mut |_, _, _| unreachable!()).unwrap();
+    let world = World::new(&scene).unwrap();
+    let mut tracer = world.bvh.tracer();
+    let mut hits = Vec::new();
+    for k in 0..=64 {
+        // Over heights from 0 to 2, through the axis, in the plane of the seam too.
+        let z = f64::from(k) / 32.0;
+        for direction in [DVec3::X, DVec3::NEG_X, DVec3::new(0.6, 0.8, 0.0)] {
+            let ray = Ray::new(-5.0 * direction + z * DVec3::Z, direction).unwrap();
+            hits.clear();
+            tracer.all_hits(&Query::primary(ray), &mut hits);
+            let kept = (0.5..=1.5).contains(&z);
+            // Hits on both sides of the seam are one crossing.
+            let places: Vec<i64> = hits.iter().map(|hit| hit.t.round() as i64).collect();
+            let expected: &[i64] = if kept { &[4, 6] } else { &[] };
+            let mut met = places.clone();
+            met.dedup();
+            assert_eq!(met, expected, "{direction}, z = {z}: {places:?}");
+            for hit in &hits {
+                let at_edge = hit.flags.contains(HitFlags::TRIM_EDGE);
+                assert_eq!(at_edge, z == 0.5 || z == 1.5, "{direction}, z = {z}");
+            }
+        }
+    }
 }
