@@ -253,6 +253,29 @@ impl TrianglePatch {
         NurbsCurve::assembled(unit_knots(n), (0..=n).map(|t| self.control[at(t)]).collect())
     }
 
+    /// The curve on which the parameter that a side names is `at`, exactly, on `[0, 1]`: beside
+    /// that side, and in its direction. `None` if `at` is not from 0 to 1; at 1 the curve is the
+    /// corner.
+    ///
+    /// Its control points are the blossom at the line's two ends, each in turn once more often
+    /// the second one.
+    pub fn curve_at(&self, side: TriangleSide, at: f64) -> Option<NurbsCurve> {
+        let within = (0.0..=1.0).contains(&at); // false for NaN
+        let rest = 1.0 - at;
+        let [start, end] = match side {
+            TriangleSide::U => [[at, 0.0, rest], [at, rest, 0.0]],
+            TriangleSide::V => [[0.0, at, rest], [rest, at, 0.0]],
+            TriangleSide::W => [[0.0, rest, at], [rest, 0.0, at]],
+        };
+        let n = self.degree;
+        let point = |k: usize| {
+            let places: Vec<Barycentric> =
+                (0..n).map(|index| if index < k { end } else { start }).collect();
+            self.blossom(&places)
+        };
+        within.then(|| NurbsCurve::assembled(unit_knots(n), (0..=n).map(point).collect()))
+    }
+
     /// The polar form (blossom) of the homogeneous patch at as many points as its degree: the
     /// symmetric function that is affine in each and gives the patch where all are the same.
     fn blossom(&self, at: &[Barycentric]) -> DVec4 {

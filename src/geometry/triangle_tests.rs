@@ -279,3 +279,33 @@ fn what_is_no_triangle() {
     assert_eq!(patch.normal(1.0, 0.0), Some(DVec3::NEG_Z));
     assert_eq!(patch.swapped().normal(1.0, 0.0), Some(DVec3::Z));
 }
+
+#[test]
+fn lines_of_constant_parameter_are_the_patch_s_own() {
+    for degree in [1, 2, 4, 7] {
+        let patch = bumpy(degree, 1.0);
+        for at in [0.0, 0.1, 0.5, 0.875] {
+            for side in [TriangleSide::U, TriangleSide::V, TriangleSide::W] {
+                let curve = patch.curve_at(side, at).unwrap();
+                for k in 0..=16 {
+                    let t = f64::from(k) / 16.0;
+                    let along = t * (1.0 - at);
+                    let (u, v) = match side {
+                        TriangleSide::U => (at, along),
+                        TriangleSide::V => (along, at),
+                        TriangleSide::W => (along, 1.0 - at - along),
+                    };
+                    let off = curve.point_at(t).distance(patch.point_at(u, v));
+                    assert!(off < 1e-14, "degree {degree}, {side:?} = {at}, {t}: {off:e}");
+                }
+            }
+        }
+        for side in [TriangleSide::U, TriangleSide::V, TriangleSide::W] {
+            assert_eq!(patch.curve_at(side, 0.0).unwrap(), patch.side(side), "{side:?}");
+            assert!(patch.curve_at(side, 1.0).unwrap().is_point());
+        }
+        for off in [-0.1, 1.1, f64::NAN] {
+            assert!(patch.curve_at(TriangleSide::W, off).is_none());
+        }
+    }
+}

@@ -89,7 +89,7 @@ pub enum Construction {
         style: TubeStyle,
     },
     /// Curves of constant parameter on another object's surfaces, where trims keep them, as
-    /// tubes.
+    /// tubes: on NURBS surfaces and triangular patches.
     IsoCurves {
         /// The object's name.
         of: Written<String>,
@@ -97,6 +97,8 @@ pub enum Construction {
         u: Vec<f64>,
         /// The values of `v` that are fixed.
         v: Vec<f64>,
+        /// The values of `w = 1 − u − v` that are fixed on triangular patches.
+        w: Vec<f64>,
         /// How thick, and how they end.
         style: TubeStyle,
     },

@@ -8,7 +8,7 @@ use super::{Construction, CurveSpec, Place, SceneError, SceneFault};
 use crate::geometry::construct::{
     self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep, TubeStyle,
 };
-use crate::geometry::{Direction, NurbsCurve, Surface};
+use crate::geometry::{Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,9 +122,9 @@ impl Workshop<'_> {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
                 numbered(self.checked(trim_curves(&surfaces, style))?)
             }
-            Construction::IsoCurves { of, u, v, style } => {
+            Construction::IsoCurves { of, u, v, w, style } => {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
-                numbered(self.checked(iso_curves(&surfaces, [u, v], style))?)
+                numbered(self.checked(iso_curves(&surfaces, [u, v, w], style))?)
             }
         };
         Ok(pieces)
@@ -170,27 +170,22 @@ fn trim_curves(surfaces: &[Surface], style: &TubeStyle) -> Result<Vec<Piece>, Co
 }
 
 /// Curves of constant parameter as tubes, where trims keep them. Those that are only a point, at
-/// poles, show nothing; but each line asked for must show something on one of the surfaces.
+/// poles and corners, show nothing; but each line asked for must show something on one of the
+/// surfaces.
 fn iso_curves(
     surfaces: &[Surface],
-    [u, v]: [&Vec<f64>; 2],
+    [u, v, w]: [&Vec<f64>; 3],
     style: &TubeStyle,
 ) -> Result<Vec<Piece>, ConstructError> {
-    let at_u = u.iter().map(|&u| (Direction::U, u));
-    let at_v = v.iter().map(|&v| (Direction::V, v));
-    let lines: Vec<(Direction, f64)> = at_u.chain(at_v).collect();
+    let all = [(TriangleSide::U, u), (TriangleSide::V, v), (TriangleSide::W, w)];
+    let lines = all.into_iter().flat_map(|(fixed, at)| at.iter().map(move |&t| (fixed, t)));
+    let lines: Vec<(TriangleSide, f64)> = lines.collect();
     // What each line has come to so far.
     let mut found = vec![Found::Nothing; lines.len()];
     let mut pieces = Vec::new();
     for surface in surfaces {
-        for (&(direction, t), found) in lines.iter().zip(&mut found) {
-            let curves = match (surface, direction) {
-                (Surface::Nurbs(surface), Direction::U) => surface.curve_at_u(t).map(|c| vec![c]),
-                (Surface::Nurbs(surface), Direction::V) => surface.curve_at_v(t).map(|c| vec![c]),
-                (Surface::Trimmed(surface), direction) => surface.kept_curves(direction, t),
-                _ => return Err(ConstructError::NoIsoCurves { kind: surface.kind() }),
-            };
-            for curve in curves.map_err(ConstructError::Iso)? {
+        for (&(fixed, t), found) in lines.iter().zip(&mut found) {
+            for curve in iso_curve(surface, fixed, t)? {
                 if curve.is_point() {
                     *found = (*found).max(Found::Point);
                 } else {
@@ -200,14 +195,76 @@ fn iso_curves(
             }
         }
     }
-    for ((direction, t), found) in lines.into_iter().zip(found) {
+    for ((fixed, t), found) in lines.into_iter().zip(found) {
+        let parameter = parameter(fixed);
         match found {
-            Found::Nothing => return Err(ConstructError::IsoCut { direction, t }),
-            Found::Point => return Err(ConstructError::IsoPoint { direction, t }),
+            Found::Nothing => return Err(ConstructError::IsoCut { parameter, t }),
+            Found::Point => return Err(ConstructError::IsoPoint { parameter, t }),
             Found::Curve => {}
         }
     }
     Ok(pieces)
+}
+
+/// What is kept of one line of constant parameter on a surface.
+fn iso_curve(
+    surface: &Surface,
+    fixed: TriangleSide,
+    t: f64,
+) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let direction = match fixed {
+        TriangleSide::U => Some(Direction::U),
+        TriangleSide::V => Some(Direction::V),
+        TriangleSide::W => None,
+    };
+    let curves = match (surface, direction) {
+        (Surface::Triangle(patch), _) => {
+            let curve = patch.curve_at(fixed, t).map(|curve| vec![curve]);
+            return curve.ok_or(ConstructError::IsoOff { parameter: parameter(fixed), t, end: 1 });
+        }
+        (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
+        (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
+        (Surface::Nurbs(surface), Some(Direction::V)) => surface.curve_at_v(t).map(|c| vec![c]),
+        (Surface::Trimmed(surface), Some(direction)) => surface.kept_curves(direction, t),
+        (_, None) => return Err(ConstructError::NoW { kind: surface.kind() }),
+    };
+    curves.map_err(ConstructError::Iso)
+}
+
+/// A line of constant parameter of a subdivision surface: of constant `u` in one of its unit
+/// squares, of constant `v` in all of them.
+fn limit_curves(
+    surface: &LimitSurface,
+    direction: Direction,
+    t: f64,
+) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let (parameter, end) = match direction {
+        Direction::U => ('u', surface.unit_count()),
+        Direction::V => ('v', 1),
+    };
+    let within = (0.0..=end as f64).contains(&t); // false for NaN
+    if !within {
+        return Err(ConstructError::IsoOff { parameter, t, end });
+    }
+    Ok(match direction {
+        Direction::U => {
+            let unit = (t as usize).min(end.saturating_sub(1));
+            surface.unit_curves(unit, direction, t - unit as f64)
+        }
+        Direction::V => {
+            let units = 0..surface.unit_count();
+            units.flat_map(|unit| surface.unit_curves(unit, direction, t)).collect()
+        }
+    })
+}
+
+/// What a fixed parameter is called.
+fn parameter(fixed: TriangleSide) -> char {
+    match fixed {
+        TriangleSide::U => 'u',
+        TriangleSide::V => 'v',
+        TriangleSide::W => 'w',
+    }
 }
 
 /// What a line of constant parameter is on some surfaces.

@@ -4,8 +4,8 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::Corner;
-use crate::geometry::{CurveError, Direction, SurfaceError};
-use crate::math::{Measured, MeasuredPoint, Shown, ShownVector};
+use crate::geometry::{CurveError, SurfaceError};
+use crate::math::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
 /// what is needed.
@@ -26,9 +26,22 @@ pub enum ConstructError {
     /// A line of constant parameter is none of the surface's.
     #[error("{0}")]
     Iso(SurfaceError),
-    /// A surface of a kind whose lines of constant parameter are no curves that can be drawn.
-    #[error("{kind} has no iso-curves: NURBS surfaces have")]
-    NoIsoCurves {
+    /// A line of constant parameter lies off a surface.
+    #[error(
+        "the line {parameter} = {} is not on the surface, whose {parameter} is from 0 to {end}",
+        Shown(*.t)
+    )]
+    IsoOff {
+        /// Which parameter is constant.
+        parameter: char,
+        /// Its value.
+        t: f64,
+        /// The largest there is.
+        end: usize,
+    },
+    /// A surface that has no third parameter.
+    #[error("{kind} has no lines of constant w: triangular patches have")]
+    NoW {
         /// Its kind.
         kind: &'static str,
     },
@@ -39,18 +52,18 @@ pub enum ConstructError {
     #[error("a trim edge in space: {0}")]
     TrimEdge(CurveError),
     /// A line of constant parameter lies where trims keep nothing.
-    #[error("the line {direction} = {} lies where the trims keep nothing", Shown(*.t))]
+    #[error("the line {parameter} = {} lies where trims keep nothing, or where the surface has ended", Shown(*.t))]
     IsoCut {
         /// Which parameter is constant.
-        direction: Direction,
+        parameter: char,
         /// Its value.
         t: f64,
     },
     /// A line of constant parameter is but a point, as at a pole.
-    #[error("the line {direction} = {} is a single point, where there is nothing to draw", Shown(*.t))]
+    #[error("the line {parameter} = {} is a single point, where there is nothing to draw", Shown(*.t))]
     IsoPoint {
         /// Which parameter is constant.
-        direction: Direction,
+        parameter: char,
         /// Its value.
         t: f64,
     },
@@ -98,7 +111,7 @@ pub enum ConstructError {
     #[error("the profile lies on the axis: turned about it, it remains a line")]
     OnAxis,
     /// Too few sections for the degree across them.
-    #[error("{found} sections: degree {degree} across needs at least {needed}")]
+    #[error("{}: degree {degree} across needs at least {needed}", Counted(*.found, "section"))]
     Sections {
         /// How many there are.
         found: usize,

@@ -120,6 +120,8 @@ pub(super) struct IsoCurvesKeys {
     u: Vec<Number>,
     #[serde(default)]
     v: Vec<Number>,
+    #[serde(default)]
+    w: Vec<Number>,
     radius: Number,
     tolerance: Option<Number>,
 }
@@ -226,6 +228,7 @@ impl Reader<'_, '_> {
                     of: self.text(keys.of),
                     u: numbers(keys.u),
                     v: numbers(keys.v),
+                    w: numbers(keys.w),
                     style: TubeStyle { radius: keys.radius.0, caps: Caps::Round, tolerance },
                 }
             }

@@ -144,7 +144,7 @@ fn what_is_no_cage_is_told_where_it_is_written() {
 }
 
 #[test]
-fn a_net_of_a_cage_is_the_cage_and_iso_curves_are_of_nurbs() {
+fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     let cage = "[[object]]\nname = 'box'\nshape.doo_sabin = { points = [[1, 1, 1], [-1, -1, 1], \
         [-1, 1, -1], [1, -1, -1]], faces = [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]], \
         tolerance = 1e-3 }\ntransform = [{ scale = 2 }]\n";
@@ -157,12 +157,67 @@ fn a_net_of_a_cage_is_the_cage_and_iso_curves_are_of_nurbs() {
     assert!(middle.distance(DVec3::splat(2.0)) < 1e-14, "moved with the box: {middle}");
     let lines =
         "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'box', u = [0.5], radius = 0.1 }";
+    // Every tube is as far from the cage's surface as it is thick, or a cap or a joint of one.
+    let thin = |shape: &str| format!("[[object]]\nname = 'l'\nshape.iso_curves = {{ {shape} }}\n");
+    let on_cage = thin("of = 'box', u = [0.5, 12], v = [0.25], radius = 1e-3");
+    let world = World::new(&scene(&format!("{cage}{on_cage}"))).unwrap();
+    let surface = &world.surfaces[0].surface;
+    let lines_of_cage: Vec<_> = surface.domain().iter().map(|range| range.1).collect();
+    assert_eq!(lines_of_cage, [12.0, 1.0]);
+    let grid: Vec<DVec3> = (0..12 * 65 * 65)
+        .map(|k| {
+            let (unit, i, j) = (k / 65 / 65, k / 65 % 65, k % 65);
+            let u = (unit as f64 + i as f64 / 64.0).min((unit as f64 + 1.0).next_down());
+            surface.point_at(DVec2::new(u, j as f64 / 64.0))
+        })
+        .collect();
+    for tube in world.surfaces[1..].iter().filter(|one| one.name.starts_with("l/tube")) {
+        let [(u0, u1), (v0, v1)] = tube.surface.domain();
+        let at = |s: f64, t: f64| {
+            tube.surface.point_at(DVec2::new(u0 + s * (u1 - u0), v0 + t * (v1 - v0)))
+        };
+        for t in [0.1, 0.5, 0.8] {
+            let middle = 0.5 * (at(0.0, t) + at(0.5, t));
+            let near = grid.iter().map(|point| point.distance(middle)).fold(f64::MAX, f64::min);
+            assert!(near < 0.03, "{}: {near}", tube.name);
+        }
+    }
     assert_eq!(
-        error(&format!("{cage}{lines}")),
-        "s.toml:7:1: surface \"l\": a subdivision surface has no iso-curves: NURBS surfaces have"
+        error(&format!("{cage}{}", thin("of = 'box', u = [13], radius = 0.1"))),
+        "s.toml:7:1: surface \"l\": the line u = 13 is not on the surface, whose u is from 0 to 12"
     );
+
+    // On a sphere's octant, tubes are within their radius of the sphere; each is of one line.
+    let octant = "[[object]]\nname = 'box'\nshape = { octant_quartic = { radius = 1 } }\n";
+    let on_octant = thin("of = 'box', u = [0.25], v = [0, 0.5], w = [0.5], radius = 1e-2");
+    let world = World::new(&scene(&format!("{octant}{on_octant}"))).unwrap();
+    let tubes = world.surfaces[1..].iter().filter(|one| one.name.starts_with("l/tube"));
+    assert_eq!(tubes.clone().count(), 4);
+    for tube in tubes {
+        for k in 0..81 {
+            let at = DVec2::new(f64::from(k / 9) / 8.0, f64::from(k % 9) / 8.0);
+            let domain = tube.surface.domain();
+            let low = DVec2::new(domain[0].0, domain[1].0);
+            let size = DVec2::new(domain[0].1, domain[1].1) - low;
+            let off = tube.surface.point_at(low + at * size).length() - 1.0;
+            assert!(off.abs() <= 1e-2 + tube.deviation + 1e-12, "{}: {off}", tube.name);
+        }
+    }
+    for (line, message) in [
+        ("u = [1.5]", "the line u = 1.5 is not on the surface, whose u is from 0 to 1"),
+        ("w = [1]", "the line w = 1 is a single point, where there is nothing to draw"),
+    ] {
+        let lines = thin(&format!("of = 'box', {line}, radius = 0.1"));
+        let expected = format!("s.toml:6:1: surface \"l\": {message}");
+        assert_eq!(error(&format!("{octant}{lines}")), expected);
+    }
     // At a pole there is nothing to draw.
     let ball = "[[object]]\nname = 'box'\nshape = 'sphere'\n";
+    assert_eq!(
+        error(&format!("{ball}{}", thin("of = 'box', w = [0.5], radius = 0.1"))),
+        "s.toml:6:1: surface \"l\": a NURBS surface has no lines of constant w: triangular patches \
+         have"
+    );
     assert_eq!(
         error(&format!("{ball}{}", lines.replace("0.5", "0.5, 0"))),
         "s.toml:6:1: surface \"l\": the line u = 0 is a single point, where there is nothing to \
