@@ -24,8 +24,8 @@ pub struct SweepOptions {
     /// The profile's size along the path: the coefficients of a Bézier polynomial over the
     /// path's domain. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
     pub scale: Vec<f64>,
-    /// How far the surface may be from the true sweep where that is not rational; a
-    /// millionth of its size if not given.
+    /// How far the surface may be from the true sweep where that is not rational, in scene units;
+    /// a millionth of [`sweep_size`] if not given.
     pub tolerance: Option<f64>,
 }
 
@@ -41,12 +41,13 @@ impl Default for SweepOptions {
 pub struct Sweep {
     /// The surface: `u` runs along the profile, `v` along the path, on their own domains.
     pub surface: NurbsSurface,
-    /// 0 where the surface is exact, else the largest distance found, at seven places of each
-    /// piece along the path, for all of the profile's control points.
+    /// 0 where the surface is exact, else a bound of its distance from the true sweep at the same
+    /// parameters, in scene units: 9/8 of the largest found at seven places of each piece along
+    /// the path, for all of the profile's control points. Never more than the tolerance.
     pub deviation: f64,
 }
 
-/// The default tolerance as a share of the size of what is swept: far below what shows.
+/// The default tolerance as a share of [`sweep_size`]: far below what shows.
 const TOLERANCE: f64 = 1e-6;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
@@ -91,10 +92,18 @@ pub fn sweep(
     }
     let frames = MovingFrames::new(&path, first, options)?;
     frames.check_folds(profile)?;
-    let reach = reach(profile) * options.scale.iter().fold(0.0, |a: f64, &b| a.max(b));
-    let size = extent(&path) + reach;
-    let tolerance = options.tolerance.unwrap_or(TOLERANCE * size);
+    let tolerance = options.tolerance.unwrap_or(TOLERANCE * sweep_size(profile, &path, options));
     approximate(profile, &frames, tolerance)
+}
+
+/// What tolerances of sweeps, tubes and ribbons are relative to, if none is given: the diagonal of
+/// the box around the path's control points, plus the largest distance of the profile's control
+/// points from its origin times the largest scale.
+///
+/// No coordinate difference of the sweep is larger than twice that. A tube's profile, a circle of
+/// radius r, reaches √2 r; a ribbon's half its width.
+pub fn sweep_size(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions) -> f64 {
+    extent(path) + reach(profile) * options.scale.iter().fold(0.0, |a: f64, &b| a.max(b))
 }
 
 fn exact(surface: NurbsSurface) -> Result<Sweep, ConstructError> {

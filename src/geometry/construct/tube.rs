@@ -47,8 +47,8 @@ pub struct TubeStyle {
     pub radius: f64,
     /// How it ends.
     pub caps: Caps,
-    /// How far a tube around what is neither straight nor round may be from the true one; a
-    /// millionth of its size if not given.
+    /// How far a tube around what is neither straight nor round may be from the true one, in scene
+    /// units; a millionth of [`sweep_size`](super::sweep_size) of each smooth part if not given.
     pub tolerance: Option<f64>,
 }
 
@@ -153,7 +153,8 @@ pub struct RibbonStyle {
     pub up: Option<DVec3>,
     /// By how many degrees it is twisted.
     pub twist: f64,
-    /// How far it may be from the true ribbon; a millionth of its size if not given.
+    /// How far it may be from the true ribbon, in scene units; a millionth of
+    /// [`sweep_size`](super::sweep_size) of each smooth part if not given.
     pub tolerance: Option<f64>,
 }
 
