@@ -154,10 +154,19 @@
 //! ]
 //! corners = [{ vertices = [3], sharpness = 2 }]
 //! boundary = "edge_only"                 # where a cage ends; "edge_and_corner" if not given
-//! tolerance = 1e-5                       # in space; 1e-4 of the cage if not given
+//! tolerance = 1e-5                       # in space; 1e-4 of the cage's longest side if not given
 //! [[object]]
 //! shape = { doo_sabin = { points = [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], faces = [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]] } }
 //! ```
+//!
+//! Catmull–Clark surfaces of an open cage end at its border. Doo–Sabin surfaces do not reach it: they
+//! end in the middle of the faces along it, as uniform B-splines do, so that an open cage loses half
+//! a face all around, and one without any inner vertex leaves nothing and is refused.
+//!
+//! A surface is within `tolerance` of the scheme's limit surface, a length in the object's own
+//! units, before `transform`; if none is given, that is 1e-4 of the longest side of the box around
+//! the cage's points. Faces that are regular are exact; `nurbray info` lists the rest as off by what
+//! is proved.
 //!
 //! Instead of points and faces, `file = "body.obj"` takes the cage from a file: that is how an
 //! OBJ file becomes a Doo–Sabin surface, `shape = { doo_sabin = { file = "body.obj" } }`.

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::net::knot_vector;
 use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
-use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc};
+use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
 use crate::geometry::{CurveError, NurbsCurve, RationalBasis, with_repeated_ends};
 
 /// A curve as written, not yet checked.
@@ -80,6 +80,17 @@ pub enum CurveKind {
     },
     /// One of the source note's circles.
     NoteCircle(NoteCircle),
+    /// A quarter of the unit circle of degree 2 with these weights.
+    QuadraticArc([f64; 3]),
+    /// A quarter of the unit circle of degree 4 by all its constants.
+    QuarticConstants {
+        /// The weights `w₁`, `w₂`.
+        weights: [f64; 2],
+        /// The second coordinate of control point 1.
+        y1: f64,
+        /// Both coordinates of control point 2.
+        x2: f64,
+    },
     /// A quarter of the unit circle of degree 4, the weights next to its ends chosen.
     QuarticArc {
         /// Which solution of the constraint.
@@ -116,7 +127,11 @@ impl CurveSpec {
             | CurveKind::BSpline { points, .. }
             | CurveKind::CatmullRom { points, .. }
             | CurveKind::Hermite { points, .. } => points.len(),
-            CurveKind::Arc { .. } | CurveKind::NoteCircle(_) | CurveKind::QuarticArc { .. } => 0,
+            CurveKind::Arc { .. }
+            | CurveKind::NoteCircle(_)
+            | CurveKind::QuadraticArc(_)
+            | CurveKind::QuarticConstants { .. }
+            | CurveKind::QuarticArc { .. } => 0,
         }
     }
 
@@ -146,6 +161,10 @@ impl CurveSpec {
             CurveKind::Hermite { points, derivatives } => NurbsCurve::hermite(points, derivatives),
             CurveKind::Arc { radius, from, degrees } => circle_arc(*radius, *from, *degrees),
             CurveKind::NoteCircle(circle) => Ok(circle.curve()),
+            CurveKind::QuadraticArc(weights) => quarter_circle_weighted(*weights),
+            CurveKind::QuarticConstants { weights, y1, x2 } => {
+                QuarticConstants::new(*weights, *y1, *x2).map(|constants| constants.curve())
+            }
             CurveKind::QuarticArc { arc, w1 } => {
                 QuarticConstants::solved(*arc, *w1).map(|constants| constants.curve())
             }

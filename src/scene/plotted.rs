@@ -155,6 +155,8 @@ impl LoopSpec {
                         CurveKind::Bezier(_) => LoopCurveKind::Bezier,
                         CurveKind::Arc { .. }
                         | CurveKind::NoteCircle(_)
+                        | CurveKind::QuadraticArc(_)
+                        | CurveKind::QuarticConstants { .. }
                         | CurveKind::QuarticArc { .. } => LoopCurveKind::Arc,
                         _ => LoopCurveKind::Spline,
                     };

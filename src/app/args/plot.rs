@@ -11,7 +11,7 @@ use super::values::{self, Size};
 #[derive(Debug, Args)]
 #[command(after_help = plot::HELP)]
 pub(crate) struct PlotArguments {
-    /// Scene (.toml) or bare model (.json)
+    /// Scene (.toml) or bare model (.json, .obj)
     pub(crate) input: PathBuf,
 
     /// Picture to write: .svg or .png; may be given several times

@@ -6,10 +6,10 @@ use toml::Spanned;
 use super::super::keyed::Keyed;
 use super::keys::TransformKeys;
 use super::kinds::OneOf;
-use super::values::{KnotList, Number, Point};
+use super::values::{Exactly, KnotList, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;
-use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, UnknownName, Written};
+use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Place, UnknownName, Written};
 
 /// A curve's table.
 pub(super) struct CurveKeys(CurveTable);
@@ -24,6 +24,7 @@ impl<'de> Deserialize<'de> for CurveKeys {
 #[serde(deny_unknown_fields)]
 struct CurveTable {
     nurbs: Option<Keyed<NurbsCurveKeys>>,
+    #[serde(alias = "polygon")]
     polyline: Option<Vec<Point>>,
     bezier: Option<Vec<Point>>,
     through: Option<Keyed<ThroughKeys>>,
@@ -33,6 +34,7 @@ struct CurveTable {
     circle: Option<Keyed<CircleKeys>>,
     arc: Option<Keyed<ArcKeys>>,
     note_circle: Option<Spanned<String>>,
+    quarter_circle_2: Option<Keyed<QuadraticKeys>>,
     quarter_circle_4: Option<Keyed<QuarticKeys>>,
     #[serde(default)]
     transform: Vec<OneOf<TransformKeys>>,
@@ -100,14 +102,24 @@ struct ArcKeys {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct QuadraticKeys {
+    weights: Exactly<Number, 3>,
+}
+
+/// A solution of the constraint for `w1`, or all constants.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct QuarticKeys {
-    solution: Spanned<u32>,
+    solution: Option<Spanned<u32>>,
     w1: Option<Number>,
+    weights: Option<Exactly<Number, 2>>,
+    y1: Option<Number>,
+    x2: Option<Number>,
 }
 
 /// What a curve can be, for messages.
 const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc, \
-                     note_circle, quarter_circle_4";
+                     note_circle, quarter_circle_2, quarter_circle_4";
 
 impl Reader<'_, '_> {
     pub(super) fn curve(&self, keys: Spanned<CurveKeys>) -> Result<CurveSpec, LoadError> {
@@ -138,7 +150,9 @@ impl Reader<'_, '_> {
                 arc(keys.radius, keys.from.map_or(0.0, |from| from.0), keys.degrees.0)
             }),
             keys.note_circle.map(|name| self.note_circle(name)).transpose()?,
-            keys.quarter_circle_4.map(|Keyed(keys)| self.quartic(keys)).transpose()?,
+            keys.quarter_circle_2
+                .map(|Keyed(keys)| CurveKind::QuadraticArc(keys.weights.0.map(|weight| weight.0))),
+            keys.quarter_circle_4.map(|Keyed(keys)| self.quartic(&place, keys)).transpose()?,
         ];
         let mut given = kinds.into_iter().flatten();
         let (Some(kind), None) = (given.next(), given.next()) else {
@@ -173,17 +187,37 @@ impl Reader<'_, '_> {
         Ok(CurveKind::NoteCircle(circle))
     }
 
-    fn quartic(&self, keys: QuarticKeys) -> Result<CurveKind, LoadError> {
-        let arc = match *keys.solution.get_ref() {
+    fn quartic(&self, place: &Place, keys: QuarticKeys) -> Result<CurveKind, LoadError> {
+        let (solution, w1) = match keys {
+            QuarticKeys { solution: Some(solution), w1, weights: None, y1: None, x2: None } => {
+                (solution, w1)
+            }
+            QuarticKeys {
+                solution: None,
+                w1: None,
+                weights: Some(Exactly(weights)),
+                y1: Some(Number(y1)),
+                x2: Some(Number(x2)),
+            } => {
+                let weights = weights.map(|weight| weight.0);
+                return Ok(CurveKind::QuarticConstants { weights, y1, x2 });
+            }
+            _ => {
+                let message = "quarter_circle_4: needed is solution = 1 or 2, with w1 if it is not 1; \
+                               or all of weights = [w1, w2], y1 and x2";
+                return Err(LoadError::malformed(place.clone(), message));
+            }
+        };
+        let arc = match *solution.get_ref() {
             1 => QuarticArc::First,
             2 => QuarticArc::Second,
             other => {
-                let place = self.source.place(keys.solution.span().start);
+                let place = self.source.place(solution.span().start);
                 let message = format!("found {other}, needed solution 1 or 2");
                 return Err(LoadError::malformed(place, message));
             }
         };
-        Ok(CurveKind::QuarticArc { arc, w1: keys.w1.map_or(1.0, |w1| w1.0) })
+        Ok(CurveKind::QuarticArc { arc, w1: w1.map_or(1.0, |w1| w1.0) })
     }
 
     fn nurbs_curve(&self, keys: NurbsCurveKeys) -> CurveKind {

@@ -55,7 +55,7 @@ const DOCUMENTS: [&str; 3] =
 #[test]
 fn what_the_documentation_shows_can_be_read() {
     let blocks = documented();
-    assert_eq!(blocks.len(), 10);
+    assert_eq!(blocks.len(), 11);
     for text in blocks {
         let asked = RefCell::new(Vec::new());
         let scene = read_scene(&text, "doc", &mut |file, _, _| {
@@ -84,7 +84,8 @@ fn what_cannot_be_made_from_curves_is_told() {
     assert_eq!(
         shape("revolution]\nprofile = {}"),
         "s.toml:4:11: curve: needed is one, and only one, of nurbs, polyline, bezier, through, \
-         bspline, catmull_rom, hermite, circle, arc, note_circle, quarter_circle_4"
+         bspline, catmull_rom, hermite, circle, arc, note_circle, quarter_circle_2, \
+         quarter_circle_4"
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [1, 0]] }"),
@@ -104,9 +105,41 @@ fn what_cannot_be_made_from_curves_is_told() {
         shape("ruled]\nfrom = { circle = { radius = -1 } }\nto = { circle = { radius = 1 } }"),
         "s.toml:4:8: surface \"cup\": from: radius -1: it must be positive and finite"
     );
+    let arc = |arc: &str| shape(&format!("extrusion]\nprofile = {{ {arc} }}\nby = [0, 0, 1]"));
+    for (profile, message) in [
+        (
+            "quarter_circle_2 = { weights = [1, 1, 1] }",
+            "4:11: surface \"cup\": profile: 2 w1² / (w0 w2) is 2: a circle needs 1",
+        ),
+        ("quarter_circle_2 = { weights = [1, 1] }", "4:44: found a list of 2, needed a list of 3"),
+        (
+            "quarter_circle_4 = { solution = 1, w1 = 0.1 }",
+            "4:11: surface \"cup\": profile: w1 is 0.1: solution 1 needs a weight above 0.176777 \
+             (√2/8, below which the arc leaves its quadrant), up to 1e70",
+        ),
+        (
+            "quarter_circle_4 = { weights = [1, 1], y1 = 0.5, x2 = 0.75 }",
+            "4:11: surface \"cup\": profile: 4 w1² y1² + 3 w2 (x2 - 1) is 0.25: a circle needs 0",
+        ),
+        (
+            "quarter_circle_4 = { weights = [1, 1], y1 = 0.5 }",
+            "4:11: quarter_circle_4: needed is solution = 1 or 2, with w1 if it is not 1; or all of \
+             weights = [w1, w2], y1 and x2",
+        ),
+        (
+            "hermite = { points = [[0, 0], [1, 0]], derivatives = [[1, 0]] }",
+            "4:11: surface \"cup\": profile: 1 derivative for 2 points: each needs one",
+        ),
+    ] {
+        assert_eq!(arc(profile), format!("s.toml:{message}"));
+    }
+    assert_eq!(
+        shape("loft]\nsections = [{ polyline = [[1, 0], [2, 0]] }]"),
+        "s.toml:3:9: surface \"cup\": 1 section: degree 1 across needs at least 2"
+    );
     assert_eq!(
         shape("ruled]\nfrom = { circle = { radius = 1 } }\nto = { polyline = [[1]] }"),
-        "s.toml:5:20: found a list of 1 numbers, needed [x, y, z], or [x, y]"
+        "s.toml:5:20: found a list of 1 number, needed [x, y, z], or [x, y]"
     );
 }
 
