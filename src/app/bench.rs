@@ -41,6 +41,8 @@ Kernels and rival take turns in each round; before the first everyone traces all
 rays once. Everyone works on the same number of threads, which take 4096 rays at
 a time.
 
+Of several models or numbers of threads, a table at the end has a line each.
+
 Bytes a Bezier patch: everything that tracing needs, divided by the number of
 patches that the surfaces are cut into at their knots (a triangular patch is
 three of these; trims and the hierarchy count, too).
@@ -83,7 +85,9 @@ and with a rival:
 Preparations are repeated up to 9 times; times are medians.
 
 Example:
-  nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-5";
+  nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-5
+  nurbray bench scenes/octant_sphere.toml scenes/trimmed_sheet.toml scenes/goblet.toml
+      scenes/catmull_clark_body.toml scenes/doo_sabin_body.toml";
 
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
@@ -91,7 +95,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     let outputs: Vec<&Path> = arguments.plot.iter().map(AsRef::as_ref).collect();
     output::check(&outputs, &inputs)?;
 
-    let mut panels = Vec::new();
+    let (mut panels, mut rows) = (Vec::new(), Vec::new());
     for &threads in &arguments.thread_counts() {
         let embree = match &arguments.against {
             Some(_) => Some(Embree::load_with_threads(threads).or_failed()?),
@@ -100,16 +104,31 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
         let pool = threads::pool(Some(threads))?;
         for input in &inputs {
             let bout = Bout { arguments, threads, embree: embree.as_ref() };
-            let (text, row) = pool.install(|| bout.fight(input))?;
+            let Fought { text, panels: drawn, row } = pool.install(|| bout.fight(input))?;
             let gap = if panels.is_empty() || arguments.json { "" } else { "\n" };
             console::print(&format!("{gap}{text}"))?;
-            panels.push(row);
+            panels.push(drawn);
+            rows.push(row);
         }
+    }
+    if rows.len() > 1 && !arguments.json {
+        let summary = report::summary(&arguments.ray_sets(), rows);
+        console::print(&format!("\n{summary}"))?;
     }
     if let Some(path) = &arguments.plot {
         chart::write(path, &panels).or_failed()?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What was measured of one model on one number of threads.
+struct Fought {
+    /// What to print.
+    text: String,
+    /// What to draw.
+    panels: Vec<Panel>,
+    /// What a table of several says of it.
+    row: Vec<String>,
 }
 
 /// One model on one number of threads.
@@ -121,8 +140,8 @@ struct Bout<'a> {
 }
 
 impl Bout<'_> {
-    /// Measures everything asked for; what to print, and what to draw.
-    fn fight(self, input: &Path) -> Result<(String, Vec<Panel>), Failure> {
+    /// Measures everything asked for.
+    fn fight(self, input: &Path) -> Result<Fought, Failure> {
         let arguments = self.arguments;
         let seconds = arguments.seconds;
         let budget = Duration::from_secs_f64(seconds);
@@ -163,7 +182,8 @@ impl Bout<'_> {
             report.text()
         };
         let panel = |measured| panel::speed(&model.name, self.threads, (&rival, measured));
-        Ok((text, measurements.iter().map(panel).collect()))
+        let panels = measurements.iter().map(panel).collect();
+        Ok(Fought { text, panels, row: report.row(&sets) })
     }
 
     /// What the rival is called, with its version.

@@ -97,7 +97,20 @@ fn tables_for_people() {
     let line = format!("bench sphere.toml square.json --threads 1,2 {QUICK}");
     let run = sandbox().run(&line).succeeded();
     let parts: Vec<&str> = run.stdout.split("\n\n").collect();
-    assert_eq!(parts.len(), 2 * 4, "{}", run.stdout);
+    assert_eq!(parts.len(), 2 * 4 + 1, "{}", run.stdout);
+    // At the end a line for each model on each number of threads.
+    let last = parts[8].lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let last: Vec<Vec<&str>> = last.collect();
+    assert!(last[0].ends_with(&["primary", "single", "incoherent", "ao"]), "{:?}", last[0]);
+    let [patches, unit] = ["2", "kB"]; // a sphere is two patches
+    assert_eq!((last[1][..3].to_vec(), last[1][4]), (vec!["sphere.toml", "1", patches], unit));
+    assert_eq!((last.len(), last[4][..3].to_vec()), (5, vec!["square.json", "2", "1"]));
+    assert!(
+        last[1..]
+            .iter()
+            .flat_map(|row| &row[5..])
+            .all(|rate| rate.parse::<f64>().is_ok_and(|r| r > 0.0))
+    );
     for (part, title) in parts.iter().step_by(2).zip([
         "sphere.toml, 1 thread: 1 surface, ",
         "square.json, 1 thread: 1 surface, ",

@@ -108,6 +108,21 @@ impl Report<'_> {
         text
     }
 
+    /// Everything in one line, for a table of several models: what it takes, and our fastest
+    /// kernel's speed for each of these ray sets.
+    pub(super) fn row(&self, sets: &[RaySet]) -> Vec<String> {
+        let bvh = &self.model.world.bvh;
+        let pieces = bvh.patches().pieces().len();
+        let mut row = vec![self.model.name.clone(), self.threads.to_string(), pieces.to_string()];
+        row.push(short_bytes(bvh.bytes() / pieces.max(1)));
+        row.extend(sets.iter().map(|&set| {
+            let measured = self.measurements.iter().find(|measured| measured.set == set);
+            let fastest = measured.and_then(Measurement::fastest);
+            fastest.map_or("-".to_owned(), |ours| three_digits(ours.speed.mrays_per_s))
+        }));
+        row
+    }
+
     /// What there is, how large it is, how long it took to prepare.
     fn preparation(&self) -> String {
         let Self { model, .. } = self;
@@ -118,8 +133,8 @@ impl Report<'_> {
             model.name,
             count(self.threads.into(), "thread"),
             count(bvh.surface_count() as u64, "surface"),
-            count(pieces as u64, "Bézier patch").replace("patchs", "patches"),
-            count(bvh.leaves().len() as u64, "leaf").replace("leafs", "leaves"),
+            count(pieces as u64, "Bézier patch"),
+            count(bvh.leaves().len() as u64, "leaf"),
             short_bytes(bvh.bytes()),
             short_bytes(bvh.bytes() / pieces.max(1)),
             time(model.build_seconds),
@@ -217,6 +232,15 @@ impl Report<'_> {
         }
         rows
     }
+}
+
+/// A table of such rows.
+pub(super) fn summary(sets: &[RaySet], rows: Vec<Vec<String>>) -> String {
+    let mut heading = vec!["Mrays/s of the fastest kernel".to_owned(), "threads".into()];
+    heading.extend(["Bézier patches".into(), "bytes a patch".into()]);
+    heading.extend(sets.iter().map(RaySet::to_string));
+    let rows: Vec<Vec<String>> = std::iter::once(heading).chain(rows).collect();
+    table(&rows, &[0])
 }
 
 fn rate(speed: Speed) -> String {

@@ -49,9 +49,12 @@ pub(super) fn basis(
                 _ => indexed(letter, index),
             };
             let mut pieces: Vec<[f64; 2]> = spans.iter().filter(lives).copied().collect();
-            // At a knot of multiplicity p + 1 it jumps to zero where it ends: there the value
-            // is that of the functions that begin.
-            if let Some([_, end]) = pieces.last_mut().filter(|last| Some(&**last) != spans.last()) {
+            // Where all its knots but the first are one, it jumps to zero where it ends: there the
+            // value is that of the functions that begin.
+            let jumps = all[index + 1] == all[index + p + 1];
+            if let Some([_, end]) = pieces.last_mut().filter(|_| jumps)
+                && spans.last().is_some_and(|span| *end < span[1])
+            {
                 *end = end.next_down();
             }
             Function { name, value: Box::new(value), pieces }
