@@ -44,9 +44,10 @@ With --json one object:
                  leaves), bounds [min, max], collapsed_edges (a list: edge,
                  point), deviation (how far it may be from what the scene asks
                  for, in units of the scene: 0, or measured where a sweep is
-                 approximated, or proved where a subdivision surface is), patches (null, or of a
-                 subdivision surface all, exact), trims (null, or keep, loops,
-                 segments, bytes, mixed_leaves: those at an edge)
+                 approximated, or proved where a subdivision surface is),
+                 patches (null, or of a subdivision surface all, exact), trims
+                 (null, or keep, loops, segments, bytes, mixed_leaves: those at
+                 an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,

@@ -23,6 +23,8 @@ fn help_is_an_answer_and_lists_what_works() {
     for subcommand in SUBCOMMANDS {
         let help = sandbox.run(&format!("{subcommand} --help")).succeeded();
         assert!(help.stdout.contains(&format!("Example:\n  nurbray {subcommand} ")));
+        // Whatever reads a model reads each kind of it.
+        assert!(help.stdout.contains("(.json, .obj)"), "{subcommand}");
         assert!(help.stdout.lines().all(|line| line.chars().count() <= 100), "{subcommand}");
         assert_eq!(help.stderr, "");
     }
