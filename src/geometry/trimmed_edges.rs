@@ -230,6 +230,39 @@ mod tests {
         assert!(points[0].distance(points[200]) < 1e-14);
     }
 
+    /// A band around a cylinder, unrolled at the seam or elsewhere, has two edges; a part of its
+    /// width that reaches around has the ends of it, too.
+    #[test]
+    fn what_has_the_same_on_both_sides_is_no_edge() {
+        let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
+        let [(u0, u1), (v0, v1)] = cylinder.domain();
+        for shift in [0.0, 0.25, -0.5, 3.0] {
+            let low = u0 + shift * (u1 - u0);
+            let at = |u: f64, v: f64| DVec2::new(low + u * (u1 - u0), v0 + v * (v1 - v0));
+            let band = [at(0.0, 0.25), at(1.0, 0.25), at(1.0, 0.75), at(0.0, 0.75)];
+            let edges = trimmed(cylinder.clone(), &[TrimLoop::polygon(&band).unwrap()]);
+            for edge in edges.edge_curves().unwrap() {
+                let (start, end) = edge.domain();
+                let heights =
+                    [0.0, 0.3, 0.8, 1.0].map(|t| edge.point_at(start + t * (end - start)).z);
+                let flat = heights.iter().all(|z| (z - heights[0]).abs() < 1e-14);
+                assert!(flat, "{shift}: along the seam, {heights:?}");
+                assert!([0.75, 2.25].iter().any(|z| (z - heights[0]).abs() < 1e-14), "{heights:?}");
+            }
+            let part = band.map(|uv| DVec2::new(low + 0.9 * (uv.x - low), uv.y));
+            let edges = trimmed(cylinder.clone(), &[TrimLoop::polygon(&part).unwrap()]);
+            let steep = edges.edge_curves().unwrap().into_iter().any(|edge| {
+                let (start, end) = edge.domain();
+                let middle = edge.point_at(0.5 * (start + end)).z;
+                (0..=100).any(|k| {
+                    let z = edge.point_at(start + f64::from(k) / 100.0 * (end - start)).z;
+                    (z - 1.5).abs() < 0.5 || (middle - 1.5).abs() < 0.5
+                })
+            });
+            assert!(steep, "{shift}: its ends are edges");
+        }
+    }
+
     #[test]
     fn loops_end_at_the_domain_s_border_and_cross_seams() {
         // Half a circle is off the graph: one arc, from border to border.

@@ -64,7 +64,30 @@ impl Trims {
         kept
     }
 
-    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop. No
+    /// Whether both sides of a straight stretch are alike: where loops run to and fro along one
+    /// line across a periodic direction, at its two ends or a period apart, as a band around a
+    /// cylinder does along the seam.
+    fn cancels(&self, segment: &Segment) -> bool {
+        let size = self.domain().bounds().size();
+        let other_end = |one: &Segment, axis: usize| one.ends().map(|end| end[1 - axis]);
+        [Direction::U, Direction::V].into_iter().enumerate().any(|(axis, direction)| {
+            let across = |one: &Segment| one.ends()[0][axis] == one.ends()[1][axis];
+            let line = segment.ends()[0][axis];
+            self.domain().is_periodic(direction)
+                && across(segment)
+                && self.loop_segments().flatten().any(|one| {
+                    let apart = (one.ends()[0][axis] - line).abs();
+                    let slack = 8.0 * f64::EPSILON * (line.abs() + size[axis]);
+                    // A loop's copies run the same way and are no other side.
+                    let other = one.is_forward() != segment.is_forward();
+                    let same = other && (apart <= slack || (apart - size[axis]).abs() <= slack);
+                    same && across(one) && other_end(one, axis) == other_end(segment, axis)
+                })
+        })
+    }
+
+    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop,
+    /// without those that have the same on both sides. No
     /// piece crosses a line of constant parameter among `cuts` (in u, in v); all pieces of a
     /// loop have one degree. A loop that is never cut by the domain's border is one chain, whose
     /// last piece ends where the first begins.
@@ -76,13 +99,14 @@ impl Trims {
             let degree = segments.iter().map(|segment| directed(segment).len() - 1).max();
             let degree = degree.unwrap_or(1);
 
-            // The pieces in order, `None` where the loop is outside.
+            // The pieces in order, `None` where the loop is outside or no edge.
             let mut pieces: Vec<Option<EdgePiece>> = Vec::new();
             for (segment, control) in segments.iter().zip(controls) {
                 let mut control = control;
                 while control.len() <= degree {
                     control = elevated(&control);
                 }
+                let edge = !self.cancels(segment);
                 let mut stops = vec![0.0, 1.0];
                 for axis in 0..2 {
                     let [from, to] = segment.directed_ends().map(|end| end[axis]);
@@ -100,7 +124,7 @@ impl Trims {
                 stops.dedup();
                 for pair in stops.windows(2) {
                     let middle = segment.directed_at(0.5 * (pair[0] + pair[1]));
-                    let inside = bounds.holds(middle);
+                    let inside = edge && bounds.holds(middle);
                     pieces.push(inside.then(|| {
                         let mut part = control.clone();
                         let row = Row { start: 0, stride: 1, degree };
