@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
         console::print(&format!(
             "{}, {}, {} doubtful; {seconds:.3} s on {} ({rate:.3} Mrays/s, kernel {}); wrote {}\n",
             count(rays.len() as u64, "ray"),
-            count(counts.hits as u64, "hit"),
+            count(counts.hits, "hit"),
             counts.doubtful,
             count(threads as u64, "thread"),
             tracing.kernel,
