@@ -65,7 +65,7 @@ mod counts {
     use gungraun::{
         Callgrind, EventKind, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group,
     };
-    use nurbray::intersect::{Coherence, Kernel, Query, Tracer};
+    use nurbray::intersect::{Answer, Coherence, Kernel, Query, Tracer};
 
     use super::subject::Subject;
     use super::{SPHERE, TEAPOT};
@@ -124,7 +124,18 @@ mod counts {
     #[bench::portable_teapot(Kernel::Portable, TEAPOT)]
     #[bench::avx2_sphere(Kernel::Avx2, SPHERE)]
     #[bench::avx2_teapot(Kernel::Avx2, TEAPOT)]
-    fn single(ready: Ready) {
+    fn single((mut tracer, rays): Ready) {
+        let mut answers: Vec<Answer> = Vec::with_capacity(rays.len());
+        answers.extend(black_box(&rays).iter().map(|query| tracer.first_hit(query)));
+        black_box(answers);
+    }
+
+    #[library_benchmark(setup = picture)]
+    #[bench::portable_sphere(Kernel::Portable, SPHERE)]
+    #[bench::portable_teapot(Kernel::Portable, TEAPOT)]
+    #[bench::avx2_sphere(Kernel::Avx2, SPHERE)]
+    #[bench::avx2_teapot(Kernel::Avx2, TEAPOT)]
+    fn streams(ready: Ready) {
         first_hits(ready, Coherence::Incoherent);
     }
 
@@ -165,7 +176,7 @@ mod counts {
 
     library_benchmark_group!(
         name = kernels,
-        benchmarks = [packets, single, shadows, silhouette, hierarchy, exact]
+        benchmarks = [packets, single, streams, shadows, silhouette, hierarchy, exact]
     );
 
     gungraun::main!(

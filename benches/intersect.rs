@@ -3,6 +3,7 @@
 //! | group | what of `intersect` it asks |
 //! |---|---|
 //! | `packets` | `packets`, `wide/packet`, `wide/search`, `wide/finish`; on kernel scalar `leaf_search` |
+//! | `streams` | `streams`, `wide/stream`, `wide/pairs` |
 //! | `single` | `singles`, `wide/single_*`; on kernel scalar `leaf_search` and `newton` |
 //! | `shadows` | any hit instead of the first, of rays that leave a hit; in packets |
 //! | `silhouette` | `wide/lane_proof` and `wide/single_proof`, and the exact solver for what they leave |
@@ -67,7 +68,7 @@ fn by_kernel(
     }
 }
 
-/// First hits of coherent rays: packets where a kernel has them.
+/// First hits: packets of coherent rays, streams of others.
 fn first_hits(
     criterion: &mut Criterion,
     group: &str,
@@ -84,8 +85,17 @@ fn packets(criterion: &mut Criterion) {
     first_hits(criterion, "packets", |subject| subject.rays.clone(), Coherence::Coherent);
 }
 
+fn streams(criterion: &mut Criterion) {
+    first_hits(criterion, "streams", |subject| subject.rays.clone(), Coherence::Incoherent);
+}
+
 fn single(criterion: &mut Criterion) {
-    first_hits(criterion, "single", |subject| subject.rays.clone(), Coherence::Incoherent);
+    let mut answers = Vec::new();
+    let rays = |subject: &Subject| subject.rays.clone();
+    by_kernel(criterion, "single", rays, |tracer, rays| {
+        answers.clear();
+        answers.extend(rays.iter().map(|query| tracer.first_hit(query)));
+    });
 }
 
 fn shadows(criterion: &mut Criterion) {
@@ -97,7 +107,7 @@ fn shadows(criterion: &mut Criterion) {
 
 fn silhouette(criterion: &mut Criterion) {
     for (group, coherence) in
-        [("silhouette", Coherence::Coherent), ("silhouette-single", Coherence::Incoherent)]
+        [("silhouette", Coherence::Coherent), ("silhouette-streams", Coherence::Incoherent)]
     {
         first_hits(criterion, group, Subject::silhouette, coherence);
     }
@@ -150,5 +160,7 @@ fn build(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, packets, single, shadows, silhouette, hierarchy, exact, all, build);
+criterion_group!(
+    benches, packets, single, streams, shadows, silhouette, hierarchy, exact, all, build
+);
 criterion_main!(benches);

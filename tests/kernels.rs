@@ -155,9 +155,9 @@ fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -
     rays.into_iter().map(|(o, d)| Query::primary(Ray::new(o, d).unwrap())).collect()
 }
 
-fn trace(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) -> Vec<Answer> {
+fn trace(bvh: &SurfaceBvh, kernel: Kernel, coherence: Coherence, queries: &[Query]) -> Vec<Answer> {
     let mut answers = Vec::new();
-    bvh.tracer_with(kernel).first_hits(queries, Coherence::Coherent, &mut answers);
+    bvh.tracer_with(kernel).first_hits(queries, coherence, &mut answers);
     answers
 }
 
@@ -286,10 +286,23 @@ fn compare_all(
 #[test]
 fn packets_answer_as_the_scalar_kernel() {
     everywhere(|name, scale, bvh, queries, _| {
-        let scalar = trace(bvh, Kernel::Scalar, queries);
+        let scalar = one_by_one(bvh, Kernel::Scalar, queries);
         for kernel in wide_kernels() {
-            let wide = trace(bvh, kernel, queries);
+            let wide = trace(bvh, kernel, Coherence::Coherent, queries);
             compare_all((name, kernel, scale), queries, &wide, &scalar);
+        }
+    });
+}
+
+#[test]
+fn streams_answer_as_the_scalar_kernel() {
+    everywhere(|name, scale, bvh, queries, leaving| {
+        for queries in [queries, leaving] {
+            let scalar = one_by_one(bvh, Kernel::Scalar, queries);
+            for kernel in wide_kernels() {
+                let wide = trace(bvh, kernel, Coherence::Incoherent, queries);
+                compare_all((name, kernel, scale), queries, &wide, &scalar);
+            }
         }
     });
 }
@@ -332,7 +345,7 @@ fn occlusion_is_that_of_the_scalar_kernel() {
 }
 
 #[test]
-fn single_rays_are_answered_alike_alone_and_in_batches() {
+fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
     for (name, surfaces) in models() {
         let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
         let (low, high) = bvh.bounds().unwrap();
@@ -342,16 +355,10 @@ fn single_rays_are_answered_alike_alone_and_in_batches() {
         let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
         queries.extend(leaving(&hits, radius, &mut random));
         for kernel in wide_kernels() {
-            let (alone, any) =
-                (one_by_one(&bvh, kernel, &queries), occlusions(&bvh, kernel, &queries));
-            let (mut answers, mut together) = (Vec::new(), Vec::new());
+            let mut together = Vec::new();
             let mut tracer = bvh.tracer_with(kernel);
-            tracer.first_hits(&queries, Coherence::Incoherent, &mut answers);
             tracer.occlusions(&queries, Coherence::Incoherent, &mut together);
-            assert_eq!(any, together, "{name}, {kernel}");
-            for (k, (a, b)) in alone.iter().zip(&answers).enumerate() {
-                assert_eq!(bits(a), bits(b), "{name}, {kernel}: ray {k}");
-            }
+            assert_eq!(occlusions(&bvh, kernel, &queries), together, "{name}, {kernel}");
         }
     }
 }
@@ -363,17 +370,21 @@ fn an_answer_does_not_depend_on_the_company() {
         let (low, high) = bvh.bounds().unwrap();
         let mut random = Random(7);
         let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
-        let queries = rays(&surfaces, center, radius, &mut random);
-        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
-            let together = trace(&bvh, kernel, &queries);
-            // Every ray again, in another order and in packets of another size.
+        let mut queries = rays(&surfaces, center, radius, &mut random);
+        let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+        queries.extend(leaving(&hits, radius, &mut random));
+        let kernels = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+        let hints = [Coherence::Coherent, Coherence::Incoherent];
+        for (&kernel, coherence) in kernels.flat_map(|kernel| hints.map(|hint| (kernel, hint))) {
+            let together = trace(&bvh, kernel, coherence, &queries);
+            // Every ray again, in another order and in batches of another size.
             let mut order: Vec<usize> = (0..queries.len()).collect();
             for k in (1..order.len()).rev() {
                 order.swap(k, (random.next() * (k + 1) as f64) as usize);
             }
             for company in order.chunks(23) {
                 let mixed: Vec<Query> = company.iter().map(|&k| queries[k]).collect();
-                let answers = trace(&bvh, kernel, &mixed);
+                let answers = trace(&bvh, kernel, coherence, &mixed);
                 for (&k, answer) in company.iter().zip(&answers) {
                     assert_eq!(bits(answer), bits(&together[k]), "{name}, {kernel}: ray {k}");
                 }

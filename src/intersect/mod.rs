@@ -70,6 +70,7 @@ mod newton;
 mod packets;
 mod singles;
 mod statistics;
+mod streams;
 mod tracer;
 mod traverse;
 mod tree;

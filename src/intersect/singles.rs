@@ -24,16 +24,6 @@ impl Tracer<'_> {
         dispatch!(level, simd => first_hit(simd, self, query))
     }
 
-    /// First hits of many rays, appended to `answers`.
-    pub(super) fn single_firsts<Q: Shot>(
-        &mut self,
-        level: Level,
-        shots: &[Q],
-        answers: &mut Vec<Answer>,
-    ) {
-        dispatch!(level, simd => first_hits(simd, self, shots, answers));
-    }
-
     /// Whether anything lies on one ray.
     pub(super) fn single_any(&mut self, level: Level, query: &Query) -> Occlusion {
         dispatch!(level, simd => any_hit(simd, self, query))
@@ -96,24 +86,12 @@ impl Tracer<'_> {
         let known = self.single.hit;
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
         self.search_left(query, frame, limit, Wanted::First);
-        let certain = known.map(|hit| Certain::new(self.bvh, frame, &hit).meeting());
+        let certain =
+            known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
         let answer = answer_of(&self.bvh.set, frame, meetings, self.findings.doubt);
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
-    }
-}
-
-#[simd]
-fn first_hits<S: Simd, Q: Shot>(
-    simd: S,
-    tracer: &mut Tracer<'_>,
-    shots: &[Q],
-    answers: &mut Vec<Answer>,
-) {
-    answers.reserve(shots.len());
-    for shot in shots {
-        answers.push(first_hit(simd, tracer, shot));
     }
 }
 
@@ -123,7 +101,11 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
     if !tracer.single.rest.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
-    let hit = tracer.single.hit.as_ref().map(|hit| Certain::new(tracer.bvh, &frame, hit).hit());
+    let hit = tracer
+        .single
+        .hit
+        .as_ref()
+        .map(|hit| Certain::new(&tracer.bvh.scene(), shot.ray(), hit).hit(frame.t_from_z));
     // A hit so far that `t` has no number for it lies beyond every range.
     let hit = hit.filter(|hit| hit.t < f64::INFINITY);
     Answer { hit, doubtful: false }
@@ -178,8 +160,7 @@ pub(super) fn is_certain(meeting: &Meeting) -> bool {
 }
 
 /// A certified hit with all that is to be said of it.
-struct Certain<'a> {
-    frame: &'a RayFrame,
+pub(super) struct Certain<'a> {
     piece: &'a Piece,
     index: u32,
     hit: &'a SingleHit,
@@ -189,56 +170,54 @@ struct Certain<'a> {
 
 impl<'a> Certain<'a> {
     #[inline(always)]
-    fn new(bvh: &'a SurfaceBvh, frame: &'a RayFrame, hit: &'a SingleHit) -> Self {
-        let leaf = &bvh.leaves[hit.leaf as usize];
+    pub(super) fn new(scene: &Scene<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
+        let leaf = &scene.leaves[hit.leaf as usize];
         let index = leaf.piece;
-        let piece = &bvh.set.pieces()[index as usize];
+        let piece = &scene.set.pieces()[index as usize];
         let mut normal = hit.cross * (1.0 / hit.cross.length());
         let mut flags = HitFlags::NONE;
         // Near a pole the normal is a limit.
         if leaf.has_pole() {
-            normal = piece.normal(hit.st, &piece.patch.jet(hit.st)).unwrap_or(DVec3::NAN);
+            let limit = piece.normal(hit.st, &piece.patch.jet(hit.st));
+            normal = limit.filter(|_| !piece.is_tip(hit.point)).unwrap_or(DVec3::NAN);
         }
         if piece.has_border() && near_border(leaf, piece, hit.st) {
             let jet = piece.patch.jet(hit.st);
-            if leaf_search::at_border(piece, hit.st, &jet, leaf_search::error_bound(piece, frame)) {
+            let error = leaf_search::error_bound(piece, &RayFrame::new(ray));
+            if leaf_search::at_border(piece, hit.st, &jet, error) {
                 flags.insert(HitFlags::BORDER);
             }
         }
         if !normal.is_finite() {
             flags.insert(HitFlags::NO_NORMAL);
         }
-        Self { frame, piece, index, hit, normal, flags }
+        Self { piece, index, hit, normal, flags }
     }
 
     /// As an answer.
     #[inline(always)]
-    fn hit(&self) -> Hit {
+    pub(super) fn hit(&self, t_from_z: f64) -> Hit {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
         let root = Root { piece: self.index, st, error: z_error };
-        let (mut normal, mut flags) = (self.normal, self.flags);
-        if self.piece.is_tip(point) {
-            normal = DVec3::NAN;
-            flags.insert(HitFlags::NO_NORMAL);
-        }
-        let (t, uv) = (z * self.frame.t_from_z, self.piece.uv(st));
+        let (t, uv) = (z * t_from_z, self.piece.uv(st));
+        let (normal, flags) = (self.normal, self.flags);
         Hit { t, surface: self.piece.surface, uv, point, normal, flags, root }
     }
 
     /// As the scalar search would have found it.
-    fn meeting(&self) -> Meeting {
+    fn meeting(&self, frame: &RayFrame) -> Meeting {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
         Meeting {
-            t: z * self.frame.t_from_z,
-            t_error: z_error * self.frame.t_from_z,
+            t: z * frame.t_from_z,
+            t_error: z_error * frame.t_from_z,
             surface: self.piece.surface,
             piece: self.index,
             st,
             jet: Jet { point, ..self.piece.patch.jet(st) },
             normal: self.normal.is_finite().then_some(self.normal),
             flags: self.flags.without(HitFlags::NO_NORMAL),
-            error: leaf_search::error_bound(self.piece, self.frame),
-            cosine: self.normal.dot(self.frame.axis),
+            error: leaf_search::error_bound(self.piece, frame),
+            cosine: self.normal.dot(frame.axis),
             stretch: None,
             beyond: false,
         }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::leaf_search::{self, Findings, Meeting, Place, Question};
 use super::tree::ChildCode;
-use super::wide::{PACKET, Packet, SingleWork, Work};
+use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
 use super::{
     Answer, Coherence, Hit, HitFlags, Kernel, Occlusion, Query, Root, Shot, Statistics, SurfaceBvh,
     crossings,
@@ -26,6 +26,7 @@ pub struct Tracer<'a> {
     stack: Vec<(f64, ChildCode)>,
     pub(super) packets: Box<PacketScratch>,
     pub(super) single: SingleWork,
+    pub(super) stream: Stream,
 }
 
 /// Scratch memory for packets.
@@ -63,6 +64,7 @@ impl<'a> Tracer<'a> {
             stack: Vec::new(),
             packets: Box::default(),
             single: SingleWork::default(),
+            stream: Stream::default(),
         }
     }
 
@@ -132,7 +134,7 @@ impl<'a> Tracer<'a> {
             Some(level) if coherence == Coherence::Coherent => {
                 self.first_hits_in_packets(level, shots, answers);
             }
-            Some(level) => self.single_firsts(level, shots, answers),
+            Some(level) => self.first_hits_in_streams(level, shots, answers),
             None => answers.extend(shots.iter().map(|shot| self.first_hit(&shot.query()))),
         }
     }

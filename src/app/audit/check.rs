@@ -76,11 +76,16 @@ fn chunk(
         let Some(shot) = source.shot(class, index, &mut tracer) else {
             continue;
         };
-        // Every other ray through the packets, if the kernel has them: what a ray is answered
-        // does not depend on how many there are; the rest one by one.
-        let coherence = if index % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
-        tracer.first_hits(&[shot.query], coherence, &mut answers);
-        let answer = answers[0];
+        // Each third of the rays in its own way: what a ray is answered in packets or streams does
+        // not depend on how many there are.
+        let coherence = [None, Some(Coherence::Coherent), Some(Coherence::Incoherent)];
+        let answer = match coherence[(index % 3) as usize] {
+            None => tracer.first_hit(&shot.query),
+            Some(coherence) => {
+                tracer.first_hits(&[shot.query], coherence, &mut answers);
+                answers[0]
+            }
+        };
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };

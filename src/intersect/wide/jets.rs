@@ -1,10 +1,61 @@
-//! The true surface at eight places, in f64: the same sums as [`TensorPatch::jet`], lane by lane.
+//! The true surface at eight places, in f64: the same sums as [`TensorPatch::jet`], lane by lane;
+//! of one patch, or of eight patches of the same degrees.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::TensorPatch;
+
+/// The control net of a patch in every lane.
+pub(super) trait Net<S: Simd> {
+    /// A row of it.
+    type Row<'a>
+    where
+        Self: 'a;
+
+    /// The degrees, and whether a control point has four numbers, its weight last, or three.
+    fn form(&self) -> ([usize; 2], bool);
+
+    /// The weight of all control points, where they have three numbers.
+    fn weight(&self, simd: S) -> f64x8<S>;
+
+    /// The row of the `i`-th Bernstein function of `s`.
+    fn row(&self, i: usize) -> Self::Row<'_>;
+
+    /// One of its control points, of `C` numbers.
+    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C];
+}
+
+/// One patch for all lanes.
+impl<S: Simd> Net<S> for TensorPatch {
+    type Row<'a> = &'a [f64];
+
+    #[inline(always)]
+    fn form(&self) -> ([usize; 2], bool) {
+        (self.degree(), self.is_rational())
+    }
+
+    #[inline(always)]
+    fn weight(&self, simd: S) -> f64x8<S> {
+        f64x8::splat(simd, TensorPatch::weight(self).unwrap_or(1.0))
+    }
+
+    #[inline(always)]
+    fn row(&self, i: usize) -> Self::Row<'_> {
+        self.row_numbers(i)
+    }
+
+    #[inline(always)]
+    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C] {
+        let numbers = &row[C * j..C * (j + 1)];
+        let mut control = [f64x8::splat(simd, 0.0); C];
+        for c in 0..C {
+            control[c] = f64x8::splat(simd, numbers[c]);
+        }
+        control
+    }
+}
 
 /// Points of eight lanes and the derivatives there.
 pub(super) struct Jets<S: Simd> {
@@ -17,31 +68,31 @@ pub(super) struct Jets<S: Simd> {
 /// [`TensorPatch::jet`], with unrolled loops and little scratch memory for the degrees met
 /// most.
 #[simd]
-pub(super) fn jets<S: Simd>(simd: S, patch: &TensorPatch, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-    match (patch.degree(), patch.is_rational()) {
-        ([3, 3], true) => jets_of::<S, 3, 3, 4, 4>(simd, patch, s, t),
-        ([3, 3], false) => jets_of::<S, 3, 3, 4, 3>(simd, patch, s, t),
-        ([2, 2], true) => jets_of::<S, 2, 2, 4, 4>(simd, patch, s, t),
-        ([2, 1], true) => jets_of::<S, 2, 1, 4, 4>(simd, patch, s, t),
-        ([1, 2], true) => jets_of::<S, 1, 2, 4, 4>(simd, patch, s, t),
-        ([1, 1], false) => jets_of::<S, 1, 1, 4, 3>(simd, patch, s, t),
-        ([p, q], true) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 4>(simd, patch, s, t),
-        ([p, q], false) if p.max(q) < 8 => jets_of::<S, 0, 0, 8, 3>(simd, patch, s, t),
-        (_, true) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, patch, s, t),
-        (_, false) => jets_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, patch, s, t),
+pub(super) fn jets<S: Simd, T: Net<S>>(simd: S, net: &T, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
+    match net.form() {
+        ([3, 3], true) => jets_of::<S, T, 3, 3, 4, 4>(simd, net, s, t),
+        ([3, 3], false) => jets_of::<S, T, 3, 3, 4, 3>(simd, net, s, t),
+        ([2, 2], true) => jets_of::<S, T, 2, 2, 4, 4>(simd, net, s, t),
+        ([2, 1], true) => jets_of::<S, T, 2, 1, 4, 4>(simd, net, s, t),
+        ([1, 2], true) => jets_of::<S, T, 1, 2, 4, 4>(simd, net, s, t),
+        ([1, 1], false) => jets_of::<S, T, 1, 1, 4, 3>(simd, net, s, t),
+        ([p, q], true) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 4>(simd, net, s, t),
+        ([p, q], false) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 3>(simd, net, s, t),
+        (_, true) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, s, t),
+        (_, false) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, s, t),
     }
 }
 
 /// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C`
 /// components: four for rational surfaces, else three.
 #[simd]
-fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
+fn jets_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
-    patch: &TensorPatch,
+    net: &T,
     s: f64x8<S>,
     t: f64x8<S>,
 ) -> Jets<S> {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+    let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
     let (bs, ds) = basis::<S, N>(simd, p, s);
     let (bt, dt) = basis::<S, N>(simd, q, t);
     let zero = f64x8::splat(simd, 0.0);
@@ -49,14 +100,13 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
     let mut along_s = [zero; C];
     let mut along_t = [zero; C];
     for i in 0..=p {
-        let row = patch.row_numbers(i);
+        let row = net.row(i);
         let (mut sum, mut slope) = ([zero; C], [zero; C]);
         for j in 0..=q {
-            let control = &row[C * j..C * (j + 1)];
+            let control = T::control::<C>(simd, &row, j);
             for c in 0..C {
-                let control = f64x8::splat(simd, control[c]);
-                sum[c] = bt[j].mul_add(control, sum[c]);
-                slope[c] = dt[j].mul_add(control, slope[c]);
+                sum[c] = bt[j].mul_add(control[c], sum[c]);
+                slope[c] = dt[j].mul_add(control[c], slope[c]);
             }
         }
         for c in 0..C {
@@ -65,10 +115,7 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
             along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
         }
     }
-    let weight = match patch.weight() {
-        Some(weight) if C == 3 => f64x8::splat(simd, weight),
-        _ => value[C - 1],
-    };
+    let weight = if C == 3 { net.weight(simd) } else { value[C - 1] };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
     for i in 0..3 {
@@ -85,56 +132,53 @@ fn jets_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usi
 
 /// The true surface at eight places: the point of [`jets`], but for rounding.
 #[simd]
-pub(super) fn points<S: Simd>(
+pub(super) fn points<S: Simd, T: Net<S>>(
     simd: S,
-    patch: &TensorPatch,
+    net: &T,
     s: f64x8<S>,
     t: f64x8<S>,
 ) -> [f64x8<S>; 3] {
-    match (patch.degree(), patch.is_rational()) {
-        ([3, 3], true) => points_of::<S, 3, 3, 4, 4>(simd, patch, s, t),
-        ([3, 3], false) => points_of::<S, 3, 3, 4, 3>(simd, patch, s, t),
-        ([2, 2], true) => points_of::<S, 2, 2, 4, 4>(simd, patch, s, t),
-        ([2, 1], true) => points_of::<S, 2, 1, 4, 4>(simd, patch, s, t),
-        ([1, 2], true) => points_of::<S, 1, 2, 4, 4>(simd, patch, s, t),
-        ([1, 1], false) => points_of::<S, 1, 1, 4, 3>(simd, patch, s, t),
-        ([p, q], true) if p.max(q) < 8 => points_of::<S, 0, 0, 8, 4>(simd, patch, s, t),
-        ([p, q], false) if p.max(q) < 8 => points_of::<S, 0, 0, 8, 3>(simd, patch, s, t),
-        (_, true) => points_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, patch, s, t),
-        (_, false) => points_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, patch, s, t),
+    match net.form() {
+        ([3, 3], true) => points_of::<S, T, 3, 3, 4, 4>(simd, net, s, t),
+        ([3, 3], false) => points_of::<S, T, 3, 3, 4, 3>(simd, net, s, t),
+        ([2, 2], true) => points_of::<S, T, 2, 2, 4, 4>(simd, net, s, t),
+        ([2, 1], true) => points_of::<S, T, 2, 1, 4, 4>(simd, net, s, t),
+        ([1, 2], true) => points_of::<S, T, 1, 2, 4, 4>(simd, net, s, t),
+        ([1, 1], false) => points_of::<S, T, 1, 1, 4, 3>(simd, net, s, t),
+        ([p, q], true) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 4>(simd, net, s, t),
+        ([p, q], false) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 3>(simd, net, s, t),
+        (_, true) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, s, t),
+        (_, false) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, s, t),
     }
 }
 
 /// [`points`] for degrees and components as in [`jets_of`].
 #[simd]
-fn points_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
+fn points_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
-    patch: &TensorPatch,
+    net: &T,
     s: f64x8<S>,
     t: f64x8<S>,
 ) -> [f64x8<S>; 3] {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+    let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
     let (bs, _) = basis::<S, N>(simd, p, s);
     let (bt, _) = basis::<S, N>(simd, q, t);
     let zero = f64x8::splat(simd, 0.0);
     let mut value = [zero; C];
     for i in 0..=p {
-        let row = patch.row_numbers(i);
+        let row = net.row(i);
         let mut sum = [zero; C];
         for j in 0..=q {
-            let control = &row[C * j..C * (j + 1)];
+            let control = T::control::<C>(simd, &row, j);
             for c in 0..C {
-                sum[c] = bt[j].mul_add(f64x8::splat(simd, control[c]), sum[c]);
+                sum[c] = bt[j].mul_add(control[c], sum[c]);
             }
         }
         for c in 0..C {
             value[c] = bs[i].mul_add(sum[c], value[c]);
         }
     }
-    let weight = match patch.weight() {
-        Some(weight) if C == 3 => f64x8::splat(simd, weight),
-        _ => value[C - 1],
-    };
+    let weight = if C == 3 { net.weight(simd) } else { value[C - 1] };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     [value[0] * inverse, value[1] * inverse, value[2] * inverse]
 }

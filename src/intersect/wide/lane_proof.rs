@@ -147,12 +147,20 @@ fn look_at<S: Simd>(
     (open, alone)
 }
 
+/// The lanes with no root in the whole leaf; `error` is how far the distances may be off.
+#[simd]
+pub(super) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
+    let mut local = Local::default();
+    local.take(simd, distances, &Part::whole());
+    local.missed(simd, error)
+}
+
 /// The distances over a part, in coordinates from −1 to 1.
 #[derive(Default)]
 struct Local(LaneDistances);
 
 impl Local {
-    #[simd]
+    #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, distances: &LaneDistances, part: &Part) {
         let (middle, half) = (part.middle, part.half);
         for k in 0..2 {
@@ -182,7 +190,7 @@ impl Local {
     }
 
     /// The lanes with no root in the part; `error` is how far the distances may be off.
-    #[simd]
+    #[inline(always)]
     fn missed<S: Simd>(&self, simd: S, error: f32x16<S>) -> u32 {
         let [[a1, a2], [b1, b2]] = self.slopes(simd);
         let underflow = f32x16::splat(simd, UNDERFLOW);
@@ -244,7 +252,7 @@ impl Local {
     }
 
     /// The least and the greatest Bernstein coefficient of `p f₁ − q f₂`.
-    #[simd]
+    #[inline(always)]
     fn range<S: Simd>(&self, simd: S, p: f32x16<S>, q: f32x16<S>) -> [f32x16<S>; 2] {
         let mut g = [[f32x16::splat(simd, 0.0); 4]; 4];
         for j in 0..4 {

@@ -4,12 +4,13 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 
 use super::distances::{Approximate, LaneDistances};
-use super::finish::{Ground, Target, finish};
+use super::finish::finish;
 use super::lane_proof::LaneProof;
 use super::load::{farthest, turn};
 use super::packet::Packet;
 use super::search::{bits, certify, cross_box};
 use super::single::Scene;
+use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;

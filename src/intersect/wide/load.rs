@@ -1,38 +1,25 @@
-//! Rays into lanes: what [`RayFrame`](crate::math::RayFrame) holds of a ray, for all rays of
-//! a packet at once, and the same in f32.
+//! Rays into the lanes of a packet.
 
 use std::ops::Range;
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
+use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
+use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
-use super::search::{dot_d, load3, load3d};
+use super::search::{load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
 
-/// Origins farther than this from the scene, in its half sizes, are moved nearer for the
-/// work in f32: it would otherwise lose digits to the distance.
-const NEAR: f64 = 3.0;
-
-/// Ends of rays are taken in f32 with this to spare, in scaled coordinates: some units of f32
-/// for distances of a few scene sizes.
-pub(super) const END_SPARE: f32 = 1e-5;
-
-/// Squares of lengths from here to its inverse are far from where digits are lost.
-const PLAIN: f64 = 1e-100;
-
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
-///
-/// The operations and their order are those of the scalar frame, so both have the same bits.
 #[simd]
 pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], center: DVec3) {
     packet.count = shots.len();
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
         let high = frames(simd, packet, shots, base + 8);
-        narrow(simd, packet, base, (low, high), center);
+        narrow(simd, packet, base, (&low, &high), center);
     }
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
@@ -45,57 +32,25 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     packet.farthest = farthest(simd, packet);
 }
 
-/// What is known of eight rays in f64.
-#[derive(Clone, Copy)]
-struct Frames<S: Simd> {
-    origin: [f64x8<S>; 3],
-    axis: [f64x8<S>; 3],
-    magnitude: f64x8<S>,
-    /// The range of `z`.
-    ends: [f64x8<S>; 2],
-}
-
-/// Unit directions and the ranges of eight rays.
-#[simd]
+/// The frames of eight rays.
+#[inline(always)]
 fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usize) -> Frames<S> {
-    let mut rays = [f64x8::splat(simd, 0.0); 8];
+    let mut rays = [shots[0].ray(); 8];
     for k in 0..8 {
-        let shot = shots.get(base + k).unwrap_or(&shots[0]);
-        rays[k] = f64x8::from_slice(simd, &shot.ray().to_array());
+        rays[k] = shots.get(base + k).unwrap_or(&shots[0]).ray();
     }
-    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transposed(simd, rays);
-    let (origin, d) = ([ox, oy, oz], [dx, dy, dz]);
-
-    let (one, least) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, PLAIN));
-    let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let mut length = square.sqrt();
-    let inverse = one / length;
-    let mut t_from_z = inverse;
-    let mut axis = [d[0] * inverse, d[1] * inverse, d[2] * inverse];
-    let plain = square.simd_ge(least) & square.simd_lt(one / least);
-    if !plain.all_true() {
-        let largest = d[0].abs().max(d[1].abs()).max(d[2].abs());
-        let v = [d[0] / largest, d[1] / largest, d[2] / largest];
-        let rest = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        length = plain.select(length, largest * rest);
-        t_from_z = one / length;
-        for i in 0..3 {
-            axis[i] = plain.select(axis[i], v[i] / rest);
-        }
-    }
-
+    let frames = Frames::new(simd, rays);
+    let Frames { origin, axis, t_from_z, ends, magnitude } = frames;
     for i in 0..3 {
         store(simd, &mut packet.origin[i], base, origin[i]);
         store(simd, &mut packet.axis[i], base, axis[i]);
     }
-    let ends = [t_min * length, t_max * length];
-    let magnitude = ox.abs().max(oy.abs()).max(oz.abs());
     store(simd, &mut packet.t_from_z, base, t_from_z);
     store(simd, &mut packet.z_min, base, ends[0]);
     store(simd, &mut packet.z, base, ends[1]);
     store(simd, &mut packet.z_max, base, ends[1]);
     store(simd, &mut packet.magnitude, base, magnitude);
-    Frames { origin, axis, magnitude, ends }
+    frames
 }
 
 /// The normals of the planes through the rays of a packet, as in
@@ -106,12 +61,8 @@ pub(super) fn turn<S: Simd>(simd: S, packet: &mut Packet) {
     for base in (0..PACKET).step_by(LANES) {
         let mut normals = [[[one; 2]; 3]; 2];
         for half in 0..2 {
-            let [x, y, z] = load3d(simd, &packet.axis, base + 8 * half);
-            let sign = one.copysign(z);
-            let a = -one / (sign + z);
-            let b = x * y * a;
-            let first = [one + sign * x * x * a, sign * b, -sign * x];
-            let second = [b, sign + y * y * a, -y];
+            let axis = load3d(simd, &packet.axis, base + 8 * half);
+            let [first, second] = perpendicular(simd, axis);
             for i in 0..3 {
                 (normals[0][i][half], normals[1][i][half]) = (first[i], second[i]);
             }
@@ -133,73 +84,27 @@ fn store<S: Simd>(_simd: S, lanes: &mut [f64; PACKET], base: usize, value: f64x8
     value.store_slice(&mut lanes[base..base + 8]);
 }
 
-/// Eight vectors as the rows of a matrix, transposed.
-#[simd]
-pub(super) fn transposed<S: Simd>(simd: S, rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
-    // Each round brings together rows that are twice as near: 4, 2, 1 apart.
-    let mut rows = rows;
-    for _ in 0..3 {
-        let mut next = rows;
-        for k in 0..4 {
-            next[2 * k] = simd.zip_low_f64x8(rows[k], rows[k + 4]);
-            next[2 * k + 1] = simd.zip_high_f64x8(rows[k], rows[k + 4]);
-        }
-        rows = next;
-    }
-    rows
-}
-
 /// The f32 coordinates of sixteen rays.
-#[simd]
+#[inline(always)]
 fn narrow<S: Simd>(
     simd: S,
     packet: &mut Packet,
     base: usize,
-    halves: (Frames<S>, Frames<S>),
+    (low, high): (&Frames<S>, &Frames<S>),
     center: DVec3,
 ) {
-    let scale = f64x8::splat(simd, packet.scale);
-    let unscale = f64x8::splat(simd, 1.0 / packet.scale); // of a power of two, so exact
-    let zero = f64x8::splat(simd, 0.0);
-    let mut origin = [[zero; 3]; 2];
-    let mut ends = [[zero; 2]; 2];
-    let halves = [halves.0, halves.1];
-    for half in 0..2 {
-        let Frames { origin: o, axis, ends: z, .. } = halves[half];
-        let scaled = [
-            (o[0] - f64x8::splat(simd, center.x)) * scale,
-            (o[1] - f64x8::splat(simd, center.y)) * scale,
-            (o[2] - f64x8::splat(simd, center.z)) * scale,
-        ];
-        let square = dot_d(scaled, scaled);
-        let near = f64x8::splat(simd, NEAR);
-        let far_off = square.simd_gt(near * near);
-        let mut shift = zero;
-        if far_off.any_true() {
-            let beyond = square.sqrt() - near + f64x8::splat(simd, 1.0);
-            shift = far_off.select(beyond, zero);
-        }
-        for i in 0..3 {
-            origin[half][i] = scaled[i] + shift * axis[i];
-        }
-        let shift = shift * unscale;
-        store(simd, &mut packet.shift, base + 8 * half, shift);
-        ends[half] = [(z[0] - shift) * scale, (z[1] - shift) * scale];
-    }
-    let [low, high] = halves;
-    for i in 0..3 {
-        store_f(simd, &mut packet.origin_f[i], base, (origin[0][i], origin[1][i]));
-        store_f(simd, &mut packet.axis_f[i], base, (low.axis[i], high.axis[i]));
-    }
+    let narrow = Narrow::new(simd, low, high, center, packet.scale);
     let sixteen = base..base + LANES;
-    let spare = f32x16::splat(simd, END_SPARE);
-    let near = simd.narrow_f64x8(ends[0][0], ends[1][0]) - spare;
-    let far = simd.narrow_f64x8(ends[0][1], ends[1][1]) + spare;
-    near.store_slice(&mut packet.near_f[sixteen.clone()]);
-    far.store_slice(&mut packet.far_f[sixteen.clone()]);
-    let above = f32x16::splat(simd, 1.0 + f32::EPSILON);
-    let magnitude = simd.narrow_f64x8(low.magnitude, high.magnitude) * above;
-    magnitude.store_slice(&mut packet.magnitude_f[sixteen]);
+    for half in 0..2 {
+        store(simd, &mut packet.shift, base + 8 * half, narrow.shift[half]);
+    }
+    for i in 0..3 {
+        narrow.origin[i].store_slice(&mut packet.origin_f[i][sixteen.clone()]);
+        narrow.axis[i].store_slice(&mut packet.axis_f[i][sixteen.clone()]);
+    }
+    narrow.ends[0].store_slice(&mut packet.near_f[sixteen.clone()]);
+    narrow.ends[1].store_slice(&mut packet.far_f[sixteen.clone()]);
+    narrow.magnitude.store_slice(&mut packet.magnitude_f[sixteen]);
 }
 
 /// Sixteen numbers as f32.

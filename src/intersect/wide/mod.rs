@@ -15,28 +15,42 @@
 //!
 //! A ray that comes alone (`single`) goes through the same tree, sixteen boxes at a time, down to
 //! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched.
+//!
+//! Of many rays that have nothing in common (`stream`) each goes through the boxes like that; then
+//! sixteen pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
+//! (`newton`).
 
+mod box_ray;
 mod cubic;
 mod departure;
 mod distances;
 mod finish;
+mod frames;
 mod jets;
+mod lane_net;
 mod lane_proof;
 mod leaf;
 mod load;
+mod newton;
 mod packet;
+mod pair_finish;
+mod pairs;
 mod search;
 mod single;
 mod single_finish;
 mod single_proof;
 mod single_ray;
 mod single_search;
+mod start;
+mod stream;
+mod target;
 mod traverse;
 mod trimmed;
 
 pub(super) use packet::{LaneHit, Packet};
 pub(super) use single::{Scene, SingleWork, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
+pub(super) use stream::{FLIGHTS, Stream, trace_stream};
 pub(super) use traverse::{Work, trace};
 
 /// Rays in a packet: a square of 8 × 8 pixels.

@@ -7,10 +7,10 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::departure::{Departure, Final, NEARBY};
-use super::finish::Target;
-use super::load::END_SPARE;
+use super::frames::END_SPARE;
 use super::search::load3;
 use super::single_ray::Wanted;
+use super::target::Target;
 use super::{LANES, PACKET};
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
 

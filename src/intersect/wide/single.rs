@@ -13,26 +13,19 @@
 //! - Everything else is named in [`SingleWork::rest`] for the scalar search, which knows about
 //!   borders, poles, tangency and the ends of rays.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
+use super::box_ray::{Crossings, SPARE, Stack};
 use super::single_finish::{Outcome, finish};
 use super::single_proof::isolate;
-use super::single_ray::{SingleHit, SingleRay};
+use super::single_ray::{Place, SingleHit, SingleRay};
 use super::single_search::Distances;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
-use crate::intersect::tree::{Child, ChildCode, LANES, LeafBlock, Node, Tree};
+use crate::intersect::tree::{Child, Tree};
 use crate::patch::{Leaf, PatchSet, WIDENING};
-
-/// Directions along a box's side are taken for at least this part of a turn: so quotients
-/// stay finite, and far larger than any distance that matters.
-const LEAST_SLOPE: f32 = 1e-12;
-
-/// Box entries and exits are compared with this to spare, in scaled coordinates: some
-/// roundings of f32 at the distances a ray has inside the scene.
-const SPARE: f32 = 4e-6;
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +38,7 @@ pub(in crate::intersect) struct Scene<'a> {
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct SingleWork {
-    stack: Vec<(f32, ChildCode)>,
+    stack: Stack,
     /// The nearest certified hit: of any-hit searches the first found.
     pub(in crate::intersect) hit: Option<SingleHit>,
     /// Leaves the scalar search must look at.
@@ -63,16 +56,14 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
-    work.hit = None;
-    work.rest.clear();
-    work.stack.clear();
+    work.clear();
     let Some(mut next) = scene.tree.root else { return };
     loop {
         match next.child() {
             Child::Node(index) => {
                 statistics.nodes += 1;
                 let node = &scene.tree.nodes[index as usize];
-                if let Some(nearest) = enter(simd, node, ray, &mut work.stack) {
+                if let Some(nearest) = ray.boxes.enter(simd, node, &mut work.stack) {
                     next = nearest;
                     continue;
                 }
@@ -87,119 +78,10 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
         next = loop {
             match work.stack.pop() {
                 None => return,
-                Some((entry, child)) if entry <= ray.far => break child,
+                Some((entry, child)) if entry <= ray.boxes.far => break child,
                 Some(_) => {}
             }
         };
-    }
-}
-
-/// The nearest child whose box the ray meets; the others go onto the stack, the nearest last.
-///
-/// The nearer planes are moved towards the ray's origin and the farther ones away from it, by
-/// more than all rounding of origin, direction and quotients comes to: so no box is entered
-/// too late or left too early.
-#[simd]
-fn enter<S: Simd>(
-    simd: S,
-    node: &Node,
-    ray: &SingleRay<'_>,
-    stack: &mut Vec<(f32, ChildCode)>,
-) -> Option<ChildCode> {
-    let mut near = f32x16::splat(simd, ray.near);
-    let mut far = f32x16::splat(simd, ray.far);
-    for axis in 0..3 {
-        let side = ray.near_side[axis];
-        let inverse = f32x16::splat(simd, ray.inverse[axis]);
-        let to_near = f32x16::from_slice(simd, &node.planes[2 * axis + side])
-            - f32x16::splat(simd, ray.origin_for_near[axis]);
-        let to_far = f32x16::from_slice(simd, &node.planes[2 * axis + 1 - side])
-            - f32x16::splat(simd, ray.origin_for_far[axis]);
-        near = near.max(to_near * inverse);
-        far = far.min(to_far * inverse);
-    }
-    let mut met = near.simd_le(far).to_bitmask() as u32;
-    if met == 0 {
-        return None;
-    }
-    let first = met.trailing_zeros() as usize;
-    met &= met - 1;
-    if met == 0 {
-        return Some(node.child[first]);
-    }
-    let entries: [f32; LANES] = near.into();
-    let bottom = stack.len();
-    stack.push((entries[first], node.child[first]));
-    while met != 0 {
-        let k = met.trailing_zeros() as usize;
-        met &= met - 1;
-        let item = (entries[k], node.child[k]);
-        let mut place = stack.len();
-        stack.push(item);
-        while place > bottom && stack[place - 1].0 < item.0 {
-            stack[place] = stack[place - 1];
-            place -= 1;
-        }
-        stack[place] = item;
-    }
-    stack.pop().map(|(_, child)| child)
-}
-
-/// Which of sixteen leaves' boxes a ray meets, where it enters them, and where it crosses
-/// their middles.
-struct Crossings {
-    met: u32,
-    entry: [f32; LANES],
-    x: [f32; LANES],
-    y: [f32; LANES],
-    /// What each row says of the direction.
-    slopes: [[f32; LANES]; 3],
-}
-
-/// The slab test of sixteen oriented boxes.
-#[simd]
-fn cross_boxes<S: Simd>(simd: S, block: &LeafBlock, ray: &SingleRay<'_>) -> Crossings {
-    let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
-    let mut entry = f32x16::splat(simd, f32::MIN);
-    let mut exit = f32x16::splat(simd, f32::MAX);
-    let mut at = [one; 3];
-    let mut along = [one; 3];
-    let mut inverse = one;
-    for k in 0..3 {
-        let rx = f32x16::from_slice(simd, &block.rows[4 * k]);
-        let ry = f32x16::from_slice(simd, &block.rows[4 * k + 1]);
-        let rz = f32x16::from_slice(simd, &block.rows[4 * k + 2]);
-        let offset = f32x16::from_slice(simd, &block.rows[4 * k + 3]);
-        let [ox, oy, oz] = ray.origin;
-        let from = rz.mul_add(f32x16::splat(simd, oz), -offset);
-        let from = ry.mul_add(f32x16::splat(simd, oy), from);
-        at[k] = rx.mul_add(f32x16::splat(simd, ox), from);
-        let [dx, dy, dz] = ray.axis;
-        let slope = ry.mul_add(f32x16::splat(simd, dy), rz * f32x16::splat(simd, dz));
-        let slope = rx.mul_add(f32x16::splat(simd, dx), slope);
-        let steep = slope.abs().simd_gt(least);
-        along[k] = steep.select(slope, least.copysign(slope));
-        inverse = one / along[k];
-        let middle = -at[k] * inverse;
-        let half = inverse.abs();
-        entry = entry.max(middle - half);
-        exit = exit.min(middle + half);
-    }
-    let (near, far) = (f32x16::splat(simd, ray.near), f32x16::splat(simd, ray.far));
-    let met = entry.max(near).simd_le(exit.min(far) + f32x16::splat(simd, SPARE));
-
-    // The middle plane, if it is crossed inside the box. What is known of the ray's end must
-    // have no say in it: the start would depend on what was searched before.
-    let z = (-at[2] * inverse).max(entry).min(exit);
-    let x = z.mul_add(along[0], at[0]).max(-one).min(one);
-    let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    let met = met.to_bitmask() as u32;
-    Crossings {
-        met,
-        entry: entry.into(),
-        x: x.into(),
-        y: y.into(),
-        slopes: [along[0].into(), along[1].into(), along[2].into()],
     }
 }
 
@@ -214,20 +96,13 @@ fn search_block<S: Simd>(
 ) {
     let block = &scene.tree.blocks[index as usize];
     let (first, count) = scene.tree.leaves(index);
-    let crossings = cross_boxes(simd, block, ray);
+    let mut crossings = Crossings::NONE;
+    ray.boxes.cross(simd, block, &mut crossings);
     let mut met = crossings.met & ((1 << count) - 1);
     while met != 0 {
-        let mut nearest = met.trailing_zeros() as usize;
-        let mut others = met & (met - 1);
-        while others != 0 {
-            let k = others.trailing_zeros() as usize;
-            if crossings.entry[k] < crossings.entry[nearest] {
-                nearest = k;
-            }
-            others &= others - 1;
-        }
+        let nearest = crossings.nearest(met);
         met &= !(1 << nearest);
-        if crossings.entry[nearest] > ray.far + SPARE {
+        if crossings.entry[nearest] > ray.boxes.far + SPARE {
             return;
         }
         let start = [crossings.x[nearest], crossings.y[nearest]];
@@ -252,17 +127,29 @@ fn search_leaf<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    let piece = &scene.set.pieces()[leaf.piece as usize];
-    let error = piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude());
+    let patch = &scene.set.pieces()[leaf.piece as usize].patch;
+    let error = patch.residual_factor() * patch.magnitude().max(ray.magnitude());
     let certified = is_certified(leaf, slopes, error);
-    if certified && ray.starts_in(leaf) {
-        return; // the one root is the one the ray starts on
+    if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (certified, error)) {
+        let start = certified.then_some(start);
+        search_ahead(simd, scene, index, (start, error), (ray, work));
     }
-    if !certified && ray.departs_from(simd, (leaf, &piece.patch), error) {
-        return;
-    }
+}
+
+/// One leaf against one ray that does not start on the one root it has there: from a start in box
+/// coordinates, if the leaf is certified for the ray; `error` is how far a point may be from it.
+#[simd]
+pub(super) fn search_ahead<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    index: u32,
+    (start, error): (Option<[f32; 2]>, f64),
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    let leaf = &scene.leaves[index as usize];
+    let piece = &scene.set.pieces()[leaf.piece as usize];
     let distances = Distances::new(simd, leaf, ray);
-    if certified {
+    if let Some(start) = start {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
@@ -271,7 +158,7 @@ fn search_leaf<S: Simd>(
             match outcome {
                 Outcome::Missed => return,
                 Outcome::Hit(found) => {
-                    return keep(SingleHit { leaf: index, ..found }, ray, scene, work);
+                    return work.take(SingleHit { leaf: index, ..found }, ray, scene);
                 }
                 Outcome::Undecided => return work.rest.push(index),
                 Outcome::NotFound => {}
@@ -290,7 +177,7 @@ fn search_leaf<S: Simd>(
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}
-            Outcome::Hit(found) => keep(SingleHit { leaf: index, ..found }, ray, scene, work),
+            Outcome::Hit(found) => work.take(SingleHit { leaf: index, ..found }, ray, scene),
             Outcome::Undecided | Outcome::NotFound => {
                 work.rest.push(index);
                 return;
@@ -302,30 +189,58 @@ fn search_leaf<S: Simd>(
 /// The rectangle that certificates speak of, in box coordinates.
 const WIDENED: [[f64; 2]; 2] = [[-1.0 - 2.0 * WIDENING, 1.0 + 2.0 * WIDENING]; 2];
 
-/// Keeps a hit if it is the nearest so far, and trims keep it. Near an edge of the trims the
-/// scalar search must judge it.
+/// What is to be done with a hit.
+pub(super) enum Kept {
+    /// It is the nearest so far.
+    Nearer,
+    /// It is not, or trimmed away.
+    Not,
+    /// It lies near an edge of the trims: the scalar search must judge it.
+    Undecided,
+}
+
+/// Keeps a hit if it is nearer than the nearest so far, and trims keep it.
 ///
 /// Of hits at the same place the piece that comes first counts, and its first part, whichever was
 /// searched first: so the order of the search does not matter.
-fn keep(found: SingleHit, ray: &mut SingleRay<'_>, scene: &Scene<'_>, work: &mut SingleWork) {
+#[inline(always)]
+pub(super) fn keep(found: &Place, scene: &Scene<'_>, nearest: Option<&Place>) -> Kept {
     let leaf = &scene.leaves[found.leaf as usize];
     // What is not nearer than the nearest by more than it may be off need not be judged.
-    let beyond = |known: &SingleHit| found.z > known.z + 2.0 * found.z_error;
-    if leaf.is_trimmed() && !work.hit.as_ref().is_some_and(beyond) {
+    let beyond = |known: &Place| found.z > known.z + 2.0 * found.z_error;
+    if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         let piece = &scene.set.pieces()[leaf.piece as usize];
         match trim_side(piece, found.st, found.z_error) {
             Side::Inside => {}
-            Side::Outside => return,
-            Side::Edge { .. } => return work.rest.push(found.leaf),
+            Side::Outside => return Kept::Not,
+            Side::Edge { .. } => return Kept::Undecided,
         }
     }
-    let nearer = work.hit.as_ref().is_none_or(|known| {
+    let nearer = nearest.is_none_or(|known| {
         found.z < known.z
             || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))
     });
-    if nearer {
-        ray.shorten(found.z);
-        work.hit = Some(found);
+    if nearer { Kept::Nearer } else { Kept::Not }
+}
+
+impl SingleWork {
+    /// Forgets what was found.
+    pub(super) fn clear(&mut self) {
+        self.hit = None;
+        self.rest.clear();
+        self.stack.clear();
+    }
+
+    fn take(&mut self, found: SingleHit, ray: &mut SingleRay<'_>, scene: &Scene<'_>) {
+        let known = self.hit.as_ref().map(SingleHit::place);
+        match keep(&found.place(), scene, known.as_ref()) {
+            Kept::Nearer => {
+                ray.shorten(found.z);
+                self.hit = Some(found);
+            }
+            Kept::Not => {}
+            Kept::Undecided => self.rest.push(found.leaf),
+        }
     }
 }
 
@@ -341,7 +256,7 @@ pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
 /// Whether a leaf's certificate speaks of a ray with these slopes, and rounding is small against
 /// it.
 #[inline(always)]
-fn is_certified(leaf: &Leaf, [a, b, c]: [f32; 3], error: f64) -> bool {
+pub(super) fn is_certified(leaf: &Leaf, [a, b, c]: [f32; 3], error: f64) -> bool {
     let certificate = &leaf.certificate;
     let [by_a, by_b, rounding] = certificate.turning();
     !leaf.has_pole()

@@ -9,7 +9,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::finish::PART_OF_ERROR;
+use super::newton::PART_OF_ERROR;
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::math::rounding::UNIT_ROUNDOFF;

@@ -133,7 +133,7 @@ pub(super) fn isolate<S: Simd>(
     error: f64,
 ) -> Option<UniqueParts> {
     let mut unique = UniqueParts::default();
-    let start = ray.start_in(leaf);
+    let start = ray.start.place_in(leaf);
     let lengths = leaf.side_lengths();
     // Coefficients come from sums in which most may cancel, and a small box has the errors of
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and

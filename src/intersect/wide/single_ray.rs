@@ -1,29 +1,19 @@
 //! A ray prepared for all that one ray is put through.
 
-use fearless_simd::{Simd, SimdBase, f32x16};
-use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::departure::{Departure, Final, NEARBY};
+use super::box_ray::BoxRay;
+use super::start::Start;
 use crate::intersect::Root;
-use crate::math::{RayFrame, rounding};
-use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, TensorPatch, WIDENING};
+use crate::math::RayFrame;
+use crate::patch::{LEAF_SLACK, SceneFrame};
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
 const NEAR: f64 = 3.0;
 
-/// How far the ray in f32 may be from the true one where it meets the scene, in scaled
-/// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
-/// and four roundings of each.
-const BLUR: f32 = 4e-6;
-
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
-
-/// Components of directions are taken for at least this much: the ray moves by far less than
-/// [`BLUR`] for it, and quotients stay finite.
-const LEAST: f32 = 1e-12;
 
 /// What a ray asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +22,29 @@ pub(in crate::intersect) enum Wanted {
     Any,
 }
 
-/// A hit that is certain.
+impl Wanted {
+    /// As far as a ray is of interest in scaled coordinates once it has a hit, if its origin was
+    /// moved by `shift`.
+    #[inline(always)]
+    pub(super) fn far(self, z: f64, shift: f64, scale: f64) -> f32 {
+        match self {
+            Self::First => ((z - shift) * scale + SPARE) as f32,
+            Self::Any => f32::NEG_INFINITY,
+        }
+    }
+}
+
+/// Where a hit is: what tells which of two is the nearer.
 #[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) leaf: u32,
+    pub(super) z: f64,
+    pub(super) z_error: f64,
+    pub(super) st: DVec2,
+}
+
+/// A hit that is certain.
+#[derive(Clone, Copy, Debug, Default)]
 pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) leaf: u32,
     pub(in crate::intersect) z: f64,
@@ -49,24 +60,21 @@ pub(in crate::intersect) struct SingleHit {
 #[derive(Clone, Debug)]
 pub(in crate::intersect) struct SingleRay<'a> {
     pub(super) frame: &'a RayFrame,
-    from: Option<&'a Root>,
+    pub(super) start: Start<'a>,
     wanted: Wanted,
-    /// The origin, moved along the ray by `shift`, and the unit direction.
-    pub(super) origin: [f32; 3],
-    pub(super) axis: [f32; 3],
-    /// One over the direction; which plane of a box comes first, and the origin moved by
-    /// [`BLUR`] for either.
-    pub(super) inverse: [f32; 3],
-    pub(super) near_side: [usize; 3],
-    pub(super) origin_for_near: [f32; 3],
-    pub(super) origin_for_far: [f32; 3],
-    /// The part of the ray that is still searched.
-    pub(super) near: f32,
-    pub(super) far: f32,
+    /// In scaled coordinates, the origin moved along the ray by `shift`.
+    pub(super) boxes: BoxRay,
     /// The distance by which the f32 origin was moved along the ray, in scene units.
     shift: f64,
     /// Scene units to scaled coordinates.
     scale: f64,
+}
+
+impl SingleHit {
+    #[inline(always)]
+    pub(super) fn place(&self) -> Place {
+        Place { leaf: self.leaf, z: self.z, z_error: self.z_error, st: self.st }
+    }
 }
 
 impl<'a> SingleRay<'a> {
@@ -83,30 +91,11 @@ impl<'a> SingleRay<'a> {
         let shift = if square > NEAR * NEAR { square.sqrt() - NEAR + 1.0 } else { 0.0 };
         let origin = (scaled + shift * frame.axis).as_vec3();
         let axis = frame.axis.as_vec3();
-        let mut ray = Self {
-            frame,
-            from,
-            wanted,
-            origin: origin.to_array(),
-            axis: axis.to_array(),
-            inverse: [0.0; 3],
-            near_side: [0; 3],
-            origin_for_near: [0.0; 3],
-            origin_for_far: [0.0; 3],
-            near: (frame.z_range[0] * scale - shift - SPARE) as f32,
-            far: (frame.z_range[1] * scale - shift + SPARE) as f32,
-            shift: shift / scale,
-            scale,
-        };
-        for k in 0..3 {
-            let along = if axis[k].abs() < LEAST { LEAST.copysign(axis[k]) } else { axis[k] };
-            ray.inverse[k] = 1.0 / along;
-            ray.near_side[k] = usize::from(along < 0.0);
-            let blur = BLUR.copysign(along);
-            ray.origin_for_near[k] = origin[k] + blur;
-            ray.origin_for_far[k] = origin[k] - blur;
-        }
-        ray
+        let near = (frame.z_range[0] * scale - shift - SPARE) as f32;
+        let far = (frame.z_range[1] * scale - shift + SPARE) as f32;
+        let boxes = BoxRay::new(origin.to_array(), axis.to_array(), [near, far]);
+        let start = Start { from, origin: frame.origin, ahead: frame.z_range[0] >= 0.0 };
+        Self { frame, start, wanted, boxes, shift: shift / scale, scale }
     }
 
     /// The largest coordinate magnitude of the origin.
@@ -114,57 +103,11 @@ impl<'a> SingleRay<'a> {
         self.frame.magnitude
     }
 
-    /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.
-    #[inline(always)]
-    pub(super) fn start_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
-        let root = self.from.filter(|root| root.piece == leaf.piece)?;
-        let [s, t] = leaf.rect();
-        let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
-        Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
-    }
-
-    /// Whether the ray starts on the one root it has with a leaf that is certified for it.
-    #[inline(always)]
-    pub(super) fn starts_in(&self, leaf: &Leaf) -> bool {
-        // A little less than the certificate speaks of: in f32.
-        let reach = 1.0 + 1.99 * WIDENING as f32;
-        self.start_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
-    }
-
-    /// Whether the ray starts on a leaf, or near it on its piece, that does not lie ahead of it
-    /// again; `error` is how far a point may be from the ray.
-    #[simd]
-    pub(super) fn departs_from<S: Simd>(
-        &self,
-        simd: S,
-        (leaf, patch): (&Leaf, &TensorPatch),
-        error: f64,
-    ) -> bool {
-        let (Some(root), Some(place)) = (self.from, self.start_in(leaf)) else { return false };
-        let nearby = place[0].abs().max(place[1].abs()) <= NEARBY;
-        let ahead = self.frame.z_range[0] >= 0.0;
-        if !(nearby && ahead) {
-            return false;
-        }
-        let [x, y, z] = (self.frame.origin - leaf.middle).as_vec3().to_array();
-        let [dx, dy, dz] = self.axis;
-        let reach = root.error + error;
-        let departure = Departure {
-            place: [f32x16::splat(simd, place[0]), f32x16::splat(simd, place[1])],
-            origin: [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)],
-            axis: [f32x16::splat(simd, dx), f32x16::splat(simd, dy), f32x16::splat(simd, dz)],
-            reach: f32x16::splat(simd, rounding::f32_above(reach)),
-        };
-        let Final { surely, if_near } = departure.is_final(simd, leaf);
-        let near = || patch.point(root.st).distance(self.frame.origin) <= reach;
-        surely & 1 != 0 || (if_near & 1 != 0 && near())
-    }
-
     /// How far from the ray's start a root may be and yet be the start itself, for the
     /// error of its place along the ray.
     #[inline(always)]
     pub(super) fn start_reach(&self, error: f64) -> f64 {
-        2.0 * error + self.from.map_or(0.0, |root| root.error)
+        2.0 * error + self.start.from.map_or(0.0, |root| root.error)
     }
 
     /// Whether more is wanted of a hit than that there is one.
@@ -174,15 +117,12 @@ impl<'a> SingleRay<'a> {
 
     /// Ends the ray at a hit.
     pub(super) fn shorten(&mut self, z: f64) {
-        self.far = match self.wanted {
-            Wanted::First => ((z - self.shift) * self.scale + SPARE) as f32,
-            Wanted::Any => f32::NEG_INFINITY,
-        };
+        self.boxes.far = self.wanted.far(z, self.shift, self.scale);
     }
 
     /// Whether nothing more is asked for.
     pub(super) fn is_done(&self) -> bool {
-        self.far == f32::NEG_INFINITY
+        self.boxes.far == f32::NEG_INFINITY
     }
 }
 

@@ -1,0 +1,45 @@
+//! First hits of many rays that have nothing in common.
+
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
+
+use super::singles::Certain;
+use super::wide::{FLIGHTS, trace_stream};
+use super::{Answer, Shot, Tracer};
+
+impl Tracer<'_> {
+    /// First hits of many rays, appended to `answers`.
+    pub(super) fn first_hits_in_streams<Q: Shot>(
+        &mut self,
+        level: Level,
+        shots: &[Q],
+        answers: &mut Vec<Answer>,
+    ) {
+        answers.reserve(shots.len());
+        for shots in shots.chunks(FLIGHTS) {
+            dispatch!(level, simd => trace(simd, self, shots));
+            let first = answers.len();
+            let (scene, stream) = (self.bvh.scene(), &self.stream);
+            answers.extend(shots.iter().enumerate().map(|(k, shot)| {
+                let Some((hit, t_from_z)) = stream.hit(k) else { return Answer::default() };
+                let hit = Certain::new(&scene, shot.ray(), hit).hit(t_from_z);
+                // A hit so far that `t` has no number for it lies beyond every range.
+                let within = hit.t < f64::INFINITY;
+                Answer { hit: if within { Some(hit) } else { None }, doubtful: false }
+            }));
+            for (k, shot) in shots.iter().enumerate() {
+                if self.stream.is_alone(k) {
+                    self.findings.statistics.rays -= 1; // it has been counted
+                    answers[first + k] = self.single_first(level, &shot.query());
+                }
+            }
+        }
+    }
+}
+
+#[simd]
+fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q]) {
+    let statistics = &mut tracer.findings.statistics;
+    statistics.rays += shots.len() as u64;
+    trace_stream(simd, &tracer.bvh.scene(), shots, &mut tracer.stream, statistics);
+}

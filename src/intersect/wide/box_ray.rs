@@ -1,0 +1,214 @@
+//! One ray among boxes, in f32: sixteen of them at a time.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
+use fearless_simd_macros::simd;
+
+use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
+
+/// How far the ray in f32 may be from the true one where it meets the scene, in scaled
+/// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
+/// and four roundings of each.
+const BLUR: f32 = 4e-6;
+
+/// Components of directions are taken for at least this much: the ray moves by far less than
+/// [`BLUR`] for it, and quotients stay finite.
+const LEAST: f32 = 1e-12;
+
+/// Directions along a box's side are taken for at least this part of a turn: so quotients
+/// stay finite, and far larger than any distance that matters.
+const LEAST_SLOPE: f32 = 1e-12;
+
+/// Box entries and exits are compared with this to spare, in scaled coordinates: some
+/// roundings of f32 at the distances a ray has inside the scene.
+pub(super) const SPARE: f32 = 4e-6;
+
+/// Boxes still to be entered, and where.
+pub(super) type Stack = Vec<(f32, ChildCode)>;
+
+/// A ray in scaled coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoxRay {
+    /// The origin, moved along the ray to be near the scene, and the unit direction.
+    pub(super) origin: [f32; 3],
+    pub(super) axis: [f32; 3],
+    /// One over the direction; which plane of a box comes first, and the origin moved by
+    /// [`BLUR`] for either.
+    inverse: [f32; 3],
+    near_side: [usize; 3],
+    origin_for_near: [f32; 3],
+    origin_for_far: [f32; 3],
+    /// The part of the ray that is still searched.
+    pub(super) near: f32,
+    pub(super) far: f32,
+}
+
+impl BoxRay {
+    /// A ray, and the part of it to be searched.
+    #[inline(always)]
+    pub(super) fn new(origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) -> Self {
+        let mut ray = Self::default();
+        ray.set(origin, axis, [near, far]);
+        ray
+    }
+
+    /// Makes it another ray.
+    #[inline(always)]
+    pub(super) fn set(&mut self, origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) {
+        (self.near, self.far) = (near, far);
+        for k in 0..3 {
+            let along = if axis[k].abs() < LEAST { LEAST.copysign(axis[k]) } else { axis[k] };
+            let blur = BLUR.copysign(along);
+            self.origin[k] = origin[k];
+            self.axis[k] = axis[k];
+            self.inverse[k] = 1.0 / along;
+            self.near_side[k] = usize::from(along < 0.0);
+            self.origin_for_near[k] = origin[k] + blur;
+            self.origin_for_far[k] = origin[k] - blur;
+        }
+    }
+
+    /// Where the ray enters each of a node's boxes, and which it meets.
+    ///
+    /// The nearer planes are moved towards the ray's origin and the farther ones away from it, by
+    /// more than all rounding of origin, direction and quotients comes to: so no box is entered
+    /// too late or left too early.
+    #[simd]
+    pub(super) fn entries<S: Simd>(&self, simd: S, node: &Node) -> (f32x16<S>, u32) {
+        let mut near = f32x16::splat(simd, self.near);
+        let mut far = f32x16::splat(simd, self.far);
+        for axis in 0..3 {
+            let side = self.near_side[axis];
+            let inverse = f32x16::splat(simd, self.inverse[axis]);
+            let to_near = f32x16::from_slice(simd, &node.planes[2 * axis + side])
+                - f32x16::splat(simd, self.origin_for_near[axis]);
+            let to_far = f32x16::from_slice(simd, &node.planes[2 * axis + 1 - side])
+                - f32x16::splat(simd, self.origin_for_far[axis]);
+            near = near.max(to_near * inverse);
+            far = far.min(to_far * inverse);
+        }
+        (near, near.simd_le(far).to_bitmask() as u32)
+    }
+
+    /// The nearest child whose box the ray meets; the others go onto the stack, the nearest last.
+    #[simd]
+    pub(super) fn enter<S: Simd>(
+        &self,
+        simd: S,
+        node: &Node,
+        stack: &mut Stack,
+    ) -> Option<ChildCode> {
+        let (near, met) = self.entries(simd, node);
+        if met == 0 {
+            return None;
+        }
+        if met & (met - 1) == 0 {
+            return Some(node.child[met.trailing_zeros() as usize]);
+        }
+        let entries: [f32; LANES] = near.into();
+        push(stack, &entries, met, node);
+        stack.pop().map(|(_, child)| child)
+    }
+
+    /// The slab test of sixteen oriented boxes.
+    #[simd]
+    pub(super) fn cross<S: Simd>(&self, simd: S, block: &LeafBlock, crossings: &mut Crossings) {
+        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
+        let mut entry = f32x16::splat(simd, f32::MIN);
+        let mut exit = f32x16::splat(simd, f32::MAX);
+        let mut at = [one; 3];
+        let mut along = [one; 3];
+        let mut inverse = one;
+        for k in 0..3 {
+            let rx = f32x16::from_slice(simd, &block.rows[4 * k]);
+            let ry = f32x16::from_slice(simd, &block.rows[4 * k + 1]);
+            let rz = f32x16::from_slice(simd, &block.rows[4 * k + 2]);
+            let offset = f32x16::from_slice(simd, &block.rows[4 * k + 3]);
+            let [ox, oy, oz] = self.origin;
+            let from = rz.mul_add(f32x16::splat(simd, oz), -offset);
+            let from = ry.mul_add(f32x16::splat(simd, oy), from);
+            at[k] = rx.mul_add(f32x16::splat(simd, ox), from);
+            let [dx, dy, dz] = self.axis;
+            let slope = ry.mul_add(f32x16::splat(simd, dy), rz * f32x16::splat(simd, dz));
+            let slope = rx.mul_add(f32x16::splat(simd, dx), slope);
+            let steep = slope.abs().simd_gt(least);
+            along[k] = steep.select(slope, least.copysign(slope));
+            inverse = one / along[k];
+            let middle = -at[k] * inverse;
+            let half = inverse.abs();
+            entry = entry.max(middle - half);
+            exit = exit.min(middle + half);
+        }
+        let (near, far) = (f32x16::splat(simd, self.near), f32x16::splat(simd, self.far));
+        let met = entry.max(near).simd_le(exit.min(far) + f32x16::splat(simd, SPARE));
+
+        // The middle plane, if it is crossed inside the box. What is known of the ray's end must
+        // have no say in it: the start would depend on what was searched before.
+        let z = (-at[2] * inverse).max(entry).min(exit);
+        let x = z.mul_add(along[0], at[0]).max(-one).min(one);
+        let y = z.mul_add(along[1], at[1]).max(-one).min(one);
+        crossings.met = met.to_bitmask() as u32;
+        entry.store_slice(&mut crossings.entry);
+        x.store_slice(&mut crossings.x);
+        y.store_slice(&mut crossings.y);
+        for k in 0..3 {
+            along[k].store_slice(&mut crossings.slopes[k]);
+        }
+    }
+}
+
+/// Puts children onto the stack, the nearest last.
+#[inline(always)]
+pub(super) fn push(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) {
+    let bottom = stack.len();
+    while met != 0 {
+        let k = met.trailing_zeros() as usize;
+        met &= met - 1;
+        let item = (entries[k], node.child[k]);
+        let mut place = stack.len();
+        stack.push(item);
+        while place > bottom && stack[place - 1].0 < item.0 {
+            stack[place] = stack[place - 1];
+            place -= 1;
+        }
+        stack[place] = item;
+    }
+}
+
+/// Which of sixteen leaves' boxes a ray meets, where it enters them, and where it crosses
+/// their middles.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Crossings {
+    pub(super) met: u32,
+    pub(super) entry: [f32; LANES],
+    pub(super) x: [f32; LANES],
+    pub(super) y: [f32; LANES],
+    /// What each row says of the direction.
+    pub(super) slopes: [[f32; LANES]; 3],
+}
+
+impl Crossings {
+    /// No box.
+    pub(super) const NONE: Self = Self {
+        met: 0,
+        entry: [0.0; LANES],
+        x: [0.0; LANES],
+        y: [0.0; LANES],
+        slopes: [[0.0; LANES]; 3],
+    };
+
+    /// The leaf that is entered first, of those whose bit is set in `met`, which is not zero.
+    #[inline(always)]
+    pub(super) fn nearest(&self, met: u32) -> usize {
+        let mut nearest = met.trailing_zeros() as usize;
+        let mut others = met & (met - 1);
+        while others != 0 {
+            let k = others.trailing_zeros() as usize;
+            if self.entry[k] < self.entry[nearest] {
+                nearest = k;
+            }
+            others &= others - 1;
+        }
+        nearest
+    }
+}

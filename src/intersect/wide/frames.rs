@@ -1,0 +1,170 @@
+//! Rays in lanes: what [`RayFrame`](crate::math::RayFrame) holds of a ray, for eight or sixteen
+//! rays at once, and the same in f32.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
+use fearless_simd_macros::simd;
+use glam::DVec3;
+
+use super::search::dot_d;
+use crate::math::Ray;
+
+/// Origins farther than this from the scene, in its half sizes, are moved nearer for the
+/// work in f32: it would otherwise lose digits to the distance.
+const NEAR: f64 = 3.0;
+
+/// Ends of rays are taken in f32 with this to spare, in scaled coordinates: some units of f32
+/// for distances of a few scene sizes.
+pub(super) const END_SPARE: f32 = 1e-5;
+
+/// Squares of lengths from here to its inverse are far from where digits are lost.
+const PLAIN: f64 = 1e-100;
+
+/// What is known of eight rays in f64.
+#[derive(Clone, Copy)]
+pub(super) struct Frames<S: Simd> {
+    pub(super) origin: [f64x8<S>; 3],
+    /// The unit directions.
+    pub(super) axis: [f64x8<S>; 3],
+    /// One over the lengths of the directions as given.
+    pub(super) t_from_z: f64x8<S>,
+    /// The range of `z`.
+    pub(super) ends: [f64x8<S>; 2],
+    /// The largest coordinate magnitude of the origins.
+    pub(super) magnitude: f64x8<S>,
+}
+
+impl<S: Simd> Frames<S> {
+    /// The frames of eight rays.
+    ///
+    /// The operations and their order are those of the scalar frame, so both have the same bits.
+    #[inline(always)]
+    pub(super) fn new(simd: S, rays: [&Ray; 8]) -> Self {
+        let mut rows = [f64x8::splat(simd, 0.0); 8];
+        for k in 0..8 {
+            rows[k] = f64x8::from_slice(simd, &rays[k].to_array());
+        }
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transposed(simd, rows);
+        let (origin, d) = ([ox, oy, oz], [dx, dy, dz]);
+
+        let (one, least) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, PLAIN));
+        let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        let mut length = square.sqrt();
+        let inverse = one / length;
+        let mut t_from_z = inverse;
+        let mut axis = [d[0] * inverse, d[1] * inverse, d[2] * inverse];
+        let plain = square.simd_ge(least) & square.simd_lt(one / least);
+        if !plain.all_true() {
+            let largest = d[0].abs().max(d[1].abs()).max(d[2].abs());
+            let v = [d[0] / largest, d[1] / largest, d[2] / largest];
+            let rest = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+            length = plain.select(length, largest * rest);
+            t_from_z = one / length;
+            for i in 0..3 {
+                axis[i] = plain.select(axis[i], v[i] / rest);
+            }
+        }
+        let ends = [t_min * length, t_max * length];
+        let magnitude = ox.abs().max(oy.abs()).max(oz.abs());
+        Self { origin, axis, t_from_z, ends, magnitude }
+    }
+}
+
+/// The normals of two planes through each of eight rays, from their unit directions.
+#[inline(always)]
+pub(super) fn perpendicular<S: Simd>(simd: S, [x, y, z]: [f64x8<S>; 3]) -> [[f64x8<S>; 3]; 2] {
+    let one = f64x8::splat(simd, 1.0);
+    let sign = one.copysign(z);
+    let a = -one / (sign + z);
+    let b = x * y * a;
+    [[one + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
+}
+
+/// Sixteen rays in scaled coordinates, in f32.
+#[derive(Clone, Copy)]
+pub(super) struct Narrow<S: Simd> {
+    /// Moved along the ray by `shift`.
+    pub(super) origin: [f32x16<S>; 3],
+    pub(super) axis: [f32x16<S>; 3],
+    /// From where to where hits count, with some to spare.
+    pub(super) ends: [f32x16<S>; 2],
+    pub(super) magnitude: f32x16<S>,
+    /// The distances by which the origins were moved, in scene units.
+    pub(super) shift: [f64x8<S>; 2],
+}
+
+impl<S: Simd> Narrow<S> {
+    /// The f32 coordinates of sixteen rays, in a scene with this center and scale.
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        low: &Frames<S>,
+        high: &Frames<S>,
+        center: DVec3,
+        scale: f64,
+    ) -> Self {
+        let unscale = f64x8::splat(simd, 1.0 / scale); // of a power of two, so exact
+        let scale = f64x8::splat(simd, scale);
+        let zero = f64x8::splat(simd, 0.0);
+        let mut origin = [[zero; 3]; 2];
+        let mut ends = [[zero; 2]; 2];
+        let mut shifts = [zero; 2];
+        for half in 0..2 {
+            let &Frames { origin: o, axis, ends: z, .. } = if half == 0 { low } else { high };
+            let scaled = [
+                (o[0] - f64x8::splat(simd, center.x)) * scale,
+                (o[1] - f64x8::splat(simd, center.y)) * scale,
+                (o[2] - f64x8::splat(simd, center.z)) * scale,
+            ];
+            let square = dot_d(scaled, scaled);
+            let near = f64x8::splat(simd, NEAR);
+            let far_off = square.simd_gt(near * near);
+            let mut shift = zero;
+            if far_off.any_true() {
+                let beyond = square.sqrt() - near + f64x8::splat(simd, 1.0);
+                shift = far_off.select(beyond, zero);
+            }
+            for i in 0..3 {
+                origin[half][i] = scaled[i] + shift * axis[i];
+            }
+            let shift = shift * unscale;
+            shifts[half] = shift;
+            ends[half] = [(z[0] - shift) * scale, (z[1] - shift) * scale];
+        }
+        let spare = f32x16::splat(simd, END_SPARE);
+        let above = f32x16::splat(simd, 1.0 + f32::EPSILON);
+        Self {
+            origin: [
+                simd.narrow_f64x8(origin[0][0], origin[1][0]),
+                simd.narrow_f64x8(origin[0][1], origin[1][1]),
+                simd.narrow_f64x8(origin[0][2], origin[1][2]),
+            ],
+            axis: [
+                simd.narrow_f64x8(low.axis[0], high.axis[0]),
+                simd.narrow_f64x8(low.axis[1], high.axis[1]),
+                simd.narrow_f64x8(low.axis[2], high.axis[2]),
+            ],
+            ends: [
+                simd.narrow_f64x8(ends[0][0], ends[1][0]) - spare,
+                simd.narrow_f64x8(ends[0][1], ends[1][1]) + spare,
+            ],
+            magnitude: simd.narrow_f64x8(low.magnitude, high.magnitude) * above,
+            shift: shifts,
+        }
+    }
+}
+
+/// Eight vectors as the rows of a matrix, transposed.
+#[simd]
+pub(super) fn transposed<S: Simd>(simd: S, rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
+    // Each round brings together rows that are twice as near: 4, 2, 1 apart.
+    let mut rows = rows;
+    for _ in 0..3 {
+        let mut next = rows;
+        for k in 0..4 {
+            next[2 * k] = simd.zip_low_f64x8(rows[k], rows[k + 4]);
+            next[2 * k + 1] = simd.zip_high_f64x8(rows[k], rows[k + 4]);
+        }
+        rows = next;
+    }
+    rows
+}

@@ -1,0 +1,133 @@
+//! Control nets of eight pieces side by side.
+
+use fearless_simd::{Simd, SimdBase, f64x8};
+use fearless_simd_macros::simd;
+
+use super::LANES;
+use super::frames::transposed;
+use super::jets::Net;
+use crate::patch::{Piece, TensorPatch};
+
+/// Pieces of higher degrees have too large nets to hold eight of them side by side.
+const MOST_DEGREE: usize = 7;
+
+/// The numbers of the largest net.
+const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);
+
+/// The degrees of a piece, and whether its weights differ: pieces that share them can be searched
+/// side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Form {
+    degree: [u8; 2],
+    rational: bool,
+}
+
+impl Form {
+    /// The form of a piece, if pairs can have it.
+    #[inline(always)]
+    pub(super) fn of(patch: &TensorPatch) -> Option<Self> {
+        let [p, q] = patch.degree();
+        let degree = [p as u8, q as u8];
+        (p.max(q) <= MOST_DEGREE).then(|| Self { degree, rational: patch.is_rational() })
+    }
+
+    /// The degrees in `s` and `t`.
+    #[inline(always)]
+    pub(super) fn degree(self) -> [usize; 2] {
+        self.degree.map(usize::from)
+    }
+
+    /// Numbers in a row of the net.
+    #[inline(always)]
+    fn row_length(self) -> usize {
+        (if self.rational { 4 } else { 3 }) * (self.degree()[1] + 1)
+    }
+}
+
+/// Eight nets of one form: number by number, row by row.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct LaneNet {
+    pub(super) form: Form,
+    weight: [f64; 8],
+    numbers: [[f64; 8]; MOST_NUMBERS],
+}
+
+impl Default for LaneNet {
+    fn default() -> Self {
+        let form = Form { degree: [1, 1], rational: false };
+        Self { form, weight: [0.0; 8], numbers: [[0.0; 8]; MOST_NUMBERS] }
+    }
+}
+
+impl LaneNet {
+    /// Takes in the nets of pieces `first … first + 7`.
+    #[simd]
+    pub(super) fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        form: Form,
+        pieces: &[&Piece; LANES],
+        first: usize,
+    ) {
+        self.form = form;
+        let length = form.row_length();
+        for lane in 0..8 {
+            self.weight[lane] = pieces[first + lane].patch.weight().unwrap_or(1.0);
+        }
+        for i in 0..=form.degree()[0] {
+            let mut at = 0;
+            while at < length {
+                // Eight numbers; the last of a row overlap with those before.
+                let from = at.min(length.saturating_sub(8));
+                let mut rows = [f64x8::splat(simd, 0.0); 8];
+                for lane in 0..8 {
+                    let row = pieces[first + lane].patch.row_numbers(i);
+                    rows[lane] = match row.get(from..from + 8) {
+                        Some(numbers) => f64x8::from_slice(simd, numbers),
+                        None => {
+                            let mut numbers = [0.0; 8];
+                            numbers[..length].copy_from_slice(&row[..length]);
+                            f64x8::from_slice(simd, &numbers)
+                        }
+                    };
+                }
+                let columns = transposed(simd, rows);
+                for k in 0..length.min(8) {
+                    columns[k].store_slice(&mut self.numbers[i * length + from + k]);
+                }
+                at = from + 8;
+            }
+        }
+    }
+}
+
+impl<S: Simd> Net<S> for LaneNet {
+    type Row<'a> = &'a [[f64; 8]];
+
+    #[inline(always)]
+    fn form(&self) -> ([usize; 2], bool) {
+        (self.form.degree(), self.form.rational)
+    }
+
+    #[inline(always)]
+    fn weight(&self, simd: S) -> f64x8<S> {
+        f64x8::from_slice(simd, &self.weight)
+    }
+
+    #[inline(always)]
+    fn row(&self, i: usize) -> Self::Row<'_> {
+        let length = self.form.row_length();
+        &self.numbers[i * length..(i + 1) * length]
+    }
+
+    #[inline(always)]
+    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C] {
+        let numbers = &row[C * j..C * (j + 1)];
+        let mut control = [f64x8::splat(simd, 0.0); C];
+        for c in 0..C {
+            control[c] = f64x8::from_slice(simd, &numbers[c]);
+        }
+        control
+    }
+}

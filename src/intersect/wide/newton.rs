@@ -1,0 +1,278 @@
+//! Newton's iteration on the true surface, in f64, eight lanes at a time: of eight rays and one
+//! leaf, or of eight pairs of a ray and a leaf.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+
+use super::distances::Approximate;
+use super::jets::Jets;
+use super::search::dot_d;
+use super::single_finish::COARSEST;
+use crate::patch::LEAF_SLACK;
+
+/// Steps in f64 with the surface's own tangents: one is usual.
+const MOST_STEPS: usize = 4;
+
+/// How much of the promised error a last step may leave behind.
+pub(super) const PART_OF_ERROR: f64 = 0.125;
+
+/// A bound of how far the normal may turn in the last step, in radians. It is some times as large
+/// as the turn itself, of which second derivatives from the middle of the leaf's approximation
+/// leave a tenth or so.
+const MOST_TURN: f64 = 1e-10;
+
+/// The leaves of eight lanes, and their true leaves.
+pub(super) trait Leaves<S: Simd> {
+    /// Points and first derivatives.
+    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S>;
+
+    /// The points alone.
+    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3];
+
+    /// Half the sides of their rectangles, one over that, and their middles.
+    fn half(&self, simd: S) -> [f64x8<S>; 2];
+    fn per_half(&self, simd: S) -> [f64x8<S>; 2];
+    fn middle(&self, simd: S) -> [f64x8<S>; 2];
+
+    /// Where there is one root at most: from and to in `s`, then in `t`.
+    fn domain(&self, simd: S) -> [f64x8<S>; 4];
+
+    /// See [`FitError`](crate::patch::FitError).
+    fn bend(&self, simd: S) -> f64x8<S>;
+
+    /// A coordinate of the approximation's second derivatives in the middle, by box coordinates:
+    /// twice by the first, by both, twice by the second.
+    fn second(&self, simd: S, axis: usize) -> [f64x8<S>; 3];
+
+    /// The lanes whose next step surely leads away from the leaf, so that it is missed.
+    fn surely_away(&self, simd: S, rays: &RayLanes<S>, step: &Step<S>) -> mask64x8<S>;
+}
+
+/// Eight rays.
+#[derive(Clone, Copy)]
+pub(super) struct RayLanes<S: Simd> {
+    pub(super) origin: [f64x8<S>; 3],
+    pub(super) axis: [f64x8<S>; 3],
+    /// Of the two planes through each ray.
+    pub(super) normals: [[f64x8<S>; 3]; 2],
+    /// How far a point may be from the ray.
+    pub(super) error: f64x8<S>,
+}
+
+/// A step of the iteration, before it is taken.
+#[derive(Clone, Copy)]
+pub(super) struct Step<S: Simd> {
+    /// From where, and by how much it goes back.
+    pub(super) at: [f64x8<S>; 2],
+    pub(super) by: [f64x8<S>; 2],
+    /// The distances from the ray's planes there.
+    pub(super) distances: [f64x8<S>; 2],
+}
+
+/// Where the iteration has converged.
+#[derive(Clone, Copy)]
+pub(super) struct Converged<S: Simd> {
+    /// The lanes that have.
+    pub(super) found: mask64x8<S>,
+    /// Those that should have.
+    pub(super) open: mask64x8<S>,
+    pub(super) st: [f64x8<S>; 2],
+    /// How far along the ray.
+    pub(super) z: f64x8<S>,
+    pub(super) point: [f64x8<S>; 3],
+    /// `S_s × S_t`, and no less than the sum of the lengths of `S_s` and `S_t`.
+    pub(super) cross: [f64x8<S>; 3],
+    pub(super) speed: f64x8<S>,
+    /// One over the determinant of the tangents in the ray's planes.
+    inverse_det: f64x8<S>,
+    /// Steps taken, over all lanes.
+    pub(super) steps: u32,
+}
+
+/// Newton's steps for the `wanted` lanes, from what the search in f32 has found.
+///
+/// All of these rays have one root at most in the domain. So a lane that converges has found its
+/// one root: it is `found` if it lies in the leaf or its slack, else that part of the leaf is
+/// proved to be missed; so it is where a step surely leads away, which is asked where the leaf's
+/// certificate speaks of the ray (`certified`).
+///
+/// The first step takes the true surface's point but the approximation's tangents: it leaves
+/// about 1e-11 half sides, for little more than half of what a step with its own tangents costs.
+#[inline(always)] // what goes in and out are dozens of vectors
+pub(super) fn newton<S: Simd, T: Leaves<S>>(
+    simd: S,
+    leaves: &T,
+    rays: &RayLanes<S>,
+    (wanted, certified): (mask64x8<S>, bool),
+    near: &Approximate<f64x8<S>>,
+) -> Converged<S> {
+    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
+    let domain = leaves.domain(simd);
+    let RayLanes { origin, axis, normals: [n1, n2], error } = *rays;
+    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+    let [sides_s, sides_t] = leaves.per_half(simd);
+
+    // The step with the approximation's tangents; NaN becomes a bound.
+    let mut s = near.x.mul_add(half_s, middle_s).max(domain[0]).min(domain[1]);
+    let mut t = near.y.mul_add(half_t, middle_t).max(domain[2]).min(domain[3]);
+    let place = leaves.points(simd, s, t);
+    let from_origin = [place[0] - origin[0], place[1] - origin[1], place[2] - origin[2]];
+    let (f1, f2) = (dot_d(n1, from_origin), dot_d(n2, from_origin));
+    let [[xx, xy], [yx, yy]] = near.inverse;
+    s = (s - half_s * xx.mul_add(f1, xy * f2)).max(domain[0]).min(domain[1]);
+    t = (t - half_t * yx.mul_add(f1, yy * f2)).max(domain[2]).min(domain[3]);
+
+    let mut open = wanted;
+    let mut found = simd.splat_mask64x8(false);
+    let (mut root_s, mut root_t, mut z, mut inverse_det) = (zero, zero, zero, zero);
+    let mut speed = zero;
+    let mut point = [zero; 3];
+    let mut cross = [zero; 3];
+    let mut steps = open.to_bitmask().count_ones();
+    let least = error * f64x8::splat(simd, PART_OF_ERROR);
+    for _ in 0..MOST_STEPS {
+        steps += open.to_bitmask().count_ones();
+        let jets = leaves.jets(simd, s, t);
+        let from_origin =
+            [jets.point[0] - origin[0], jets.point[1] - origin[1], jets.point[2] - origin[2]];
+        let (f1, f2) = (dot_d(n1, from_origin), dot_d(n2, from_origin));
+        let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
+        let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
+        let inverse = one / (a1 * b2 - a2 * b1);
+        let step_s = (f1 * b2 - f2 * b1) * inverse;
+        let step_t = (a1 * f2 - a2 * f1) * inverse;
+        let new_s = s - step_s;
+        let new_t = t - step_t;
+        // The normal after the step.
+        let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
+        let mut tangents = [jets.ds, jets.dt];
+        for i in 0..3 {
+            let [xx, xy, yy] = leaves.second(simd, i);
+            tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
+            tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
+        }
+        let mut across = [zero; 3];
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            across[i] = tangents[0][j] * tangents[1][k] - tangents[0][k] * tangents[1][j];
+        }
+
+        // Converged where the residual is within the error; or will be after this step, which
+        // the bend bounds, as it does the turn of the normal.
+        let residual = f1.mul_add(f1, f2 * f2);
+        let close = residual.simd_le(error * error);
+        let longest = move_x.abs().max(move_y.abs());
+        let bent = leaves.bend(simd) * longest;
+        let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
+        let sides = half_s * speed_s + half_t * speed_t;
+        let turn = (bent + bent) * sides;
+        let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
+        let straight = (turn * turn).simd_le(least_turn * least_turn * dot_d(across, across));
+        let inside = new_s.simd_ge(domain[0])
+            & new_s.simd_le(domain[1])
+            & new_t.simd_ge(domain[2])
+            & new_t.simd_le(domain[3]);
+        let done = close | ((bent * longest).simd_le(least) & straight & inside);
+
+        // What is left of the distance is taken off along the tangent plane.
+        let new = done & open;
+        root_s = new.select(new_s, root_s);
+        root_t = new.select(new_t, root_t);
+        inverse_det = new.select(inverse, inverse_det);
+        speed = new.select(speed_s + speed_t, speed);
+        let mut along = zero;
+        for i in 0..3 {
+            let moved = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
+            point[i] = new.select(moved, point[i]);
+            along = axis[i].mul_add(moved - origin[i], along);
+            cross[i] = new.select(across[i], cross[i]);
+        }
+        z = new.select(along, z);
+        found |= new;
+        open &= !new;
+        if open.all_false() {
+            break;
+        }
+        if certified {
+            let step = Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] };
+            open &= !leaves.surely_away(simd, rays, &step);
+            if open.all_false() {
+                break;
+            }
+        }
+        // Steps stay where the certificate holds; NaN becomes a bound.
+        s = new_s.max(domain[0]).min(domain[1]);
+        t = new_t.max(domain[2]).min(domain[3]);
+    }
+
+    // The leaf and its slack.
+    let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+    found &= (root_s - middle_s).abs().simd_le(half_s * reach)
+        & (root_t - middle_t).abs().simd_le(half_t * reach);
+    Converged { found, open, st: [root_s, root_t], z, point, cross, inverse_det, speed, steps }
+}
+
+/// The part of a ray that hits count on, of eight rays.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<S: Simd> {
+    /// From and to.
+    pub(super) z: [f64x8<S>; 2],
+    /// How far the roots that rays start on may be off, if any start on one.
+    pub(super) from_error: Option<f64x8<S>>,
+}
+
+/// What is to be said of roots that were found.
+#[derive(Clone, Copy)]
+pub(super) struct Verdict<S: Simd> {
+    /// The length of `S_s × S_t`.
+    pub(super) size: f64x8<S>,
+    /// How far `z` may be off.
+    pub(super) z_error: f64x8<S>,
+    /// Those the scalar search must judge.
+    pub(super) judged: mask64x8<S>,
+    /// Those within the ray's range.
+    pub(super) acceptable: mask64x8<S>,
+    /// How near an end or another hit a root is too near to be told apart.
+    pub(super) near_end: f64x8<S>,
+}
+
+impl<S: Simd> Converged<S> {
+    /// Roots outside the piece, and those too near the ray's ends, are judged elsewhere.
+    #[inline(always)]
+    pub(super) fn verdict(
+        &self,
+        simd: S,
+        ends: &Ends<S>,
+        error: f64x8<S>,
+        certified: bool,
+    ) -> Verdict<S> {
+        let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+        let (found, z, [s, t]) = (self.found, self.z, self.st);
+        let on_piece = s.simd_ge(low) & s.simd_le(high) & t.simd_ge(low) & t.simd_le(high);
+        // One over the cosine is `|a × b| / det`.
+        let size = dot_d(self.cross, self.cross).sqrt();
+        let steepest = f64x8::splat(simd, 1.0 / f64::EPSILON);
+        let z_error = error * (size * self.inverse_det.abs()).min(steepest);
+        let mut near_end = z_error + z_error;
+        let mut clear = found;
+        if let Some(from_error) = ends.from_error {
+            near_end += from_error;
+            clear = z.abs().simd_gt(near_end);
+        }
+        let [z_min, z_max] = ends.z;
+        clear &= (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
+            & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
+        let mut judged = found & (!on_piece | !clear);
+        if !certified {
+            // Rounding of a parameter must be small against the error: no certificate has looked at it.
+            judged |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
+        }
+        let acceptable = found & !judged & z.simd_gt(z_min);
+        Verdict { size, z_error, judged, acceptable, near_end }
+    }
+}
+
+/// The sum of the components' sizes: no less than the length.
+#[inline(always)]
+fn sum_of_sizes<S: Simd>([x, y, z]: [f64x8<S>; 3]) -> f64x8<S> {
+    x.abs() + y.abs() + z.abs()
+}

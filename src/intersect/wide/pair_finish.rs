@@ -1,0 +1,149 @@
+//! Eight pairs of a ray and a leaf, in f64 on the true surfaces.
+
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
+use fearless_simd_macros::simd;
+
+use super::distances::Approximate;
+use super::frames::Frames;
+use super::jets::{Jets, jets, points};
+use super::lane_net::LaneNet;
+use super::newton::{Ends, Leaves, RayLanes, Step, newton};
+use super::pairs::{Outcomes, PairLanes, eight};
+use crate::patch::WIDENING;
+
+impl PairLanes {
+    /// The second derivatives of eight approximations in their middles, by box coordinates.
+    #[inline(always)]
+    fn second<S: Simd>(&self, simd: S, half: usize) -> [[f64x8<S>; 3]; 3] {
+        let (one, two) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, 2.0));
+        let mut second = [[one; 3]; 3];
+        for (term, (m, times)) in [(8, two), (5, one), (2, two)].into_iter().enumerate() {
+            for axis in 0..3 {
+                let mut eight = [0.0; 8];
+                for lane in 0..8 {
+                    eight[lane] = f64::from(self.fit[axis][m][8 * half + lane]);
+                }
+                second[axis][term] = f64x8::from_slice(simd, &eight) * times;
+            }
+        }
+        second
+    }
+
+    /// Newton's steps in f64 for one half of the pairs.
+    #[simd]
+    pub(super) fn finish<S: Simd>(
+        &mut self,
+        simd: S,
+        half: usize,
+        wanted: mask64x8<S>,
+        (frames, normals): (&Frames<S>, [[f64x8<S>; 3]; 2]),
+        near: &Approximate<f64x8<S>>,
+    ) -> Outcomes {
+        let reach = f64x8::splat(simd, 1.0 + 2.0 * WIDENING);
+        let error = self.error(simd, frames, half, self.net.form);
+        let rays = RayLanes { origin: frames.origin, axis: frames.axis, normals, error };
+        let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
+        let middle = [eight(simd, &self.middle[0], half), eight(simd, &self.middle[1], half)];
+        let leaves = Eight {
+            net: &self.net,
+            half: sides,
+            middle,
+            domain: [
+                middle[0] - sides[0] * reach,
+                middle[0] + sides[0] * reach,
+                middle[1] - sides[1] * reach,
+                middle[1] + sides[1] * reach,
+            ],
+            bend: eight(simd, &self.bend, half),
+            second: self.second(simd, half),
+        };
+        let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
+        let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
+        if root.found.all_false() {
+            return Outcomes { open, steps, ..Outcomes::default() };
+        }
+        // The point and the normal of the place itself, not of one a last step away.
+        let Jets { point, ds, dt } = jets(simd, &self.net, root.st[0], root.st[1]);
+        root.point = point;
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            root.cross[i] = ds[j] * dt[k] - ds[k] * dt[j];
+        }
+        let from_error = Some(eight(simd, &self.from_error, half));
+        let ends = Ends { z: frames.ends, from_error };
+        let verdict = root.verdict(simd, &ends, error, true);
+        let met = verdict.acceptable & root.z.simd_lt(frames.ends[1]);
+        let to = 8 * half..8 * half + 8;
+        root.z.store_slice(&mut self.z[to.clone()]);
+        verdict.z_error.store_slice(&mut self.z_error[to.clone()]);
+        for k in 0..2 {
+            root.st[k].store_slice(&mut self.st[k][to.clone()]);
+        }
+        for i in 0..3 {
+            root.point[i].store_slice(&mut self.point[i][to.clone()]);
+            root.cross[i].store_slice(&mut self.cross[i][to.clone()]);
+        }
+        let (met, judged) = (met.to_bitmask() as u32, verdict.judged.to_bitmask() as u32);
+        Outcomes { met, judged, open, steps }
+    }
+}
+
+/// The leaves of eight pairs.
+struct Eight<'a, S: Simd> {
+    net: &'a LaneNet,
+    half: [f64x8<S>; 2],
+    middle: [f64x8<S>; 2],
+    domain: [f64x8<S>; 4],
+    bend: f64x8<S>,
+    /// By axis.
+    second: [[f64x8<S>; 3]; 3],
+}
+
+impl<S: Simd> Leaves<S> for Eight<'_, S> {
+    #[inline(always)]
+    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
+        jets(simd, self.net, s, t)
+    }
+
+    #[inline(always)]
+    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
+        points(simd, self.net, s, t)
+    }
+
+    #[inline(always)]
+    fn half(&self, _: S) -> [f64x8<S>; 2] {
+        self.half
+    }
+
+    #[inline(always)]
+    fn per_half(&self, simd: S) -> [f64x8<S>; 2] {
+        let one = f64x8::splat(simd, 1.0);
+        [one / self.half[0], one / self.half[1]]
+    }
+
+    #[inline(always)]
+    fn middle(&self, _: S) -> [f64x8<S>; 2] {
+        self.middle
+    }
+
+    #[inline(always)]
+    fn domain(&self, _: S) -> [f64x8<S>; 4] {
+        self.domain
+    }
+
+    #[inline(always)]
+    fn bend(&self, _: S) -> f64x8<S> {
+        self.bend
+    }
+
+    #[inline(always)]
+    fn second(&self, _: S, axis: usize) -> [f64x8<S>; 3] {
+        self.second[axis]
+    }
+
+    /// None: these are left to the ray's own proof.
+    #[inline(always)]
+    fn surely_away(&self, simd: S, _: &RayLanes<S>, _: &Step<S>) -> mask64x8<S> {
+        simd.splat_mask64x8(false)
+    }
+}

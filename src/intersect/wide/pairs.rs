@@ -1,0 +1,321 @@
+//! Sixteen pairs of a ray and a leaf that it meets once at most, side by side.
+//!
+//! What happens to a lane is what [`single`](super::single) does with one ray and one leaf, in the
+//! steps that the packets take; it does not depend on the other lanes.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8};
+use fearless_simd_macros::simd;
+use glam::DVec2;
+
+use super::LANES;
+use super::distances::LaneDistances;
+use super::frames::{Frames, perpendicular};
+use super::lane_net::{Form, LaneNet};
+use super::lane_proof::missed;
+use super::search::{bits, dot_d};
+use super::single::Scene;
+use super::single_proof::{LARGEST, ROUNDING};
+use super::single_ray::{Place, SingleHit};
+use crate::intersect::Shot;
+use crate::math::{Ray, rounding};
+use crate::patch::{Leaf, Piece, WIDENING};
+
+/// How far from the middle certificates speak of a ray, in box coordinates.
+const WIDENED: f32 = 1.0 + 2.0 * WIDENING as f32;
+
+/// A ray, and a leaf whose certificate speaks of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    /// Which ray of the batch.
+    pub(super) ray: u32,
+    pub(super) leaf: u32,
+    pub(super) form: Form,
+    /// Where to begin, in box coordinates.
+    pub(super) start: [f32; 2],
+}
+
+/// A number for each lane.
+pub(super) type Lanes = [f64; LANES];
+
+/// Scratch memory for sixteen pairs, and what was found for them.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct PairLanes {
+    pub(super) fit: [[[f32; LANES]; 16]; 3],
+    start: [[f32; LANES]; 2],
+    distances: LaneDistances,
+    /// Of the leaves.
+    leaf_middle: [Lanes; 3],
+    pub(super) half: [Lanes; 2],
+    pub(super) middle: [Lanes; 2],
+    pub(super) bend: Lanes,
+    magnitude: Lanes,
+    fit_error: [f32; LANES],
+    /// Of the roots that rays start on.
+    pub(super) from_error: Lanes,
+    pub(super) net: LaneNet,
+    /// Of the roots that were found.
+    pub(super) z: Lanes,
+    pub(super) z_error: Lanes,
+    pub(super) st: [Lanes; 2],
+    pub(super) point: [Lanes; 3],
+    pub(super) cross: [Lanes; 3],
+}
+
+/// What became of sixteen pairs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcomes {
+    /// The lanes with a root within the ray's range.
+    pub(super) met: u32,
+    /// Those whose root the scalar search must judge.
+    pub(super) judged: u32,
+    /// Those that did not converge.
+    pub(super) open: u32,
+    /// Newton's steps taken, over all lanes.
+    pub(super) steps: u32,
+}
+
+impl Default for PairLanes {
+    fn default() -> Self {
+        let lanes = [0.0; LANES];
+        Self {
+            fit: [[[0.0; LANES]; 16]; 3],
+            start: [[0.0; LANES]; 2],
+            distances: LaneDistances::default(),
+            leaf_middle: [lanes; 3],
+            half: [lanes; 2],
+            middle: [lanes; 2],
+            bend: lanes,
+            magnitude: lanes,
+            fit_error: [0.0; LANES],
+            from_error: lanes,
+            net: LaneNet::default(),
+            z: lanes,
+            z_error: lanes,
+            st: [lanes; 2],
+            point: [lanes; 3],
+            cross: [lanes; 3],
+        }
+    }
+}
+
+impl PairLanes {
+    /// Searches up to sixteen pairs of one form.
+    #[simd]
+    pub(super) fn search<S: Simd, Q: Shot>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        shots: &[Q],
+        pairs: &[Pair],
+    ) -> Outcomes {
+        let Some(first) = pairs.first() else { return Outcomes::default() };
+        let (mut leaves, mut rays) =
+            ([&scene.leaves[first.leaf as usize]; LANES], [shots[first.ray as usize].ray(); LANES]);
+        let mut pieces = [&scene.set.pieces()[leaves[0].piece as usize]; LANES];
+        // Lanes left over repeat the first.
+        for (lane, pair) in pairs.iter().enumerate() {
+            leaves[lane] = &scene.leaves[pair.leaf as usize];
+            pieces[lane] = &scene.set.pieces()[leaves[lane].piece as usize];
+            rays[lane] = shots[pair.ray as usize].ray();
+        }
+        for lane in 0..LANES {
+            let pair = pairs.get(lane).unwrap_or(first);
+            let from = shots[pair.ray as usize].from();
+            self.take(lane, pair.start, leaves[lane], pieces[lane]);
+            self.from_error[lane] = from.map_or(0.0, |root| root.error);
+        }
+        self.take_fits(simd, &leaves);
+
+        let halves = [frames_of(simd, &rays, 0), frames_of(simd, &rays, 8)];
+        let normals = [perpendicular(simd, halves[0].axis), perpendicular(simd, halves[1].axis)];
+        self.take_distances(simd, &halves, &normals);
+        let start =
+            [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
+        let near = self.distances.newton(simd, start, [[-WIDENED, WIDENED]; 2]);
+        let mut all = Outcomes::default();
+        let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
+        // A start outside leads to a root outside, as a rule: the proof knows sooner.
+        let farthest = near.x.abs().max(near.y.abs());
+        let outside = wanted & !bits(farthest.simd_lt(f32x16::splat(simd, WIDENED)));
+        if outside != 0 {
+            all.open = outside & !self.missed(simd, outside, &halves, &normals, first.form);
+            wanted &= !outside;
+        }
+        for half in 0..2 {
+            let wanted = u64::from(wanted >> (8 * half)) & 0xff;
+            if wanted == 0 {
+                continue;
+            }
+            self.net.take(simd, first.form, &pieces, 8 * half);
+            let wanted = mask64x8::from_bitmask(simd, wanted);
+            let rays = (&halves[half], normals[half]);
+            let done = self.finish(simd, half, wanted, rays, &near.half(half));
+            all.met |= done.met << (8 * half);
+            all.judged |= done.judged << (8 * half);
+            all.open |= done.open << (8 * half);
+            all.steps += done.steps;
+        }
+        all
+    }
+
+    /// Of the `asked` lanes those that are proved not to meet the leaf: see
+    /// [`lane_proof`](super::lane_proof).
+    #[simd]
+    fn missed<S: Simd>(
+        &self,
+        simd: S,
+        asked: u32,
+        halves: &[Frames<S>; 2],
+        normals: &[[[f64x8<S>; 3]; 2]; 2],
+        form: Form,
+    ) -> u32 {
+        let mut terms = f32x16::splat(simd, 0.0);
+        for k in 0..2 {
+            let mut sum = f32x16::from_slice(simd, &self.distances.of[k][0]).abs();
+            for axis in 0..3 {
+                let mut size = f32x16::splat(simd, 0.0);
+                for m in 0..16 {
+                    size += f32x16::from_slice(simd, &self.fit[axis][m]).abs();
+                }
+                let n = simd.narrow_f64x8(normals[0][k][axis], normals[1][k][axis]);
+                sum = n.abs().mul_add(size, sum);
+            }
+            terms = terms.max(sum);
+        }
+        let low = self.error(simd, &halves[0], 0, form);
+        let high = self.error(simd, &halves[1], 1, form);
+        let above = f32x16::splat(simd, 1.0 + f32::EPSILON);
+        let error = simd.narrow_f64x8(low, high) * above;
+        let noise = terms * f32x16::splat(simd, ROUNDING);
+        let off_ray = noise + f32x16::from_slice(simd, &self.fit_error) + error;
+        // False for NaN.
+        let known = asked & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+        known & missed(simd, &self.distances, off_ray)
+    }
+
+    /// How far points may be from eight rays.
+    #[inline(always)]
+    pub(super) fn error<S: Simd>(
+        &self,
+        simd: S,
+        frames: &Frames<S>,
+        half: usize,
+        form: Form,
+    ) -> f64x8<S> {
+        let [p, q] = form.degree();
+        let factor = f64x8::splat(simd, rounding::residual_factor(p, q));
+        factor * frames.magnitude.max(eight(simd, &self.magnitude, half))
+    }
+
+    /// Where a lane's root is.
+    #[inline(always)]
+    pub(super) fn place(&self, lane: usize, leaf: u32) -> Place {
+        let st = DVec2::new(self.st[0][lane], self.st[1][lane]);
+        Place { leaf, z: self.z[lane], z_error: self.z_error[lane], st }
+    }
+
+    /// Puts a lane's root into a hit, number by number: what is copied at once after it was written
+    /// so has to wait.
+    #[inline(always)]
+    pub(super) fn put(&self, lane: usize, leaf: u32, hit: &mut SingleHit) {
+        hit.leaf = leaf;
+        hit.z = self.z[lane];
+        hit.z_error = self.z_error[lane];
+        (hit.st.x, hit.st.y) = (self.st[0][lane], self.st[1][lane]);
+        for i in 0..3 {
+            hit.point[i] = self.point[i][lane];
+            hit.cross[i] = self.cross[i][lane];
+        }
+    }
+
+    /// Takes in what is to be known of a leaf but for its approximation.
+    #[inline(always)]
+    fn take(&mut self, lane: usize, start: [f32; 2], leaf: &Leaf, piece: &Piece) {
+        let rect = leaf.rect();
+        for k in 0..2 {
+            let [from, to] = rect[k];
+            self.start[k][lane] = start[k];
+            self.half[k][lane] = 0.5 * (to - from);
+            self.middle[k][lane] = 0.5 * (from + to);
+        }
+        for i in 0..3 {
+            self.leaf_middle[i][lane] = leaf.middle[i];
+        }
+        self.bend[lane] = f64::from(leaf.fit_bend());
+        self.magnitude[lane] = piece.patch.magnitude();
+        self.fit_error[lane] = leaf.fit_error();
+    }
+
+    /// Takes in the leaves' approximations.
+    #[simd]
+    fn take_fits<S: Simd>(&mut self, simd: S, leaves: &[&Leaf; LANES]) {
+        for axis in 0..3 {
+            let mut rows = [f32x16::splat(simd, 0.0); LANES];
+            for lane in 0..LANES {
+                rows[lane] = f32x16::from_slice(simd, &leaves[lane].fit()[axis]);
+            }
+            // Each round brings together rows that are twice as near: 8, 4, 2, 1 apart.
+            for _ in 0..4 {
+                let mut next = rows;
+                for k in 0..8 {
+                    next[2 * k] = simd.zip_low_f32x16(rows[k], rows[k + 8]);
+                    next[2 * k + 1] = simd.zip_high_f32x16(rows[k], rows[k + 8]);
+                }
+                rows = next;
+            }
+            for m in 0..16 {
+                rows[m].store_slice(&mut self.fit[axis][m]);
+            }
+        }
+    }
+
+    /// The distances of the approximations from the rays' planes, as in [`LaneDistances::take`].
+    #[simd]
+    fn take_distances<S: Simd>(
+        &mut self,
+        simd: S,
+        halves: &[Frames<S>; 2],
+        normals: &[[[f64x8<S>; 3]; 2]; 2],
+    ) {
+        let zero = f64x8::splat(simd, 0.0);
+        let mut middle = [[zero; 2]; 2];
+        for half in 0..2 {
+            let mut offset = [zero; 3];
+            for i in 0..3 {
+                offset[i] = eight(simd, &self.leaf_middle[i], half) - halves[half].origin[i];
+            }
+            for k in 0..2 {
+                middle[k][half] = dot_d(normals[half][k], offset);
+            }
+        }
+        for k in 0..2 {
+            let ([x0, y0, z0], [x1, y1, z1]) = (normals[0][k], normals[1][k]);
+            let nx = simd.narrow_f64x8(x0, x1);
+            let ny = simd.narrow_f64x8(y0, y1);
+            let nz = simd.narrow_f64x8(z0, z1);
+            for m in 0..16 {
+                let x = nx * f32x16::from_slice(simd, &self.fit[0][m]);
+                let y = ny.mul_add(f32x16::from_slice(simd, &self.fit[1][m]), x);
+                let mut c = nz.mul_add(f32x16::from_slice(simd, &self.fit[2][m]), y);
+                if m == 0 {
+                    c += simd.narrow_f64x8(middle[k][0], middle[k][1]);
+                }
+                c.store_slice(&mut self.distances.of[k][m]);
+            }
+        }
+    }
+}
+
+/// One half of the lanes.
+#[inline(always)]
+pub(super) fn eight<S: Simd>(simd: S, lanes: &Lanes, half: usize) -> f64x8<S> {
+    f64x8::from_slice(simd, &lanes[8 * half..8 * half + 8])
+}
+
+#[inline(always)]
+fn frames_of<S: Simd>(simd: S, rays: &[&Ray; LANES], first: usize) -> Frames<S> {
+    let mut eight = [rays[first]; 8];
+    eight.copy_from_slice(&rays[first..first + 8]);
+    Frames::new(simd, eight)
+}

@@ -1,0 +1,87 @@
+//! Where a ray starts, if on a root: which leaves it need not look at for that.
+
+use fearless_simd::{Simd, SimdBase, f32x16};
+use fearless_simd_macros::simd;
+use glam::DVec3;
+
+use super::departure::{Departure, Final, NEARBY};
+use crate::intersect::Root;
+use crate::math::rounding;
+use crate::patch::{Leaf, TensorPatch, WIDENING};
+
+/// A ray's start.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Start<'a> {
+    /// The root it starts on, if it does.
+    pub(super) from: Option<&'a Root>,
+    /// The ray's origin.
+    pub(super) origin: DVec3,
+    /// Whether hits count ahead of the origin only.
+    pub(super) ahead: bool,
+}
+
+impl Start<'_> {
+    /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.
+    #[inline(always)]
+    pub(super) fn place_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
+        let root = self.from.filter(|root| root.piece == leaf.piece)?;
+        let [s, t] = leaf.rect();
+        let place = |[from, to]: [f64; 2], at: f64| (2.0 * at - (from + to)) / (to - from);
+        Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
+    }
+
+    /// Whether the ray is known not to meet a leaf again that it starts on; `certified` says whether
+    /// the leaf's certificate speaks of the ray along the unit vector `axis`, `error` how far a
+    /// point may be from it.
+    #[inline(always)]
+    pub(super) fn is_done_with<S: Simd>(
+        &self,
+        simd: S,
+        (leaf, patch): (&Leaf, &TensorPatch),
+        axis: [f32; 3],
+        (certified, error): (bool, f64),
+    ) -> bool {
+        if certified {
+            self.is_root_of(leaf)
+        } else {
+            self.departs_from(simd, (leaf, patch), axis, error)
+        }
+    }
+
+    /// Whether the ray starts on the one root it has with a leaf that is certified for it.
+    #[inline(always)]
+    fn is_root_of(&self, leaf: &Leaf) -> bool {
+        // A little less than the certificate speaks of: in f32.
+        let reach = 1.0 + 1.99 * WIDENING as f32;
+        self.place_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
+    }
+
+    /// Whether the ray starts on a leaf, or near it on its piece, that does not
+    /// lie ahead of it again; `error` is how far a point may be from the ray.
+    #[simd]
+    fn departs_from<S: Simd>(
+        &self,
+        simd: S,
+        (leaf, patch): (&Leaf, &TensorPatch),
+        axis: [f32; 3],
+        error: f64,
+    ) -> bool {
+        let (Some(root), Some(place)) = (self.from, self.place_in(leaf)) else { return false };
+        let nearby = place[0].abs().max(place[1].abs()) <= NEARBY;
+        if !(nearby && self.ahead) {
+            return false;
+        }
+        let [x, y, z] = (self.origin - leaf.middle).as_vec3().to_array();
+        let [dx, dy, dz] = axis;
+        let reach = root.error + error;
+        let departure = Departure {
+            place: [f32x16::splat(simd, place[0]), f32x16::splat(simd, place[1])],
+            origin: [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)],
+            axis: [f32x16::splat(simd, dx), f32x16::splat(simd, dy), f32x16::splat(simd, dz)],
+            reach: f32x16::splat(simd, rounding::f32_above(reach)),
+        };
+        let Final { surely, if_near } = departure.is_final(simd, leaf);
+        let near = || patch.point(root.st).distance(self.origin) <= reach;
+        surely & 1 != 0 || (if_near & 1 != 0 && near())
+    }
+}

@@ -1,0 +1,378 @@
+//! Rays that have nothing in common, many of them in flight: each goes through the boxes by itself
+//! as far as the next leaf; then the leaves of all of them are searched side by side.
+//!
+//! Boxes, starts and leaves that are not certified are treated as those of a ray that comes alone
+//! (see [`single`](super::single), also for why nothing is lost). What becomes of a ray does not
+//! depend on the others.
+
+use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
+use fearless_simd_macros::simd;
+
+use super::LANES;
+use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push};
+use super::frames::{Frames, Narrow};
+use super::lane_net::Form;
+use super::pairs::{Pair, PairLanes};
+use super::single::{Kept, Scene, SingleWork, is_certified, keep, search_ahead};
+use super::single_ray::{Place, SingleHit, SingleRay, Wanted};
+use super::start::Start;
+use crate::intersect::tree::{Child, ChildCode};
+use crate::intersect::{Shot, Statistics};
+use crate::math::{Ray, RayFrame};
+
+/// Rays in flight at a time: enough to fill the lanes with pairs, few enough to stay near the
+/// processor.
+pub(in crate::intersect) const FLIGHTS: usize = 128;
+
+/// A ray on its way.
+#[derive(Clone, Debug, Default)]
+struct Flight {
+    boxes: BoxRay,
+    /// What is still to be entered.
+    stack: Stack,
+    /// As in [`SingleRay`].
+    shift: f64,
+    magnitude: f64,
+    t_from_z: f64,
+    /// The nearest hit so far, if there is one.
+    met: bool,
+    hit: SingleHit,
+    /// Whether the ray is to be traced by itself from the beginning.
+    alone: bool,
+}
+
+/// Scratch memory and results of tracing a batch of rays.
+#[derive(Debug, Default)]
+pub(in crate::intersect) struct Stream {
+    flights: Vec<Flight>,
+    /// Those on their way through the boxes, and those that wait for their pairs.
+    walking: Vec<u32>,
+    waiting: Vec<u32>,
+    nodes: Vec<Visit>,
+    blocks: Vec<Visit>,
+    pairs: Vec<Pair>,
+    lanes: Box<PairLanes>,
+    single: SingleWork,
+}
+
+impl Stream {
+    /// A ray's hit, if it has one, and what takes distances to its ray parameter.
+    #[inline(always)]
+    pub(in crate::intersect) fn hit(&self, k: usize) -> Option<(&SingleHit, f64)> {
+        let flight = &self.flights[k];
+        flight.met.then_some((&flight.hit, flight.t_from_z))
+    }
+
+    /// Whether a ray must be traced by itself, whatever was found for it.
+    #[inline(always)]
+    pub(in crate::intersect) fn is_alone(&self, k: usize) -> bool {
+        self.flights[k].alone
+    }
+}
+
+/// Finds the nearest certified hit of each of up to [`FLIGHTS`] rays.
+#[simd]
+pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
+    simd: S,
+    scene: &Scene<'_>,
+    shots: &[Q],
+    stream: &mut Stream,
+    statistics: &mut Statistics,
+) {
+    start(simd, scene, shots, stream);
+    while !stream.walking.is_empty() {
+        stream.pairs.clear();
+        walk(simd, scene, shots, stream, statistics);
+        search_pairs(simd, scene, shots, stream, statistics);
+    }
+}
+
+/// Boxes that are looked at in one go: first all of them are tested, one after the other without a
+/// branch, so that the tests overlap; then what they say is done.
+const AT_ONCE: usize = 16;
+
+/// A ray, and the node or block it comes to.
+type Visit = (u32, u32);
+
+/// What a node's boxes say of a ray.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Entries {
+    entry: [f32; LANES],
+    met: u32,
+}
+
+/// Takes all rays on to the next leaves they may meet, which are put down as pairs.
+#[simd]
+fn walk<S: Simd, Q: Shot>(
+    simd: S,
+    scene: &Scene<'_>,
+    shots: &[Q],
+    stream: &mut Stream,
+    statistics: &mut Statistics,
+) {
+    let tree = scene.tree;
+    let Stream { flights, walking, waiting, nodes, blocks, pairs, single, .. } = stream;
+    let mut entries = [Entries { entry: [0.0; LANES], met: 0 }; AT_ONCE];
+    let mut crossings = [Crossings::NONE; AT_ONCE];
+    waiting.clear();
+    loop {
+        (nodes.clear(), blocks.clear());
+        for &k in walking.iter() {
+            match flights[k as usize].next().map(ChildCode::child) {
+                Some(Child::Node(index)) => nodes.push((k, index)),
+                Some(Child::Block(index)) => blocks.push((k, index)),
+                None => {}
+            }
+        }
+        if nodes.is_empty() && blocks.is_empty() {
+            break;
+        }
+        walking.clear();
+        statistics.nodes += nodes.len() as u64;
+        for visits in nodes.chunks(AT_ONCE) {
+            for (&(k, index), entries) in visits.iter().zip(&mut entries) {
+                let node = &tree.nodes[index as usize];
+                let (near, met) = flights[k as usize].boxes.entries(simd, node);
+                near.store_slice(&mut entries.entry);
+                entries.met = met;
+            }
+            for (&(k, index), entries) in visits.iter().zip(&entries) {
+                let node = &tree.nodes[index as usize];
+                push(&mut flights[k as usize].stack, &entries.entry, entries.met, node);
+                walking.push(k);
+            }
+        }
+        for visits in blocks.chunks(AT_ONCE) {
+            for (&(k, index), crossings) in visits.iter().zip(&mut crossings) {
+                let block = &tree.blocks[index as usize];
+                flights[k as usize].boxes.cross(simd, block, crossings);
+            }
+            for (&(k, index), crossings) in visits.iter().zip(&crossings) {
+                let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
+                let task = Task { scene, ray: shot.ray(), start: start_of(shot), index: k };
+                let before = pairs.len();
+                let work = (&mut *single, &mut *statistics);
+                task.look_at(simd, (index, crossings), flight, pairs, work);
+                if flight.alone {
+                    pairs.truncate(before);
+                } else if pairs.len() > before {
+                    waiting.push(k);
+                } else {
+                    walking.push(k);
+                }
+            }
+        }
+    }
+    std::mem::swap(walking, waiting);
+}
+
+#[inline(always)]
+fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
+    let ray = shot.ray();
+    Start { from: shot.from(), origin: ray.origin(), ahead: ray.t_min() >= 0.0 }
+}
+
+/// All rays before the root.
+#[simd]
+fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
+    stream.walking.clear();
+    stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
+    let (center, scale) = (scene.tree.frame.center, scene.tree.frame.scale);
+    for base in (0..shots.len()).step_by(LANES) {
+        let halves = [frames(simd, shots, base), frames(simd, shots, base + 8)];
+        let narrow = Narrow::new(simd, &halves[0], &halves[1], center, scale);
+        let mut numbers = [[0f32; LANES]; 8];
+        let [ox, oy, oz] = narrow.origin;
+        let [dx, dy, dz] = narrow.axis;
+        let [near, far] = narrow.ends;
+        for (to, from) in numbers.iter_mut().zip([ox, oy, oz, dx, dy, dz, near, far]) {
+            f32x16::store_slice(&from, to);
+        }
+        let mut wide = [[[0f64; 8]; 3]; 2];
+        for half in 0..2 {
+            let Frames { magnitude, t_from_z, .. } = halves[half];
+            for (to, from) in wide[half].iter_mut().zip([narrow.shift[half], magnitude, t_from_z]) {
+                f64x8::store_slice(&from, to);
+            }
+        }
+        for lane in 0..LANES.min(shots.len() - base) {
+            let flight = &mut stream.flights[base + lane];
+            let [ox, oy, oz, dx, dy, dz, near, far] = &numbers;
+            let origin = [ox[lane], oy[lane], oz[lane]];
+            let axis = [dx[lane], dy[lane], dz[lane]];
+            flight.boxes.set(origin, axis, [near[lane], far[lane]]);
+            let [shift, magnitude, t_from_z] = &wide[lane / 8];
+            flight.shift = shift[lane % 8];
+            flight.magnitude = magnitude[lane % 8];
+            flight.t_from_z = t_from_z[lane % 8];
+            (flight.met, flight.alone) = (false, false);
+            flight.stack.clear();
+            if let Some(root) = scene.tree.root {
+                flight.stack.push((f32::NEG_INFINITY, root));
+                stream.walking.push((base + lane) as u32);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn frames<S: Simd, Q: Shot>(simd: S, shots: &[Q], base: usize) -> Frames<S> {
+    let mut rays = [shots[0].ray(); 8];
+    for k in 0..8 {
+        rays[k] = shots.get(base + k).unwrap_or(&shots[0]).ray();
+    }
+    Frames::new(simd, rays)
+}
+
+/// One ray, and what is asked of it.
+struct Task<'a> {
+    scene: &'a Scene<'a>,
+    ray: &'a Ray,
+    start: Start<'a>,
+    /// Which ray of the batch.
+    index: u32,
+}
+
+impl Task<'_> {
+    /// The leaves of a block whose boxes the ray meets.
+    #[simd]
+    fn look_at<S: Simd>(
+        &self,
+        simd: S,
+        (block, crossings): (u32, &Crossings),
+        flight: &mut Flight,
+        pairs: &mut Vec<Pair>,
+        (single, statistics): (&mut SingleWork, &mut Statistics),
+    ) {
+        let (first, count) = self.scene.tree.leaves(block);
+        let mut met = crossings.met & ((1 << count) - 1);
+        while met != 0 {
+            let nearest = crossings.nearest(met);
+            met &= !(1 << nearest);
+            if crossings.entry[nearest] > flight.boxes.far + SPARE {
+                return;
+            }
+            statistics.leaf_tests += 1;
+            let index = first + nearest as u32;
+            let start = [crossings.x[nearest], crossings.y[nearest]];
+            let slopes = crossings.slopes.map(|slopes| slopes[nearest]);
+            let leaf = &self.scene.leaves[index as usize];
+            let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
+            let error = patch.residual_factor() * patch.magnitude().max(flight.magnitude);
+            let certified = is_certified(leaf, slopes, error);
+            let axis = flight.boxes.axis;
+            if self.start.is_done_with(simd, (leaf, patch), axis, (certified, error)) {
+                continue;
+            }
+            let start = certified.then_some(start);
+            if let (Some(start), Some(form)) = (start, Form::of(patch)) {
+                pairs.push(Pair { ray: self.index, leaf: index, form, start });
+                continue;
+            }
+            let work = (&mut *single, &mut *statistics);
+            self.search(simd, index, (start, error), flight, work);
+            if flight.alone {
+                return;
+            }
+        }
+    }
+
+    /// The search of one leaf for this ray only: see [`search_ahead`].
+    #[simd]
+    fn search<S: Simd>(
+        &self,
+        simd: S,
+        leaf: u32,
+        (start, error): (Option<[f32; 2]>, f64),
+        flight: &mut Flight,
+        (single, statistics): (&mut SingleWork, &mut Statistics),
+    ) {
+        let frame = RayFrame::new(self.ray);
+        let mut ray =
+            SingleRay::new(&frame, self.start.from, Wanted::First, &self.scene.tree.frame);
+        single.clear();
+        search_ahead(simd, self.scene, leaf, (start, error), (&mut ray, &mut *single));
+        statistics.newton_iterations += std::mem::take(&mut single.steps);
+        flight.alone |= !single.rest.is_empty();
+        if let Some(hit) = single.hit {
+            if flight.takes(self.scene, &hit.place()) {
+                flight.hit = hit;
+            }
+        }
+    }
+}
+
+impl Flight {
+    /// What the ray comes to next.
+    #[inline(always)]
+    fn next(&mut self) -> Option<ChildCode> {
+        while let Some((entry, code)) = self.stack.pop() {
+            if entry <= self.boxes.far {
+                return Some(code);
+            }
+        }
+        None
+    }
+
+    /// Whether a hit is the nearest so far: then the ray ends there.
+    #[inline(always)]
+    fn takes(&mut self, scene: &Scene<'_>, hit: &Place) -> bool {
+        let known = self.hit.place();
+        match keep(hit, scene, self.met.then_some(&known)) {
+            Kept::Nearer => {
+                self.boxes.far = Wanted::First.far(hit.z, self.shift, scene.tree.frame.scale);
+                self.met = true;
+                return true;
+            }
+            Kept::Not => {}
+            Kept::Undecided => self.alone = true,
+        }
+        false
+    }
+}
+
+/// All pairs put down so far, those of one form together.
+#[simd]
+fn search_pairs<S: Simd, Q: Shot>(
+    simd: S,
+    scene: &Scene<'_>,
+    shots: &[Q],
+    stream: &mut Stream,
+    statistics: &mut Statistics,
+) {
+    let Stream { flights, pairs, lanes, single, .. } = stream;
+    if pairs.windows(2).any(|pair| pair[0].form != pair[1].form) {
+        pairs.sort_by_key(|pair| pair.form);
+    }
+    let mut rest = &pairs[..];
+    while let Some(first) = rest.first() {
+        let alike = rest.iter().take(LANES).take_while(|pair| pair.form == first.form).count();
+        let (group, others) = rest.split_at(alike);
+        rest = others;
+        let outcomes = lanes.search(simd, scene, shots, group);
+        statistics.newton_iterations += u64::from(outcomes.steps);
+        for (lane, pair) in group.iter().enumerate() {
+            let flight = &mut flights[pair.ray as usize];
+            let told = |lanes: u32| lanes >> lane & 1 != 0;
+            flight.alone |= told(outcomes.judged);
+            if told(outcomes.met) {
+                if flight.takes(scene, &lanes.place(lane, pair.leaf)) {
+                    lanes.put(lane, pair.leaf, &mut flight.hit);
+                }
+            } else if told(outcomes.open) {
+                let shot = &shots[pair.ray as usize];
+                let ray = shot.ray();
+                let task = Task { scene, ray, start: start_of(shot), index: pair.ray };
+                let piece = scene.leaves[pair.leaf as usize].piece;
+                let patch = &scene.set.pieces()[piece as usize].patch;
+                let error = patch.residual_factor() * patch.magnitude().max(flight.magnitude);
+                let work = (&mut *single, &mut *statistics);
+                task.search(simd, pair.leaf, (None, error), flight, work);
+            }
+            if flight.alone {
+                flight.stack.clear();
+            }
+        }
+    }
+}

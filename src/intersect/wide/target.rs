@@ -1,0 +1,192 @@
+//! A leaf that eight rays are searched in.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+use fearless_simd_macros::simd;
+use glam::DVec3;
+
+use super::jets::{Jets, jets, points};
+use super::newton::{Leaves, RayLanes, Step};
+use super::search::dot_d;
+use super::single::Scene;
+use crate::intersect::leaf_search;
+use crate::intersect::newton::{CLEAR, SURELY};
+use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
+
+/// A leaf, its piece, and which leaf it is.
+#[derive(Clone, Copy)]
+pub(super) struct Target<'a> {
+    pub(super) leaf: &'a Leaf,
+    pub(super) piece: &'a Piece,
+    pub(super) index: u32,
+    pub(super) scene: &'a Scene<'a>,
+    oriented: &'a OrientedBox,
+    rect: [[f64; 2]; 2],
+    /// Where the leaf's certificate holds.
+    pub(super) domain: [[f64; 2]; 2],
+    /// The point the leaf ends in, if it does.
+    pub(super) pole: Option<DVec3>,
+    /// How near a side of the piece a hit may be at a border of the surface; `None` if the
+    /// leaf is away from all borders.
+    pub(super) reach: Option<[f64; 4]>,
+    /// See [`FitError`](crate::patch::FitError).
+    bend: f64,
+    /// The approximation's second derivatives in the middle, by box coordinates: twice by the
+    /// first, by both, twice by the second.
+    second: [DVec3; 3],
+}
+
+impl<'a> Target<'a> {
+    pub(super) fn new(scene: &'a Scene<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
+        let leaf = &scene.leaves[index as usize];
+        let piece = &scene.set.pieces()[leaf.piece as usize];
+        let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
+        let pole = leaf.pole(piece);
+        // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
+        let reach = match pole {
+            Some(_) => Some([f64::INFINITY; 4]),
+            None => leaf_search::border_reach(leaf, piece),
+        };
+        let second = leaf.second_derivatives();
+        let bend = f64::from(leaf.fit_bend());
+        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, second }
+    }
+
+    /// The rays that pass the leaf's pole far enough for its certificate to speak of them.
+    #[inline(always)]
+    pub(super) fn is_away_from_pole<S: Simd>(
+        &self,
+        simd: S,
+        pole: DVec3,
+        rays: &RayLanes<S>,
+    ) -> mask64x8<S> {
+        let RayLanes { origin, axis, normals: [n1, n2], error } = *rays;
+        let offset = [
+            f64x8::splat(simd, pole.x) - origin[0],
+            f64x8::splat(simd, pole.y) - origin[1],
+            f64x8::splat(simd, pole.z) - origin[2],
+        ];
+        let (f1, f2) = (dot_d(n1, offset), dot_d(n2, offset));
+        let distance = f1.mul_add(f1, f2 * f2).sqrt();
+        let [_, _, normal] = self.oriented.directions();
+        let steep = dot_d(splat3(simd, normal), axis).abs();
+        let needed = f64::from(self.leaf.certificate.pole_per_error());
+        (error * f64x8::splat(simd, needed)).simd_le(steep * distance)
+    }
+
+    /// A rectangle of box coordinates, in the piece's parameters.
+    pub(super) fn parameters(&self, rect: [[f32; 2]; 2]) -> [[f64; 2]; 2] {
+        [0, 1].map(|k| {
+            let [from, to] = self.rect[k];
+            rect[k].map(|x| 0.5 * (from + to) + f64::from(x) * 0.5 * (to - from))
+        })
+    }
+}
+
+/// A leaf, and where in it eight rays have one root at most.
+pub(super) struct Ground8<'a> {
+    pub(super) target: &'a Target<'a>,
+    pub(super) domain: [[f64; 2]; 2],
+}
+
+impl<S: Simd> Leaves<S> for Ground8<'_> {
+    #[inline(always)]
+    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
+        jets(simd, &self.target.piece.patch, s, t)
+    }
+
+    #[inline(always)]
+    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
+        points(simd, &self.target.piece.patch, s, t)
+    }
+
+    #[inline(always)]
+    fn half(&self, simd: S) -> [f64x8<S>; 2] {
+        let [[s0, s1], [t0, t1]] = self.target.rect;
+        [f64x8::splat(simd, 0.5 * (s1 - s0)), f64x8::splat(simd, 0.5 * (t1 - t0))]
+    }
+
+    #[inline(always)]
+    fn per_half(&self, simd: S) -> [f64x8<S>; 2] {
+        let [[s0, s1], [t0, t1]] = self.target.rect;
+        [f64x8::splat(simd, 2.0 / (s1 - s0)), f64x8::splat(simd, 2.0 / (t1 - t0))]
+    }
+
+    #[inline(always)]
+    fn middle(&self, simd: S) -> [f64x8<S>; 2] {
+        let [[s0, s1], [t0, t1]] = self.target.rect;
+        [f64x8::splat(simd, 0.5 * (s0 + s1)), f64x8::splat(simd, 0.5 * (t0 + t1))]
+    }
+
+    #[inline(always)]
+    fn domain(&self, simd: S) -> [f64x8<S>; 4] {
+        let [[s0, s1], [t0, t1]] = self.domain;
+        [
+            f64x8::splat(simd, s0),
+            f64x8::splat(simd, s1),
+            f64x8::splat(simd, t0),
+            f64x8::splat(simd, t1),
+        ]
+    }
+
+    #[inline(always)]
+    fn bend(&self, simd: S) -> f64x8<S> {
+        f64x8::splat(simd, self.target.bend)
+    }
+
+    #[inline(always)]
+    fn second(&self, simd: S, axis: usize) -> [f64x8<S>; 3] {
+        let [xx, xy, yy] = self.target.second;
+        [f64x8::splat(simd, xx[axis]), f64x8::splat(simd, xy[axis]), f64x8::splat(simd, yy[axis])]
+    }
+
+    /// Where a step from beyond the leaf surely leads away from it, so that it is missed, as in the
+    /// scalar search.
+    #[simd]
+    fn surely_away(&self, simd: S, rays: &RayLanes<S>, step: &Step<S>) -> mask64x8<S> {
+        let ([s, t], [step_s, step_t], [f1, f2]) = (step.at, step.by, step.distances);
+        let [n1, n2] = rays.normals;
+        let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+        let [half_s, half_t] = self.half(simd);
+        let (outer_s, outer_t) = (half_s * reach, half_t * reach);
+        let [middle_s, middle_t] = self.middle(simd);
+        let (from_middle_s, from_middle_t) = (s - middle_s, t - middle_t);
+        let beyond_s = from_middle_s.abs().simd_gt(outer_s);
+        let beyond_t = from_middle_t.abs().simd_gt(outer_t);
+        if (beyond_s | beyond_t).all_false() {
+            return beyond_s;
+        }
+        let zero = f64x8::splat(simd, 0.0);
+        let residual = f1.mul_add(f1, f2 * f2);
+        let g = [f1 * n2[0] - f2 * n1[0], f1 * n2[1] - f2 * n1[1], f1 * n2[2] - f2 * n1[2]];
+        let [a, b, n] = self.target.oriented.unit_axes();
+        let across_a = dot_d(splat3(simd, a), g).abs();
+        let across_b = dot_d(splat3(simd, b), g).abs();
+        let normal = dot_d(splat3(simd, n), g).abs();
+        let rest = residual.sqrt() * f64x8::splat(simd, SURELY);
+        let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
+        let turned_s = across_a
+            .mul_add(f64x8::splat(simd, other_s), normal.mul_add(f64x8::splat(simd, out_s), rest));
+        let turned_t = across_b
+            .mul_add(f64x8::splat(simd, other_t), normal.mul_add(f64x8::splat(simd, out_t), rest));
+        // The step leads away where it has the sign of the place's side.
+        let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);
+        let away_t = beyond_t & (from_middle_t * step_t).simd_lt(zero);
+        let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
+        let clear = residual.simd_gt(rays.error * rays.error * f64x8::splat(simd, CLEAR * CLEAR));
+        clear & (away_s & sure_s | away_t & sure_t)
+    }
+}
+
+/// Why there is one root at most, and where.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Ground {
+    /// The leaf's certificate speaks of the ray: in the widened leaf.
+    Certificate,
+    /// The ray's own proof: in a rectangle of box coordinates.
+    Own([[f32; 2]; 2]),
+}
+
+#[simd]
+fn splat3<S: Simd>(simd: S, v: DVec3) -> [f64x8<S>; 3] {
+    [f64x8::splat(simd, v.x), f64x8::splat(simd, v.y), f64x8::splat(simd, v.z)]
+}
