@@ -117,7 +117,8 @@ fn walk<S: Simd, Q: Shot>(
     let mut crossings = [Crossings::NONE; AT_ONCE];
     waiting.clear();
     loop {
-        (nodes.clear(), blocks.clear());
+        nodes.clear();
+        blocks.clear();
         for &k in walking.iter() {
             match flights[k as usize].next().map(ChildCode::child) {
                 Some(Child::Node(index)) => nodes.push((k, index)),
@@ -295,10 +296,10 @@ impl Task<'_> {
         search_ahead(simd, self.scene, leaf, (start, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.rest.is_empty();
-        if let Some(hit) = single.hit {
-            if flight.takes(self.scene, &hit.place()) {
-                flight.hit = hit;
-            }
+        if let Some(hit) = single.hit
+            && flight.takes(self.scene, &hit.place())
+        {
+            flight.hit = hit;
         }
     }
 }
