@@ -7,6 +7,7 @@ use glam::{DVec4, Vec4Swizzles};
 use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
+use super::fold::check_fold;
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
@@ -60,11 +61,16 @@ const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
 /// functions have their Greville abscissae as coefficients.
 ///
 /// # Errors
-/// When two borders do not end in the same point (within rounding of their coordinates), or
+/// When two borders do not end in the same point (within rounding of their coordinates), two that
+/// are opposite both run back over themselves, or
 /// weights inside the patch would not be positive: borders of very small weights may do that.
 pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     check_corners(borders)?;
+    for (pair, name) in [([u0, u1], "u"), ([v0, v1], "v")] {
+        let fold = |k: usize| check_fold(pair[k], &format!("border {name}{k}"));
+        fold(0).or_else(|error| fold(1).map_err(|_| error))?;
+    }
     let along_u = unit_pair([v0, v1], "v")?;
     let along_v = unit_pair([u0, u1], "u")?;
     let (knots_u, knots_v) = (along_u[0].knots().clone(), along_v[0].knots().clone());

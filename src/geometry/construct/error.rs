@@ -144,17 +144,21 @@ pub enum ConstructError {
         second: usize,
     },
     /// A path has no direction at a parameter.
-    #[error("the path stands still at t = {}: it has no direction there", Measured(*.t))]
+    #[error("the {path} stands still at t = {}: it has no direction there", Measured(*.t))]
     StandsStill {
+        /// What it is called: `path`, or `curve` where a tube or ribbon is made around it.
+        path: &'static str,
         /// The parameter.
         t: f64,
     },
     /// A path is not connected.
     #[error(
-        "the path has a gap at t = {}, {} wide: it must be connected",
+        "the {path} has a gap at t = {}, {} wide: it must be connected",
         Measured(*.t), Measured(*.gap)
     )]
     Gap {
+        /// What it is called.
+        path: &'static str,
         /// The parameter.
         t: f64,
         /// How wide it is.
@@ -162,10 +166,12 @@ pub enum ConstructError {
     },
     /// A path turns all at once.
     #[error(
-        "the path has a kink of {}° at t = {}: it must be smooth; split it there",
+        "the {path} has a kink of {}° at t = {}: it must be smooth; split it there",
         Measured(*.degrees), Measured(*.t)
     )]
     Kink {
+        /// What it is called.
+        path: &'static str,
         /// The parameter.
         t: f64,
         /// By how much it turns.
@@ -209,13 +215,85 @@ pub enum ConstructError {
         /// The angle about the axis between the two parts.
         between: f64,
     },
+    /// A profile has one distance from the axis, and one height, all along.
+    #[error(
+        "profile: all of it is {} from the axis, at the same height: turned about it, it remains \
+         a circle", Measured(*.distance)
+    )]
+    OneCircle {
+        /// The distance from the axis.
+        distance: f64,
+    },
+    /// A profile that is turned passes over what it has just passed over.
+    #[error(
+        "profile: turned about the axis it covers itself: at t = {}, {}, it turns round as seen \
+         from the axis, and its two sides, as at t = {} and {}, are at the same distance and the \
+         same height; leave out one of the two",
+        Measured(*.t), MeasuredPoint(*.point), Measured(.twice[0]), Measured(.twice[1])
+    )]
+    TurnsRound {
+        /// The parameter where it turns round.
+        t: f64,
+        /// The place.
+        point: DVec3,
+        /// A parameter of each side, taken through the same places.
+        twice: [f64; 2],
+    },
+    /// A profile that is moved along a line passes over what it has just passed over.
+    #[error(
+        "profile: moved along {} it covers itself: at t = {}, {}, it turns round as seen in \
+         that direction, and its two sides, as at t = {} and {}, pass over the same places; move it in \
+         another direction, or leave out one of the two",
+        ShownVector(*.by), Measured(*.t), MeasuredPoint(*.point), Measured(.twice[0]),
+        Measured(.twice[1])
+    )]
+    FoldsFlat {
+        /// Along which vector it is moved.
+        by: DVec3,
+        /// The parameter where it turns round.
+        t: f64,
+        /// The place.
+        point: DVec3,
+        /// A parameter of each side, moved over the same places.
+        twice: [f64; 2],
+    },
+    /// A profile is moved along itself.
+    #[error("profile: moved along {} it remains a line: it runs straight in that direction", ShownVector(*.by))]
+    MovedAlongItself {
+        /// Along which vector it is moved.
+        by: DVec3,
+    },
+    /// Two curves, between which a surface is to be, are the same.
+    #[error("{which} are the same to within rounding: nothing lies between them")]
+    NothingBetween {
+        /// Which curves.
+        which: String,
+    },
+    /// A surface through sections comes back the way it went.
+    #[error(
+        "sections {first} and {last} coincide: the surface would turn round at section {turn} \
+         and cover itself on the way back"
+    )]
+    ComesBack {
+        /// A section, counted from 0.
+        first: usize,
+        /// The one between the two.
+        turn: usize,
+        /// The one that is the same again.
+        last: usize,
+    },
     /// A sweep would run backwards where its path bends.
     #[error(
-        "the sweep folds at t = {} of the path: the path bends with radius {} there, \
-         and the profile reaches {} towards the centre",
-        Measured(*.t), Measured(*.radius), Measured(*.reach)
+        "the {what} folds at t = {} of the {path}: the {path} bends with radius {} there, \
+         and the {} reaches {} towards the centre",
+        Measured(*.t), Measured(*.radius), if *.what == "sweep" { "profile" } else { .what },
+        Measured(*.reach)
     )]
     Fold {
+        /// What folds: a `sweep`, `tube` or `ribbon`.
+        what: &'static str,
+        /// What its path is called.
+        path: &'static str,
         /// The path's parameter.
         t: f64,
         /// The path's radius of curvature.
@@ -225,10 +303,12 @@ pub enum ConstructError {
     },
     /// An upward direction is the path's own.
     #[error(
-        "up {} runs along the path, whose direction there is {}: choose another one",
+        "up {} runs along the {path}, whose direction there is {}: choose another one",
         ShownVector(*.up), MeasuredPoint(*.tangent)
     )]
     Up {
+        /// What the path is called.
+        path: &'static str,
         /// The upward direction.
         up: DVec3,
         /// The path's direction.
@@ -273,11 +353,13 @@ pub enum ConstructError {
     },
     /// A tolerance is finer than rounding, or than a sensible number of pieces.
     #[error(
-        "the tolerance {} cannot be held: at t = {} of the path, {} is left after as many \
+        "the tolerance {} cannot be held: at t = {} of the {path}, {} is left after as many \
          halvings as there may be",
         Measured(*.tolerance), Measured(*.t), Measured(*.deviation)
     )]
     NotHeld {
+        /// What the path is called.
+        path: &'static str,
         /// The tolerance.
         tolerance: f64,
         /// What is left.
@@ -312,7 +394,12 @@ impl ConstructError {
                         .strip_suffix('`')
                         .is_some_and(|name| name.strip_prefix("curve `") == Some(curve))
             }
-            Self::CoversItself { .. } | Self::OnAxis => curve == "profile",
+            Self::CoversItself { .. }
+            | Self::OneCircle { .. }
+            | Self::TurnsRound { .. }
+            | Self::FoldsFlat { .. }
+            | Self::MovedAlongItself { .. }
+            | Self::OnAxis => curve == "profile",
             Self::SectionWeights { section, .. } | Self::SameSections { second: section, .. } => {
                 curve == format!("section {section}")
             }
@@ -321,6 +408,23 @@ impl ConstructError {
             }
             _ => false,
         }
+    }
+
+    /// The same about a `tube` or `ribbon`, made by sweeping something along what its author calls
+    /// a curve.
+    #[must_use]
+    pub(crate) fn around_a_curve(mut self, made: &'static str) -> Self {
+        match &mut self {
+            Self::Fold { what, path, .. } => (*what, *path) = (made, "curve"),
+            Self::StandsStill { path, .. }
+            | Self::Gap { path, .. }
+            | Self::Kink { path, .. }
+            | Self::Up { path, .. }
+            | Self::NotHeld { path, .. } => *path = "curve",
+            Self::Curve { which, .. } if which == "path" => "curve".clone_into(which),
+            _ => {}
+        }
+        self
     }
 
     /// Blames a curve.

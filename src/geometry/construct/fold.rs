@@ -72,28 +72,57 @@ fn runs_back(curve: &NurbsCurve, which: &str, fold: Fold) -> ConstructError {
 /// The latter is decided in the half plane of `(r², z)`, `r` the distance from the axis and `z`
 /// the height, which are rational: there the profile folds where it crosses the axis and goes
 /// on as its own mirror image. The two parts meet if the turn is at least the angle between
-/// them.
+/// them. It also folds where it is nearest to the axis, or farthest, in a plane across it: the two
+/// parts begin together, and any turn takes some of the one over the other.
 pub(crate) fn check_turned(
     profile: &NurbsCurve,
     axis: &Axis,
     degrees: f64,
 ) -> Result<(), ConstructError> {
     check_fold(profile, "profile")?;
-    let Some(Fold { t, twice, .. }) = Course::turned(profile, axis).fold() else { return Ok(()) };
+    let turned = Course::turned(profile, axis);
+    if turned.is_point() {
+        let distance = across(profile.point_at(profile.domain().0), axis).length();
+        return Err(ConstructError::OneCircle { distance });
+    }
+    let Some(Fold { t, twice, .. }) = turned.fold() else { return Ok(()) };
+    let point = profile.point_at(t);
+    // Off the axis the two parts begin at no angle.
+    let reach = (0..profile.control().len()).map(|i| across(profile.point(i), axis).length());
+    if across(point, axis).length() > ON_AXIS * reach.fold(0.0, f64::max) {
+        return Err(ConstructError::TurnsRound { t, point, twice });
+    }
     let [before, after] = twice.map(|t| across(profile.point_at(t), axis));
     let between = before.cross(after).length().atan2(before.dot(after));
     if degrees.abs().to_radians() <= between + SAME_DIRECTION {
         return Ok(());
     }
-    let point = profile.point_at(t);
     let between = between.to_degrees();
     Err(ConstructError::CoversItself { t, point, twice, degrees, between })
 }
 
+/// Where a profile crosses the axis, as a share of its distance: its square is known to the
+/// rounding of one, and the place to the root of that again.
+const ON_AXIS: f64 = 1e-3;
+
+/// Fails when a profile, moved along a vector, passes over what another part of itself has passed:
+/// when it folds as seen along the vector.
+pub(crate) fn check_moved(profile: &NurbsCurve, by: DVec3) -> Result<(), ConstructError> {
+    let seen = Course::seen_along(profile, by);
+    if seen.is_point() {
+        return Err(ConstructError::MovedAlongItself { by });
+    }
+    let Some(Fold { t, twice, .. }) = seen.fold() else { return Ok(()) };
+    Err(ConstructError::FoldsFlat { by, t, point: profile.point_at(t), twice })
+}
+
 /// A way to run through: a chain of rational Bézier pieces.
-pub(super) struct Course {
+pub(in crate::geometry) struct Course {
     pieces: Vec<CoursePiece>,
     closed: bool,
+    /// The size of the box around its control points, and their largest coordinate.
+    extent: f64,
+    magnitude: f64,
     /// The length of stretches that are but rounding.
     slack: f64,
 }
@@ -190,6 +219,42 @@ impl Course {
         Self::new(pieces, is_closed(curve), curve.magnitude())
     }
 
+    /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` is run
+    /// through from parameter `k` to `k + 1`.
+    pub(in crate::geometry) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
+        let piece = |(k, control)| CoursePiece { domain: (k as f64, (k + 1) as f64), control };
+        let pieces: Vec<_> = pieces.enumerate().map(piece).collect();
+        let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
+        let magnitude = points.map(|point| point.abs().max_element()).fold(0.0, f64::max);
+        Self::new(pieces, true, magnitude)
+    }
+
+    /// The point at a parameter.
+    pub(in crate::geometry) fn point_at(&self, t: f64) -> DVec3 {
+        let last = self.pieces.len() - 1;
+        let piece =
+            &self.pieces[self.pieces.partition_point(|piece| piece.domain.1 <= t).min(last)];
+        let (start, end) = piece.domain;
+        piece.at((t - start) / (end - start))
+    }
+
+    /// A curve as it is seen along a vector, in a plane across it.
+    fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Self {
+        let along = (vector / vector.abs().max_element()).normalize();
+        let across = |c: &DVec4| (c.xyz() - c.xyz().dot(along) * along).extend(c.w);
+        let piece = |piece: NurbsCurve| CoursePiece {
+            domain: piece.domain(),
+            control: piece.control().iter().map(across).collect(),
+        };
+        let pieces = pieces(curve).into_iter().map(piece).collect();
+        Self::new(pieces, is_closed(curve), curve.magnitude())
+    }
+
+    /// Whether it stays in one place, as far as rounding can tell.
+    fn is_point(&self) -> bool {
+        self.extent <= 4.0 * ROUNDING.1 * self.magnitude
+    }
+
     /// The profile as `(r² / R, z, 0)`, `R` being its largest distance from the axis.
     fn turned(profile: &NurbsCurve, axis: &Axis) -> Self {
         let points = || (0..profile.control().len()).map(|i| profile.point(i));
@@ -219,12 +284,13 @@ impl Course {
         let points = pieces.iter().flat_map(|piece| &piece.control).map(|c| c.xyz() / c.w);
         let (low, high) =
             points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-        let slack = ROUNDING.0 * (high - low).max_element() + ROUNDING.1 * magnitude;
-        Self { pieces, closed, slack }
+        let extent = (high - low).max_element();
+        let slack = ROUNDING.0 * extent + ROUNDING.1 * magnitude;
+        Self { pieces, closed, extent, magnitude, slack }
     }
 
     /// The first place where it turns round and runs back.
-    pub(super) fn fold(&self) -> Option<Fold> {
+    pub(in crate::geometry) fn fold(&self) -> Option<Fold> {
         let mut first: Option<Stretch<'_>> = None;
         let mut before: Option<Stretch<'_>> = None;
         for piece in &self.pieces {

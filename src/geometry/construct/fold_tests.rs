@@ -4,8 +4,9 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::fold::*;
 use super::revolve::Axis;
+use super::{Borders, ConstructError, coons, extrude, loft, ruled};
 use crate::geometry::shapes::{circle_arc, circle_cubic};
-use crate::geometry::{KnotVector, NurbsCurve};
+use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 use crate::math::bernstein::binomial;
 
 fn plane(points: &[[f64; 2]]) -> Vec<DVec3> {
@@ -162,4 +163,111 @@ fn a_profile_and_its_mirror_image_about_the_axis() {
     let triangle = polyline(&[[0.0, 2.0], [-1.0, 0.0], [1.0, 0.0], [0.0, 2.0]]);
     assert!(found(&triangle, 360.0).is_err());
     assert_eq!(found(&polyline(&[[0.0, 2.0], [-1.0, 0.0], [0.0, 0.0]]), 360.0), Ok(()));
+}
+
+#[test]
+fn a_profile_turned_within_a_plane_across_the_axis() {
+    let found = |profile: &NurbsCurve, degrees: f64| {
+        check_turned(profile, &Axis::Z, degrees).map_err(|error| error.to_string())
+    };
+    for size in [1e-8, 1.0, 1e8] {
+        let sized = |curve: NurbsCurve| {
+            curve.transformed(&DAffine3::from_scale(DVec3::splat(size))).unwrap()
+        };
+        // About its own centre a circle stays where it is.
+        for start in [0.0, 33.0] {
+            let circle = sized(circle_arc(1.0, start, 360.0).unwrap());
+            let refused = found(&circle, 10.0).unwrap_err();
+            assert!(refused.ends_with("turned about it, it remains a circle"), "{refused}");
+        }
+        // Aside it passes over a ring twice, and over some of it however little it is turned.
+        let aside = DAffine3::from_translation(3.0 * DVec3::X);
+        let aside = sized(circle_arc(1.0, 0.0, 360.0).unwrap().transformed(&aside).unwrap());
+        for degrees in [360.0, 30.0, -1.0] {
+            let refused = found(&aside, degrees).unwrap_err();
+            assert!(refused.starts_with("profile: turned about the axis it covers itself: at t ="));
+        }
+        // A line is nearest to the axis within; up to there it is a ring.
+        let line = |to: f64| sized(polyline(&[[1.0, -1.0], [1.0, to]]));
+        assert!(found(&line(1.0), 20.0).is_err());
+        assert_eq!(found(&line(0.0), 360.0), Ok(()));
+        // A circle that is tilted rises and falls at the same distance.
+        let tilt = DAffine3::from_rotation_x(0.5);
+        let tilted = sized(circle_arc(1.0, 0.0, 360.0).unwrap().transformed(&tilt).unwrap());
+        assert!(found(&tilted, 20.0).is_err());
+    }
+    let aside = polyline(&[[1.0, -1.0], [1.0, 1.0]]);
+    let error = check_turned(&aside, &Axis::Z, 360.0).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "profile: turned about the axis it covers itself: at t = 1, (1, 0, 0), it turns round as \
+         seen from the axis, and its two sides, as at t = 0.292893 and 1.70711, are at the same \
+         distance and the same height; leave out one of the two"
+    );
+}
+
+#[test]
+fn a_profile_moved_within_its_own_plane() {
+    for size in [1e-8, 1.0, 1e8] {
+        let sized = |curve: NurbsCurve| {
+            curve.transformed(&DAffine3::from_scale(DVec3::splat(size))).unwrap()
+        };
+        let circle = sized(circle_arc(1.0, 0.0, 360.0).unwrap());
+        for flat in [DVec3::Y, DVec3::new(-1e-3, 2e-3, 0.0), 1e9 * DVec3::X] {
+            let error = check_moved(&circle, flat).unwrap_err();
+            assert!(matches!(error, ConstructError::FoldsFlat { .. }), "{error}");
+        }
+        for out in [DVec3::Z, DVec3::new(1.0, 0.0, 1e-3)] {
+            assert_eq!(check_moved(&circle, out), Ok(()));
+        }
+        let graph = sized(bezier(&[[0.0, 0.0], [1.0, 2.0], [2.0, -1.0]]));
+        assert_eq!(check_moved(&graph, DVec3::Y), Ok(()), "a sheet, once");
+        assert!(check_moved(&graph, DVec3::X).is_err());
+    }
+    let line = polyline(&[[0.0, 0.0], [2.0, 1.0]]);
+    assert_eq!(
+        check_moved(&line, DVec3::new(-4.0, -2.0, 0.0)).unwrap_err().to_string(),
+        "profile: moved along (-4, -2, 0) it remains a line: it runs straight in that direction"
+    );
+    let roof = polyline(&[[0.0, 0.0], [3.0, 4.0], [0.0, 8.0]]);
+    assert_eq!(
+        check_moved(&roof, DVec3::Y).unwrap_err().to_string(),
+        "profile: moved along (0, 1, 0) it covers itself: at t = 5, (3, 4, 0), it turns round as \
+         seen from there, and its two sides, as at t = 2.5 and 7.5, pass over the same places; \
+         move it in another direction, or leave out one of the two"
+    );
+}
+
+#[test]
+fn surfaces_between_curves_that_are_the_same() {
+    let roof = polyline(&[[0.0, 0.0], [3.0, 4.0], [6.0, 0.0]]);
+    let message =
+        |made: Result<_, ConstructError>| made.map(|_: NurbsSurface| ()).unwrap_err().to_string();
+    assert_eq!(
+        message(ruled(&roof, &roof)),
+        "curves `from` and `to` are the same to within rounding: nothing lies between them"
+    );
+    assert_eq!(
+        message(extrude(&roof, DVec3::splat(1e-20))),
+        "the profile and itself moved by (1e-20, 1e-20, 1e-20) are the same to within rounding: \
+         nothing lies between them"
+    );
+    let aside = roof.transformed(&DAffine3::from_translation(DVec3::X)).unwrap();
+    assert!(message(ruled(&roof, &aside)).starts_with("profile: moved along (1, 0, 0) it covers"));
+    let above = roof.transformed(&DAffine3::from_translation(DVec3::Y)).unwrap();
+    assert!(ruled(&roof, &above).is_ok());
+    let lofted = |degree| {
+        message(loft(&[roof.clone(), above.clone(), roof.clone()], degree).map(|l| l.surface))
+    };
+    for degree in [1, 2] {
+        assert_eq!(
+            lofted(degree),
+            "sections 0 and 2 coincide: the surface would turn round at section 1 and cover itself \
+             on the way back"
+        );
+    }
+    let back = |y: f64| polyline(&[[0.0, y], [2.0, y], [0.0, y]]);
+    let side = polyline(&[[0.0, 0.0], [0.0, 1.0]]);
+    let borders = Borders { u0: side.clone(), u1: side, v0: back(0.0), v1: back(1.0) };
+    assert!(message(coons(&borders)).starts_with("border v0: it folds at control point 1"));
 }

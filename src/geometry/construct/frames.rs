@@ -32,7 +32,7 @@ impl Frame {
                 let side = across.normalize();
                 Ok(Self { origin: path.point_at(start), tangent, normal: side.cross(tangent) })
             }
-            _ => Err(ConstructError::Up { up: wanted, tangent }),
+            _ => Err(ConstructError::Up { path: "path", up: wanted, tangent }),
         }
     }
 

@@ -7,6 +7,7 @@ use super::compatible::compatible;
 use super::error::net_size;
 use super::fold::check_fold;
 use super::interpolate::Interpolation;
+use super::path::SAME_PLACE;
 use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
 
 /// A surface through sections, and where it meets them.
@@ -33,7 +34,7 @@ pub const LOFT_DEGREE: usize = 3;
 /// # Errors
 /// When there are fewer than `degree + 1` sections, two in a row coincide, one that is neither
 /// the first nor the last runs back over itself (these two may, as the bow of a hull does; not
-/// both if there are no others), or sections of
+/// both if there are no others), the surface comes back the way it went, or sections of
 /// very different weights make the interpolated ones not positive.
 pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructError> {
     let needed = degree.max(1) + 1;
@@ -52,6 +53,7 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
     let sections = compatible(sections, &which)?;
     let lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
     let parameters = averaged_chords(&lines)?;
+    check_way_back(&sections, degree)?;
     let across = |error| SurfaceError::Knots { direction: crate::geometry::Direction::V, error };
     let equations = Interpolation::new(degree, &parameters).map_err(across)?;
 
@@ -70,6 +72,23 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
         error => error.into(),
     })?;
     Ok(Loft { surface, parameters })
+}
+
+/// Fails where the surface would come back the way it went: straight from section to section, or
+/// in one bow from the first of three to the last.
+fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), ConstructError> {
+    if degree > 1 && sections.len() > 3 {
+        return Ok(());
+    }
+    for (first, three) in sections.windows(3).enumerate() {
+        let (a, b) = (&three[0], &three[2]);
+        let near = SAME_PLACE * a.magnitude();
+        let mut points = 0..a.control().len();
+        if points.all(|i| a.point(i).distance(b.point(i)) <= near) {
+            return Err(ConstructError::ComesBack { first, turn: first + 1, last: first + 2 });
+        }
+    }
+    Ok(())
 }
 
 /// The control points of a section, scaled to begin with weight 1; as they are if they do.

@@ -7,8 +7,9 @@
 //! Profiles, sections, paths and the curves inside tubes and ribbons must not *fold*, that is
 //! turn round at a place and run back over the stretch they have just run through: the surface
 //! would cover itself twice. Corners, cusps whose two sides part, and curves that touch or cross
-//! themselves are no folds. Nor may a revolution take a part of its profile to where another part has
-//! been, as when a full circle is turned about its diameter by more than 180°.
+//! themselves are no folds. Nor may a revolution or an extrusion take a part of its profile to where
+//! another part has been, as when a full circle is turned about its diameter by more than 180°, or
+//! turned or moved within its own plane.
 //!
 //! ```
 //! use glam::DVec3;
@@ -39,6 +40,7 @@ mod net;
 mod path;
 mod revolve;
 mod ruled;
+mod stops;
 mod sweep;
 #[cfg(test)]
 mod sweep_tests;
@@ -46,6 +48,7 @@ mod tube;
 
 pub use coons::{Borders, Corner, coons};
 pub use error::ConstructError;
+pub(in crate::geometry) use fold::Course;
 pub use loft::{LOFT_DEGREE, Loft, loft};
 pub use net::{ControlNet, NetStyle, control_net};
 pub use revolve::{Axis, revolve};

@@ -134,7 +134,9 @@ impl MovingFrames {
                     .fold(0.0, f64::max);
                 if most >= 1.0 {
                     let radius = 1.0 / bend.length();
-                    return Err(ConstructError::Fold { t, radius, reach: most * radius });
+                    let (what, path) = ("sweep", "path");
+                    let reach = most * radius;
+                    return Err(ConstructError::Fold { what, path, t, radius, reach });
                 }
             }
         }
@@ -186,7 +188,8 @@ pub(crate) fn approximate(
                 || middle <= a
                 || middle >= b;
             if exhausted {
-                return Err(ConstructError::NotHeld { tolerance, deviation: off, t: a });
+                let (path, deviation) = ("path", off);
+                return Err(ConstructError::NotHeld { path, tolerance, deviation, t: a });
             }
             waiting.extend([(middle, b), (a, middle)]);
         }

@@ -37,7 +37,7 @@ pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructEr
     } else {
         unit(at.first)
     };
-    found.ok_or(ConstructError::StandsStill { t })
+    found.ok_or(ConstructError::StandsStill { path: "path", t })
 }
 
 /// The angle between two unit vectors in radians, right for small ones too.
@@ -72,7 +72,7 @@ pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
         let t = pair[1].domain().0;
         let gap = pair[0].point_at(t).distance(pair[1].point_at(t));
         if gap > same_place {
-            return Err(ConstructError::Gap { t, gap });
+            return Err(ConstructError::Gap { path: "path", t, gap });
         }
         let angle = angle(direction(&pair[0], t)?, direction(&pair[1], t)?);
         if angle > SAME_DIRECTION {

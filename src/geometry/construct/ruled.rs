@@ -4,9 +4,11 @@ use glam::{DVec3, DVec4};
 
 use super::ConstructError;
 use super::compatible::compatible;
-use super::fold::check_fold;
+use super::fold::{check_fold, check_moved};
+use super::path::SAME_PLACE;
 use crate::geometry::shapes::unit_knots;
 use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::math::ShownVector;
 
 /// The surface that a profile passes over when it is moved along a vector: exact.
 ///
@@ -15,16 +17,37 @@ use crate::geometry::{NurbsCurve, NurbsSurface};
 /// outward.
 ///
 /// # Errors
-/// When the vector is zero or not finite, or the profile runs back over itself.
+/// When the vector is zero or not finite, or the profile runs back over itself, or does so as seen
+/// along the vector, as a circle does in its own plane: it would pass over the same places twice.
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {
         return Err(ConstructError::Direction { what: "extrusion by", vector: by });
     }
+    if by.length() <= SAME_PLACE * profile.magnitude() {
+        let which = format!("the profile and itself moved by {}", ShownVector(by));
+        return Err(ConstructError::NothingBetween { which });
+    }
     check_fold(profile, "profile")?;
+    check_moved(profile, by)?;
     let moved = |point: &DVec4| [*point, *point + (point.w * by).extend(0.0)];
     let net = profile.control().iter().flat_map(moved).collect();
     Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
+}
+
+/// Fails when there is nothing between two compatible curves, or when the one is the other, moved,
+/// and passes over itself on the way.
+fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructError> {
+    let near = SAME_PLACE * from.magnitude().max(to.magnitude());
+    let steps = || (0..from.control().len()).map(|i| to.point(i) - from.point(i));
+    if steps().all(|step| step.length() <= near) {
+        let which = "curves `from` and `to`".to_owned();
+        return Err(ConstructError::NothingBetween { which });
+    }
+    let by = to.point(0) - from.point(0);
+    let moved = steps().all(|step| step.distance(by) <= near);
+    let same_weights = || (0..from.control().len()).all(|i| from.weight(i) == to.weight(i));
+    if moved && same_weights() { check_moved(from, by) } else { Ok(()) }
 }
 
 /// The surface of the straight lines that join two curves, each point of the one with the
@@ -37,12 +60,14 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
 /// a tube does.
 ///
 /// # Errors
-/// When the curves are the same point, have knots too close together, or both run back over
+/// When the curves are the same, or the one is the other moved along a direction as seen in which
+/// it runs back over itself (as [`extrude`]), when they have knots too close together, or both run back over
 /// themselves.
 pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, ConstructError> {
     let which = |index| if index == 0 { "curve `from`" } else { "curve `to`" }.to_owned();
     check_fold(from, &which(0)).or_else(|error| check_fold(to, &which(1)).map_err(|_| error))?;
     let both = compatible(&[from.clone(), to.clone()], &which)?;
+    check_between(&both[0], &both[1])?;
     let pairs = both[0].control().iter().zip(both[1].control());
     let net = pairs.flat_map(|(a, b)| [*a, *b]).collect();
     Ok(NurbsSurface::from_homogeneous(both[0].knots().clone(), unit_knots(1), net)?)

@@ -5,11 +5,12 @@ use glam::{DVec3, DVec4};
 use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
-use super::fold::check_fold;
+use super::fold::{check_fold, check_moved};
 use super::frames::Frame;
 use super::moving::{MovingFrames, approximate};
-use super::path::{OnCircle, is_straight, kinks};
+use super::path::{OnCircle, SAME_PLACE, is_straight, kinks};
 use super::revolve::{Turned, turned_net};
+use super::stops::without_stops;
 use crate::geometry::shapes::unit_knots;
 use crate::geometry::{NurbsCurve, NurbsSurface};
 
@@ -65,8 +66,10 @@ const TOLERANCE: f64 = 1e-6;
 /// derivatives, halved until the distance to the true sweep is within the tolerance.
 ///
 /// # Errors
-/// When profile or path runs back over itself; when the path has a kink, a gap or a cusp; when the sweep folds: where the path bends, the
-/// profile reaches beyond the centre of curvature; when the scale is negative, or zero all
+/// When profile or path runs back over itself; when the path has a kink, a gap or a cusp, or stands
+/// still all along (where it only stops for a while, it goes on); when the sweep folds: a profile
+/// that leaves its plane passes over itself along a straight path, or, where the path bends, it
+/// reaches beyond the centre of curvature; when the scale is negative, or zero all
 /// along; when the tolerance cannot be held.
 pub fn sweep(
     profile: &NurbsCurve,
@@ -76,13 +79,16 @@ pub fn sweep(
     check_options(options)?;
     check_fold(profile, "profile")?;
     check_fold(path, "path")?;
-    let path = path.clamped();
+    let path = without_stops(path)?.clamped();
     if let Some(kink) = kinks(&path)?.first() {
-        return Err(ConstructError::Kink { t: kink.t, degrees: kink.degrees });
+        return Err(ConstructError::Kink { path: "path", t: kink.t, degrees: kink.degrees });
     }
     let first = Frame::first(&path, options.up)?;
     let constant = options.scale.iter().all(|&factor| factor == options.scale[0]);
     if options.twist == 0.0 {
+        if is_straight(&path) && constant {
+            check_moved(profile, DVec3::Z)?;
+        }
         if is_straight(&path) && (constant || !path.is_rational()) {
             return exact(along_a_line(profile, &path, &first, &options.scale)?);
         }
@@ -197,9 +203,11 @@ fn along_a_circle(
     for share in 0..=FOLD_SAMPLES {
         let t = start + (end - start) * share as f64 / FOLD_SAMPLES as f64;
         let across = place(profile.point_at(t)).dot(circle.across);
-        if across <= 0.0 {
+        if across <= SAME_PLACE * circle.radius {
             let reach = circle.radius - across;
-            return Err(ConstructError::Fold { t: path.domain().0, radius: circle.radius, reach });
+            let (what, called, t) = ("sweep", "path", path.domain().0);
+            let radius = circle.radius;
+            return Err(ConstructError::Fold { what, path: called, t, radius, reach });
         }
     }
     net_size(profile.control().len(), circle.points.len())?;

@@ -278,13 +278,26 @@ fn what_cannot_be_swept() {
     assert!(folded.ends_with("there, and the profile reaches 3 towards the centre"), "{folded}");
     let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 0.0, 2.0)]).unwrap();
     assert!(message(&circle(4.0), &parabola, &plain).starts_with("the sweep folds at t = 0"));
-    // Four equal control points in a row: the path stands still for a span.
+    // Four equal control points in a row: the path stands still for a span, and has a corner there.
     let still = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X, DVec3::X, DVec3::X, DVec3::ONE];
     let still = NurbsCurve::uniform_bspline(3, &still).unwrap();
     assert_eq!(
         message(&circle(0.1), &still, &plain),
-        "the path stands still at t = 5: it has no direction there"
+        "the path has a kink of 120° at t = 6: it must be smooth; split it there"
     );
+    let nowhere = NurbsCurve::bezier(&[DVec3::X; 3]).unwrap();
+    assert_eq!(
+        message(&circle(0.1), &nowhere, &plain),
+        "the path stands still at t = 0: it has no direction there"
+    );
+    // Profiles that leave their plane, along a straight path.
+    let upright = |points: &[[f64; 2]]| {
+        let points: Vec<DVec3> = points.iter().map(|&[x, z]| DVec3::new(x, 0.0, z)).collect();
+        NurbsCurve::polyline(&points).unwrap()
+    };
+    let straight = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::Y]).unwrap();
+    let folded = message(&upright(&[[1.0, 0.0], [2.0, 1.0], [1.0, 2.0]]), &straight, &plain);
+    assert!(folded.starts_with("profile: moved along (0, 0, 1) it covers itself"), "{folded}");
     // A beginning of unlimited curvature.
     let hook = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::ONE]).unwrap();
     assert!(message(&circle(0.1), &hook, &plain).starts_with("the sweep folds at t = 0.0009"));

@@ -7,6 +7,7 @@ use super::fold::check_fold;
 use super::path::{direction, is_closed, is_straight, smooth_parts};
 use super::revolve::{Axis, revolve};
 use super::ruled::extrude;
+use super::stops::without_stops;
 use super::sweep::{Sweep, SweepOptions, sweep};
 use crate::geometry::shapes::{circle_arc, sphere_biquadratic};
 use crate::geometry::{NurbsCurve, NurbsSurface};
@@ -55,16 +56,22 @@ pub struct TubeStyle {
 /// The surfaces of a tube around a curve, facing outward.
 ///
 /// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept
-/// ([`sweep`]). Where the curve has a kink, a sphere joins the parts. A curve that ends where
+/// ([`sweep`]). Where the curve has a kink or a cusp, a sphere joins the parts; where it stops for
+/// a while, as at a control point that is repeated more often than its degree, it goes on. A curve that ends where
 /// it begins has no caps.
 ///
 /// # Errors
-/// When the radius is not a positive length, the curve has a gap, stands still, runs back over
+/// When the radius is not a positive length, the curve has a gap, is but a point, runs back over
 /// itself, or bends with a radius smaller than the tube's.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
+    tube_along(curve, style).map_err(|error| error.around_a_curve("tube"))
+}
+
+fn tube_along(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
     let radius = style.radius;
     let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
     check_fold(curve, "curve")?;
+    let curve = &without_stops(curve)?;
     let parts = smooth_parts(curve)?;
     let mut pieces = Vec::new();
     for part in &parts {
@@ -169,6 +176,8 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, Con
         return Err(ConstructError::Width { width: style.width });
     }
     check_fold(curve, "curve")?;
+    let called = |error: ConstructError| error.around_a_curve("ribbon");
+    let curve = without_stops(curve).map_err(called)?;
     let half = DVec3::X * (style.width / 2.0);
     let profile = NurbsCurve::polyline(&[half, -half]).map_err(ConstructError::of("ribbon"))?;
     let options = SweepOptions {
@@ -181,7 +190,8 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, Con
         let Sweep { surface, deviation } = sweep(&profile, &part, &options)?;
         Ok(Piece { what: "ribbon", surface, deviation })
     };
-    smooth_parts(curve)?.into_iter().map(made).collect()
+    let parts = smooth_parts(&curve).map_err(called)?.into_iter();
+    parts.map(|part| made(part).map_err(called)).collect()
 }
 
 #[cfg(test)]
@@ -287,6 +297,40 @@ mod tests {
         assert_eq!(
             tube(&curve, &TubeStyle::default()).unwrap_err().to_string(),
             "tube: radius 0: it must be positive and finite"
+        );
+    }
+
+    #[test]
+    fn a_control_point_four_times_is_a_corner() {
+        let points = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0], [2.0, 0.0], [2.0, 0.0], [2.0, 0.0]];
+        let points = points.into_iter().chain([[3.0, 2.0], [4.0, 0.0]]);
+        let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+        let knots = crate::geometry::KnotVector::clamped_uniform(3, 8).unwrap();
+        let curve = NurbsCurve::new(knots, points, None).unwrap();
+        let style = TubeStyle { radius: 0.1, ..TubeStyle::default() };
+        assert_eq!(counts(&tube(&curve, &style).unwrap()), [2, 1, 2]);
+        let style = RibbonStyle { width: 0.1, ..RibbonStyle::default() };
+        assert_eq!(ribbon(&curve, &style).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn errors_say_curve_where_a_curve_was_written() {
+        let bend = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let bend = NurbsCurve::bezier(&bend).unwrap();
+        let thick = TubeStyle { radius: 2.0, ..TubeStyle::default() };
+        let error = tube(&bend, &thick).unwrap_err().to_string();
+        assert!(error.starts_with("the tube folds at t = 0.203125 of the curve: the curve bends"));
+        assert!(error.ends_with("there, and the tube reaches 2 towards the centre"), "{error}");
+        let wide = RibbonStyle { width: 4.0, up: Some(DVec3::Z), ..RibbonStyle::default() };
+        let error = ribbon(&bend, &wide).unwrap_err().to_string();
+        assert!(error.starts_with("the ribbon folds at t = "), "{error}");
+        let along = RibbonStyle { up: Some(DVec3::new(1.0, 2.0, 0.0)), width: 0.1, ..wide };
+        let error = ribbon(&bend, &along).unwrap_err().to_string();
+        assert!(error.starts_with("up (1, 2, 0) runs along the curve, whose"), "{error}");
+        let nowhere = NurbsCurve::bezier(&[DVec3::X; 3]).unwrap();
+        assert_eq!(
+            tube(&nowhere, &TubeStyle { radius: 0.1, ..thick }).unwrap_err().to_string(),
+            "the curve stands still at t = 0: it has no direction there"
         );
     }
 }

@@ -26,6 +26,13 @@ const WORK_PER_SEGMENT: usize = 1 << 11;
 /// See [`WORK_PER_SEGMENT`]; a hundred curves may well all touch each other.
 const WORK_FOR_A_START: usize = 1 << 24;
 
+/// A loop that is run through again encloses its area twice; one that runs there and back, nothing
+/// but rounding. This share of its rectangle is between the two.
+const SMALL_AREA: f64 = 1e-9;
+
+/// A loop that is no larger than so many roundings of its curves is but a point.
+const MOST_REACHES: f64 = 64.0;
+
 /// So many contacts are looked at for the first time before all are found.
 const FIRST_LOOK: usize = 64;
 
@@ -95,7 +102,9 @@ fn check_contacts(
                 return Err(TrimError::Crossing { loops, at });
             }
             Course::Hidden if this == other => {
-                return Err(degenerate(loop_a, &segments[loops[this].clone()]));
+                let own = &segments[loops[this].clone()];
+                let error = if encloses(own) { repeated } else { degenerate };
+                return Err(error(loop_a, own));
             }
             Course::Hidden => {
                 let loops = [loop_a.min(loop_b), loop_a.max(loop_b)];
@@ -107,9 +116,30 @@ fn check_contacts(
 }
 
 fn degenerate(index: usize, segments: &[Segment]) -> TrimError {
-    let bounds = segments.iter().map(Segment::bounds).fold(UvBox::EMPTY, UvBox::union);
-    let error = TrimLoopError::Degenerate { min: bounds.min, max: bounds.max };
-    TrimError::Loop { index, error }
+    let UvBox { min, max } = around(segments);
+    TrimError::Loop { index, error: TrimLoopError::Degenerate { min, max } }
+}
+
+fn repeated(index: usize, segments: &[Segment]) -> TrimError {
+    let UvBox { min, max } = around(segments);
+    TrimError::Loop { index, error: TrimLoopError::Repeated { min, max } }
+}
+
+fn around(segments: &[Segment]) -> UvBox {
+    segments.iter().map(Segment::bounds).fold(UvBox::EMPTY, UvBox::union)
+}
+
+/// Whether a loop goes around anything: the area to its left less that to its right, by the
+/// polygon of its segments' ends and middles, is not small beside its rectangle.
+fn encloses(segments: &[Segment]) -> bool {
+    let bounds = around(segments);
+    let corners = segments.iter().flat_map(|one| [0.0, 0.5].map(|along| one.directed_at(along)));
+    let corners: Vec<DVec2> = corners.map(|corner| corner - bounds.min).collect();
+    let next = corners.iter().cycle().skip(1);
+    let area: f64 = corners.iter().zip(next).map(|(a, b)| 0.5 * a.perp_dot(*b)).sum();
+    let reach = segments.iter().map(Segment::reach).fold(DVec2::ZERO, DVec2::max);
+    let seen = bounds.size().cmpgt(MOST_REACHES * reach).all();
+    seen && area.abs() > SMALL_AREA * bounds.size().element_product()
 }
 
 /// The stretches of each segment of a loop that are near a loop, by the two loops.

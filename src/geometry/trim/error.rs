@@ -148,6 +148,30 @@ pub enum TrimLoopError {
         /// The largest.
         max: DVec2,
     },
+    /// The loop runs all along itself again.
+    #[error(
+        "the loop on {} to {} is run through more than once: what is passed twice cuts nothing; \
+         give it once",
+        measured(*.min), measured(*.max)
+    )]
+    Repeated {
+        /// The smallest parameters of the loop.
+        min: DVec2,
+        /// The largest.
+        max: DVec2,
+    },
+    /// The loop turns round and runs back over itself for a while.
+    #[error(
+        "the loop has a dangling edge: at {} it turns round and runs back over itself, to {} at \
+         least; leave that edge out, in which nothing is enclosed",
+        measured(*.at), measured(*.until)
+    )]
+    Dangling {
+        /// Where it turns round.
+        at: DVec2,
+        /// Where the shorter of the two curves that meet there has its other end.
+        until: DVec2,
+    },
 }
 
 /// Why loops cannot trim a surface.

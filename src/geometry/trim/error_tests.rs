@@ -329,3 +329,56 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn edges_that_run_out_and_back_are_refused() {
+    let corners =
+        |tip: f64| [(2., 2.), (8., 2.), (8., 5.), (tip, 5.), (8., 5.), (8., 8.), (2., 8.)];
+    for tip in [9.0, 6.0] {
+        let error = refused(&[square(20.0, 20.0, 1.0), polygon(&corners(tip))]);
+        let message = format!(
+            "loop 1: the loop has a dangling edge: at ({tip}, 5) it turns round and runs back over \
+             itself, to (8, 5) at least; leave that edge out, in which nothing is enclosed"
+        );
+        assert_eq!(error.to_string(), message);
+    }
+    // A bridge to a hole is crossed there and back, but not at once.
+    let wide = TrimDomain::new([0.0, 10.0], [0.0, 10.0]).unwrap();
+    let ring = [
+        (2., 2.),
+        (8., 2.),
+        (8., 5.),
+        (6., 5.),
+        (6., 4.),
+        (4., 4.),
+        (4., 6.),
+        (6., 6.),
+        (6., 5.),
+        (8., 5.),
+        (8., 8.),
+        (2., 8.),
+    ];
+    let ring = Trims::new(wide, Kept::Odd, &[polygon(&ring)]).unwrap();
+    assert_eq!(ring.contains(DVec2::new(5.0, 5.0)), Side::Outside);
+    assert_eq!(ring.contains(DVec2::new(3.0, 5.0)), Side::Inside);
+}
+
+#[test]
+fn a_loop_run_through_twice_is_told_from_one_that_encloses_nothing() {
+    let corners = [(2., 2.), (8., 2.), (8., 8.), (2., 8.)];
+    let twice: Vec<_> = corners.into_iter().chain(corners).collect();
+    assert_eq!(
+        refused(&[polygon(&twice)]).to_string(),
+        "loop 0: the loop on (2, 2) to (8, 8) is run through more than once: what is passed twice \
+         cuts nothing; give it once"
+    );
+    // A point to within rounding.
+    let least = refused(&[circle(0.5, 0.5, 1e-15)]);
+    assert!(least.to_string().starts_with("loop 0: the loop encloses nothing"), "{least}");
+    let round = TrimCurve::circle(DVec2::splat(5.0), 1.0).unwrap();
+    let twice = TrimLoop::new(&[round.clone(), round]).unwrap();
+    assert!(matches!(
+        refused(&[twice]),
+        TrimError::Loop { index: 0, error: TrimLoopError::Repeated { .. } }
+    ));
+}

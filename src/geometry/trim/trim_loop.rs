@@ -1,9 +1,10 @@
 //! Curves joined to a closed loop.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::curve::euclidean;
 use super::{TrimCurve, TrimLoopError, UvBox};
+use crate::geometry::construct::Course;
 
 /// Ends of curves this close, per length of the loop in u and in v, are taken for one point.
 ///
@@ -136,6 +137,17 @@ impl TrimLoop {
     /// A rectangle that holds the loop: the hull of its control points.
     pub fn bounds(&self) -> UvBox {
         UvBox::around(self.pieces.iter().flat_map(LoopPiece::hull))
+    }
+
+    /// Fails where the loop turns round and runs back over what it has just run through. (A bridge to
+    /// another part of it, crossed there and later back, is none such.)
+    pub(super) fn check_dangling(&self) -> Result<(), TrimLoopError> {
+        let in_space = |c: &DVec3| DVec4::new(c.x, c.y, 0.0, c.z);
+        let pieces = self.pieces.iter().map(|piece| piece.control.iter().map(in_space).collect());
+        let course = Course::closed(pieces);
+        let Some(fold) = course.fold() else { return Ok(()) };
+        let [at, until] = [fold.t, fold.until].map(|t| course.point_at(t).truncate());
+        Err(TrimLoopError::Dangling { at, until })
     }
 
     pub(super) fn pieces(&self) -> &[LoopPiece] {

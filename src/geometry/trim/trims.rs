@@ -103,9 +103,9 @@ impl Trims {
     /// The trims made by these loops.
     ///
     /// # Errors
-    /// When there is no loop, one encloses nothing or lies outside the domain, loops cross
-    /// themselves or each other, two are the same, or there is absurdly much of them. Loops
-    /// are counted from 0.
+    /// When there is no loop, one encloses nothing, is run through twice, has a dangling edge or
+    /// lies outside the domain, loops cross themselves or each other, two are the same, or there
+    /// is absurdly much of them. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
         if loops.is_empty() {
             return Err(TrimError::NoLoops);
@@ -135,6 +135,9 @@ impl Trims {
         }
         let tree = Tree::new(&segments, &ranges);
         check_crossings(&segments, &ranges, &owners, &tree)?;
+        for (index, trim_loop) in loops.iter().enumerate() {
+            trim_loop.check_dangling().map_err(|error| TrimError::Loop { index, error })?;
+        }
         Ok(Self { domain, kept, segments, loops: ranges, tree })
     }
 
