@@ -483,3 +483,46 @@ fn trims_are_mirrored_with_their_surface() {
     assert_eq!(mirrored.reversed_u().trims().segment_count(), part.trims().segment_count());
     assert_eq!(mirrored.trims().loop_count(), part.trims().loop_count());
 }
+
+/// At a pole all parameters of a side are one point: it is there if any of them is kept, and is
+/// met at one that is.
+#[test]
+fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
+    let notch = circle(0.0, 0.3, 0.1);
+    // All that piece 0 has of the pole, and more.
+    let most = polygon(&[(-0.1, -0.05), (0.3, -0.05), (0.3, 0.7), (-0.1, 0.7)]);
+    for (name, cut, kept) in [("notch", notch, 0.0), ("most", most, 0.7)] {
+        for size in [1e-8, 1.0, 1e8] {
+            let sphere = shapes::sphere(size).unwrap();
+            let pole = sphere.point_at(0.0, 0.5);
+            let domain = TrimDomain::of(&sphere).unwrap();
+            let trims = Trims::new(domain, Kept::Even, std::slice::from_ref(&cut)).unwrap();
+            let part = TrimmedSurface::new(sphere, trims).unwrap();
+            let bvh = build(&[part.clone().into()]);
+            let mut random = Random::new(17);
+            let queries: Vec<Query> = (0..2000)
+                .map(|_| {
+                    let off = 1e-16 * random.power_of_ten(-2.0, 0.5) * size;
+                    let at = pole + off * random.direction();
+                    let direction = random.direction() - DVec3::Z * pole.z.signum();
+                    let direction = direction.normalize();
+                    let origin = at - random.between(0.5, 3.0) * size * direction;
+                    Query::primary(Ray::new(origin, direction).unwrap())
+                })
+                .collect();
+            let mut met = 0;
+            for (who, hits) in asked(&bvh, &queries) {
+                for (hit, query) in hits.iter().zip(&queries) {
+                    let Some(Some(hit)) = hit else { continue };
+                    if hit.point.distance(pole) > 1e-15 * size {
+                        continue;
+                    }
+                    met += 1;
+                    assert!(part.keeps(hit.uv), "{name}, {size:e}, {who}: {hit:?} {query:?}");
+                    assert!(hit.uv.y >= kept, "{name}, {size:e}, {who}: {hit:?}");
+                }
+            }
+            assert!(met > 5000, "{name}, {size:e}: {met} of {} hits", queries.len());
+        }
+    }
+}

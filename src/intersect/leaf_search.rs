@@ -1,8 +1,9 @@
 //! One leaf, one ray: what is found, and how it is known.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
+use super::kept_pole::Spot;
 use super::newton::{Grounds, Newton, newton, project};
 use super::{HitFlags, Occlusion, Root, Statistics};
 use crate::geometry::trim::Side;
@@ -90,6 +91,9 @@ pub(super) struct Findings {
     /// The smallest ray parameter at which something may have been missed.
     pub(super) doubt: f64,
     pub(super) statistics: Statistics,
+    /// Boxes the exact solver has looked at for this ray; whoever asks about the next one sets it
+    /// to zero.
+    pub(super) effort: u64,
     solver: ExactSolver,
     solutions: Vec<Solution>,
 }
@@ -170,6 +174,10 @@ pub(super) fn search_exactly(
     findings: &mut Findings,
 ) {
     let Place { leaf, piece, .. } = *place;
+    if findings.effort >= MOST_BOXES {
+        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+        return;
+    }
     let rect = leaf.widened(piece, LEAF_SLACK);
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
@@ -186,12 +194,28 @@ pub(super) fn search_exactly(
     let before = findings.solver.boxes;
     findings.solver.solve(&task, &mut solutions);
     findings.statistics.exact_calls += 1;
-    findings.statistics.exact_boxes += findings.solver.boxes - before;
+    let boxes = findings.solver.boxes - before;
+    findings.effort += boxes;
+    findings.statistics.exact_boxes += boxes;
     clip_stretches(piece, question.ray, &mut solutions);
     for solution in &solutions {
         accept(question, place, solution, None, findings);
     }
     findings.solutions = solutions;
+}
+
+/// How many boxes the exact solver looks at for one ray before it leaves further leaves undecided,
+/// which makes the answer doubtful: some thirty milliseconds' work. A ray through any surface that
+/// is one takes some hundred; one that runs through many leaves inside a plane, some hundred for
+/// each. A surface that is folded flat onto itself, or is but a curve, may take thousands for each
+/// of thousands.
+const MOST_BOXES: u64 = 1 << 15;
+
+/// No point of a piece is met before this: the least of its control points.
+fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
+    let z = |c: DVec4| ray.axis.dot(c.truncate() / c.w - ray.origin);
+    let nearest = piece.patch.control().map(z).fold(f64::INFINITY, f64::min);
+    (nearest - error_bound(piece, ray)).max(ray.z_range[0])
 }
 
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
@@ -258,14 +282,15 @@ fn accept(
 
     // The piece is closed: a root a little outside counts as the nearest point of the
     // border, if that is within rounding of the ray.
-    let st = on_piece(piece, ray, solution.st);
-    let (jet, z) = match known {
+    let mut st = on_piece(piece, ray, solution.st);
+    let (mut jet, mut z) = match known {
         Some(known) if st == solution.st => known,
         _ => {
             let jet = piece.patch.jet(st);
             (jet, ray.axis.dot(jet.point - ray.origin))
         }
     };
+    let nearest = st;
     let residual = ray.coordinates(jet.point).truncate().length();
     let (allowed, mut flags) = match solution.proof {
         Proof::Isolated(_) => (error, HitFlags::NONE),
@@ -284,8 +309,8 @@ fn accept(
         return;
     }
 
-    let normal = piece.normal(st, &jet);
-    let cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
+    let mut normal = piece.normal(st, &jet);
+    let mut cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
     // A ray through a pole crosses the surface there, unless it may as well touch it: where the
     // radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
     // between is within R cos² / 2 of it. A leaf turns by less than its length over R.
@@ -304,10 +329,23 @@ fn accept(
         z_error = 4.0 * error + END / STRETCH * (to - from).abs();
     }
 
-    // What trims cut off is not there; their edges are.
+    // What trims cut off is not there; their edges are. In a pole is what any kept parameter
+    // leads to.
+    let (mut piece, mut piece_index) = (piece, leaf.piece);
     match trim_side(leaf, piece, st, &jet, z_error) {
         Side::Inside => {}
-        Side::Edge { .. } => flags.insert(HitFlags::TRIM_EDGE),
+        Side::Edge { inside, .. } => {
+            flags.insert(HitFlags::TRIM_EDGE);
+            let spot = Spot { index: piece_index, piece, st, jet };
+            let pole = leaf.collapsed(piece).filter(|_| !inside);
+            let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
+            if let Some(kept) = kept {
+                Spot { index: piece_index, piece, st, jet } = kept;
+                z = ray.axis.dot(jet.point - ray.origin);
+                normal = piece.normal(st, &jet);
+                cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
+            }
+        }
         Side::Outside => {
             // The ray may run on inside the surface to where that is kept.
             if matches!(solution.proof, Proof::Stretch(_)) {
@@ -364,8 +402,8 @@ fn accept(
         Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
         _ => None,
     };
-    let beyond = st != solution.st && residual > AIMED * rounding_at(jet.point, piece, ray);
-    let (surface, piece) = (piece.surface, leaf.piece);
+    let beyond = nearest != solution.st && residual > AIMED * rounding_at(jet.point, piece, ray);
+    let (surface, piece) = (piece.surface, piece_index);
     findings.meetings.push(Meeting {
         t,
         t_error,

@@ -64,6 +64,7 @@ mod crossings;
 mod exact;
 mod hierarchy;
 mod hit;
+mod kept_pole;
 mod kernel;
 mod leaf_search;
 mod newton;

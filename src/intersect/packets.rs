@@ -97,6 +97,7 @@ impl Tracer<'_> {
             return;
         }
         self.packets.doubt = [f64::INFINITY; PACKET];
+        let mut effort = [0; PACKET];
         let mut enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
         for at in 0..self.packets.work.rest.len() {
             let (k, leaf) = self.packets.work.rest[at];
@@ -104,7 +105,9 @@ impl Tracer<'_> {
                 continue;
             }
             let limit = self.packets.packet.end(k);
+            self.findings.effort = effort[k];
             self.search_leaf(&shots[k].query(), leaf, (limit, wanted));
+            effort[k] = self.findings.effort;
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             let found = &self.findings.meetings;
             if wanted == Wanted::Any && found.iter().any(is_certain) {

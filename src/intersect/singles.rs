@@ -85,6 +85,7 @@ impl Tracer<'_> {
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit;
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
+        self.findings.effort = 0;
         self.search_left(query, frame, limit, Wanted::First);
         let certain =
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
@@ -133,6 +134,7 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.single.rest.is_empty() {
         return Occlusion::default();
     }
+    tracer.findings.effort = 0;
     tracer.search_left(query, &frame, frame.z_range[1], Wanted::Any);
     tracer.findings.occlusion()
 }

@@ -190,6 +190,7 @@ impl<'a> Tracer<'a> {
         let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
         let findings = &mut self.findings;
         findings.clear();
+        findings.effort = 0;
         findings.statistics.rays += 1;
         let mut limit = frame.z_range[1];
         let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, oriented| {

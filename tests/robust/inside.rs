@@ -170,3 +170,46 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+/// The most boxes of the exact solver for one ray, and the few of the leaf that is the last.
+const MOST_BOXES_OF_A_RAY: u64 = (1 << 15) + (1 << 13);
+
+/// Points `(x, y, 0)` that depend on the sum of two angles: no surface, but a circle.
+fn circle_twice() -> NurbsSurface {
+    let circle = shapes::circle_arc(1.0, 0.0, 360.0).unwrap();
+    let net = circle.control().iter().flat_map(|a| {
+        let turned = |b: &glam::DVec4| {
+            let (x, y) = (a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
+            glam::DVec4::new(x, y, 0.0, a.w * b.w)
+        };
+        circle.control().iter().map(turned).collect::<Vec<_>>()
+    });
+    let knots = || circle.knots().clone();
+    NurbsSurface::from_homogeneous(knots(), knots(), net.collect()).unwrap()
+}
+
+/// Surfaces that are nowhere steep to a ray, and nowhere clear of it, took seconds a ray.
+#[test]
+fn work_is_bounded_where_a_surface_is_but_a_curve() {
+    let bvh = SurfaceBvh::build(&[circle_twice()], &BuildOptions::default()).unwrap();
+    let mut random = Random::new(3);
+    let mut tracer = bvh.tracer();
+    let mut most = 0;
+    for _ in 0..20 {
+        let [from, to] = [2.0, 0.5].map(|reach| {
+            let angle = random.between(0.0, TAU);
+            reach * DVec2::from_angle(angle).extend(0.0)
+        });
+        let query = Query::primary(Ray::new(from, to - from).unwrap());
+        let before = tracer.statistics().exact_boxes;
+        let first = tracer.first_hit(&query);
+        let between = tracer.statistics().exact_boxes;
+        let mut hits = Vec::new();
+        let doubtful = tracer.all_hits(&query, &mut hits);
+        assert!(first.doubtful && doubtful, "{query:?}");
+        let after = tracer.statistics().exact_boxes;
+        most = most.max(between - before).max(after - between);
+    }
+    assert!(most <= MOST_BOXES_OF_A_RAY, "{most} boxes for one ray");
+    assert!(most > 1 << 15, "the bound is not met: {most} boxes");
+}

@@ -1,5 +1,6 @@
 //! Whether the fast path's answer is right, given all roots from the exact solver.
 
+use glam::DVec2;
 use nurbray::geometry::{Charts, Surface};
 use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
@@ -121,7 +122,7 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         let on_both = measure.residual <= measure.bound; // false for NaN
-        if !(in_range && on_both) || self.cut_off(hit) {
+        if !(in_range && on_both) || self.cut_off(hit, measure) {
             return Some(Fault::FalseHit);
         }
         let same = |root: &Hit| self.same_root(ray, (hit, measure), root);
@@ -136,10 +137,16 @@ impl<'a> Judge<'a> {
         (!known && !excused).then_some(Fault::FalseHit)
     }
 
-    /// Whether a hit is surely in a part that trims have cut off.
-    fn cut_off(&self, hit: &Hit) -> bool {
+    /// Whether a hit is surely in a part that trims have cut off: no edge is as near as the hit may
+    /// be off. Near a pole that is far in the parameter that leads around it.
+    fn cut_off(&self, hit: &Hit, measure: &Measure) -> bool {
         let outlines = self.outlines.get(hit.surface as usize).and_then(Option::as_ref);
-        outlines.is_some_and(|outlines| outlines.keeps(hit.uv) == Some(false))
+        outlines.is_some_and(|outlines| {
+            let at = self.surfaces[hit.surface as usize].derivatives(hit.uv);
+            let off = 2.0 * self.slack(measure.bound, measure.incidence);
+            let reach = off / DVec2::new(at.du.length(), at.dv.length());
+            outlines.keeps(hit.uv) == Some(false) && !outlines.passes(hit.uv, reach)
+        })
     }
 
     /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
@@ -269,7 +276,7 @@ fn outside(hit: &Hit, measure: &Measure) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, DVec3};
+    use glam::DVec3;
     use nurbray::geometry::shapes;
     use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
 

@@ -46,6 +46,26 @@ impl Outlines {
         Some(odd == (self.kept == Kept::Odd))
     }
 
+    /// Whether a polyline passes within `reach` of a point, in u and in v by themselves.
+    pub(crate) fn passes(&self, uv: DVec2, reach: DVec2) -> bool {
+        let reach = reach + self.tolerance; // infinite where a tangent vanishes
+        self.sides().any(|[from, to]| {
+            // The part of the side that is near in u and in v.
+            let (offset, along) = ((from - uv).to_array(), (to - from).to_array());
+            let (mut first, mut last) = (0f64, 1f64);
+            for k in 0..2 {
+                let ends = [-reach[k], reach[k]].map(|end| (end - offset[k]) / along[k]);
+                if along[k] != 0.0 {
+                    first = first.max(ends[0].min(ends[1]));
+                    last = last.min(ends[0].max(ends[1]));
+                } else if offset[k].abs() > reach[k] {
+                    return false;
+                }
+            }
+            first <= last
+        })
+    }
+
     /// Whether a point is one of those of [`Self::joints`].
     pub(crate) fn is_joint(&self, uv: DVec2) -> bool {
         self.lines.iter().flatten().any(|&joint| joint == uv)
@@ -90,6 +110,14 @@ mod tests {
             assert_eq!(outlines.keeps(DVec2::new(u, 0.5)), Some(kept), "{u}");
         }
         assert_eq!(outlines.keeps(DVec2::new(0.9005, 0.5)), None);
+        // From the middle the inner circle is 0.2 away, at a slant more than 0.14 in u and in v.
+        let middle = DVec2::splat(0.5);
+        for (reach, near) in [((0.3, 0.0), true), ((0.15, 0.15), true), ((0.13, 0.13), false)] {
+            assert_eq!(outlines.passes(middle, reach.into()), near, "{reach:?}");
+        }
+        assert!(outlines.passes(DVec2::new(0.95, 0.5), DVec2::new(0.06, 0.0)));
+        assert!(outlines.passes(DVec2::new(0.95, 0.99), DVec2::new(0.06, f64::INFINITY)));
+        assert!(!outlines.passes(DVec2::new(0.95, 0.99), DVec2::new(0.04, f64::INFINITY)));
         for joint in outlines.joints() {
             let radius = joint.distance(DVec2::splat(0.5));
             assert!((radius - 0.4).abs().min((radius - 0.2).abs()) < 1e-15, "{joint}");

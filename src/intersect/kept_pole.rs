@@ -1,0 +1,86 @@
+//! Hits at a pole, where trims have cut off some of the parameters that lead there.
+//!
+//! All parameters of a collapsed side are one point. That point is there if any of them is kept;
+//! what is said of it is said of a kept one, so that its parameters, and the normal that goes
+//! with them, are those of a part that is there.
+
+use glam::DVec2;
+
+use crate::geometry::Direction;
+use crate::math::RayFrame;
+use crate::patch::{CollapsedSide, Jet, PatchSet, Piece};
+
+/// A place on a piece of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot<'a> {
+    /// The piece's number, and the piece.
+    pub(super) index: u32,
+    pub(super) piece: &'a Piece,
+    pub(super) st: DVec2,
+    pub(super) jet: Jet,
+}
+
+impl<'a> Spot<'a> {
+    /// The nearest place along a collapsed side that trims keep, perhaps on another piece that
+    /// ends in the same pole; `None` if there is none from which the ray is within `allowed`.
+    pub(super) fn kept(
+        &self,
+        set: &'a PatchSet,
+        side: CollapsedSide,
+        (ray, allowed): (&RayFrame, f64),
+    ) -> Option<Self> {
+        let (fixed, direction) = match side {
+            CollapsedSide::S(_) => (0, Direction::U),
+            CollapsedSide::T(_) => (1, Direction::V),
+        };
+        let trims = self.piece.trims()?;
+        let own = self.piece.domain();
+        let at = within(own[fixed], self.st[fixed]);
+        let free = within(own[1 - fixed], self.st[1 - fixed]);
+        let stretches = trims.kept_along(direction, at);
+        let nearest = |[from, to]: [f64; 2]| {
+            // A little inside of the edge, if there is room: kept without doubt.
+            let more = (0.5 * (to - from)).min(INSIDE * (own[1 - fixed][1] - own[1 - fixed][0]));
+            free.clamp(from + more, to - more)
+        };
+        let near = |a: &f64, b: &f64| (a - free).abs().total_cmp(&(b - free).abs());
+        let to = stretches.into_iter().map(nearest).min_by(near)?;
+
+        let pole = side_number(side);
+        let holds = |piece: &Piece| {
+            let domain = piece.domain();
+            domain[fixed] == own[fixed]
+                && (domain[1 - fixed][0]..=domain[1 - fixed][1]).contains(&to)
+                && piece.collapsed(pole).is_some()
+                && piece.trims().is_some_and(|theirs| std::ptr::eq(theirs, trims))
+        };
+        let (index, piece) = if holds(self.piece) {
+            (self.index, self.piece)
+        } else {
+            let mut pieces = (0..).zip(set.pieces());
+            pieces.find(|(_, piece)| piece.surface == self.piece.surface && holds(piece))?
+        };
+        let [start, end] = piece.domain()[1 - fixed];
+        let mut st = self.st;
+        st[1 - fixed] = ((to - start) / (end - start)).clamp(0.0, 1.0);
+        let jet = piece.patch.jet(st);
+        let residual = ray.coordinates(jet.point).truncate().length();
+        (residual <= allowed).then_some(Self { index, piece, st, jet })
+    }
+}
+
+/// How far from a trim edge a place is put that may be anywhere along it, as a part of the
+/// piece: far above the rounding of parameters, and far below what matters.
+const INSIDE: f64 = 1e-9;
+
+fn within([from, to]: [f64; 2], share: f64) -> f64 {
+    if share == 1.0 { to } else { from + share * (to - from) }
+}
+
+/// The side as [`Piece::collapsed`] counts it.
+fn side_number(side: CollapsedSide) -> usize {
+    match side {
+        CollapsedSide::S(end) => end,
+        CollapsedSide::T(end) => 2 + end,
+    }
+}
