@@ -54,8 +54,9 @@ Columns, for each class:
   wrong        the fast path's hit lies behind a certain hit by more than the
                bound of t (JSON: wrong_roots)
   false        the fast path's hit has a residual above the bound, lies outside
-               the ray's range or in what trims have cut off, or the exact
-               solver, without doubt, has no root there (JSON: false_hits)
+               the ray's range or in what trims have cut off, by more than
+               it may be off, or the exact solver, without doubt, has no root
+               there (JSON: false_hits)
   doubtful     rays whose answer the fast path flags; they are not judged
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
