@@ -233,8 +233,8 @@ fn a_profile_moved_within_its_own_plane() {
     assert_eq!(
         check_moved(&roof, DVec3::Y).unwrap_err().to_string(),
         "profile: moved along (0, 1, 0) it covers itself: at t = 5, (3, 4, 0), it turns round as \
-         seen from there, and its two sides, as at t = 2.5 and 7.5, pass over the same places; \
-         move it in another direction, or leave out one of the two"
+         seen in that direction, and its two sides, as at t = 2.5 and 7.5, pass over the same \
+         places; move it in another direction, or leave out one of the two"
     );
 }
 

@@ -148,7 +148,7 @@ mod tests {
         assert!(ruled(&line, &point).is_ok(), "a triangle");
         assert_eq!(
             ruled(&point, &point).unwrap_err().to_string(),
-            "the surface made: all control points are (1, 1, 1): the surface has no extent"
+            "curves `from` and `to` are the same to within rounding: nothing lies between them"
         );
     }
 }
