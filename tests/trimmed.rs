@@ -500,7 +500,7 @@ fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
             let part = TrimmedSurface::new(sphere, trims).unwrap();
             let bvh = build(&[part.clone().into()]);
             let mut random = Random::new(17);
-            let queries: Vec<Query> = (0..2000)
+            let queries: Vec<Query> = (0..400)
                 .map(|_| {
                     let off = 1e-16 * random.power_of_ten(-2.0, 0.5) * size;
                     let at = pole + off * random.direction();
@@ -522,7 +522,7 @@ fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
                     assert!(hit.uv.y >= kept, "{name}, {size:e}, {who}: {hit:?}");
                 }
             }
-            assert!(met > 5000, "{name}, {size:e}: {met} of {} hits", queries.len());
+            assert!(met > 1000, "{name}, {size:e}: {met} of {} hits", queries.len());
         }
     }
 }

@@ -205,11 +205,12 @@ pub(super) fn search_exactly(
 }
 
 /// How many boxes the exact solver looks at for one ray before it leaves further leaves undecided,
-/// which makes the answer doubtful: some thirty milliseconds' work. A ray through any surface that
+/// which makes the answer doubtful: some tenth of a second's work. A ray through any surface that
 /// is one takes some hundred; one that runs through many leaves inside a plane, some hundred for
-/// each. A surface that is folded flat onto itself, or is but a curve, may take thousands for each
-/// of thousands.
-const MOST_BOXES: u64 = 1 << 15;
+/// each, and thousands for each of those around a pole that it passes closely: all its hits on a
+/// disk have cost more than 2¹⁵. A surface that is folded flat onto itself, or is but a curve, may
+/// take thousands for each of thousands.
+const MOST_BOXES: u64 = 1 << 17;
 
 /// No point of a piece is met before this: the least of its control points.
 fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {

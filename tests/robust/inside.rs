@@ -106,7 +106,8 @@ fn placement(kind: usize, random: &mut Random) -> DAffine3 {
 }
 
 struct Outcome {
-    boxes: u64,
+    /// Boxes looked at for the first hit, and for all of them.
+    boxes: [u64; 2],
     fault: Option<String>,
 }
 
@@ -122,6 +123,7 @@ fn ask(bvh: &SurfaceBvh, [from, to]: Stretch, random: &mut Random) -> Outcome {
     let boxes = tracer.statistics().exact_boxes;
     let mut all = Vec::new();
     let doubtful = tracer.all_hits(&Query::primary(ray), &mut all);
+    let boxes = [boxes, tracer.statistics().exact_boxes - boxes];
 
     let inside: Vec<&Hit> = all.iter().filter(|hit| hit.flags.contains(HitFlags::INSIDE)).collect();
     let both = inside.first().is_some_and(|hit| near(hit, ends[0]))
@@ -145,21 +147,22 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
             let place = placement(kind, &mut random);
             let surface = surface.transformed(&place).unwrap();
             let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
-            let (mut most, mut sum, mut wrong) = (0, 0, 0);
+            let (mut most, mut most_for_all, mut sum, mut wrong) = (0, 0, 0, 0);
             let count = 200;
             let started = std::time::Instant::now();
             for _ in 0..count {
                 let ends = stretch(&mut random).map(|point| place.transform_point3(point));
                 let outcome = ask(&bvh, ends, &mut random);
-                most = most.max(outcome.boxes);
-                sum += outcome.boxes;
+                let [first, all] = outcome.boxes;
+                (most, most_for_all) = (most.max(first), most_for_all.max(all));
+                sum += first;
                 wrong += u64::from(outcome.fault.is_some());
                 if faults.len() < 12 {
                     faults.extend(outcome.fault.map(|fault| format!("{name} {kind}: {fault}")));
                 }
             }
             println!(
-                "{name:12} placed {kind}: boxes {} at most {most}, wrong {wrong}, {:?}",
+                "{name:12} placed {kind}: boxes {} at most {most}, for all hits {most_for_all}, wrong {wrong}, {:?}",
                 sum / count,
                 started.elapsed() / count as u32
             );
@@ -172,7 +175,7 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
 }
 
 /// The most boxes of the exact solver for one ray, and the few of the leaf that is the last.
-const MOST_BOXES_OF_A_RAY: u64 = (1 << 15) + (1 << 13);
+const MOST_BOXES_OF_A_RAY: u64 = (1 << 17) + (1 << 13);
 
 /// Points `(x, y, 0)` that depend on the sum of two angles: no surface, but a circle.
 fn circle_twice() -> NurbsSurface {
@@ -195,7 +198,7 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
     let mut random = Random::new(3);
     let mut tracer = bvh.tracer();
     let mut most = 0;
-    for _ in 0..20 {
+    for _ in 0..8 {
         let [from, to] = [2.0, 0.5].map(|reach| {
             let angle = random.between(0.0, TAU);
             reach * DVec2::from_angle(angle).extend(0.0)
@@ -211,5 +214,5 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
         most = most.max(between - before).max(after - between);
     }
     assert!(most <= MOST_BOXES_OF_A_RAY, "{most} boxes for one ray");
-    assert!(most > 1 << 15, "the bound is not met: {most} boxes");
+    assert!(most > 1 << 17, "the bound is not met: {most} boxes");
 }

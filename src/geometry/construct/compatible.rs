@@ -9,6 +9,10 @@ use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
 /// spans of no use to anyone; joined, a curve moves by no more than rounding.
 const SAME_KNOT: f64 = 8.0 * f64::EPSILON;
 
+/// Weights that differ by no more than this share of themselves are one: some roundings of each,
+/// as of control points.
+const SAME_WEIGHT: f64 = 16.0 * f64::EPSILON;
+
 /// The same curves, of their highest degree, clamped, over one common knot vector.
 ///
 /// Curves whose domains are the same keep theirs; otherwise all are moved to `[0, 1]`. Degrees
@@ -53,6 +57,16 @@ pub(crate) fn compatible(
         NurbsCurve::assembled(KnotVector::derived(degree, values), control)
     };
     Ok(prepared.iter().map(with_all).collect())
+}
+
+/// Whether the weights of two compatible curves are in proportion, to within rounding: where they
+/// are, curves of the same control points are the same.
+pub(crate) fn same_weights(a: &NurbsCurve, b: &NurbsCurve) -> bool {
+    let factor = a.weight(0) / b.weight(0);
+    (0..a.control().len()).all(|i| {
+        let (weight, other) = (a.weight(i), factor * b.weight(i));
+        (weight - other).abs() <= SAME_WEIGHT * weight
+    })
 }
 
 /// The values of the inner knots of all curves, in order, those that are the same within

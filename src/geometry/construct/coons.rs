@@ -8,7 +8,7 @@ use super::ConstructError;
 use super::compatible::compatible;
 use super::error::net_size;
 use super::fold::check_fold;
-use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
+use crate::geometry::{Direction, KnotVector, NurbsCurve, NurbsSurface};
 
 /// The four borders of a Coons patch. Each is named by the parameter that is fixed there, and
 /// runs in the direction in which the other one grows.
@@ -62,15 +62,12 @@ const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
 ///
 /// # Errors
 /// When two borders do not end in the same point (within rounding of their coordinates), two that
-/// are opposite both run back over themselves, or
-/// weights inside the patch would not be positive: borders of very small weights may do that.
+/// are opposite run back over themselves and so does all between them (it need not, where the other
+/// two part), or weights inside the patch would not be positive: borders of very small weights may
+/// do that.
 pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     check_corners(borders)?;
-    for (pair, name) in [([u0, u1], "u"), ([v0, v1], "v")] {
-        let fold = |k: usize| check_fold(pair[k], &format!("border {name}{k}"));
-        fold(0).or_else(|error| fold(1).map_err(|_| error))?;
-    }
     let along_u = unit_pair([v0, v1], "v")?;
     let along_v = unit_pair([u0, u1], "u")?;
     let (knots_u, knots_v) = (along_u[0].knots().clone(), along_v[0].knots().clone());
@@ -100,7 +97,35 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
             });
         }
     }
-    Ok(NurbsSurface::from_homogeneous(knots_u, knots_v, net)?)
+    let patch = NurbsSurface::from_homogeneous(knots_u, knots_v, net)?;
+    check_folds(borders, &patch)?;
+    Ok(patch)
+}
+
+/// Where lines between two borders are looked at for folds: no places that borders or their
+/// symmetry single out.
+const BETWEEN: [f64; 3] = [0.23, 0.47, 0.81];
+
+/// Fails when two opposite borders, and lines between them, run back over themselves.
+fn check_folds(borders: &Borders, patch: &NurbsSurface) -> Result<(), ConstructError> {
+    let Borders { u0, u1, v0, v1 } = borders;
+    for (pair, direction) in [([u0, u1], Direction::U), ([v0, v1], Direction::V)] {
+        let name = if direction == Direction::U { "u" } else { "v" };
+        let fold = |k: usize| check_fold(pair[k], &format!("border {name}{k}"));
+        let (Err(error), Err(_)) = (fold(0), fold(1)) else { continue };
+        let line = |share| match direction {
+            Direction::U => patch.curve_at_u(share),
+            Direction::V => patch.curve_at_v(share),
+        };
+        let mut all = true;
+        for share in BETWEEN {
+            all &= check_fold(&line(share)?, name).is_err();
+        }
+        if all {
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 fn check_corners(borders: &Borders) -> Result<(), ConstructError> {

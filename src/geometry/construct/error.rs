@@ -241,13 +241,15 @@ pub enum ConstructError {
     },
     /// A profile that is moved along a line passes over what it has just passed over.
     #[error(
-        "profile: moved along {} it covers itself: at t = {}, {}, it turns round as seen in \
+        "{which}: moved along {} it covers itself: at t = {}, {}, it turns round as seen in \
          that direction, and its two sides, as at t = {} and {}, pass over the same places; move it in \
          another direction, or leave out one of the two",
         ShownVector(*.by), Measured(*.t), MeasuredPoint(*.point), Measured(.twice[0]),
         Measured(.twice[1])
     )]
     FoldsFlat {
+        /// What it is called: `profile`, or the curve that is moved in a ruled surface.
+        which: String,
         /// Along which vector it is moved.
         by: DVec3,
         /// The parameter where it turns round.
@@ -258,8 +260,13 @@ pub enum ConstructError {
         twice: [f64; 2],
     },
     /// A profile is moved along itself.
-    #[error("profile: moved along {} it remains a line: it runs straight in that direction", ShownVector(*.by))]
+    #[error(
+        "{which}: moved along {} it remains a line: it runs straight in that direction",
+        ShownVector(*.by)
+    )]
     MovedAlongItself {
+        /// What it is called.
+        which: String,
         /// Along which vector it is moved.
         by: DVec3,
     },
@@ -388,7 +395,10 @@ impl ConstructError {
     /// Whether the curve of this name in a construction is at fault: `profile`, `section 2`, …
     pub fn blames(&self, curve: &str) -> bool {
         match self {
-            Self::Curve { which, .. } | Self::RunsBack { which, .. } => {
+            Self::Curve { which, .. }
+            | Self::RunsBack { which, .. }
+            | Self::FoldsFlat { which, .. }
+            | Self::MovedAlongItself { which, .. } => {
                 which == curve
                     || which
                         .strip_suffix('`')
@@ -397,8 +407,6 @@ impl ConstructError {
             Self::CoversItself { .. }
             | Self::OneCircle { .. }
             | Self::TurnsRound { .. }
-            | Self::FoldsFlat { .. }
-            | Self::MovedAlongItself { .. }
             | Self::OnAxis => curve == "profile",
             Self::SectionWeights { section, .. } | Self::SameSections { second: section, .. } => {
                 curve == format!("section {section}")

@@ -107,13 +107,18 @@ const ON_AXIS: f64 = 1e-3;
 
 /// Fails when a profile, moved along a vector, passes over what another part of itself has passed:
 /// when it folds as seen along the vector.
-pub(crate) fn check_moved(profile: &NurbsCurve, by: DVec3) -> Result<(), ConstructError> {
+pub(crate) fn check_moved(
+    profile: &NurbsCurve,
+    by: DVec3,
+    which: &str,
+) -> Result<(), ConstructError> {
+    let which = which.to_owned();
     let seen = Course::seen_along(profile, by);
     if seen.is_point() {
-        return Err(ConstructError::MovedAlongItself { by });
+        return Err(ConstructError::MovedAlongItself { which, by });
     }
     let Some(Fold { t, twice, .. }) = seen.fold() else { return Ok(()) };
-    Err(ConstructError::FoldsFlat { by, t, point: profile.point_at(t), twice })
+    Err(ConstructError::FoldsFlat { which, by, t, point: profile.point_at(t), twice })
 }
 
 /// A way to run through: a chain of rational Bézier pieces.

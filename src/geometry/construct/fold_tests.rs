@@ -214,24 +214,24 @@ fn a_profile_moved_within_its_own_plane() {
         };
         let circle = sized(circle_arc(1.0, 0.0, 360.0).unwrap());
         for flat in [DVec3::Y, DVec3::new(-1e-3, 2e-3, 0.0), 1e9 * DVec3::X] {
-            let error = check_moved(&circle, flat).unwrap_err();
+            let error = check_moved(&circle, flat, "profile").unwrap_err();
             assert!(matches!(error, ConstructError::FoldsFlat { .. }), "{error}");
         }
         for out in [DVec3::Z, DVec3::new(1.0, 0.0, 1e-3)] {
-            assert_eq!(check_moved(&circle, out), Ok(()));
+            assert_eq!(check_moved(&circle, out, "profile"), Ok(()));
         }
         let graph = sized(bezier(&[[0.0, 0.0], [1.0, 2.0], [2.0, -1.0]]));
-        assert_eq!(check_moved(&graph, DVec3::Y), Ok(()), "a sheet, once");
-        assert!(check_moved(&graph, DVec3::X).is_err());
+        assert_eq!(check_moved(&graph, DVec3::Y, "profile"), Ok(()), "a sheet, once");
+        assert!(check_moved(&graph, DVec3::X, "profile").is_err());
     }
     let line = polyline(&[[0.0, 0.0], [2.0, 1.0]]);
     assert_eq!(
-        check_moved(&line, DVec3::new(-4.0, -2.0, 0.0)).unwrap_err().to_string(),
+        check_moved(&line, DVec3::new(-4.0, -2.0, 0.0), "profile").unwrap_err().to_string(),
         "profile: moved along (-4, -2, 0) it remains a line: it runs straight in that direction"
     );
     let roof = polyline(&[[0.0, 0.0], [3.0, 4.0], [0.0, 8.0]]);
     assert_eq!(
-        check_moved(&roof, DVec3::Y).unwrap_err().to_string(),
+        check_moved(&roof, DVec3::Y, "profile").unwrap_err().to_string(),
         "profile: moved along (0, 1, 0) it covers itself: at t = 5, (3, 4, 0), it turns round as \
          seen in that direction, and its two sides, as at t = 2.5 and 7.5, pass over the same \
          places; move it in another direction, or leave out one of the two"
@@ -253,7 +253,9 @@ fn surfaces_between_curves_that_are_the_same() {
          nothing lies between them"
     );
     let aside = roof.transformed(&DAffine3::from_translation(DVec3::X)).unwrap();
-    assert!(message(ruled(&roof, &aside)).starts_with("profile: moved along (1, 0, 0) it covers"));
+    assert!(
+        message(ruled(&roof, &aside)).starts_with("curve `from`: moved along (1, 0, 0) it covers")
+    );
     let above = roof.transformed(&DAffine3::from_translation(DVec3::Y)).unwrap();
     assert!(ruled(&roof, &above).is_ok());
     let lofted = |degree| {

@@ -3,7 +3,7 @@
 use glam::{DVec4, Vec4Swizzles};
 
 use super::ConstructError;
-use super::compatible::compatible;
+use super::compatible::{compatible, same_weights};
 use super::error::net_size;
 use super::fold::check_fold;
 use super::interpolate::Interpolation;
@@ -84,7 +84,7 @@ fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), Construc
         let (a, b) = (&three[0], &three[2]);
         let near = SAME_PLACE * a.magnitude();
         let mut points = 0..a.control().len();
-        if points.all(|i| a.point(i).distance(b.point(i)) <= near) {
+        if same_weights(a, b) && points.all(|i| a.point(i).distance(b.point(i)) <= near) {
             return Err(ConstructError::ComesBack { first, turn: first + 1, last: first + 2 });
         }
     }

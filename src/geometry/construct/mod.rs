@@ -40,6 +40,8 @@ mod net;
 mod path;
 mod revolve;
 mod ruled;
+#[cfg(test)]
+mod sound_tests;
 mod stops;
 mod sweep;
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::{DVec3, DVec4};
 
 use super::ConstructError;
-use super::compatible::compatible;
+use super::compatible::{compatible, same_weights};
 use super::fold::{check_fold, check_moved};
 use super::path::SAME_PLACE;
 use crate::geometry::shapes::unit_knots;
@@ -29,7 +29,7 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
         return Err(ConstructError::NothingBetween { which });
     }
     check_fold(profile, "profile")?;
-    check_moved(profile, by)?;
+    check_moved(profile, by, "profile")?;
     let moved = |point: &DVec4| [*point, *point + (point.w * by).extend(0.0)];
     let net = profile.control().iter().flat_map(moved).collect();
     Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
@@ -40,14 +40,14 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
 fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructError> {
     let near = SAME_PLACE * from.magnitude().max(to.magnitude());
     let steps = || (0..from.control().len()).map(|i| to.point(i) - from.point(i));
-    if steps().all(|step| step.length() <= near) {
+    let same_weights = same_weights(from, to);
+    if same_weights && steps().all(|step| step.length() <= near) {
         let which = "curves `from` and `to`".to_owned();
         return Err(ConstructError::NothingBetween { which });
     }
     let by = to.point(0) - from.point(0);
     let moved = steps().all(|step| step.distance(by) <= near);
-    let same_weights = || (0..from.control().len()).all(|i| from.weight(i) == to.weight(i));
-    if moved && same_weights() { check_moved(from, by) } else { Ok(()) }
+    if moved && same_weights { check_moved(from, by, "curve `from`") } else { Ok(()) }
 }
 
 /// The surface of the straight lines that join two curves, each point of the one with the

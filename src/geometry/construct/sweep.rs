@@ -87,7 +87,7 @@ pub fn sweep(
     let constant = options.scale.iter().all(|&factor| factor == options.scale[0]);
     if options.twist == 0.0 {
         if is_straight(&path) && constant {
-            check_moved(profile, DVec3::Z)?;
+            check_moved(profile, DVec3::Z, "profile")?;
         }
         if is_straight(&path) && (constant || !path.is_rational()) {
             return exact(along_a_line(profile, &path, &first, &options.scale)?);

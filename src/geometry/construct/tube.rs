@@ -56,13 +56,13 @@ pub struct TubeStyle {
 /// The surfaces of a tube around a curve, facing outward.
 ///
 /// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept
-/// ([`sweep`]). Where the curve has a kink or a cusp, a sphere joins the parts; where it stops for
-/// a while, as at a control point that is repeated more often than its degree, it goes on. A curve that ends where
+/// ([`sweep`]). Where the curve has a kink, a sphere joins the parts; where it stops for a while, as at
+/// a control point that is repeated more often than its degree, it goes on. A curve that ends where
 /// it begins has no caps.
 ///
 /// # Errors
 /// When the radius is not a positive length, the curve has a gap, is but a point, runs back over
-/// itself, or bends with a radius smaller than the tube's.
+/// itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
     tube_along(curve, style).map_err(|error| error.around_a_curve("tube"))
 }

@@ -33,6 +33,8 @@ mod error;
 mod monotone;
 mod outline;
 mod segment;
+#[cfg(test)]
+mod sound_tests;
 mod stretches;
 mod tree;
 mod trim_loop;

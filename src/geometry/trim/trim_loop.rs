@@ -142,11 +142,15 @@ impl TrimLoop {
     /// Fails where the loop turns round and runs back over what it has just run through. (A bridge to
     /// another part of it, crossed there and later back, is none such.)
     pub(super) fn check_dangling(&self) -> Result<(), TrimLoopError> {
-        let in_space = |c: &DVec3| DVec4::new(c.x, c.y, 0.0, c.z);
+        // u and v have nothing to do with each other: what is narrow in the one is so beside the
+        // loop in that one.
+        let size = self.bounds().size();
+        let size = DVec2::select(size.cmpgt(DVec2::ZERO), size, DVec2::splat(size.max_element()));
+        let in_space = |c: &DVec3| DVec4::new(c.x / size.x, c.y / size.y, 0.0, c.z);
         let pieces = self.pieces.iter().map(|piece| piece.control.iter().map(in_space).collect());
         let course = Course::closed(pieces);
         let Some(fold) = course.fold() else { return Ok(()) };
-        let [at, until] = [fold.t, fold.until].map(|t| course.point_at(t).truncate());
+        let [at, until] = [fold.t, fold.until].map(|t| size * course.point_at(t).truncate());
         Err(TrimLoopError::Dangling { at, until })
     }
 
