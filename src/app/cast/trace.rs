@@ -56,7 +56,7 @@ pub(super) fn first_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<COLUMNS> {
-    let parts = rays.par_chunks(CHUNK).map(|rays| {
+    let parts = rays.par_chunks(CHUNK).with_max_len(1).map(|rays| {
         let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
         let queries: Vec<Query> = rays.iter().copied().map(Query::primary).collect();
         let mut answers = Vec::new();
@@ -80,7 +80,7 @@ pub(super) fn all_hits(
     rays: &[Ray],
     progress: &Progress,
 ) -> Traced<ALL_COLUMNS> {
-    let parts = rays.par_chunks(CHUNK).enumerate().map(|(chunk, rays)| {
+    let parts = rays.par_chunks(CHUNK).with_max_len(1).enumerate().map(|(chunk, rays)| {
         let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
         let mut hits = Vec::new();
         let mut part = Traced::new();

@@ -1,6 +1,7 @@
 //! Our side of a race.
 
 use std::hint::black_box;
+use std::sync::{Mutex, PoisonError};
 
 use nurbray::intersect::{Answer, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
@@ -25,28 +26,44 @@ struct Desk<'a> {
     occlusions: Vec<Occlusion>,
 }
 
+/// Desks that no thread uses.
+#[derive(Default)]
+struct Desks<'a>(Mutex<Vec<Desk<'a>>>);
+
+impl<'a> Desks<'a> {
+    /// Does something at one of them, or at a new one.
+    fn with<T>(&self, ours: &Ours<'a>, work: impl FnOnce(&mut Desk<'a>) -> T) -> T {
+        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let unused = free().pop();
+        let mut desk = unused.unwrap_or_else(|| ours.desk());
+        let done = work(&mut desk);
+        free().push(desk);
+        done
+    }
+}
+
 impl<'a> Ours<'a> {
     /// Traces all rays once, on the threads of the pool this runs in. The answers are made and
     /// dropped.
     pub(crate) fn pass(&self) {
-        self.chunks().for_each_init(
-            || self.desk(),
-            |desk, chunk| {
+        let desks = Desks::default();
+        self.chunks().for_each(|chunk| {
+            desks.with(self, |desk| {
                 self.trace(desk, chunk);
                 black_box((&desk.answers, &desk.occlusions));
-            },
-        );
+            });
+        });
     }
 
     /// Traces all rays once and keeps what became of them.
     pub(crate) fn outcomes(&self) -> Vec<Outcome> {
-        let chunks = self.chunks().map_init(
-            || self.desk(),
-            |desk, chunk| {
+        let desks = Desks::default();
+        let chunks = self.chunks().map(|chunk| {
+            desks.with(self, |desk| {
                 self.trace(desk, chunk);
                 self.noted(desk, chunk.0)
-            },
-        );
+            })
+        });
         chunks.collect::<Vec<_>>().concat()
     }
 
@@ -58,7 +75,8 @@ impl<'a> Ours<'a> {
     /// The queries, and the rays alone, chunk by chunk.
     fn chunks(&self) -> impl IndexedParallelIterator<Item = (&'a [Query], &'a [Ray])> {
         let rays = self.rays;
-        rays.queries.par_chunks(CHUNK).zip(rays.alone.par_chunks(CHUNK))
+        let chunks = rays.queries.par_chunks(CHUNK).zip(rays.alone.par_chunks(CHUNK));
+        chunks.with_max_len(1)
     }
 
     fn trace(&self, desk: &mut Desk<'_>, (queries, alone): (&[Query], &[Ray])) {

@@ -12,7 +12,8 @@ use super::pixels::{TILE, tiled_pixels};
 use super::ray_set::RaySet;
 
 /// Rays a thread takes at a time. Fixed, so that packets do not depend on the number of
-/// threads; a tile of 64 × 64 pixels.
+/// threads; a tile of 64 × 64 pixels. No thread should take more than one (`with_max_len`): left to
+/// itself rayon hands out a quarter of all to each of two threads, and one waits for the other.
 pub(crate) const CHUNK: usize = TILE * TILE;
 
 /// How far ambient-occlusion rays reach, as a fraction of the model's diagonal: into the next
@@ -100,7 +101,7 @@ struct Seen {
 /// without a normal are left out.
 fn seen(world: &World, size: [u32; 2]) -> Vec<Seen> {
     let queries = primary(world, size);
-    let chunks = queries.par_chunks(CHUNK).map(|queries| {
+    let chunks = queries.par_chunks(CHUNK).with_max_len(1).map(|queries| {
         let mut answers = Vec::new();
         let mut tracer = world.bvh.tracer_with(Kernel::default());
         tracer.first_hits(queries, Coherence::Coherent, &mut answers);

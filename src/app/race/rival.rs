@@ -148,11 +148,10 @@ impl<'a> Entry<'a> {
     /// the packets.
     pub(crate) fn pass(&mut self) {
         let scene = &self.rival.scene;
+        let chunks = self.chunks.par_iter_mut().with_max_len(1);
         match self.question {
-            Question::FirstHit => {
-                self.chunks.par_iter_mut().for_each(|rays| scene.intersect(rays));
-            }
-            Question::AnyHit => self.chunks.par_iter_mut().for_each(|rays| scene.occluded(rays)),
+            Question::FirstHit => chunks.for_each(|rays| scene.intersect(rays)),
+            Question::AnyHit => chunks.for_each(|rays| scene.occluded(rays)),
         }
     }
 
