@@ -2,10 +2,10 @@
 //! rays at once, and the same in f32.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
-use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::search::dot_d;
+use crate::intersect::Shot;
 use crate::math::Ray;
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
@@ -34,6 +34,16 @@ pub(super) struct Frames<S: Simd> {
 }
 
 impl<S: Simd> Frames<S> {
+    /// The frames of the eight rays from `base` on, the first of all where there are fewer.
+    #[inline(always)]
+    pub(super) fn of<Q: Shot>(simd: S, shots: &[Q], base: usize) -> Self {
+        let mut rays = [shots[0].ray(); 8];
+        for k in 0..8 {
+            rays[k] = shots.get(base + k).unwrap_or(&shots[0]).ray();
+        }
+        Self::new(simd, rays)
+    }
+
     /// The frames of eight rays.
     ///
     /// The operations and their order are those of the scalar frame, so both have the same bits.
@@ -43,7 +53,7 @@ impl<S: Simd> Frames<S> {
         for k in 0..8 {
             rows[k] = f64x8::from_slice(simd, &rays[k].to_array());
         }
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transposed(simd, rows);
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transposed(rows);
         let (origin, d) = ([ox, oy, oz], [dx, dy, dz]);
 
         let (one, least) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, PLAIN));
@@ -153,16 +163,16 @@ impl<S: Simd> Narrow<S> {
     }
 }
 
-/// Eight vectors as the rows of a matrix, transposed.
-#[simd]
-pub(super) fn transposed<S: Simd>(simd: S, rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
-    // Each round brings together rows that are twice as near: 4, 2, 1 apart.
+/// Vectors as the rows of a matrix with as many columns, transposed.
+#[inline(always)]
+pub(super) fn transposed<S: Simd, V: SimdBase<S>, const N: usize>(rows: [V; N]) -> [V; N] {
+    // Each round brings together rows that are twice as near: N / 2, …, 2, 1 apart.
     let mut rows = rows;
-    for _ in 0..3 {
+    for _ in 0..N.ilog2() {
         let mut next = rows;
-        for k in 0..4 {
-            next[2 * k] = simd.zip_low_f64x8(rows[k], rows[k + 4]);
-            next[2 * k + 1] = simd.zip_high_f64x8(rows[k], rows[k + 4]);
+        for k in 0..N / 2 {
+            next[2 * k] = rows[k].zip_low(rows[k + N / 2]);
+            next[2 * k + 1] = rows[k].zip_high(rows[k + N / 2]);
         }
         rows = next;
     }

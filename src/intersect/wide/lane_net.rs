@@ -92,7 +92,7 @@ impl LaneNet {
                         }
                     };
                 }
-                let columns = transposed(simd, rows);
+                let columns = transposed(rows);
                 for k in 0..length.min(8) {
                     columns[k].store_slice(&mut self.numbers[i * length + from + k]);
                 }

@@ -35,11 +35,7 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
 /// The frames of eight rays.
 #[inline(always)]
 fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usize) -> Frames<S> {
-    let mut rays = [shots[0].ray(); 8];
-    for k in 0..8 {
-        rays[k] = shots.get(base + k).unwrap_or(&shots[0]).ray();
-    }
-    let frames = Frames::new(simd, rays);
+    let frames = Frames::of(simd, shots, base);
     let Frames { origin, axis, t_from_z, ends, magnitude } = frames;
     for i in 0..3 {
         store(simd, &mut packet.origin[i], base, origin[i]);

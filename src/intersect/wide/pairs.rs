@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::LANES;
 use super::distances::LaneDistances;
-use super::frames::{Frames, perpendicular};
+use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::{Form, LaneNet};
 use super::lane_proof::missed;
 use super::search::{bits, dot_d};
@@ -255,17 +255,9 @@ impl PairLanes {
             for lane in 0..LANES {
                 rows[lane] = f32x16::from_slice(simd, &leaves[lane].fit()[axis]);
             }
-            // Each round brings together rows that are twice as near: 8, 4, 2, 1 apart.
-            for _ in 0..4 {
-                let mut next = rows;
-                for k in 0..8 {
-                    next[2 * k] = simd.zip_low_f32x16(rows[k], rows[k + 8]);
-                    next[2 * k + 1] = simd.zip_high_f32x16(rows[k], rows[k + 8]);
-                }
-                rows = next;
-            }
+            let columns = transposed(rows);
             for m in 0..16 {
-                rows[m].store_slice(&mut self.fit[axis][m]);
+                columns[m].store_slice(&mut self.fit[axis][m]);
             }
         }
     }

@@ -181,7 +181,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
     let (center, scale) = (scene.tree.frame.center, scene.tree.frame.scale);
     for base in (0..shots.len()).step_by(LANES) {
-        let halves = [frames(simd, shots, base), frames(simd, shots, base + 8)];
+        let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
         let narrow = Narrow::new(simd, &halves[0], &halves[1], center, scale);
         let mut numbers = [[0f32; LANES]; 8];
         let [ox, oy, oz] = narrow.origin;
@@ -215,15 +215,6 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
             }
         }
     }
-}
-
-#[inline(always)]
-fn frames<S: Simd, Q: Shot>(simd: S, shots: &[Q], base: usize) -> Frames<S> {
-    let mut rays = [shots[0].ray(); 8];
-    for k in 0..8 {
-        rays[k] = shots.get(base + k).unwrap_or(&shots[0]).ray();
-    }
-    Frames::new(simd, rays)
 }
 
 /// One ray, and what is asked of it.
