@@ -1,7 +1,7 @@
 //! Which meetings are one crossing.
 
 use super::HitFlags;
-use super::leaf_search::Meeting;
+use super::meeting::Meeting;
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with

@@ -1,123 +1,16 @@
 //! One leaf, one ray: what is found, and how it is known.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec4};
 
-use super::exact::{END, ExactSolver, Proof, Rect, STRETCH, Solution, Task};
+use super::HitFlags;
+use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
+use super::exact::{END, Proof, Rect, STRETCH, Solution, Task};
 use super::kept_pole::Spot;
-use super::newton::{Grounds, Newton, newton, project};
-use super::{HitFlags, Occlusion, Root, Statistics};
+use super::meeting::{Findings, Meeting, Place, Question};
+use super::newton::{Grounds, Newton, newton};
 use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, OrientedBox, Passage, PatchSet, Piece, WIDENING};
-
-/// A place where a ray meets a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
-    /// The ray parameter.
-    pub(super) t: f64,
-    /// How far that may be off.
-    pub(super) t_error: f64,
-    pub(super) surface: u32,
-    pub(super) piece: u32,
-    pub(super) st: DVec2,
-    pub(super) jet: Jet,
-    /// The unit normal, where there is one.
-    pub(super) normal: Option<DVec3>,
-    pub(super) flags: HitFlags,
-    /// How far the surface's point may be from the ray.
-    pub(super) error: f64,
-    /// The cosine between the ray and the normal, signed; zero where there is no normal.
-    pub(super) cosine: f64,
-    /// The stretch along which the ray runs inside the surface, as ray parameters.
-    pub(super) stretch: Option<[f64; 2]>,
-    /// Whether the ray passes a side of the piece on its outside, by more than the rounding of
-    /// a ray that was aimed at the side.
-    pub(super) beyond: bool,
-}
-
-/// Everything a search of leaves needs to know of the question.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Question<'a> {
-    pub(super) set: &'a PatchSet,
-    pub(super) ray: &'a RayFrame,
-    pub(super) t_range: [f64; 2],
-    pub(super) from: Option<&'a Root>,
-}
-
-/// A leaf, with its box and its piece.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
-    pub(super) leaf: &'a Leaf,
-    pub(super) oriented: &'a OrientedBox,
-    pub(super) piece: &'a Piece,
-}
-
-impl<'a> Question<'a> {
-    /// The root the ray starts on, and its piece, if it lies on that surface.
-    fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
-        let root = self.from?;
-        // A root of other surfaces than these is none of theirs.
-        let piece = self.set.pieces().get(root.piece as usize)?;
-        (piece.surface == surface).then_some((root, piece))
-    }
-
-    /// Whether a crossing of an edge is that of the edge which the ray starts on, of another
-    /// surface: at the same place, to within what both may be off by, and with the same sign of
-    /// `N · d`, as in [`crossings`](super::crossings).
-    fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
-        let Some(root) = self.from else { return false };
-        let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };
-        let jet = piece.patch.jet(root.st);
-        let near = point.distance(jet.point) <= 2.0 * (z_error + root.error);
-        let edge = || {
-            at_border(piece, root.st, &jet, error_bound(piece, self.ray))
-                || matches!(piece.side(root.st, trim_reach(&jet, root.error)), Side::Edge { .. })
-        };
-        let same_side = || {
-            let other = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
-            cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE
-        };
-        near && edge() && same_side()
-    }
-}
-
-/// The cosine above which it is clear on which side a ray leaves an edge.
-const CLEAR_SIDE: f64 = 1e-4;
-
-/// What a search found, and its scratch memory.
-#[derive(Debug, Default)]
-pub(super) struct Findings {
-    pub(super) meetings: Vec<Meeting>,
-    /// The smallest ray parameter at which something may have been missed.
-    pub(super) doubt: f64,
-    pub(super) statistics: Statistics,
-    /// Boxes the exact solver has looked at for this ray; whoever asks about the next one sets it
-    /// to zero.
-    pub(super) effort: u64,
-    solver: ExactSolver,
-    solutions: Vec<Solution>,
-}
-
-impl Findings {
-    /// Forgets what was found, keeps memory and counts.
-    pub(super) fn clear(&mut self) {
-        self.meetings.clear();
-        self.doubt = f64::INFINITY;
-    }
-
-    /// What was found as the answer of an any-hit search.
-    pub(super) fn occlusion(&mut self) -> Occlusion {
-        let certain = self.meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
-        let occluded = !self.meetings.is_empty();
-        let doubtful = !certain && (occluded || self.doubt < f64::INFINITY);
-        self.statistics.doubtful += u64::from(doubtful);
-        Occlusion { occluded, doubtful }
-    }
-
-    fn doubt_at(&mut self, t: f64) {
-        self.doubt = self.doubt.min(t);
-    }
-}
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 
 /// The fast way: Newton where the leaf's certificate holds, else the exact solver.
 ///
@@ -125,7 +18,8 @@ impl Findings {
 /// converges there, a second point with a residual below the error could only be within
 /// `error·spread/cos` of it: well inside the slack. So the point found is the leaf's one
 /// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to
-/// be missed; so it is where a step from beyond the leaf surely leads away. `z_limit` is how far along the ray anything is still of interest.
+/// be missed; so it is where a step from beyond the leaf surely leads away. `z_limit` is how far
+/// along the ray anything is still of interest.
 pub(super) fn search(
     question: &Question<'_>,
     place: &Place<'_>,
@@ -239,11 +133,6 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     }
 }
 
-/// How far a computed point of the piece may be from the true one, for this ray.
-pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
-    piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude)
-}
-
 /// Whether the leaf's certificate speaks of this ray, and rounding is small against the
 /// leaf.
 fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
@@ -258,7 +147,7 @@ fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
     certificate.holds(slopes) && needed <= steep && away_from_pole
 }
 
-fn holds(rect: Rect, st: DVec2) -> bool {
+pub(super) fn holds(rect: Rect, st: DVec2) -> bool {
     (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
 }
 
@@ -429,114 +318,9 @@ const CLEAR_OF_POLE: f64 = 16.0;
 /// do there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;
 
-/// The [`error_bound`] of a piece that is no larger than one of its points.
-fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
-    piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
-}
-
-/// The place itself if it is on the piece, else the point of the piece's border that is
-/// nearest to the ray there.
-///
-/// The slack of a border is a distance in space: where the ray grazes, a root that rounding
-/// has put outside by much in one parameter is near the border for another value of the
-/// other parameter. Where the ray runs inside the surface, the end of the stretch may be
-/// well outside, and the ray cross the border far from there.
-fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
-    let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
-    let residual = |st: DVec2| ray.coordinates(piece.patch.point(st)).truncate().length();
-    match [nearest.x != st.x, nearest.y != st.y] {
-        [false, false] => nearest,
-        [true, false] => along_border(piece, ray, nearest, DVec2::Y),
-        [false, true] => along_border(piece, ray, nearest, DVec2::X),
-        [true, true] => {
-            // Beyond a corner the ray may cross either of its sides.
-            let [a, b] = [DVec2::X, DVec2::Y].map(|free| along_border(piece, ray, nearest, free));
-            if residual(b) < residual(a) { b } else { a }
-        }
-    }
-}
-
-/// The point of a border nearest to the ray, from a place on it: least squares along the
-/// direction that is free.
-fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
-    // Gauss and Newton's steps double the digits, but only near the end of a long way.
-    let most_steps = 8;
-    let mut nearest = start;
-    for _ in 0..most_steps {
-        let jet = piece.patch.jet(nearest);
-        let at = ray.coordinates(jet.point).truncate();
-        let along = project(ray, free.x * jet.ds + free.y * jet.dt);
-        let step = along.dot(at) / along.length_squared();
-        if !step.is_finite() {
-            break;
-        }
-        let next = (nearest - step * free).clamp(DVec2::ZERO, DVec2::ONE);
-        if next == nearest {
-            break;
-        }
-        nearest = next;
-    }
-    nearest
-}
-
-/// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
-/// edge itself is on a surface known to rounding, and the edge it is shared with on another.
-pub(super) const TRIM_REACH: f64 = 4.0;
-
-/// Whether a root of a leaf is kept by the trims of its surface, if it may be off by `error` in
-/// space.
-fn trim_side(leaf: &Leaf, piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> Side {
-    // A border's point that is nearest to the ray may be off the leaf.
-    let known = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);
-    if piece.trims().is_none() || known() {
-        return Side::Inside;
-    }
-    piece.side(st, trim_reach(jet, error))
-}
-
-/// How near a trim edge must be, in each parameter, for a root that may be off by `error` in
-/// space to be at it.
-///
-/// A step in `s` alone moves the point by `|S_s|`; among steps in `s` and `t` the part of `s` is
-/// at most the distance over `|S_s| sin θ`, with `θ` the angle between the tangents. At a pole
-/// one tangent vanishes, and its parameter may be anything.
-pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
-    let lengths = DVec2::new(jet.ds.length(), jet.dt.length());
-    let sine = jet.ds.cross(jet.dt).length() / (lengths.x * lengths.y);
-    let sine = if sine > 0.0 { sine } else { 1.0 }; // also where it is not a number
-    TRIM_REACH * error / (lengths * sine)
-}
-
 impl Solution {
     /// Whether a miss would not be proved by the solution's own box.
     fn proof_is_open(&self) -> bool {
         matches!(self.proof, Proof::Contact { .. } | Proof::Stretch(_))
     }
-}
-
-/// For each side of the piece that is a border of the surface and near the leaf: how far
-/// from it, in the parameter, a hit may be within rounding of it.
-///
-/// The leaf is certified for the ray, so rounding moves a root by less than half of the
-/// leaf's slack: what is farther from the side than a few times that is not at the border.
-pub(super) fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
-    let mut reach = [f64::NEG_INFINITY; 4];
-    let mut any = false;
-    let rect = leaf.rect();
-    for side in (0..4).filter(|&side| piece.is_border(side)) {
-        let [from, to] = rect[side / 2];
-        let more = 4.0 * LEAF_SLACK * (to - from);
-        let distance = if side % 2 == 0 { from } else { 1.0 - to };
-        if distance <= more {
-            reach[side] = more;
-            any = true;
-        }
-    }
-    any.then_some(reach)
-}
-
-/// Whether a point lies within rounding of a side that is a border of the surface.
-pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
-    let distances = piece.side_distances(st, jet);
-    (0..4).any(|side| piece.is_border(side) && distances[side] <= 4.0 * error)
 }

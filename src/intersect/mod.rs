@@ -58,6 +58,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod borders;
 mod bvh;
 mod collapse;
 mod crossings;
@@ -67,6 +68,7 @@ mod hit;
 mod kept_pole;
 mod kernel;
 mod leaf_search;
+mod meeting;
 mod newton;
 mod packets;
 mod singles;

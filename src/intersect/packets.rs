@@ -1,6 +1,7 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave.
 
-use super::leaf_search::{self, Meeting};
+use super::borders::{at_border, error_bound};
+use super::meeting::Meeting;
 use super::singles::is_certain;
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
@@ -158,14 +159,14 @@ fn ahead<Q>(others: &[Q]) -> &[Q] {
 /// A lane's hit as the scalar search would have found it.
 fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     let piece = &set.pieces()[hit.piece as usize];
-    let error = leaf_search::error_bound(piece, frame);
+    let error = error_bound(piece, frame);
     let mut flags = HitFlags::NONE;
     let mut jet = Jet { point: hit.point, ds: hit.normal, dt: hit.normal };
     let mut normal = hit.normal.is_finite().then_some(hit.normal);
     if hit.near_border {
         jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
         normal = piece.normal(hit.st, &jet);
-        if leaf_search::at_border(piece, hit.st, &jet, error) {
+        if at_border(piece, hit.st, &jet, error) {
             flags.insert(HitFlags::BORDER);
         }
     }

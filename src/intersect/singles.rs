@@ -4,8 +4,10 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::borders::{at_border, border_reach, error_bound};
 use super::hit::Root;
-use super::leaf_search::{self, Meeting, Question};
+use super::leaf_search;
+use super::meeting::{Meeting, Question};
 use super::tracer::answer_of;
 use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
@@ -50,7 +52,7 @@ impl Tracer<'_> {
         for &index in &self.single.rest {
             let oriented = bvh.tree.oriented(index);
             let place = bvh.place(index, &oriented);
-            let slack = leaf_search::error_bound(place.piece, frame);
+            let slack = error_bound(place.piece, frame);
             let passage = oriented.passage(frame, &bvh.tree.frame, slack);
             let Some(passage) = passage else { continue };
             if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
@@ -185,8 +187,8 @@ impl<'a> Certain<'a> {
         }
         if piece.has_border() && near_border(leaf, piece, hit.st) {
             let jet = piece.patch.jet(hit.st);
-            let error = leaf_search::error_bound(piece, &RayFrame::new(ray));
-            if leaf_search::at_border(piece, hit.st, &jet, error) {
+            let error = error_bound(piece, &RayFrame::new(ray));
+            if at_border(piece, hit.st, &jet, error) {
                 flags.insert(HitFlags::BORDER);
             }
         }
@@ -218,7 +220,7 @@ impl<'a> Certain<'a> {
             jet: Jet { point, ..self.piece.patch.jet(st) },
             normal: self.normal.is_finite().then_some(self.normal),
             flags: self.flags.without(HitFlags::NO_NORMAL),
-            error: leaf_search::error_bound(self.piece, frame),
+            error: error_bound(self.piece, frame),
             cosine: self.normal.dot(frame.axis),
             stretch: None,
             beyond: false,
@@ -229,6 +231,5 @@ impl<'a> Certain<'a> {
 /// Whether a hit may lie within rounding of a border of its surface.
 fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
     let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    leaf_search::border_reach(leaf, piece)
-        .is_some_and(|reach| (0..4).any(|side| distance[side] <= reach[side]))
+    border_reach(leaf, piece).is_some_and(|reach| (0..4).any(|side| distance[side] <= reach[side]))
 }

@@ -3,7 +3,9 @@
 use fearless_simd::Level;
 use glam::DVec3;
 
-use super::leaf_search::{self, Findings, Meeting, Place, Question};
+use super::borders::error_bound;
+use super::leaf_search;
+use super::meeting::{Findings, Meeting, Place, Question};
 use super::tree::ChildCode;
 use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
 use super::{
@@ -195,7 +197,7 @@ impl<'a> Tracer<'a> {
         let mut limit = frame.z_range[1];
         let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, oriented| {
             let place = bvh.place(index, oriented);
-            let slack = leaf_search::error_bound(place.piece, frame);
+            let slack = error_bound(place.piece, frame);
             let passage = oriented.passage(frame, &bvh.tree.frame, slack);
             let Some(passage) = passage else { return limit };
             if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {

@@ -8,7 +8,7 @@ use super::jets::{Jets, jets, points};
 use super::newton::{Leaves, RayLanes, Step};
 use super::search::dot_d;
 use super::single::Scene;
-use crate::intersect::leaf_search;
+use crate::intersect::borders::border_reach;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
 
@@ -44,7 +44,7 @@ impl<'a> Target<'a> {
         // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
         let reach = match pole {
             Some(_) => Some([f64::INFINITY; 4]),
-            None => leaf_search::border_reach(leaf, piece),
+            None => border_reach(leaf, piece),
         };
         let second = leaf.second_derivatives();
         let bend = f64::from(leaf.fit_bend());

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::geometry::trim::Side;
-use crate::intersect::leaf_search::{TRIM_REACH, trim_reach};
+use crate::intersect::borders::{TRIM_REACH, trim_reach};
 use crate::patch::Piece;
 
 /// The scalar search's root and the one found here are both off by no more than the error: what is

@@ -1,0 +1,120 @@
+//! Borders of surfaces and edges of trims: which roots are on this side of them, and which are at
+//! them as far as rounding lets one know.
+
+use glam::{DVec2, DVec3};
+
+use super::leaf_search::holds;
+use super::newton::project;
+use crate::geometry::trim::Side;
+use crate::math::RayFrame;
+use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, WIDENING};
+
+/// How far a computed point of the piece may be from the true one, for this ray.
+pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
+    piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude)
+}
+
+/// The [`error_bound`] of a piece that is no larger than one of its points.
+pub(super) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
+    piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
+}
+
+/// The place itself if it is on the piece, else the point of the piece's border that is
+/// nearest to the ray there.
+///
+/// The slack of a border is a distance in space: where the ray grazes, a root that rounding
+/// has put outside by much in one parameter is near the border for another value of the
+/// other parameter. Where the ray runs inside the surface, the end of the stretch may be
+/// well outside, and the ray cross the border far from there.
+pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
+    let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
+    let residual = |st: DVec2| ray.coordinates(piece.patch.point(st)).truncate().length();
+    match [nearest.x != st.x, nearest.y != st.y] {
+        [false, false] => nearest,
+        [true, false] => along_border(piece, ray, nearest, DVec2::Y),
+        [false, true] => along_border(piece, ray, nearest, DVec2::X),
+        [true, true] => {
+            // Beyond a corner the ray may cross either of its sides.
+            let [a, b] = [DVec2::X, DVec2::Y].map(|free| along_border(piece, ray, nearest, free));
+            if residual(b) < residual(a) { b } else { a }
+        }
+    }
+}
+
+/// The point of a border nearest to the ray, from a place on it: least squares along the
+/// direction that is free.
+fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
+    // Gauss and Newton's steps double the digits, but only near the end of a long way.
+    let most_steps = 8;
+    let mut nearest = start;
+    for _ in 0..most_steps {
+        let jet = piece.patch.jet(nearest);
+        let at = ray.coordinates(jet.point).truncate();
+        let along = project(ray, free.x * jet.ds + free.y * jet.dt);
+        let step = along.dot(at) / along.length_squared();
+        if !step.is_finite() {
+            break;
+        }
+        let next = (nearest - step * free).clamp(DVec2::ZERO, DVec2::ONE);
+        if next == nearest {
+            break;
+        }
+        nearest = next;
+    }
+    nearest
+}
+
+/// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
+/// edge itself is on a surface known to rounding, and the edge it is shared with on another.
+pub(super) const TRIM_REACH: f64 = 4.0;
+
+/// Whether a root of a leaf is kept by the trims of its surface, if it may be off by `error` in
+/// space.
+pub(super) fn trim_side(leaf: &Leaf, piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> Side {
+    // A border's point that is nearest to the ray may be off the leaf.
+    let known = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);
+    if piece.trims().is_none() || known() {
+        return Side::Inside;
+    }
+    piece.side(st, trim_reach(jet, error))
+}
+
+/// How near a trim edge must be, in each parameter, for a root that may be off by `error` in
+/// space to be at it.
+///
+/// A step in `s` alone moves the point by `|S_s|`; among steps in `s` and `t` the part of `s` is
+/// at most the distance over `|S_s| sin θ`, with `θ` the angle between the tangents. At a pole
+/// one tangent vanishes, and its parameter may be anything.
+pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
+    let lengths = DVec2::new(jet.ds.length(), jet.dt.length());
+    let sine = jet.ds.cross(jet.dt).length() / (lengths.x * lengths.y);
+    let sine = if sine > 0.0 { sine } else { 1.0 }; // also where it is not a number
+    TRIM_REACH * error / (lengths * sine)
+}
+
+/// For each side of the piece that is a border of the surface and near the leaf: how far
+/// from it, in the parameter, a hit may be within rounding of it.
+///
+/// The leaf is certified for the ray, so rounding moves a root by less than half of the
+/// leaf's slack: what is farther from the side than a few times that is not at the border.
+pub(super) fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
+    let mut reach = [f64::NEG_INFINITY; 4];
+    let mut any = false;
+    let rect = leaf.rect();
+    for side in (0..4).filter(|&side| piece.is_border(side)) {
+        let [from, to] = rect[side / 2];
+        let more = 4.0 * LEAF_SLACK * (to - from);
+        let distance = if side % 2 == 0 { from } else { 1.0 - to };
+        if distance <= more {
+            reach[side] = more;
+            any = true;
+        }
+    }
+    any.then_some(reach)
+}
+
+/// Whether a point lies within rounding of a side that is a border of the surface.
+pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
+    let distances = piece.side_distances(st, jet);
+    (0..4).any(|side| piece.is_border(side) && distances[side] <= 4.0 * error)
+}

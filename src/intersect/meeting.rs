@@ -1,0 +1,119 @@
+//! What is asked of a ray and a leaf, and what is found.
+
+use glam::{DVec2, DVec3};
+
+use super::borders::{at_border, error_bound, trim_reach};
+use super::exact::{ExactSolver, Solution};
+use super::{HitFlags, Occlusion, Root, Statistics};
+use crate::geometry::trim::Side;
+use crate::math::RayFrame;
+use crate::patch::{Jet, Leaf, OrientedBox, PatchSet, Piece};
+
+/// A place where a ray meets a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// The ray parameter.
+    pub(super) t: f64,
+    /// How far that may be off.
+    pub(super) t_error: f64,
+    pub(super) surface: u32,
+    pub(super) piece: u32,
+    pub(super) st: DVec2,
+    pub(super) jet: Jet,
+    /// The unit normal, where there is one.
+    pub(super) normal: Option<DVec3>,
+    pub(super) flags: HitFlags,
+    /// How far the surface's point may be from the ray.
+    pub(super) error: f64,
+    /// The cosine between the ray and the normal, signed; zero where there is no normal.
+    pub(super) cosine: f64,
+    /// The stretch along which the ray runs inside the surface, as ray parameters.
+    pub(super) stretch: Option<[f64; 2]>,
+    /// Whether the ray passes a side of the piece on its outside, by more than the rounding of
+    /// a ray that was aimed at the side.
+    pub(super) beyond: bool,
+}
+
+/// Everything a search of leaves needs to know of the question.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Question<'a> {
+    pub(super) set: &'a PatchSet,
+    pub(super) ray: &'a RayFrame,
+    pub(super) t_range: [f64; 2],
+    pub(super) from: Option<&'a Root>,
+}
+
+/// A leaf, with its box and its piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) leaf: &'a Leaf,
+    pub(super) oriented: &'a OrientedBox,
+    pub(super) piece: &'a Piece,
+}
+
+impl<'a> Question<'a> {
+    /// The root the ray starts on, and its piece, if it lies on that surface.
+    pub(super) fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
+        let root = self.from?;
+        // A root of other surfaces than these is none of theirs.
+        let piece = self.set.pieces().get(root.piece as usize)?;
+        (piece.surface == surface).then_some((root, piece))
+    }
+
+    /// Whether a crossing of an edge is that of the edge which the ray starts on, of another
+    /// surface: at the same place, to within what both may be off by, and with the same sign of
+    /// `N · d`, as in [`crossings`](super::crossings).
+    pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
+        let Some(root) = self.from else { return false };
+        let Some(piece) = self.set.pieces().get(root.piece as usize) else { return false };
+        let jet = piece.patch.jet(root.st);
+        let near = point.distance(jet.point) <= 2.0 * (z_error + root.error);
+        let edge = || {
+            at_border(piece, root.st, &jet, error_bound(piece, self.ray))
+                || matches!(piece.side(root.st, trim_reach(&jet, root.error)), Side::Edge { .. })
+        };
+        let same_side = || {
+            let other = piece.normal(root.st, &jet).map_or(0.0, |normal| normal.dot(self.ray.axis));
+            cosine * other > 0.0 && cosine.abs().min(other.abs()) > CLEAR_SIDE
+        };
+        near && edge() && same_side()
+    }
+}
+
+/// The cosine above which it is clear on which side a ray leaves an edge.
+const CLEAR_SIDE: f64 = 1e-4;
+
+/// What a search found, and its scratch memory.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    pub(super) meetings: Vec<Meeting>,
+    /// The smallest ray parameter at which something may have been missed.
+    pub(super) doubt: f64,
+    pub(super) statistics: Statistics,
+    /// Boxes the exact solver has looked at for this ray; whoever asks about the next one sets it
+    /// to zero.
+    pub(super) effort: u64,
+    pub(super) solver: ExactSolver,
+    pub(super) solutions: Vec<Solution>,
+}
+
+impl Findings {
+    /// Forgets what was found, keeps memory and counts.
+    pub(super) fn clear(&mut self) {
+        self.meetings.clear();
+        self.doubt = f64::INFINITY;
+    }
+
+    /// What was found as the answer of an any-hit search.
+    pub(super) fn occlusion(&mut self) -> Occlusion {
+        let certain = self.meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
+        let occluded = !self.meetings.is_empty();
+        let doubtful = !certain && (occluded || self.doubt < f64::INFINITY);
+        self.statistics.doubtful += u64::from(doubtful);
+        Occlusion { occluded, doubtful }
+    }
+
+    pub(super) fn doubt_at(&mut self, t: f64) {
+        self.doubt = self.doubt.min(t);
+    }
+}
