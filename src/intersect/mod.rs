@@ -19,8 +19,8 @@
 //!
 //! A [`Kernel`] is a way to do the first two steps. The scalar one is the readable
 //! specification; the others take coherent batches ([`Coherence`]) in packets and search sixteen
-//! rays at a time in f32, or test one ray against sixteen boxes at a time, and finish each hit in
-//! f64 on the true surface. Where the certificate does not hold they first ask the leaf's
+//! rays at a time in f32, of other batches sixteen pairs of a ray and a leaf, or test one ray against
+//! sixteen boxes at a time, and finish each hit in f64 on the true surface. Where the certificate does not hold they first ask the leaf's
 //! approximation what it proves of this one ray; what is not proved then goes the scalar way. What
 //! a ray is answered does not depend on its neighbours.
 //!
