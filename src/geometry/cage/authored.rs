@@ -58,6 +58,7 @@ pub enum BoundaryRule {
 /// # Invariants, checked once on construction and relied on everywhere else
 /// - there is a face; faces have 3 or more corners at different vertices;
 /// - coordinates are finite and at most [`MAX_MAGNITUDE`];
+/// - no two faces have the same vertices;
 /// - an edge belongs to one face (a boundary) or to two that run along it opposite ways;
 /// - the faces around a vertex are one fan, open or closed; each vertex has a face;
 /// - sharpness is from 0 to 10, or infinite.
@@ -84,6 +85,7 @@ impl Cage {
         for (face, vertices) in parts.faces.iter().enumerate() {
             check_face(face, vertices, parts.positions.len())?;
         }
+        check_distinct(&parts.faces)?;
         let mut starts = vec![0];
         let mut vertices = Vec::new();
         for face in &parts.faces {
@@ -190,6 +192,22 @@ fn check_face(face: usize, corners: &[usize], vertices: usize) -> Result<(), Cag
     sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => Err(CageError::RepeatedVertex { face, vertex: pair[0] }),
+        None => Ok(()),
+    }
+}
+
+/// Faces on the same vertices would cover each other, whichever way round they are.
+fn check_distinct(faces: &[Vec<usize>]) -> Result<(), CageError> {
+    let sorted = |face: &Vec<usize>| {
+        let mut corners = face.clone();
+        corners.sort_unstable();
+        corners
+    };
+    let mut order: Vec<(Vec<usize>, usize)> =
+        faces.iter().enumerate().map(|(index, face)| (sorted(face), index)).collect();
+    order.sort_unstable();
+    match order.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(CageError::SameFace { faces: [pair[0].1, pair[1].1] }),
         None => Ok(()),
     }
 }

@@ -64,6 +64,14 @@ pub enum CageError {
         /// The vertex.
         vertex: usize,
     },
+    /// Two faces have the same corners.
+    #[error(
+        "faces {} and {} have the same vertices: they would cover each other", .faces[0], .faces[1]
+    )]
+    SameFace {
+        /// The two faces.
+        faces: [usize; 2],
+    },
     /// More than two faces share an edge.
     #[error(
         "the edge between vertices {} and {} belongs to faces {}: at most two may share an edge",
@@ -229,8 +237,8 @@ pub enum LimitError {
     },
     /// A Doo–Sabin surface cannot have the creases and corners the cage has.
     #[error(
-        "{edges} inner edges and {vertices} inner vertices are sharp: Doo–Sabin surfaces have no \
-         creases"
+        "{} and {} are sharp: Doo–Sabin surfaces have no creases",
+        Counted(*.edges, "inner edge"), Counted(*.vertices, "inner vertex")
     )]
     Sharp {
         /// The number of sharp edges that are no boundary.

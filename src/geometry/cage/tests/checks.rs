@@ -39,6 +39,12 @@ fn edges_and_vertices_at_fault() {
         refuse(with_faces(&[&[0, 1, 2], &[0, 1, 3]], 4)),
         "faces 0 and 1 both run from vertex 0 to vertex 1: one of them is inside out"
     );
+    for back in [[2, 1, 0], [0, 1, 2]] {
+        assert_eq!(
+            refuse(with_faces(&[&[0, 1, 2], &back], 3)),
+            "faces 0 and 1 have the same vertices: they would cover each other"
+        );
+    }
     assert_eq!(refuse(with_faces(&[&[0, 1, 2]], 4)), "vertex 3 belongs to no face");
     assert_eq!(
         refuse(with_faces(&[&[0, 1, 2], &[0, 3, 4]], 5)),
