@@ -163,6 +163,13 @@ fn what_the_scheme_does_not_know_is_refused() {
     let creased = CageParts { creases: vec![crease(0, 1, 2.0)], ..cube_parts() };
     assert_eq!(refuse(&creased), LimitError::Sharp { edges: 1, vertices: 0 });
     assert_eq!(refuse(&sheet_parts(2, 5, bumpy)), LimitError::NothingInside);
-    let pillow = CageParts { faces: vec![vec![0, 1, 2], vec![2, 1, 0]], ..pyramid_parts(2) };
-    assert_eq!(refuse(&pillow), LimitError::TwoFaces { vertex: 0 });
+    // A tetrahedron with a vertex on one of its edges.
+    let faces = [&[0, 4, 1, 2][..], &[1, 4, 0, 3], &[0, 2, 3], &[1, 3, 2]];
+    let positions = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 0, 0]];
+    let split = CageParts {
+        positions: positions.map(|p| glam::IVec3::from_array(p).as_dvec3()).to_vec(),
+        faces: faces.map(<[usize]>::to_vec).to_vec(),
+        ..CageParts::default()
+    };
+    assert_eq!(refuse(&split), LimitError::TwoFaces { vertex: 4 });
 }
