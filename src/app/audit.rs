@@ -47,6 +47,9 @@ Rays are made from the model's own surfaces, by class:
   leaving      leaving a hit, as secondary rays do
   far          as aimed, from a million sizes away
 
+A third of the rays is traced one by one, a third as packets, a third as batches
+of incoherent rays.
+
 Columns, for each class:
   rays         rays made
   hits         rays for which the fast path has a hit
