@@ -392,3 +392,25 @@ fn an_answer_does_not_depend_on_the_company() {
         }
     }
 }
+
+#[test]
+fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
+    let surfaces: [Surface; 1] = [shapes::sphere(1.0).unwrap().into()];
+    let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+    let mut random = Random(5);
+    let chord = |_| {
+        let (from, to) = (1.5 * random.direction(), 0.9 * random.direction());
+        Query::primary(Ray::new(from, to - from).unwrap())
+    };
+    let queries: Vec<Query> = (0..20_000).map(chord).collect();
+    for kernel in wide_kernels() {
+        for answer in trace(&bvh, kernel, Coherence::Incoherent, &queries) {
+            let hit = answer.hit.unwrap();
+            // The derivative along a parallel is as short as the parallel: towards a pole the
+            // rounding of its coordinates turns the normal by that much more.
+            let off = hit.normal.distance(hit.point.normalize());
+            let parallel = hit.point.truncate().length();
+            assert!(off < 1e-15 + 1e-15 / parallel, "{kernel}: {off}: {hit:?}");
+        }
+    }
+}

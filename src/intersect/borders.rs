@@ -11,7 +11,7 @@ use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, WIDENING};
 
 /// How far a computed point of the piece may be from the true one, for this ray.
 pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
-    piece.patch.residual_factor() * piece.patch.magnitude().max(ray.magnitude)
+    piece.patch.error_bound(ray.magnitude)
 }
 
 /// The [`error_bound`] of a piece that is no larger than one of its points.

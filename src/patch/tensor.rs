@@ -117,6 +117,13 @@ impl TensorPatch {
         rounding::residual_factor(self.degree()[0], self.degree()[1])
     }
 
+    /// How far a computed point may be from the true one for a ray, in scene units; `magnitude` is
+    /// the largest absolute coordinate of the ray's origin.
+    #[inline(always)]
+    pub fn error_bound(&self, magnitude: f64) -> f64 {
+        self.residual_factor() * self.magnitude().max(magnitude)
+    }
+
     /// The point and first derivatives at `(s, t)`, also a little outside the square.
     ///
     /// The order of operations is fixed, so that every caller gets the same bits.

@@ -170,16 +170,19 @@ impl PairLanes {
         normals: &[[[f64x8<S>; 3]; 2]; 2],
         form: Form,
     ) -> u32 {
-        let mut terms = f32x16::splat(simd, 0.0);
+        let zero = f32x16::splat(simd, 0.0);
+        let mut sizes = [zero; 3];
+        for axis in 0..3 {
+            for m in 0..16 {
+                sizes[axis] += f32x16::from_slice(simd, &self.fit[axis][m]).abs();
+            }
+        }
+        let mut terms = zero;
         for k in 0..2 {
             let mut sum = f32x16::from_slice(simd, &self.distances.of[k][0]).abs();
             for axis in 0..3 {
-                let mut size = f32x16::splat(simd, 0.0);
-                for m in 0..16 {
-                    size += f32x16::from_slice(simd, &self.fit[axis][m]).abs();
-                }
                 let n = simd.narrow_f64x8(normals[0][k][axis], normals[1][k][axis]);
-                sum = n.abs().mul_add(size, sum);
+                sum = n.abs().mul_add(sizes[axis], sum);
             }
             terms = terms.max(sum);
         }

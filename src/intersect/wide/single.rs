@@ -128,7 +128,7 @@ fn search_leaf<S: Simd>(
 ) {
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
-    let error = patch.residual_factor() * patch.magnitude().max(ray.magnitude());
+    let error = patch.error_bound(ray.magnitude());
     let certified = is_certified(leaf, slopes, error);
     if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (certified, error)) {
         let start = certified.then_some(start);

@@ -251,7 +251,7 @@ impl Task<'_> {
             let slopes = crossings.slopes.map(|slopes| slopes[nearest]);
             let leaf = &self.scene.leaves[index as usize];
             let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
-            let error = patch.residual_factor() * patch.magnitude().max(flight.magnitude);
+            let error = patch.error_bound(flight.magnitude);
             let certified = is_certified(leaf, slopes, error);
             let axis = flight.boxes.axis;
             if self.start.is_done_with(simd, (leaf, patch), axis, (certified, error)) {
@@ -358,7 +358,7 @@ fn search_pairs<S: Simd, Q: Shot>(
                 let task = Task { scene, ray, start: start_of(shot), index: pair.ray };
                 let piece = scene.leaves[pair.leaf as usize].piece;
                 let patch = &scene.set.pieces()[piece as usize].patch;
-                let error = patch.residual_factor() * patch.magnitude().max(flight.magnitude);
+                let error = patch.error_bound(flight.magnitude);
                 let work = (&mut *single, &mut *statistics);
                 task.search(simd, pair.leaf, (None, error), flight, work);
             }
