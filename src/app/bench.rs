@@ -22,7 +22,8 @@ pub(crate) const HELP: &str = "\
 Ray sets; N is --size:
   primary            the camera's rays through the middles of N x N pixels, in
                      packets: tiles of 64 x 64 pixels, in each a Z-order curve,
-                     so that 16 rays are 4 x 4 pixels
+                     so that 16 rays are 4 x 4 pixels; if leaves are smaller
+                     than two pixels, in batches, as pictures are traced
   single             the same rays in the same order, one call a ray
   incoherent         N x N chords of a sphere around the model (1 % wider than
                      it), in batches
@@ -32,7 +33,8 @@ Ray sets; N is --size:
                      normal (cosine), 1/5 of the model's diagonal long; in
                      batches
   shadow             any hit on the way from those hits to the scene's first
-                     lamp, in batches
+                     lamp, in packets if leaves are wider than four pixels, else
+                     in batches
 Rays are made before the clock starts, the same for everyone and in every run;
 they lie in memory, Embree's in the packets it wants.
 

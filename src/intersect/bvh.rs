@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::coherence::leaf_width;
 use super::tree::Tree;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
@@ -30,6 +31,8 @@ pub struct SurfaceBvh {
     /// In the order of the tree.
     pub(super) leaves: Vec<Leaf>,
     pub(super) tree: Tree,
+    /// See [`leaf_width`].
+    pub(super) leaf_width: f64,
 }
 
 impl SurfaceBvh {
@@ -52,7 +55,8 @@ impl SurfaceBvh {
         });
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
         tree.fill(&boxes);
-        Ok(Self { set, leaves, tree })
+        let leaf_width = leaf_width(&leaves);
+        Ok(Self { set, leaves, tree, leaf_width })
     }
 
     /// Ready to trace on this thread with the default kernel.

@@ -163,16 +163,3 @@ pub struct Occlusion {
     /// Whether floating point could not decide.
     pub doubtful: bool,
 }
-
-/// Whether neighbouring rays of a batch are alike, so that packets pay off.
-///
-/// One ray may get answers that differ in their last digits in packets, in batches of incoherent
-/// rays, and by itself; in either kind of batch not, whatever rays are beside it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Coherence {
-    /// Neighbours start and point alike (primary rays, shadow rays of one light).
-    Coherent,
-    /// Nothing is known.
-    #[default]
-    Incoherent,
-}

@@ -60,6 +60,7 @@
 
 mod borders;
 mod bvh;
+mod coherence;
 mod collapse;
 mod crossings;
 mod exact;
@@ -80,7 +81,8 @@ mod tree;
 mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
-pub use hit::{Answer, Coherence, Hit, HitFlags, Occlusion, Query, Root, Shot};
+pub use coherence::{Coherence, Neighbours};
+pub use hit::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot};
 pub use kernel::Kernel;
 pub use statistics::Statistics;
 pub use tracer::Tracer;

@@ -94,8 +94,13 @@ impl LeafBlock {
     /// The box of one leaf.
     #[inline(always)]
     pub(super) fn oriented(&self, lane: usize) -> OrientedBox {
-        let row = |k: usize| [0, 1, 2, 3].map(|i| self.rows[4 * k + i][lane]);
-        OrientedBox { rows: [row(0), row(1), row(2)] }
+        let mut oriented = OrientedBox { rows: [[0.0; 4]; 3] };
+        for k in 0..3 {
+            for i in 0..4 {
+                oriented.rows[k][i] = self.rows[4 * k + i][lane];
+            }
+        }
+        oriented
     }
 }
 

@@ -1,5 +1,7 @@
 //! What is kept of a part of a piece, to search it.
 
+use std::hint::black_box;
+
 use glam::DVec3;
 
 use super::fit::{Approximation, Fit};
@@ -78,6 +80,15 @@ impl Leaf {
         (leaf, oriented)
     }
 
+    /// Reads something of every cache line, for those who will want them soon.
+    #[inline(always)]
+    pub fn touch(&self) {
+        for axis in 0..3 {
+            black_box(self.fit[axis][0]);
+        }
+        black_box(self.piece);
+    }
+
     /// The part of the piece's unit square: from and to in `s`, then in `t`.
     #[inline(always)]
     pub fn rect(&self) -> [[f64; 2]; 2] {
@@ -134,12 +145,26 @@ impl Leaf {
         &self.fit
     }
 
-    /// The approximation's second derivatives in the middle, by box coordinates: twice by the
-    /// first, by both, twice by the second.
+    /// The approximation's second and third derivatives in the middle, by box coordinates: `xx`,
+    /// `xy`, `yy`, `xxx`, `xxy`, `xyy`, `yyy`.
     #[inline(always)]
-    pub fn second_derivatives(&self) -> [DVec3; 3] {
-        let term = |k: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.fit[axis][k])));
-        [2.0 * term(8), term(5), 2.0 * term(2)]
+    pub fn higher_derivatives(&self) -> [DVec3; 7] {
+        let term = |m: usize| DVec3::new(self.term(0, m), self.term(1, m), self.term(2, m));
+        let [two, six] = [2.0, 6.0];
+        [
+            two * term(8),
+            term(5),
+            two * term(2),
+            six * term(12),
+            two * term(9),
+            two * term(6),
+            six * term(3),
+        ]
+    }
+
+    #[inline(always)]
+    fn term(&self, axis: usize, m: usize) -> f64 {
+        f64::from(self.fit[axis][m])
     }
 
     /// How far the approximation may be from the surface: see [`FitError`](super::FitError).

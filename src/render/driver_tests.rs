@@ -2,9 +2,10 @@
 
 use std::sync::Mutex;
 
-use super::test_worlds::sphere_over_floor;
+use super::test_worlds::{sphere_over_floor, sphere_over_tiles};
 use super::*;
-use crate::scene::IntegratorKind;
+use crate::intersect::Coherence;
+use crate::scene::{IntegratorKind, World};
 
 fn settings() -> RenderSettings {
     RenderSettings {
@@ -17,7 +18,19 @@ fn settings() -> RenderSettings {
 }
 
 fn picture(settings: &RenderSettings) -> Film {
-    render(&sphere_over_floor(), settings, &|_| {}).unwrap()
+    picture_of(&sphere_over_floor(), settings)
+}
+
+fn picture_of(world: &World, settings: &RenderSettings) -> Film {
+    render(world, settings, &|_| {}).unwrap()
+}
+
+/// One whose pictures are traced in packets, and one whose leaves are too small for them.
+fn both_worlds() -> [World; 2] {
+    let worlds = [sphere_over_floor(), sphere_over_tiles()];
+    let told = |k: usize| worlds[k].neighbours(settings().size.into()).first_hits;
+    assert_eq!([told(0), told(1)], [Coherence::Coherent, Coherence::Incoherent]);
+    worlds
 }
 
 /// Every number of every pixel of a rectangle, as bits.
@@ -42,31 +55,35 @@ fn threads_do_not_change_a_bit() {
 
 #[test]
 fn four_crops_are_the_whole() {
-    let whole = picture(&settings());
-    // Neither at tile borders nor of equal sizes.
-    for rect in ["0,0,23,11", "23,0,50,11", "0,11,23,37", "23,11,50,37"] {
-        let crop: PixelRect = rect.parse().unwrap();
-        let part = picture(&RenderSettings { crop: Some(crop), ..settings() });
-        assert_eq!(part.window(), crop);
-        assert_eq!(bits(&part, crop), bits(&whole, crop), "crop {crop}");
+    for world in &both_worlds() {
+        let whole = picture_of(world, &settings());
+        // Neither at tile borders nor of equal sizes.
+        for rect in ["0,0,23,11", "23,0,50,11", "0,11,23,37", "23,11,50,37"] {
+            let crop: PixelRect = rect.parse().unwrap();
+            let part = picture_of(world, &RenderSettings { crop: Some(crop), ..settings() });
+            assert_eq!(part.window(), crop);
+            assert_eq!(bits(&part, crop), bits(&whole, crop), "crop {crop}");
+        }
     }
 }
 
 #[test]
 fn two_sample_ranges_are_the_whole() {
-    for (start, middle, end) in [(0, 1, 6), (0, 4, 6), (3, 5, 10), (2, 7, 8)] {
-        let whole = picture(&RenderSettings { samples: start..end, ..settings() });
-        let first = picture(&RenderSettings { samples: start..middle, ..settings() });
-        let second = picture(&RenderSettings { samples: middle..end, ..settings() });
-        let merged = first.merge(second).unwrap();
-        assert_eq!(bits(&merged, merged.window()), bits(&whole, whole.window()));
-        // The work depends on which rays share a packet, the answers do not.
-        let answers = |film: &Film| {
-            let counters = film.counters();
-            (counters.rays, counters.hits, counters.doubtful)
-        };
-        assert_eq!(answers(&merged), answers(&whole));
-        assert_eq!(merged.settings(), whole.settings());
+    for world in &both_worlds() {
+        for (start, middle, end) in [(0, 1, 6), (0, 4, 6), (3, 5, 10), (2, 7, 8)] {
+            let range = |samples| picture_of(world, &RenderSettings { samples, ..settings() });
+            let (whole, first, second) =
+                (range(start..end), range(start..middle), range(middle..end));
+            let merged = first.merge(second).unwrap();
+            assert_eq!(bits(&merged, merged.window()), bits(&whole, whole.window()));
+            // The work depends on which rays share a packet, the answers do not.
+            let answers = |film: &Film| {
+                let counters = film.counters();
+                (counters.rays, counters.hits, counters.doubtful)
+            };
+            assert_eq!(answers(&merged), answers(&whole));
+            assert_eq!(merged.settings(), whole.settings());
+        }
     }
 }
 

@@ -39,7 +39,7 @@ impl<'a> Painter<'a> {
             settings,
             sampler: Sampler::new(settings.seed),
             tracer: world.bvh.tracer_with(settings.kernel),
-            integrator: Integrator::new(settings.integrator, world),
+            integrator: Integrator::new(settings.integrator, world, settings.size.into()),
             batch: Batch::default(),
             order: Vec::new(),
             rank: Vec::new(),

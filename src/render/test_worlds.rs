@@ -56,10 +56,24 @@ pub(super) fn world(surfaces: Vec<NurbsSurface>, lights: Vec<Light>, scale: f64)
 
 /// A sphere over a floor under one light of each kind.
 pub(super) fn sphere_over_floor() -> World {
+    sphere_over(floor(6.0, -1.0))
+}
+
+/// The same, with the floor in so many pieces that small pictures have several to a pixel.
+pub(super) fn sphere_over_tiles() -> World {
+    let mut tiles = floor(6.0, -1.0);
+    for k in 1..150 {
+        let t = f64::from(k) / 150.0;
+        tiles = tiles.insert_knot_u(t, 1).unwrap().insert_knot_v(t, 1).unwrap();
+    }
+    sphere_over(tiles)
+}
+
+fn sphere_over(floor: NurbsSurface) -> World {
     let lights = vec![
         Light::Point { position: DVec3::new(2.0, -3.0, 4.0), intensity: [40.0; 3] },
         Light::directional(DVec3::new(-1.0, -1.0, 2.0), [0.5, 0.6, 0.7]).unwrap(),
         Light::Ambient { radiance: [0.05; 3] },
     ];
-    world(vec![sphere(1.0), floor(6.0, -1.0)], lights, 1.0)
+    world(vec![sphere(1.0), floor], lights, 1.0)
 }

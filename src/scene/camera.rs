@@ -186,6 +186,17 @@ impl Camera {
         ray.unwrap_or(self.axis)
     }
 
+    /// How far apart the rays through neighbouring pixels are in the middle of a picture of this
+    /// size, at a distance in front of the camera, in scene units.
+    pub fn pixel_width(&self, [width, height]: [u32; 2], depth: f64) -> f64 {
+        let size = DVec2::new(f64::from(width), f64::from(height));
+        let ray = |film: DVec2| self.ray(film, size.x / size.y);
+        let middle = DVec2::splat(0.5);
+        let (here, below) = (ray(middle), ray(middle + DVec2::new(0.0, 1.0 / size.y)));
+        let turned = below.direction() - here.direction();
+        (below.origin() - here.origin() + depth * turned).length()
+    }
+
     /// The view as given.
     pub fn view(&self) -> View {
         self.view
@@ -248,6 +259,14 @@ mod tests {
         let (left, right) =
             (camera.ray(DVec2::new(0.0, 0.5), 1.5), camera.ray(DVec2::new(1.0, 0.5), 1.5));
         assert_eq!(right.origin() - left.origin(), DVec3::new(4.5, 0.0, 0.0));
+    }
+
+    #[test]
+    fn pixels_are_as_wide_as_the_picture_divided_by_their_number() {
+        let camera = Camera::new(VIEW, Projection::Perspective { fov: 90.0 }).unwrap();
+        assert!((camera.pixel_width([640, 400], 4.0) - 8.0 / 400.0).abs() < 1e-15);
+        let camera = Camera::new(VIEW, Projection::Orthographic { height: 3.0 }).unwrap();
+        assert!((camera.pixel_width([640, 400], 4.0) - 3.0 / 400.0).abs() < 1e-15);
     }
 
     #[test]

@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 
     // Answers do not depend on the number of threads: all may work.
     let Race { model, size, rays, .. } = &race;
-    let (ours, doubtful) = sight::exact(&model.world.bvh, &rays.queries);
+    let (ours, doubtful) = sight::exact(&model.world.bvh, rays);
     let compared = Compared { model, rays, size: *size, ours: &ours };
     let mut findings = Vec::new();
     let mut pictures = Vec::new();

@@ -162,7 +162,7 @@ fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure>
 /// What the lamp at the camera shows: the cosine between ray and normal of each pixel, row by
 /// row; a hit without a normal is black, as it is in POV-Ray.
 fn cosines(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Option<f64>> {
-    let (sights, _) = sight::exact(&model.world.bvh, &rays.queries);
+    let (sights, _) = sight::exact(&model.world.bvh, rays);
     let mut pixels = vec![None; sights.len()];
     for ((sight, query), [x, y]) in sights.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
         pixels[y * size[0] as usize + x] = sight.map(|sight| match sight.normal.is_nan() {

@@ -1,11 +1,13 @@
 //! What each pixel sees: the surface itself, or triangles in its place.
 
 use glam::DVec3;
-use nurbray::intersect::{Answer, Coherence, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, SurfaceBvh};
 use nurbray::io::EmbreeHit;
 use nurbray::io::mesh::GridMesh;
 use nurbray::math::Ray;
 use rayon::prelude::*;
+
+use super::super::race::Rays;
 
 /// Rays a thread takes at a time; it changes no answer.
 const CHUNK: usize = 4096;
@@ -27,10 +29,11 @@ pub(super) struct Sight {
 }
 
 /// What the rays meet on the surfaces, and whether an answer is doubtful.
-pub(super) fn exact(bvh: &SurfaceBvh, queries: &[Query]) -> (Vec<Option<Sight>>, usize) {
+pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> (Vec<Option<Sight>>, usize) {
+    let (queries, coherence) = (&rays.queries[..], rays.neighbours.first_hits);
     let chunks = queries.par_chunks(CHUNK).map(|queries| {
         let mut answers = Vec::new();
-        bvh.tracer().first_hits(queries, Coherence::Coherent, &mut answers);
+        bvh.tracer().first_hits(queries, coherence, &mut answers);
         answers
     });
     let answers = chunks.collect::<Vec<_>>().concat();

@@ -3,7 +3,9 @@
 use std::hint::black_box;
 use std::sync::{Mutex, PoisonError};
 
-use nurbray::intersect::{Answer, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{
+    Answer, Coherence, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer,
+};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -82,10 +84,12 @@ impl<'a> Ours<'a> {
     fn trace(&self, desk: &mut Desk<'_>, (queries, alone): (&[Query], &[Ray])) {
         let Desk { tracer, answers, occlusions } = desk;
         match (self.rays.set.question(), self.rays.set.calls()) {
-            (Question::FirstHit, Calls::Batch(coherence)) => {
+            (Question::FirstHit, Calls::Batch(told)) => {
+                let coherence = suited(told, self.rays.neighbours.first_hits);
                 tracer.first_hits(alone, coherence, answers);
             }
-            (Question::AnyHit, Calls::Batch(coherence)) => {
+            (Question::AnyHit, Calls::Batch(told)) => {
+                let coherence = suited(told, self.rays.neighbours.occlusions);
                 tracer.occlusions(queries, coherence, occlusions);
             }
             (Question::FirstHit, Calls::OneByOne) => {
@@ -107,6 +111,14 @@ impl<'a> Ours<'a> {
             }
             Question::AnyHit => desk.occlusions.iter().map(any_hit).collect(),
         }
+    }
+}
+
+/// Rays that are told to be coherent are traced as suits them.
+fn suited(told: Coherence, suits: Coherence) -> Coherence {
+    match told {
+        Coherence::Coherent => suits,
+        Coherence::Incoherent => Coherence::Incoherent,
     }
 }
 

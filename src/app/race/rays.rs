@@ -1,7 +1,7 @@
 //! The rays that are timed: made once, for everyone.
 
 use glam::{DVec2, DVec3};
-use nurbray::intersect::{Coherence, Hit, Kernel, Query};
+use nurbray::intersect::{Hit, Kernel, Neighbours, Query};
 use nurbray::math::Ray;
 use nurbray::scene::{Light, World};
 use rayon::prelude::*;
@@ -36,6 +36,8 @@ pub(crate) struct Rays {
     pub(crate) queries: Vec<Query>,
     /// The rays alone, which is all there is to those that ask for first hits.
     pub(crate) alone: Vec<Ray>,
+    /// How the coherent ones of them are best traced: as in pictures.
+    pub(crate) neighbours: Neighbours,
 }
 
 impl Rays {
@@ -63,7 +65,8 @@ impl Rays {
             }
         };
         let alone = queries.iter().map(|query| query.ray).collect();
-        Self { set, queries, alone }
+        let neighbours = model.world.neighbours(size);
+        Self { set, queries, alone, neighbours }
     }
 
     /// The number of rays.
@@ -101,10 +104,11 @@ struct Seen {
 /// without a normal are left out.
 fn seen(world: &World, size: [u32; 2]) -> Vec<Seen> {
     let queries = primary(world, size);
+    let coherence = world.neighbours(size).first_hits;
     let chunks = queries.par_chunks(CHUNK).with_max_len(1).map(|queries| {
         let mut answers = Vec::new();
         let mut tracer = world.bvh.tracer_with(Kernel::default());
-        tracer.first_hits(queries, Coherence::Coherent, &mut answers);
+        tracer.first_hits(queries, coherence, &mut answers);
         let hits = answers.iter().zip(queries).filter_map(|(answer, query)| {
             let hit = answer.hit?;
             let away = hit.normal.dot(query.ray.direction()) > 0.0;

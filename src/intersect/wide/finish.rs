@@ -48,7 +48,7 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => target.domain,
         Ground::Own(rect) => target.parameters(rect),
     };
-    let leaves = Ground8 { target, domain };
+    let leaves = Ground8 { target, domain, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);
     let patch = &target.piece.patch;
     let error = f64x8::splat(simd, patch.residual_factor())

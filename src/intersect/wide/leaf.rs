@@ -20,12 +20,13 @@ use crate::patch::{OrientedBox, WIDENING};
 /// The rectangle that certificates speak of, in box coordinates.
 const WIDENED: [[f32; 2]; 2] = [[-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32]; 2];
 
-/// One leaf against the rays of the packet, sixteen by sixteen, that may meet it.
+/// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
+/// set in `groups`.
 #[simd]
 pub(super) fn search_leaf<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
-    (index, oriented, groups): (u32, &OrientedBox, [bool; PACKET / LANES]),
+    (index, oriented, groups): (u32, &OrientedBox, u32),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -34,9 +35,12 @@ pub(super) fn search_leaf<S: Simd>(
     // are needed.
     let mut target = None;
     let mut found = false;
-    for base in (0..packet.count.min(PACKET)).step_by(LANES) {
-        if !groups[base / LANES] {
-            continue;
+    let mut groups = groups;
+    while groups != 0 {
+        let base = LANES * groups.trailing_zeros() as usize;
+        groups &= groups - 1;
+        if base >= packet.count.min(PACKET) {
+            break;
         }
         let crossing = cross_box(simd, oriented, packet, base);
         let met = bits(crossing.met);

@@ -16,9 +16,9 @@ const MOST_STEPS: usize = 4;
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
 /// A bound of how far the normal may turn in the last step, in radians. It is some times as large
-/// as the turn itself, of which second derivatives from the middle of the leaf's approximation
-/// leave a tenth or so.
-const MOST_TURN: f64 = 1e-10;
+/// as the turn itself, of which the approximation's second derivatives, linear over the leaf,
+/// leave a hundredth or so.
+const MOST_TURN: f64 = 1e-9;
 
 /// The leaves of eight lanes, and their true leaves.
 pub(super) trait Leaves<S: Simd> {
@@ -39,9 +39,12 @@ pub(super) trait Leaves<S: Simd> {
     /// See [`FitError`](crate::patch::FitError).
     fn bend(&self, simd: S) -> f64x8<S>;
 
-    /// A coordinate of the approximation's second derivatives in the middle, by box coordinates:
+    /// Whether normals are asked for; else those that are found do for error bounds only.
+    fn asks_normals(&self) -> bool;
+
+    /// A coordinate of the approximation's second derivatives at a place, both in box coordinates:
     /// twice by the first, by both, twice by the second.
-    fn second(&self, simd: S, axis: usize) -> [f64x8<S>; 3];
+    fn second(&self, simd: S, axis: usize, place: [f64x8<S>; 2]) -> [f64x8<S>; 3];
 
     /// The lanes whose next step surely leads away from the leaf, so that it is missed.
     fn surely_away(&self, simd: S, rays: &RayLanes<S>, step: &Step<S>) -> mask64x8<S>;
@@ -145,10 +148,13 @@ pub(super) fn newton<S: Simd, T: Leaves<S>>(
         // The normal after the step.
         let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
         let mut tangents = [jets.ds, jets.dt];
-        for i in 0..3 {
-            let [xx, xy, yy] = leaves.second(simd, i);
-            tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
-            tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
+        if leaves.asks_normals() {
+            let place = [(s - middle_s) * sides_s, (t - middle_t) * sides_t];
+            for i in 0..3 {
+                let [xx, xy, yy] = leaves.second(simd, i, place);
+                tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
+                tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
+            }
         }
         let mut across = [zero; 3];
         for i in 0..3 {
@@ -163,10 +169,13 @@ pub(super) fn newton<S: Simd, T: Leaves<S>>(
         let longest = move_x.abs().max(move_y.abs());
         let bent = leaves.bend(simd) * longest;
         let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
-        let sides = half_s * speed_s + half_t * speed_t;
-        let turn = (bent + bent) * sides;
-        let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
-        let straight = (turn * turn).simd_le(least_turn * least_turn * dot_d(across, across));
+        let mut straight = open;
+        if leaves.asks_normals() {
+            let sides = half_s * speed_s + half_t * speed_t;
+            let turn = (bent + bent) * sides;
+            let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
+            straight = (turn * turn).simd_le(least_turn * least_turn * dot_d(across, across));
+        }
         let inside = new_s.simd_ge(domain[0])
             & new_s.simd_le(domain[1])
             & new_t.simd_ge(domain[2])

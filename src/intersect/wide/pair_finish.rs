@@ -12,23 +12,6 @@ use super::pairs::{Outcomes, PairLanes, eight};
 use crate::patch::WIDENING;
 
 impl PairLanes {
-    /// The second derivatives of eight approximations in their middles, by box coordinates.
-    #[inline(always)]
-    fn second<S: Simd>(&self, simd: S, half: usize) -> [[f64x8<S>; 3]; 3] {
-        let (one, two) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, 2.0));
-        let mut second = [[one; 3]; 3];
-        for (term, (m, times)) in [(8, two), (5, one), (2, two)].into_iter().enumerate() {
-            for axis in 0..3 {
-                let mut eight = [0.0; 8];
-                for lane in 0..8 {
-                    eight[lane] = f64::from(self.fit[axis][m][8 * half + lane]);
-                }
-                second[axis][term] = f64x8::from_slice(simd, &eight) * times;
-            }
-        }
-        second
-    }
-
     /// Newton's steps in f64 for one half of the pairs.
     #[simd]
     pub(super) fn finish<S: Simd>(
@@ -55,7 +38,6 @@ impl PairLanes {
                 middle[1] + sides[1] * reach,
             ],
             bend: eight(simd, &self.bend, half),
-            second: self.second(simd, half),
         };
         let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
         let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
@@ -95,8 +77,6 @@ struct Eight<'a, S: Simd> {
     middle: [f64x8<S>; 2],
     domain: [f64x8<S>; 4],
     bend: f64x8<S>,
-    /// By axis.
-    second: [[f64x8<S>; 3]; 3],
 }
 
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
@@ -136,9 +116,15 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
         self.bend
     }
 
+    /// Normals are looked at where the roots are.
     #[inline(always)]
-    fn second(&self, _: S, axis: usize) -> [f64x8<S>; 3] {
-        self.second[axis]
+    fn asks_normals(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn second(&self, simd: S, _: usize, _: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
+        [f64x8::splat(simd, 0.0); 3]
     }
 
     /// None: these are left to the ray's own proof.

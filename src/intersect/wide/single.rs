@@ -13,6 +13,8 @@
 //! - Everything else is named in [`SingleWork::rest`] for the scalar search, which knows about
 //!   borders, poles, tangency and the ends of rays.
 
+use std::hint::black_box;
+
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
@@ -25,7 +27,7 @@ use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
 use crate::intersect::tree::{Child, Tree};
-use crate::patch::{Leaf, PatchSet, WIDENING};
+use crate::patch::{Leaf, PatchSet, Piece, WIDENING};
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +35,52 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
     pub(in crate::intersect) set: &'a PatchSet,
+}
+
+/// Scenes of more leaves than this do not fit into the memory near the processor.
+const FAR: usize = 1 << 14;
+
+impl Scene<'_> {
+    /// Whether what is wanted soon should be touched: read, one after the other and without
+    /// waiting, so that all of it is on its way from memory before the first is used.
+    #[inline(always)]
+    pub(super) fn is_far(&self) -> bool {
+        self.leaves.len() >= FAR
+    }
+
+    /// Touches those leaves of a block whose bits are set in `met`.
+    #[inline(always)]
+    pub(super) fn touch_leaves(&self, first: u32, met: u32) {
+        each(met, |k| self.leaves[first as usize + k].touch());
+    }
+
+    /// The pieces of such leaves, which are there by now.
+    #[inline(always)]
+    pub(super) fn touch_pieces(&self, first: u32, met: u32) {
+        each(met, |k| {
+            black_box(self.piece_of(first as usize + k).surface);
+        });
+    }
+
+    /// The control points of such pieces, which are there by now.
+    #[inline(always)]
+    pub(super) fn touch_nets(&self, first: u32, met: u32) {
+        each(met, |k| self.piece_of(first as usize + k).patch.touch());
+    }
+
+    #[inline(always)]
+    fn piece_of(&self, leaf: usize) -> &Piece {
+        &self.set.pieces()[self.leaves[leaf].piece as usize]
+    }
+}
+
+/// Calls for the places of the bits that are set.
+#[inline(always)]
+fn each(mut bits: u32, mut call: impl FnMut(usize)) {
+    while bits != 0 {
+        call(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
 }
 
 /// Scratch memory and results of tracing one ray.

@@ -149,6 +149,9 @@ fn walk<S: Simd, Q: Shot>(
                 let block = &tree.blocks[index as usize];
                 flights[k as usize].boxes.cross(simd, block, crossings);
             }
+            if scene.is_far() {
+                touch(scene, visits, &crossings);
+            }
             for (&(k, index), crossings) in visits.iter().zip(&crossings) {
                 let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
                 let task = Task { scene, ray: shot.ray(), start: start_of(shot), index: k };
@@ -166,6 +169,16 @@ fn walk<S: Simd, Q: Shot>(
         }
     }
     std::mem::swap(walking, waiting);
+}
+
+/// Touches the leaves whose boxes are met: see [`Scene::is_far`].
+fn touch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
+    for stage in [Scene::touch_leaves, Scene::touch_pieces, Scene::touch_nets] {
+        for (&(_, block), crossings) in visits.iter().zip(crossings) {
+            let (first, count) = scene.tree.leaves(block);
+            stage(scene, first, crossings.met & ((1 << count) - 1));
+        }
+    }
 }
 
 #[inline(always)]

@@ -30,9 +30,8 @@ pub(super) struct Target<'a> {
     pub(super) reach: Option<[f64; 4]>,
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
-    /// The approximation's second derivatives in the middle, by box coordinates: twice by the
-    /// first, by both, twice by the second.
-    second: [DVec3; 3],
+    /// See [`Leaf::higher_derivatives`].
+    higher: [DVec3; 7],
 }
 
 impl<'a> Target<'a> {
@@ -46,9 +45,9 @@ impl<'a> Target<'a> {
             Some(_) => Some([f64::INFINITY; 4]),
             None => border_reach(leaf, piece),
         };
-        let second = leaf.second_derivatives();
+        let higher = leaf.higher_derivatives();
         let bend = f64::from(leaf.fit_bend());
-        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, second }
+        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, higher }
     }
 
     /// The rays that pass the leaf's pole far enough for its certificate to speak of them.
@@ -86,6 +85,8 @@ impl<'a> Target<'a> {
 pub(super) struct Ground8<'a> {
     pub(super) target: &'a Target<'a>,
     pub(super) domain: [[f64; 2]; 2],
+    /// Whether normals are asked for.
+    pub(super) normals: bool,
 }
 
 impl<S: Simd> Leaves<S> for Ground8<'_> {
@@ -134,9 +135,24 @@ impl<S: Simd> Leaves<S> for Ground8<'_> {
     }
 
     #[inline(always)]
-    fn second(&self, simd: S, axis: usize) -> [f64x8<S>; 3] {
-        let [xx, xy, yy] = self.target.second;
-        [f64x8::splat(simd, xx[axis]), f64x8::splat(simd, xy[axis]), f64x8::splat(simd, yy[axis])]
+    fn asks_normals(&self) -> bool {
+        self.normals
+    }
+
+    #[inline(always)]
+    fn second(&self, simd: S, axis: usize, [x, y]: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
+        let h = &self.target.higher;
+        let xxy = f64x8::splat(simd, h[4][axis]);
+        let xyy = f64x8::splat(simd, h[5][axis]);
+        [
+            f64x8::splat(simd, h[3][axis])
+                .mul_add(x, xxy.mul_add(y, f64x8::splat(simd, h[0][axis]))),
+            xxy.mul_add(x, xyy.mul_add(y, f64x8::splat(simd, h[1][axis]))),
+            xyy.mul_add(
+                x,
+                f64x8::splat(simd, h[6][axis]).mul_add(y, f64x8::splat(simd, h[2][axis])),
+            ),
+        ]
     }
 
     /// Where a step from beyond the leaf surely leads away from it, so that it is missed, as in the

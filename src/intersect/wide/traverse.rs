@@ -253,7 +253,10 @@ fn search_block<S: Simd>(
             return;
         }
         let oriented = block.oriented(nearest);
-        let groups = apart.map(|met| met >> nearest & 1 != 0);
+        let mut groups = 0;
+        for k in 0..PACKET / LANES {
+            groups |= (apart[k] >> nearest & 1) << k;
+        }
         let leaf = (first + nearest as u32, &oriented, groups);
         search_leaf(simd, scene, leaf, packet, work, statistics);
     }

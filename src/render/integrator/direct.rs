@@ -37,11 +37,12 @@ struct Shaded {
 }
 
 impl Direct {
-    /// Finds the radiance of each camera ray from its first hit; returns what was traced.
+    /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow
+    /// rays are traced as is said with the tracer.
     pub(super) fn light(
         &mut self,
         world: &World,
-        tracer: &mut Tracer<'_>,
+        (tracer, coherence): (&mut Tracer<'_>, Coherence),
         batch: &mut Batch,
     ) -> Counters {
         self.points.clear();
@@ -57,7 +58,7 @@ impl Direct {
 
         let mut counters = Counters::default();
         for light in &world.lights {
-            counters += self.add_light(light, tracer, &mut batch.radiance);
+            counters += self.add_light(light, (&mut *tracer, coherence), &mut batch.radiance);
         }
         counters
     }
@@ -66,7 +67,7 @@ impl Direct {
     fn add_light(
         &mut self,
         light: &Light,
-        tracer: &mut Tracer<'_>,
+        (tracer, coherence): (&mut Tracer<'_>, Coherence),
         radiance: &mut [Rgb],
     ) -> Counters {
         self.shadows.clear();
@@ -82,7 +83,7 @@ impl Direct {
         }
 
         // Rays towards one light are neighbours as their hits are.
-        tracer.occlusions(&self.shadows, Coherence::Coherent, &mut self.hidden);
+        tracer.occlusions(&self.shadows, coherence, &mut self.hidden);
         for (&(index, diffuse), hidden) in self.brought.iter().zip(&self.hidden) {
             if !hidden.occluded {
                 add(&mut radiance[index], diffuse);

@@ -5,16 +5,22 @@ mod false_color;
 mod work;
 
 use super::Counters;
-use crate::intersect::{Answer, Coherence, Query, Tracer};
+use crate::intersect::{Answer, Neighbours, Query, Tracer};
 use crate::scene::{IntegratorKind, Rgb, World};
 
 use direct::Direct;
 pub(super) use direct::albedo;
 use false_color::HitColor;
 
-/// A way to find what camera rays see, ready for one world, with its scratch memory.
+/// A way to find what camera rays see, ready for one picture of one world, with its scratch memory.
 #[derive(Debug)]
-pub(super) enum Integrator {
+pub(super) struct Integrator {
+    way: Way,
+    neighbours: Neighbours,
+}
+
+#[derive(Debug)]
+enum Way {
     /// Lights, shadows and materials.
     Direct(Direct),
     /// A property of the hit as a colour; black where there is none.
@@ -32,15 +38,17 @@ pub(super) struct Batch {
 }
 
 impl Integrator {
-    pub(super) fn new(kind: IntegratorKind, world: &World) -> Self {
-        match kind {
-            IntegratorKind::Direct => Self::Direct(Direct::default()),
-            IntegratorKind::Normal => Self::Hit(HitColor::Normal),
-            IntegratorKind::Uv => Self::Hit(HitColor::Uv),
-            IntegratorKind::Depth => Self::Hit(HitColor::depth(world)),
-            IntegratorKind::Id => Self::Hit(HitColor::Id),
-            IntegratorKind::Iterations => Self::Iterations,
-        }
+    /// For pictures of `size` pixels.
+    pub(super) fn new(kind: IntegratorKind, world: &World, size: [u32; 2]) -> Self {
+        let way = match kind {
+            IntegratorKind::Direct => Way::Direct(Direct::default()),
+            IntegratorKind::Normal => Way::Hit(HitColor::Normal),
+            IntegratorKind::Uv => Way::Hit(HitColor::Uv),
+            IntegratorKind::Depth => Way::Hit(HitColor::depth(world)),
+            IntegratorKind::Id => Way::Hit(HitColor::Id),
+            IntegratorKind::Iterations => Way::Iterations,
+        };
+        Self { way, neighbours: world.neighbours(size) }
     }
 
     /// Traces a batch of neighbouring camera rays and finds what each sees.
@@ -54,15 +62,16 @@ impl Integrator {
         batch: &mut Batch,
     ) -> Counters {
         batch.radiance.clear();
-        if let Self::Iterations = self {
+        if let Way::Iterations = self.way {
             work::trace(tracer, batch);
             return count(&batch.answers);
         }
-        tracer.first_hits(&batch.queries, Coherence::Coherent, &mut batch.answers);
+        let Neighbours { first_hits, occlusions } = self.neighbours;
+        tracer.first_hits(&batch.queries, first_hits, &mut batch.answers);
         let mut counters = count(&batch.answers);
-        match self {
-            Self::Direct(direct) => counters += direct.light(world, tracer, batch),
-            Self::Hit(color) => {
+        match &mut self.way {
+            Way::Direct(direct) => counters += direct.light(world, (tracer, occlusions), batch),
+            Way::Hit(color) => {
                 let Batch { queries, answers, radiance } = batch;
                 let seen = queries.iter().zip(answers.iter());
                 radiance.extend(seen.map(|(query, answer)| match &answer.hit {
@@ -70,7 +79,7 @@ impl Integrator {
                     None => [0.0; 3],
                 }));
             }
-            Self::Iterations => {}
+            Way::Iterations => {}
         }
         counters
     }

@@ -1,0 +1,86 @@
+//! How rays that are neighbours are best traced.
+
+use super::SurfaceBvh;
+use crate::patch::Leaf;
+
+/// Whether neighbouring rays of a batch are alike, so that packets pay off.
+///
+/// One ray may get answers that differ in their last digits in packets, in batches of incoherent
+/// rays, and by itself; in either kind of batch not, whatever rays are beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Coherence {
+    /// Neighbours start and point alike (primary rays, shadow rays of one light), and meet the
+    /// same leaves: see [`SurfaceBvh::neighbours`].
+    Coherent,
+    /// Nothing is known.
+    #[default]
+    Incoherent,
+}
+
+/// How rays are best traced that start and point alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbours {
+    /// For first hits.
+    pub first_hits: Coherence,
+    /// For the occlusion of rays that leave such hits.
+    pub occlusions: Coherence,
+}
+
+/// Packets pay off where a leaf is at least so many rays wide. Measured: where leaves are half as
+/// wide, packets take twice as long as batches of incoherent rays; at a quarter, six times.
+const FIRST_HITS: f64 = 2.0;
+
+/// The same of rays that leave hits: those of a packet begin in as many leaves as it has met, and
+/// pass by the boxes of all their neighbours.
+const OCCLUSIONS: f64 = 4.0;
+
+impl SurfaceBvh {
+    /// How rays are best traced that are neighbours, in rows and columns, `spacing` apart where
+    /// they meet the surfaces, in scene units: in packets only if leaves are several rays wide.
+    ///
+    /// The same for all rays of a picture, so that none of them depends on what else is traced.
+    pub fn neighbours(&self, spacing: f64) -> Neighbours {
+        let told = |least: f64| {
+            // Also where there are no leaves, or the spacing is not a number.
+            let narrow = self.leaf_width < least * spacing;
+            if narrow { Coherence::Incoherent } else { Coherence::Coherent }
+        };
+        Neighbours { first_hits: told(FIRST_HITS), occlusions: told(OCCLUSIONS) }
+    }
+}
+
+/// The width of the leaves that rays meet, in scene units: that of a leaf counts by its area.
+pub(super) fn leaf_width(leaves: &[Leaf]) -> f64 {
+    let (mut areas, mut widths) = (0.0, 0.0);
+    for leaf in leaves {
+        let [x, y] = leaf.side_lengths().map(f64::from);
+        let area = 4.0 * x * y;
+        areas += area;
+        widths += area.sqrt();
+    }
+    if areas > 0.0 { areas / widths } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::BuildOptions;
+
+    #[test]
+    fn packets_are_for_rays_closer_than_leaves() {
+        let surfaces = [shapes::sphere(1.0).unwrap()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        // All of the sphere's area in as many leaves.
+        let even = (4.0 * std::f64::consts::PI / bvh.leaves().len() as f64).sqrt();
+        let width = leaf_width(bvh.leaves());
+        assert!((0.8..1.6).contains(&(width / even)), "{width} of {even}");
+
+        let of = |spacing: f64| bvh.neighbours(spacing);
+        assert_eq!(of(0.1 * width).occlusions, Coherence::Coherent);
+        assert_eq!(of(0.3 * width).first_hits, Coherence::Coherent);
+        assert_eq!(of(0.3 * width).occlusions, Coherence::Incoherent);
+        assert_eq!(of(width).first_hits, Coherence::Incoherent);
+        assert_eq!(of(f64::NAN).first_hits, Coherence::Coherent);
+    }
+}
