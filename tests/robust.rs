@@ -10,6 +10,8 @@
 
 #[path = "robust/bodies.rs"]
 mod bodies;
+#[path = "robust/corners.rs"]
+mod corners;
 #[path = "robust/halving.rs"]
 mod halving;
 #[path = "robust/hard.rs"]

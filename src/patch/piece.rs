@@ -151,28 +151,26 @@ impl Piece {
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
         let near = |side: usize| self.collapsed(side).is_some() && distances[side] <= clear;
-        let place = DVec2::new(
-            if near(0) {
-                0.0
-            } else if near(1) {
-                1.0
-            } else {
-                st.x
-            },
-            if near(2) {
-                0.0
-            } else if near(3) {
-                1.0
-            } else {
-                st.y
-            },
-        );
+        // Beside a collapsed side those that it meets are near all along it: only that counts which
+        // is the nearest in its parameter.
+        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
+        let nearest = (0..4)
+            .filter(|&side| self.collapsed(side).is_some())
+            .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
+            .filter(|&side| near(side));
         let cross = jet.ds.cross(jet.dt);
         let regular = cross.length() > half_the_digits * jet.ds.length() * jet.dt.length();
-        if regular && !(0..4).any(near) {
-            return cross.try_normalize();
-        }
-        self.limit(place).or_else(|| cross.try_normalize())
+        let Some(nearest) = nearest else {
+            return if regular { cross } else { self.limit(st).unwrap_or(cross) }.try_normalize();
+        };
+        let at = |place: DVec2, side: usize| {
+            let end = (side % 2) as f64;
+            if side < 2 { DVec2::new(end, place.y) } else { DVec2::new(place.x, end) }
+        };
+        let place = at(st, nearest);
+        let corner = (0..4).filter(|&side| near(side)).fold(place, at);
+        let limit = self.limit(place).or_else(|| self.limit(corner));
+        limit.or_else(|| cross.try_normalize())
     }
 
     /// Whether a point is a tip, as that of a cone, to within rounding: the end of a collapsed

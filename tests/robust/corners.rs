@@ -1,0 +1,41 @@
+//! Corners in which more than one side ends in a point.
+
+use glam::{DVec3, DVec4};
+use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+use nurbray::math::Ray;
+
+use crate::random::Random;
+
+/// Near the corner where two collapsed sides meet, each of which leads to normals of its own: beside
+/// one of them every place is near the other one, too.
+#[test]
+fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
+    let knots = || KnotVector::clamped_uniform(2, 3).unwrap();
+    let mut control = vec![DVec4::W; 9];
+    control[4] = DVec4::new(1.0, 0.0, 0.0, 1.0);
+    control[5] = DVec4::new(1.0, 1.0, 0.0, 1.0);
+    control[7] = DVec4::new(0.0, 0.0, 1.0, 1.0);
+    control[8] = DVec4::new(1.0, 1.0, 1.0, 1.0);
+    let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
+    let bvh = SurfaceBvh::build(&[surface.clone()], &BuildOptions::default()).unwrap();
+    let mut tracer = bvh.tracer();
+    let mut random = Random::new(3);
+    let mut seen = 0;
+    for k in 0..2000 {
+        let u = 10f64.powf(-9.0 + 3.0 * f64::from(k) / 2000.0);
+        let v = 0.05 + 0.95 * random.unit();
+        let (point, direction) = (surface.point_at(u, v), random.direction());
+        let ray = Ray::new(point - direction, direction).unwrap();
+        let answer = tracer.first_hit(&Query::primary(ray));
+        let Some(hit) = answer.hit.filter(|hit| !answer.doubtful && hit.uv.y > 0.05) else {
+            continue;
+        };
+        // S = 2 u c(v) + u² …, c in the plane z = 0: so is c', and the normal along z.
+        if !hit.flags.contains(HitFlags::NO_NORMAL) {
+            assert!(hit.normal.distance(DVec3::Z) < 100.0 * hit.uv.x + 1e-7, "{ray:?}: {hit:?}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 1000, "{seen}");
+}
