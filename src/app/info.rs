@@ -33,8 +33,9 @@ count, nor do the parts of one tube, ribbon or net, which run into each other.
 
 Bounds: the boxes the surfaces themselves just fit in, not their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
-curve askew to u and v). Those of a trimmed surface hold its leaves, of which
-the ones at an edge reach a little beyond it.
+curve askew to u and v). Those of a trimmed surface hold its leaves, as far as
+they lie in the rectangle of u and v around what is kept; leaves at an edge may
+reach beyond it.
 
 With --json one object:
   input, build_seconds

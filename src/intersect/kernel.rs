@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use fearless_simd::Level;
 
-/// Which code searches for hits. All give the same answers, to the stated accuracy; one
-/// kernel gives the same bits wherever it runs.
+/// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel
+/// gives the same bits on every processor of one architecture that can run it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kernel {

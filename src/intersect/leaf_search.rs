@@ -2,12 +2,12 @@
 
 use glam::{DVec2, DVec4};
 
-use super::HitFlags;
 use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
 use super::exact::{END, Proof, Rect, STRETCH, Solution, Task};
 use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::newton::{Grounds, Newton, newton};
+use super::{HitFlags, Root};
 use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
@@ -18,8 +18,8 @@ use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 /// converges there, a second point with a residual below the error could only be within
 /// `error·spread/cos` of it: well inside the slack. So the point found is the leaf's one
 /// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to
-/// be missed; so it is where a step from beyond the leaf surely leads away. `z_limit` is how far
-/// along the ray anything is still of interest.
+/// be missed. It is also missed where a step from beyond the leaf surely leads farther away.
+/// `z_limit` is how far along the ray anything is still of interest.
 pub(super) fn search(
     question: &Question<'_>,
     place: &Place<'_>,
@@ -201,23 +201,10 @@ fn accept(
 
     let mut normal = piece.normal(st, &jet);
     let mut cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
-    // A ray through a pole crosses the surface there, unless it may as well touch it: where the
-    // radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
-    // between is within R cos² / 2 of it. A leaf turns by less than its length over R.
-    let sides = leaf.rect().map(|[from, to]| to - from);
-    let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
-    let touches = cosine * cosine * length <= CLEAR_OF_POLE * error;
-    if solution.proof == Proof::Collapsed && touches {
+    if solution.proof == Proof::Collapsed && may_touch(leaf, &jet, cosine, error) {
         flags.insert(HitFlags::DOUBTFUL);
     }
-    let mut z_error = error / cosine.abs().max(f64::EPSILON);
-    if let Proof::Contact { length } = solution.proof {
-        z_error = z_error.min(length + error);
-    }
-    if let Proof::Stretch([from, to]) = solution.proof {
-        // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
-        z_error = 4.0 * error + END / STRETCH * (to - from).abs();
-    }
+    let z_error = error_along(solution.proof, error, cosine);
 
     // What trims cut off is not there; their edges are. In a pole is what any kept parameter
     // leads to.
@@ -249,12 +236,7 @@ fn accept(
     if let Some((root, start)) = question.start_on(piece.surface) {
         let reach = z_error + root.error;
         if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-            let same = match solution.proof {
-                Proof::Isolated(rect) => root.piece != leaf.piece || holds(rect, root.st),
-                Proof::Collapsed => true,
-                _ => false,
-            };
-            if !same {
+            if !is_same_root(solution.proof, leaf, root) {
                 findings.doubt_at(0.0);
             }
             return;
@@ -308,6 +290,36 @@ fn accept(
         stretch,
         beyond,
     });
+}
+
+/// Whether a ray through a pole may as well touch the surface there as cross it.
+///
+/// Where the radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
+/// between is within R cos² / 2 of it. A leaf turns by less than its length over R.
+fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
+    let sides = leaf.rect().map(|[from, to]| to - from);
+    let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
+    cosine * cosine * length <= CLEAR_OF_POLE * error
+}
+
+/// How far off a root may be along the ray, for how far a point may be from it.
+fn error_along(proof: Proof, error: f64, cosine: f64) -> f64 {
+    let steep = error / cosine.abs().max(f64::EPSILON);
+    match proof {
+        Proof::Isolated(_) | Proof::Collapsed => steep,
+        Proof::Contact { length } => steep.min(length + error),
+        // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
+        Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
+    }
+}
+
+/// Whether what was found where a ray starts is proved to be the root it starts on.
+fn is_same_root(proof: Proof, leaf: &Leaf, root: &Root) -> bool {
+    match proof {
+        Proof::Isolated(rect) => root.piece != leaf.piece || holds(rect, root.st),
+        Proof::Collapsed => true,
+        Proof::Contact { .. } | Proof::Stretch(_) => false,
+    }
 }
 
 /// How far from the surface, in errors, a ray must be between a pole and the next root for the two

@@ -17,12 +17,23 @@
 //! 5. Where rounding has the last word, as in tangency to within the last bits, the answer
 //!    says so: [`Answer::doubtful`].
 //!
-//! A [`Kernel`] is a way to do the first two steps. The scalar one is the readable
-//! specification; the others take coherent batches ([`Coherence`]) in packets and search sixteen
-//! rays at a time in f32, of other batches sixteen pairs of a ray and a leaf, or test one ray against
-//! sixteen boxes at a time, and finish each hit in f64 on the true surface. Where the certificate does not hold they first ask the leaf's
-//! approximation what it proves of this one ray; what is not proved then goes the scalar way. What
-//! a ray is answered does not depend on its neighbours.
+//! # What is computed, why it is certain, how it is made fast
+//!
+//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search` says
+//! what a ray and a leaf come to, by `newton` or the `exact` solver, and `tracer` makes answers of
+//! that.
+//!
+//! It is certain by what is proved once of each leaf (the [certificate](crate::patch::Certificate):
+//! which rays meet it once at most) and of each ray (the `exact` solver's test of existence and
+//! uniqueness; `borders` says what is owed where surfaces end). Single rays and packets add two
+//! proofs of their own: what a leaf's approximation says of one ray (`wide::single_proof`), and when
+//! a ray that leaves a leaf cannot come back to it (`wide::departure`).
+//!
+//! It is made fast in `wide`. The other kernels take coherent batches ([`Coherence`]) in packets and
+//! search sixteen rays at a time in f32. For first hits of other batches they search sixteen pairs of
+//! a ray and a leaf; for one ray, or for the occlusion of such batches, they test sixteen boxes at a
+//! time. Each hit is finished in f64 on the true surface. What neither the certificate nor those
+//! proofs decide goes the scalar way. What a ray is answered does not depend on its neighbours.
 //!
 //! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
 //! program's `audit` holds the fast way against it.

@@ -124,7 +124,8 @@ impl<'a> Tracer<'a> {
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Rays said to be coherent are traced in packets, if the kernel has them.
+    /// Rays said to be coherent are traced in packets, others side by side in streams, if the kernel
+    /// has them.
     pub fn first_hits<Q: Shot>(
         &mut self,
         shots: &[Q],
@@ -143,7 +144,7 @@ impl<'a> Tracer<'a> {
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Rays said to be coherent are traced in packets, if the kernel has them.
+    /// Rays said to be coherent are traced in packets, if the kernel has them; others one by one.
     pub fn occlusions(
         &mut self,
         queries: &[Query],

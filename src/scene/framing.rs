@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, View, Written};
-use crate::geometry::trim::Side;
+use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{Chart, Charts, KnotVector, Surface};
 
 /// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
@@ -63,22 +63,31 @@ fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
 /// Points on a chart: those of a grid with every knot in it that its trims keep.
 fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let surface = &chart.surface;
-    let us = parameters(surface.knots_u(), across);
-    let vs = parameters(surface.knots_v(), across);
+    let (us, vs) = (surface.knots_u(), surface.knots_v());
+    let bounds = chart.trims.as_ref().map_or_else(
+        || {
+            let (u, v) = (us.domain(), vs.domain());
+            UvBox { min: DVec2::new(u.0, v.0), max: DVec2::new(u.1, v.1) }
+        },
+        |trims| trims.bounds(),
+    );
+    let us = parameters(us, across, [bounds.min.x, bounds.max.x]);
+    let vs = parameters(vs, across, [bounds.min.y, bounds.max.y]);
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
     let kept =
         |uv: &DVec2| chart.trims.as_ref().is_none_or(|trims| trims.contains(*uv) != Side::Outside);
     grid.filter(kept).map(|uv| surface.point_at(uv.x, uv.y)).collect()
 }
 
-/// The ends of all spans, and between them as many parameters as make up `across`.
-fn parameters(knots: &KnotVector, across: usize) -> Vec<f64> {
-    let spans = knots.spans().count().max(1);
-    let each = across.div_ceil(spans).max(1);
-    let mut parameters = vec![knots.domain().0];
-    for span in knots.spans() {
+/// The ends of all spans within a range, and between them as many parameters as make up `across`.
+fn parameters(knots: &KnotVector, across: usize, [from, to]: [f64; 2]) -> Vec<f64> {
+    let spans = knots.spans().map(|span| [span.start.max(from), span.end.min(to)]);
+    let spans: Vec<[f64; 2]> = spans.filter(|[start, end]| start < end).collect();
+    let each = across.div_ceil(spans.len().max(1)).max(1);
+    let mut parameters = vec![from];
+    for [start, end] in spans {
         let share = |k: usize| k as f64 / each as f64;
-        parameters.extend((1..=each).map(|k| span.start + share(k) * (span.end - span.start)));
+        parameters.extend((1..=each).map(|k| start + share(k) * (end - start)));
     }
     parameters
 }

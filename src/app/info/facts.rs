@@ -88,17 +88,17 @@ impl Facts {
         surfaces.par_iter_mut().for_each(|surface| {
             let range = patches.pieces_of(surface.index);
             let pieces = &patches.pieces()[range.clone()];
-            surface.bounds =
-                match surface.trims {
-                    None => extent(pieces.iter().map(|piece| &piece.patch)),
-                    Some(_) => {
-                        let own = |leaf: &&Leaf| range.contains(&(leaf.piece as usize));
-                        let leaves = world.bvh.leaves().iter().filter(own);
-                        extent_of_parts(leaves.map(|leaf| {
-                            (&patches.pieces()[leaf.piece as usize].patch, leaf.rect())
-                        }))
-                    }
-                };
+            surface.bounds = match surface.trims {
+                None => extent(pieces.iter().map(|piece| &piece.patch)),
+                Some(_) => {
+                    let own = |leaf: &&Leaf| range.contains(&(leaf.piece as usize));
+                    let leaves = world.bvh.leaves().iter().filter(own);
+                    extent_of_parts(leaves.map(|leaf| {
+                        let piece = &patches.pieces()[leaf.piece as usize];
+                        (&piece.patch, kept_part(piece, leaf.rect()))
+                    }))
+                }
+            };
         });
         let bounds = surfaces.iter().map(|surface| surface.bounds);
         let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
@@ -165,4 +165,18 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
             }
         }),
     }
+}
+
+/// The part of a rectangle of a piece's unit square that reaches no farther than its trims do: all
+/// of it if that is nothing, as where they just touch.
+fn kept_part(piece: &Piece, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let Some(trims) = piece.trims() else { return rect };
+    let (kept, domain) = (trims.bounds(), piece.domain());
+    let mut part = rect;
+    for k in 0..2 {
+        let [from, to] = domain[k];
+        let at = |u: f64| (u - from) / (to - from);
+        part[k] = [rect[k][0].max(at(kept.min[k])), rect[k][1].min(at(kept.max[k]))];
+    }
+    if part.iter().all(|[from, to]| from < to) { part } else { rect }
 }

@@ -236,6 +236,19 @@ impl Trims {
         Self { domain: self.domain.with_range_u(new), kept: self.kept, segments, loops, tree }
     }
 
+    /// A rectangle of the domain that holds all that is kept: its sides touch the outermost loops.
+    pub fn bounds(&self) -> UvBox {
+        let domain = self.domain.bounds();
+        match self.kept {
+            Kept::Even => domain,
+            Kept::Odd => {
+                // Segments are monotone: they reach no farther than their ends.
+                let UvBox { min, max } = UvBox::around(self.joints());
+                UvBox { min: min.max(domain.min), max: max.min(domain.max) }
+            }
+        }
+    }
+
     /// The ends of all monotone segments, which lie on the loops.
     pub fn joints(&self) -> impl Iterator<Item = DVec2> {
         self.segments.iter().map(|segment| segment.directed_ends()[0])

@@ -6,9 +6,10 @@
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
 //! promised accuracy (`finish`).
 //!
-//! One proof is added here, of a ray and a leaf that the certificate does not speak of: what the
+//! Two proofs are added here, of a ray and a leaf that the certificate does not speak of: what the
 //! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays at a time in
-//! `lane_proof`. What is not proved goes to the scalar search at last.
+//! `lane_proof`; and that a ray which leaves a leaf does not come back to it (`departure`, asked in
+//! `start`). What is not proved goes to the scalar search at last.
 //!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
 //! other rays of the packet.
@@ -19,6 +20,10 @@
 //! Of many rays that have nothing in common (`stream`) each goes through the boxes like that; then
 //! sixteen pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
 //! (`newton`).
+//!
+//! What they stand on: rays in lanes (`frames`, `load`), the surface in lanes (`jets`, for leaves of
+//! one patch by `target`, of many by `lane_net`), bicubic polynomials (`cubic`), and what trims say of
+//! a hit (`trimmed`).
 
 mod box_ray;
 mod cubic;

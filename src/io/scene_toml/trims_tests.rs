@@ -217,3 +217,19 @@ fn a_band_around_a_cylinder_is_cut_along_two_lines_and_the_seam() {
         }
     }
 }
+
+#[test]
+fn what_little_is_kept_is_what_the_camera_shows() {
+    let text = r#"
+[[object]]
+shape = { plane = { width = 4, height = 4 } }
+[object.trims]
+keep = "inside"
+loops = [ { circle = { center = [0.25, 0.75], radius = 0.0005 } } ]
+"#;
+    let world = World::new(&scene(text).unwrap()).unwrap();
+    let view = world.camera.view();
+    // A disc of radius 0.002.
+    assert!(view.look_at.distance(DVec3::new(-1.0, 1.0, 0.0)) < 1e-5, "{view:?}");
+    assert!((0.002..0.02).contains(&view.look_from.distance(view.look_at)), "{view:?}");
+}
