@@ -17,6 +17,17 @@ const MOST_HALVINGS: u32 = 16;
 /// parts on that side would all be as mixed as before.
 const RIM: f64 = 1.0 / 16.0;
 
+/// Rational leaves are at least so flat: their bicubic approximations, and tangents relative to the
+/// middle, are off by powers of that. At twice as much a tenth of the rays that meet a thin pipe are
+/// left to the exact solver.
+const RATIONAL: f64 = 0.25;
+
+/// Rational leaves that are longer than so many times their width, up to [`LONGEST`], and bent along
+/// it, must be as much flatter than [`RATIONAL`]: what is known of them relative to their length must
+/// be good for their width.
+const LONG: f64 = 8.0;
+const LONGEST: f64 = 32.0;
+
 /// How finely pieces are cut into leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fineness {
@@ -142,6 +153,8 @@ impl Halving {
     /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
     fn direction_to_halve(&self, piece: &Piece, flatness: f64) -> Option<usize> {
         let [p, q] = piece.patch.degree();
+        let rational = piece.patch.is_rational();
+        let flatness = if rational { flatness.min(RATIONAL) } else { flatness };
         let noise = noise(piece);
         let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
         if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
@@ -159,6 +172,13 @@ impl Halving {
             (second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / longest, longest)
         });
 
+        let (mut bend_s, mut bend_t) = (bend_s, bend_t);
+        if rational {
+            let aspect = (bend_s.1 / bend_t.1).clamp(1.0 / LONGEST, LONGEST);
+            let share = flatness / RATIONAL / LONG;
+            bend_s.0 *= (share * aspect).max(1.0);
+            bend_t.0 *= (share / aspect).max(1.0);
+        }
         let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
         let twist = corner(0, 0) - corner(0, 1) - corner(1, 0) + corner(1, 1);
         let normal = (corner(1, 1) - corner(0, 0)).cross(corner(0, 1) - corner(1, 0));
