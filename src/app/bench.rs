@@ -84,7 +84,8 @@ and with a rival:
                   not
   rival_tnear, hit_disagreements, t_disagreements (rays)
   ratio           mrays_per_s / rival_mrays_per_s
-Preparations are repeated up to 9 times; times are medians.
+Preparations are repeated up to 9 times; their figures are those of the run that
+took the median time.
 
 Example:
   nurbray bench scenes/teapot.json --against embree --tolerance 1e-3,1e-5

@@ -49,4 +49,4 @@ pub use subdivision::{Scheme, Subdivision};
 pub use transform::{Transform, TransformError};
 pub use triangle::TriangleNet;
 pub use trims::{LoopKind, LoopSense, LoopSpec, TrimCurveFault, TrimSpec};
-pub use world::{Instance, World};
+pub use world::{Instance, Placed, World};

@@ -64,25 +64,7 @@ impl World {
     /// When a surface, a transform or the camera is not one, a name is unknown or taken,
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let fails = |fault| SceneError::new(scene.place.clone(), fault);
-        let (surfaces, materials) = check_and_place(scene)?;
-
-        let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
-        else {
-            return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
-        };
-        let camera = scene.camera.camera(sphere).map_err(|error| {
-            SceneError::new(scene.camera.blame(&error).clone(), SceneFault::Camera(error))
-        })?;
-        let lights =
-            if scene.lights.is_empty() { default_lights(&camera) } else { scene.lights.clone() };
-
-        let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
-        let bvh = SurfaceBvh::build(&nets, &BuildOptions::default())
-            .map_err(|error| fails(SceneFault::Build(error)))?;
-        let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
-        let settings = scene.settings.clone();
-        Ok(Self { bvh, surfaces, materials, lights, camera, background, settings })
+        Placed::new(scene)?.build()
     }
 
     /// How the camera's rays, and those that leave their hits, are best traced in a picture of
@@ -95,6 +77,52 @@ impl World {
         let (min, max) = self.bvh.bounds().unwrap_or((eye, eye));
         let depth = eye.distance(eye.clamp(min, max));
         self.bvh.neighbours(self.camera.pixel_width(size, depth))
+    }
+}
+
+/// A scene whose surfaces are in their places, and not yet ready to trace: the first of the two
+/// steps of [`World::new`], for those who time them.
+#[derive(Clone, Debug)]
+pub struct Placed<'a> {
+    scene: &'a Scene,
+    surfaces: Vec<Instance>,
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    camera: Camera,
+}
+
+impl<'a> Placed<'a> {
+    /// Checks a scene and puts its surfaces, camera and lights in their places.
+    ///
+    /// # Errors
+    /// As [`World::new`], but for what is too much to trace.
+    pub fn new(scene: &'a Scene) -> Result<Self, SceneError> {
+        let (surfaces, materials) = check_and_place(scene)?;
+        let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
+        else {
+            let fault = SceneFault::Empty { notes: scene.notes.clone() };
+            return Err(SceneError::new(scene.place.clone(), fault));
+        };
+        let camera = scene.camera.camera(sphere).map_err(|error| {
+            SceneError::new(scene.camera.blame(&error).clone(), SceneFault::Camera(error))
+        })?;
+        let lights =
+            if scene.lights.is_empty() { default_lights(&camera) } else { scene.lights.clone() };
+        Ok(Self { scene, surfaces, materials, lights, camera })
+    }
+
+    /// Makes the surfaces ready to trace.
+    ///
+    /// # Errors
+    /// When they are too many.
+    pub fn build(self) -> Result<World, SceneError> {
+        let Self { scene, surfaces, materials, lights, camera } = self;
+        let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
+        let bvh = SurfaceBvh::build(&nets, &BuildOptions::default())
+            .map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Build(error)))?;
+        let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
+        let settings = scene.settings.clone();
+        Ok(World { bvh, surfaces, materials, lights, camera, background, settings })
     }
 }
 

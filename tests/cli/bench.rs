@@ -47,6 +47,10 @@ fn an_object_for_each_model_ray_set_and_kernel() {
             ["mrays_per_s", "build_seconds", "file_seconds", "total_seconds", "bytes", "pieces"];
         check_positive(line, &keys);
         assert!(line["spread"].as_f64().unwrap() >= 0.0);
+        let seconds = |key: &str| line[key].as_f64().unwrap();
+        assert!(seconds("build_seconds") < seconds("file_seconds"), "{line}");
+        let trace = 1e-6 * seconds("count") / seconds("mrays_per_s");
+        assert_eq!(seconds("total_seconds"), seconds("file_seconds") + trace);
         assert_eq!((line["kernel"].as_str(), line["threads"].as_u64()), (Some("scalar"), Some(1)));
         assert!(line.get("rival").is_none() && line.get("ratio").is_none(), "{line}");
         assert_eq!(line.get("radius").is_some(), line["rays"] == "ao");

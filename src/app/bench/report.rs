@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::super::race::{
-    KernelResult, Measurement, Model, Question, REACH, RaySet, Rival, RivalResult, Speed,
+    KernelResult, Measurement, Model, Preparation, Question, REACH, RaySet, Rival, RivalResult,
+    Speed, Steps,
 };
 use super::super::table::{count, short, short_bytes, table, three_digits, time};
 
@@ -49,9 +50,9 @@ impl Report<'_> {
             "spread": ours.speed.spread,
             "hits": ours.hits,
             "doubtful": ours.doubtful,
-            "file_seconds": self.model.file_seconds,
-            "build_seconds": self.model.build_seconds,
-            "total_seconds": measured.our_total(self.model, ours),
+            "file_seconds": self.model.preparation.total(),
+            "build_seconds": self.model.preparation.build,
+            "total_seconds": measured.our_steps(self.model, ours).total(),
             "bytes": self.model.world.bvh.bytes(),
             "pieces": self.model.world.bvh.patches().pieces().len(),
         });
@@ -81,7 +82,8 @@ impl Report<'_> {
         line["rival_build_seconds"] = json!(rival.build_seconds);
         line["rival_commit_seconds"] = json!(rival.commit_seconds);
         line["rival_plan_seconds"] = json!(rival.plan_seconds);
-        line["rival_total_seconds"] = json!(measured.rival_total(self.model, rival, result));
+        line["rival_total_seconds"] =
+            json!(measured.rival_steps(self.model, rival, result).total());
         line["rival_bytes"] = json!(rival.bytes);
         line["rival_tnear"] = json!(result.t_near);
         line["hit_disagreements"] = json!(disagreements.hit);
@@ -137,8 +139,8 @@ impl Report<'_> {
             count(bvh.leaves().len() as u64, "leaf"),
             short_bytes(bvh.bytes()),
             short_bytes(bvh.bytes() / pieces.max(1)),
-            time(model.build_seconds),
-            time(model.file_seconds),
+            time(model.preparation.build),
+            time(model.preparation.total()),
         );
         for rival in self.rivals {
             text.push_str(&format!(
@@ -214,20 +216,21 @@ impl Report<'_> {
             return Vec::new();
         };
         let (model, count) = (self.model, measured.count);
-        let reading = (model.file_seconds - model.build_seconds).max(0.0);
-        let total = measured.our_total(model, ours);
-        let row = |name: String, build: f64, all: f64| {
-            vec![name, time(reading), time(build), time(all - reading - build), time(all)]
+        let our_steps = measured.our_steps(model, ours);
+        let row = |name: String, steps: Steps| {
+            let Preparation { read, build } = steps.preparation;
+            let cells = [read, build, steps.trace, steps.total()].map(time);
+            std::iter::once(name).chain(cells).collect::<Vec<_>>()
         };
         let rays = format!("{count} primary rays");
         let heading = ["from the file", "read", "build", &rays, "in all", "nurbray / rival"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
-        rows.push(row(format!("nurbray {}", ours.kernel), model.build_seconds, total));
+        rows.push(row(format!("nurbray {}", ours.kernel), our_steps));
         for (rival, result) in self.rivals.iter().zip(&measured.rivals) {
-            let theirs = measured.rival_total(model, rival, result);
+            let theirs = measured.rival_steps(model, rival, result);
             let name = format!("{} at {:e}", self.rival, rival.tolerance);
-            let mut cells = row(name, rival.build_seconds, theirs);
-            cells.push(three_digits(total / theirs));
+            let mut cells = row(name, theirs);
+            cells.push(three_digits(our_steps.total() / theirs.total()));
             rows.push(cells);
         }
         rows

@@ -73,7 +73,7 @@ impl Report<'_> {
         let Self { model, measured, renderings, findings, .. } = self;
         let ours = measured.fastest();
         let rate = ours.map_or(f64::NAN, |ours| ours.speed.mrays_per_s);
-        let total = ours.map_or(f64::NAN, |ours| measured.our_total(model, ours));
+        let total = ours.map_or(f64::NAN, |ours| measured.our_steps(model, ours).total());
         let hits = ours.map_or(0, |ours| ours.hits);
         let trace = 1e-6 * measured.count as f64 / rate;
         let their_rate = |r: &Rendering| match r.trace_seconds > 0.0 {
@@ -81,7 +81,9 @@ impl Report<'_> {
             false => "-".into(),
         };
         let mut table = Table::new(self.tolerances);
-        table.row("prepare", &time(model.file_seconds), |k| told(renderings[k].prepare_seconds));
+        table.row("prepare", &time(model.preparation.total()), |k| {
+            told(renderings[k].prepare_seconds)
+        });
         table.row("trace", &time(trace), |k| told(renderings[k].trace_seconds));
         table.row("million rays a second", &three_digits(rate), |k| their_rate(&renderings[k]));
         table.row("from start to end", &time(total), |k| time(renderings[k].total_seconds));

@@ -95,17 +95,17 @@ impl Report<'_> {
         let results = &measured.rivals;
         let ours = measured.fastest();
         let rate = ours.map_or(f64::NAN, |ours| ours.speed.mrays_per_s);
-        let total = ours.map_or(f64::NAN, |ours| measured.our_total(model, ours));
+        let total = ours.map_or(f64::NAN, |ours| measured.our_steps(model, ours).total());
         let mut table = self.table();
         table.row("triangles", "none", |k| rivals[k].triangles.to_string());
-        table.row("build", &time(model.build_seconds), |k| time(rivals[k].build_seconds));
+        table.row("build", &time(model.preparation.build), |k| time(rivals[k].build_seconds));
         table
             .row("memory", &short_bytes(model.world.bvh.bytes()), |k| short_bytes(rivals[k].bytes));
         table.row("million rays a second", &three_digits(rate), |k| {
             three_digits(results[k].speed.mrays_per_s)
         });
         table.row("from the file to the last ray", &time(total), |k| {
-            time(measured.rival_total(model, &rivals[k], &results[k]))
+            time(measured.rival_steps(model, &rivals[k], &results[k]).total())
         });
         table.text()
     }

@@ -9,6 +9,7 @@ use super::outcome::{self, Disagreements};
 use super::ray_set::RaySet;
 use super::rays::Rays;
 use super::rival::Rival;
+use super::steps::{Preparation, Steps};
 
 /// How fast everyone traced one set of rays, and what they found.
 #[derive(Clone, Debug)]
@@ -98,15 +99,15 @@ impl Measurement {
         self.kernels.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))
     }
 
-    /// From the file to our last ray, in seconds.
-    pub(crate) fn our_total(&self, model: &Model, ours: &KernelResult) -> f64 {
-        model.file_seconds + self.tracing_seconds(ours.speed)
+    /// From the file to our last ray.
+    pub(crate) fn our_steps(&self, model: &Model, ours: &KernelResult) -> Steps {
+        model.preparation.then_trace(self.tracing_seconds(ours.speed))
     }
 
     /// The same for a rival: it has the same file to read.
-    pub(crate) fn rival_total(&self, model: &Model, rival: &Rival, result: &RivalResult) -> f64 {
-        let reading = (model.file_seconds - model.build_seconds).max(0.0);
-        reading + rival.build_seconds + self.tracing_seconds(result.speed)
+    pub(crate) fn rival_steps(&self, model: &Model, rival: &Rival, result: &RivalResult) -> Steps {
+        let preparation = Preparation { build: rival.build_seconds, ..model.preparation };
+        preparation.then_trace(self.tracing_seconds(result.speed))
     }
 
     fn tracing_seconds(&self, speed: Speed) -> f64 {

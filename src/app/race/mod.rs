@@ -11,6 +11,7 @@ mod pixels;
 mod ray_set;
 mod rays;
 mod rival;
+mod steps;
 
 pub(crate) use clock::Speed;
 pub(crate) use measure::{KernelResult, Measurement, RivalResult};
@@ -19,3 +20,4 @@ pub(crate) use pixels::tiled_pixels;
 pub(crate) use ray_set::{Question, RaySet};
 pub(crate) use rays::{REACH, Rays};
 pub(crate) use rival::{Entry, Rival};
+pub(crate) use steps::{Preparation, Steps};

@@ -6,14 +6,11 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use nurbray::geometry::{Charts, KnotVector, Surface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
-use nurbray::scene::World;
+use nurbray::scene::{Placed, World};
 
 use super::super::failure::{Failure, OrFail};
 use super::super::input;
-use super::clock::median;
-
-/// The most times a preparation is repeated: an odd number, to have a middle.
-const MOST_RUNS: usize = 9;
+use super::steps::{Preparation, repeat, repeat_preparing};
 
 /// The bounding sphere is wider than the farthest point found by this factor. Chords of a
 /// sphere would otherwise start on it, which is a class of its own (see `audit`).
@@ -28,10 +25,8 @@ pub(crate) struct Model {
     pub(crate) world: World,
     /// Its surfaces in their places: what a rival starts from.
     pub(crate) surfaces: Vec<Surface>,
-    /// From the file to a world ready to trace, in seconds.
-    pub(crate) file_seconds: f64,
-    /// From surfaces to what is traced, in seconds: part of `file_seconds`.
-    pub(crate) build_seconds: f64,
+    /// How long it took to make it ready.
+    pub(crate) preparation: Preparation,
     /// The middle of the bounding box.
     pub(crate) centre: DVec3,
     /// The radius of a sphere about that middle which holds the surfaces.
@@ -51,13 +46,11 @@ impl Model {
         self.world.surfaces.retain(|_| index.next().is_some_and(keep));
         let mut index = 0..;
         self.surfaces.retain(|_| index.next().is_some_and(keep));
-        let reading = (self.file_seconds - self.build_seconds).max(0.0);
         let (bvh, seconds) = repeat(budget, || {
             SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).or_bad_input()
         })?;
         self.world.bvh = bvh;
-        self.build_seconds = seconds;
-        self.file_seconds = reading + seconds;
+        self.preparation.build = seconds;
         Ok(self)
     }
 
@@ -66,12 +59,18 @@ impl Model {
     /// # Errors
     /// When the input is missing, damaged or wrong.
     pub(crate) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
-        let (world, file_seconds) = repeat(budget, || Ok(input::prepare(&input::read(path)?)?.0))?;
+        let (world, preparation) = repeat_preparing(budget, || {
+            let start = Instant::now();
+            let scene = input::read(path)?;
+            let placed = Placed::new(&scene).or_bad_input()?;
+            let read = start.elapsed();
+            let world = placed.build().or_bad_input()?;
+            let build = start.elapsed() - read;
+            let [read, build] = [read, build].map(|time| time.as_secs_f64());
+            Ok((world, Preparation { read, build }))
+        })?;
         let surfaces: Vec<_> =
             world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
-        let (_, build_seconds) = repeat(budget, || {
-            SurfaceBvh::build(&surfaces, &BuildOptions::default()).or_bad_input()
-        })?;
         // A world without surfaces cannot be made.
         let (low, high) = world.bvh.bounds().unwrap_or_default();
         let centre = 0.5 * low + 0.5 * high;
@@ -80,32 +79,10 @@ impl Model {
             radius: MARGIN * farthest(&surfaces, centre),
             surfaces,
             world,
-            file_seconds,
-            build_seconds,
+            preparation,
             centre,
             diagonal: (high - low).length(),
         })
-    }
-}
-
-/// Does something at least once, and until it was done for as long as the budget says; the
-/// last result, and the median of the seconds it took.
-///
-/// # Errors
-/// The first error met.
-pub(crate) fn repeat<T>(
-    budget: Duration,
-    mut work: impl FnMut() -> Result<T, Failure>,
-) -> Result<(T, f64), Failure> {
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    loop {
-        let start = Instant::now();
-        let result = work()?;
-        times.push(start.elapsed().as_secs_f64());
-        if times.len() >= MOST_RUNS || begin.elapsed() >= budget {
-            return Ok((result, median(&mut times)));
-        }
     }
 }
 
@@ -136,19 +113,6 @@ mod tests {
     use nurbray::geometry::shapes;
 
     use super::*;
-
-    #[test]
-    fn work_is_repeated_while_there_is_time() {
-        let mut runs = 0;
-        let mut count = || {
-            runs += 1;
-            Ok(runs)
-        };
-        assert_eq!(repeat(Duration::ZERO, &mut count).unwrap().0, 1);
-        assert_eq!(repeat(Duration::from_secs(3600), &mut count).unwrap().0, 1 + MOST_RUNS);
-        let refused = repeat::<()>(Duration::ZERO, || Err(Failure::input("no")));
-        assert!(refused.is_err());
-    }
 
     #[test]
     fn the_farthest_point_of_a_sphere_is_a_radius_away() {

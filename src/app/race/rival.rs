@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 use super::super::failure::{Failure, OrFail};
 use super::clock::seconds_a_pass;
-use super::model::repeat;
 use super::outcome::Outcome;
 use super::ray_set::{Calls, Question};
 use super::rays::{CHUNK, Rays};
+use super::steps::repeat;
 
 /// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface,
 /// and the triangles up to one tolerance above it: less would make rays at 30° to the surface
