@@ -96,6 +96,7 @@ Example:
 pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     let inputs: Vec<&Path> = arguments.inputs.iter().map(AsRef::as_ref).collect();
     let outputs: Vec<&Path> = arguments.plot.iter().map(AsRef::as_ref).collect();
+    outputs.iter().try_for_each(|path| output::check_svg(path))?;
     output::check(&outputs, &inputs)?;
 
     let (mut panels, mut rows) = (Vec::new(), Vec::new());

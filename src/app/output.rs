@@ -50,8 +50,20 @@ pub(crate) fn format(path: &Path, known: &[&'static str]) -> Result<&'static str
 /// # Errors
 /// When the extension is not `.npy`: wrong use.
 pub(crate) fn check_npy(path: &Path) -> Result<(), Failure> {
+    check_only(path, "npy")
+}
+
+/// The same of drawings.
+///
+/// # Errors
+/// When the extension is not `.svg`: wrong use.
+pub(crate) fn check_svg(path: &Path) -> Result<(), Failure> {
+    check_only(path, "svg")
+}
+
+fn check_only(path: &Path, known: &'static str) -> Result<(), Failure> {
     let is_stream = path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir());
-    if is_stream { Ok(()) } else { format(path, &["npy"]).map(drop) }
+    if is_stream { Ok(()) } else { format(path, &[known]).map(drop) }
 }
 
 /// Whether two paths lead to one regular file. Devices such as /dev/stdin and /dev/null are
@@ -97,6 +109,7 @@ mod tests {
         assert!(check_npy(Path::new("h.npy")).is_ok() && check_npy(Path::new("h.NPY")).is_ok());
         assert!(check_npy(Path::new("h.csv")).is_err() && check_npy(Path::new("h")).is_err());
         assert!(check_npy(Path::new("h.npy.gz")).is_err());
+        assert!(check_svg(Path::new("h.svg")).is_ok() && check_svg(Path::new("h.png")).is_err());
         #[cfg(unix)]
         assert!(check_npy(Path::new("/dev/null")).is_ok());
     }

@@ -164,8 +164,11 @@ fn wrong_use_is_explained() {
     );
     run("--tolerance 1e-3").misused("the following required arguments were not provided:");
     run("--plot a.svg").misused("the following required arguments were not provided:");
-    run("--against embree --plot sphere.toml")
-        .failed(2, "\"sphere.toml\" would be overwritten: it is an input of this run");
+    run("--against embree --plot speed.png")
+        .failed(2, "speed.png: cannot write .png files; known is .svg");
+    Sandbox::with(&[("sphere.svg", SPHERE)])
+        .run("bench sphere.svg --against embree --plot sphere.svg")
+        .failed(2, "\"sphere.svg\" would be overwritten: it is an input of this run");
     sandbox.run("bench").misused("the following required arguments were not provided:");
     assert_eq!(sandbox.files(), ["sphere.toml", "square.json"]);
 }
