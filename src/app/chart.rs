@@ -87,7 +87,7 @@ impl Panel {
             .y_desc(self.quantity)
             .y_labels(LABELS)
             .y_label_formatter(&|&value| label(value))
-            .x_label_formatter(&|tolerance| format!("{tolerance:e}"))
+            .x_label_formatter(&|&tolerance| format!("{:e}", rounded(tolerance)))
             .light_line_style(RGBColor(240, 240, 240))
             .draw()
             .map_err(failed)?;
@@ -162,7 +162,14 @@ fn scale(rows: &[Vec<Panel>], quantity: &str) -> Range<f64> {
 
 /// A number beside an axis: powers of ten where it would be long.
 fn label(value: f64) -> String {
+    let value = rounded(value);
     if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// What a number beside an axis is meant to be: those of a logarithmic scale are products of
+/// many factors, and off by a few roundings.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
 }
 
 /// Plotters' errors are of as many types as it has backends.
@@ -237,6 +244,8 @@ mod tests {
         // scale.
         assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(236.0 / 196.0)).abs() < 1e-9);
         assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
+        let products = [9.999999999999999e-5, 0.0009999999999999998, 99999.99999999999];
+        assert_eq!(products.map(label), ["1e-4", "0.001", "1e5"]);
     }
 
     #[test]
