@@ -65,11 +65,14 @@ pub(super) fn write(path: &Path, size: [u32; 2], pixels: &[Color]) -> Result<(),
 
 /// What the colours of some scales mean, as a drawing.
 pub(super) fn legend(scales: &[Scale], words: &[(Color, &str)]) -> String {
-    const WIDTH: i32 = 640;
     const ROW: i32 = 52;
+    const COLUMN: i32 = 150;
     let height = ROW * scales.len() as i32 + 36;
+    let beside = scales.iter().map(|scale| 340 + text_width(scale.quantity));
+    let below = (0..).zip(words).map(|(place, (_, word))| 42 + COLUMN * place + text_width(word));
+    let width = beside.chain(below).fold(340, i32::max) + 20;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<defs><linearGradient id=\"heat\">\n"
     );
@@ -97,7 +100,7 @@ pub(super) fn legend(scales: &[Scale], words: &[(Color, &str)]) -> String {
     }
     let y = ROW * scales.len() as i32 + 8;
     for (place, (color, word)) in (0..).zip(words) {
-        let x = 20 + 205 * place;
+        let x = 20 + COLUMN * place;
         svg += &format!(
             "<rect x=\"{x}\" y=\"{y}\" width=\"16\" height=\"16\" fill=\"{}\"/>\n\
              <text x=\"{}\" y=\"{}\">{word}</text>\n",
@@ -107,6 +110,12 @@ pub(super) fn legend(scales: &[Scale], words: &[(Color, &str)]) -> String {
         );
     }
     svg + "</svg>\n"
+}
+
+/// The width of a text 13 pixels high, with a little to spare: in DejaVu Sans, the widest of the
+/// usual fonts, a letter takes about 0.6 of its height.
+fn text_width(text: &str) -> i32 {
+    8 * text.chars().count() as i32
 }
 
 fn hex([red, green, blue]: Color) -> String {
@@ -143,5 +152,10 @@ mod tests {
             assert!(svg.contains(text), "{text}");
         }
         assert_eq!(svg.matches("<text").count(), 1 + 6 + 1);
+        assert!(svg.contains("width=\"416\""), "{svg}"); // 340 + 7 letters + 20
+        let long = Scale { quantity: "brightness, as the cosine between ray and normal", ..SCALE };
+        let words = [(LOST, "lost"), (INVENTED, "invented"), (NOTHING, "nothing")];
+        assert!(legend(&[long], &words).contains("width=\"744\""));
+        assert!(legend(&[], &words).contains("width=\"418\""));
     }
 }
