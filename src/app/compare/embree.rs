@@ -18,7 +18,7 @@ use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
 use super::report::Report;
-use super::sight::{self, Sight, degrees};
+use super::sight::{self, View, degrees};
 use super::verdict::{Cause, Judge, Verdict};
 
 /// Samples a pixel of the picture that shows what is looked at: enough for smooth edges.
@@ -33,7 +33,7 @@ pub(super) const NORMAL: Scale = Scale { quantity: "normal error, degrees", low:
 /// What the triangles of one tolerance got wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
-    /// Rays that hit triangles.
+    /// Rays that hit triangles, of those we are certain of.
     pub(super) hits: usize,
     /// Rays with which both see the same place.
     pub(super) same: usize,
@@ -80,7 +80,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 
     // Answers do not depend on the number of threads: all may work.
     let Race { model, size, rays, .. } = &race;
-    let (ours, doubtful) = sight::exact(&model.world.bvh, rays);
+    let ours = sight::exact(&model.world.bvh, rays);
+    let seen = || ours.iter().filter_map(View::sight);
     let compared = Compared { model, rays, size: *size, ours: &ours };
     let mut findings = Vec::new();
     let mut pictures = Vec::new();
@@ -100,8 +101,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         measured: &race.measured,
         rivals: &race.rivals,
         findings: &findings,
-        residual: Errors::of(ours.iter().flatten().map(|sight| sight.residual / model.diagonal)),
-        doubtful,
+        hits: seen().count(),
+        residual: Errors::of(seen().map(|sight| sight.residual / model.diagonal)),
+        doubtful: sight::doubtful(&ours),
     };
     write(&folder, &report, &pictures)?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
@@ -143,8 +145,7 @@ fn write(folder: &Folder, report: &Report<'_>, pictures: &[Pictures]) -> Result<
         write(normal_file(rival.tolerance), &pictures.normal)?;
     }
     write_picture(&folder.at(PICTURE), &report.model.world, report.size)?;
-    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
-    folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &words))?;
+    folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?;
     chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
     folder.write(REPORT, &report.text())
 }
@@ -186,7 +187,7 @@ struct Compared<'a> {
     model: &'a Model,
     rays: &'a Rays,
     size: [u32; 2],
-    ours: &'a [Option<Sight>],
+    ours: &'a [View],
 }
 
 impl Compared<'_> {
@@ -204,15 +205,16 @@ impl Compared<'_> {
         let both = self.rays.queries.iter().zip(self.ours).zip(entry.hits());
         for (((query, ours), hit), [x, y]) in both.zip(tiled_pixels(self.size)) {
             let theirs = hit.map(|hit| sight::on_mesh(&hit, &query.ray, meshes));
-            let verdict = judge.judge(&query.ray, ours.as_ref(), theirs.as_ref());
-            findings.hits += usize::from(theirs.is_some());
+            let verdict = judge.judge(&query.ray, ours, theirs.as_ref());
+            findings.hits += usize::from(theirs.is_some() && verdict != Verdict::Open);
             findings.count(verdict);
             let mut colors = match verdict {
                 Verdict::Lost(_) => [heat::LOST; 2],
                 Verdict::Invented(_) => [heat::INVENTED; 2],
+                Verdict::Open => [heat::DOUBTFUL; 2],
                 Verdict::Same | Verdict::Nothing => [heat::NOTHING; 2],
             };
-            if let (Verdict::Same, Some(ours), Some(theirs)) = (verdict, ours, theirs) {
+            if let (Verdict::Same, Some(ours), Some(theirs)) = (verdict, ours.sight(), theirs) {
                 let along = (ours.distance - theirs.distance).abs() / self.model.diagonal;
                 let normal = degrees(ours.normal, theirs.normal);
                 errors[0].push(along);
@@ -233,7 +235,7 @@ impl Findings {
     fn count(&mut self, verdict: Verdict) {
         let place = |cause| usize::from(cause == Cause::Gap);
         match verdict {
-            Verdict::Nothing => {}
+            Verdict::Nothing | Verdict::Open => {}
             Verdict::Same => self.same += 1,
             Verdict::Lost(cause) => self.lost[place(cause)] += 1,
             Verdict::Invented(cause) => self.invented[place(cause)] += 1,

@@ -25,6 +25,13 @@ pub(super) const LOST: Color = [86, 180, 233];
 /// The rival shows what is not there: their bluish green.
 pub(super) const INVENTED: Color = [0, 158, 115];
 
+/// We could not tell what is there: their reddish purple.
+pub(super) const DOUBTFUL: Color = [204, 121, 167];
+
+/// What stands in a legend beside these.
+pub(super) const WORDS: [(Color, &str); 4] =
+    [(LOST, "lost"), (INVENTED, "invented"), (NOTHING, "nothing"), (DOUBTFUL, "doubtful")];
+
 /// Which errors the colours span, on a logarithmic scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
@@ -154,8 +161,7 @@ mod tests {
         assert_eq!(svg.matches("<text").count(), 1 + 6 + 1);
         assert!(svg.contains("width=\"416\""), "{svg}"); // 340 + 7 letters + 20
         let long = Scale { quantity: "brightness, as the cosine between ray and normal", ..SCALE };
-        let words = [(LOST, "lost"), (INVENTED, "invented"), (NOTHING, "nothing")];
-        assert!(legend(&[long], &words).contains("width=\"744\""));
-        assert!(legend(&[], &words).contains("width=\"418\""));
+        assert!(legend(&[long], &WORDS).contains("width=\"744\""));
+        assert!(legend(&[], &WORDS).contains("width=\"576\""));
     }
 }

@@ -16,7 +16,7 @@ use super::folder::Folder;
 use super::heat::{self, Color, Scale};
 use super::povray_report::Report;
 use super::povray_run::{Povray, Rendering};
-use super::sight;
+use super::sight::{self, Sight, View};
 
 /// The colours of errors of brightness: from the last of 16 bits to black against white.
 const BRIGHTNESS: Scale =
@@ -38,7 +38,7 @@ pub(super) fn difference_file(tolerance: f64) -> String {
 /// What one of POV-Ray's pictures got wrong.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Findings {
-    /// Pixels that are hit.
+    /// Pixels that are hit, of those we are certain of.
     pub(super) hits: usize,
     /// Errors of brightness where both hit.
     pub(super) brightness: Option<Errors>,
@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let kernels = [Kernel::default()];
     let measured =
         pool.install(|| Measurement::new(&model, &kernels, &[], &rays, arguments.seconds));
-    let ours = cosines(&model, &rays, size);
+    let ours = pixels(&model, &rays, size);
     let progress = Progress::new("rendering", tolerances.len() as u64);
     let mut renderings = Vec::new();
     for (done, scene) in (1..).zip(&scenes) {
@@ -101,6 +101,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         renderings: &renderings,
         findings: &findings,
         skipped,
+        hits: ours.iter().filter(|pixel| matches!(pixel, Pixel::Known(Some(_)))).count(),
+        doubtful: ours.iter().filter(|&&pixel| pixel == Pixel::Doubtful).count(),
     };
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
@@ -127,16 +129,15 @@ fn scenes(
 fn write_pictures(
     folder: &Folder,
     size: [u32; 2],
-    ours: &[Option<f64>],
+    ours: &[Pixel],
     (tolerances, pictures): (&[f64], &[Vec<Color>]),
 ) -> Result<(), Failure> {
-    let grey: Vec<Color> = ours.iter().map(|&cosine| shade(cosine)).collect();
+    let grey: Vec<Color> = ours.iter().map(|&pixel| shade(pixel)).collect();
     heat::write(&folder.at(PICTURE), size, &grey).or_failed()?;
     for (picture, &tolerance) in pictures.iter().zip(tolerances) {
         heat::write(&folder.at(&difference_file(tolerance)), size, picture).or_failed()?;
     }
-    let words = [(heat::LOST, "lost"), (heat::INVENTED, "invented"), (heat::NOTHING, "nothing")];
-    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &words))
+    folder.write(LEGEND, &heat::legend(&[BRIGHTNESS], &heat::WORDS))
 }
 
 fn files(tolerances: &[f64]) -> Vec<String> {
@@ -159,50 +160,68 @@ fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure>
     }
 }
 
-/// What the lamp at the camera shows: the cosine between ray and normal of each pixel, row by
-/// row; a hit without a normal is black, as it is in POV-Ray.
-fn cosines(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Option<f64>> {
-    let (sights, _) = sight::exact(&model.world.bvh, rays);
-    let mut pixels = vec![None; sights.len()];
-    for ((sight, query), [x, y]) in sights.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
-        pixels[y * size[0] as usize + x] = sight.map(|sight| match sight.normal.is_nan() {
+/// What the lamp at the camera shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pixel {
+    /// The cosine between ray and normal, or nothing.
+    Known(Option<f64>),
+    /// We could not tell.
+    Doubtful,
+}
+
+/// Our pixels, row by row; a hit without a normal is black, as it is in POV-Ray.
+fn pixels(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Pixel> {
+    let views = sight::exact(&model.world.bvh, rays);
+    let mut pixels = vec![Pixel::Doubtful; views.len()];
+    for ((view, query), [x, y]) in views.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
+        let cosine = |sight: &Sight| match sight.normal.is_nan() {
             true => 0.0,
             false => sight.incidence(&query.ray),
-        });
+        };
+        pixels[y * size[0] as usize + x] = match view {
+            View::Known(sight) => Pixel::Known(sight.as_ref().map(cosine)),
+            View::Doubtful => Pixel::Doubtful,
+        };
     }
     pixels
 }
 
 /// Compares both pictures.
-fn look(ours: &[Option<f64>], rendering: &Rendering) -> (Findings, Vec<Color>) {
+fn look(ours: &[Pixel], rendering: &Rendering) -> (Findings, Vec<Color>) {
     let mut findings = Findings::default();
     let mut errors = Vec::new();
     let colors = ours.iter().zip(&rendering.cosines).map(|pixel| match pixel {
-        (None, None) => heat::NOTHING,
-        (Some(_), None) => {
+        (Pixel::Doubtful, _) => heat::DOUBTFUL,
+        (Pixel::Known(None), None) => heat::NOTHING,
+        (Pixel::Known(Some(_)), None) => {
             findings.lost += 1;
             heat::LOST
         }
-        (None, Some(_)) => {
+        (Pixel::Known(None), Some(_)) => {
+            findings.hits += 1;
             findings.invented += 1;
             heat::INVENTED
         }
-        (Some(ours), Some(theirs)) => {
+        (Pixel::Known(Some(ours)), Some(theirs)) => {
+            findings.hits += 1;
             let error = (ours - theirs).abs();
             errors.push(error);
             BRIGHTNESS.color(error)
         }
     });
     let colors = colors.collect();
-    findings.hits = rendering.cosines.iter().flatten().count();
     findings.brightness = Errors::of(errors);
     (findings, colors)
 }
 
-/// A brightness as grey on a screen (a power law near that of sRGB), nothing as the pictures
+/// A brightness as grey on a screen (a power law near that of sRGB), all else as the pictures
 /// of errors show it.
-fn shade(cosine: Option<f64>) -> Color {
-    cosine.map_or(heat::NOTHING, |cosine| [(255.0 * cosine.powf(1.0 / 2.2)).round() as u8; 3])
+fn shade(pixel: Pixel) -> Color {
+    match pixel {
+        Pixel::Known(Some(cosine)) => [(255.0 * cosine.powf(1.0 / 2.2)).round() as u8; 3],
+        Pixel::Known(None) => heat::NOTHING,
+        Pixel::Doubtful => heat::DOUBTFUL,
+    }
 }
 
 #[cfg(test)]
@@ -211,8 +230,9 @@ mod tests {
 
     #[test]
     fn pixels_are_counted_by_what_both_see() {
-        let ours = [None, Some(0.5), Some(1.0), None];
-        let theirs = vec![None, Some(0.25), None, Some(0.0)];
+        let known = [None, Some(0.5), Some(1.0), None].map(Pixel::Known);
+        let ours = [&known[..], &[Pixel::Doubtful; 2]].concat();
+        let theirs = vec![None, Some(0.25), None, Some(0.0), None, Some(0.5)];
         let rendering = Rendering {
             cosines: theirs,
             prepare_seconds: 0.0,
@@ -223,6 +243,8 @@ mod tests {
         assert_eq!((found.hits, found.lost, found.invented), (2, 1, 1));
         assert_eq!(found.brightness.unwrap().mean, 0.25);
         assert_eq!([colors[0], colors[2], colors[3]], [heat::NOTHING, heat::LOST, heat::INVENTED]);
-        assert_eq!([shade(Some(0.0)), shade(Some(1.0))], [[0; 3], [255; 3]]);
+        assert_eq!(colors[4..], [heat::DOUBTFUL; 2]);
+        let ends = [0.0, 1.0].map(|cosine| shade(Pixel::Known(Some(cosine))));
+        assert_eq!(ends, [[0; 3], [255; 3]]);
     }
 }

@@ -6,7 +6,7 @@ use super::super::race::{Measurement, Model};
 use super::super::table::{count, short, three_digits, time};
 use super::povray::{Findings, LEGEND, PICTURE, difference_file, scene_file};
 use super::povray_run::Rendering;
-use super::table::{Table, fraction};
+use super::table::{NONE, Table, fraction};
 
 /// What stands behind the tables.
 const NOTES: &str = "\
@@ -19,6 +19,8 @@ const NOTES: &str = "\
   are not cut.
 - **Prepare**: from the file to ready; of POV-Ray, its parse and bounding times. **Trace**: POV-Ray's
   own figure includes light and colour.
+- **Doubtful**: pixels of which nurbray itself says that floating point could not decide. There is no
+  truth to judge POV-Ray by; they are left out of all rows below that one.
 - **Error of brightness**: the difference of both cosines where both hit. **Lost** are pixels where
   only nurbray sees the model, **invented** those where only POV-Ray does.
 ";
@@ -38,6 +40,10 @@ pub(super) struct Report<'a> {
     /// One for each tolerance.
     pub(super) findings: &'a [Findings],
     pub(super) skipped: &'a [PovraySkip],
+    /// Pixels that hit the surfaces for certain.
+    pub(super) hits: usize,
+    /// Our doubtful answers.
+    pub(super) doubtful: usize,
 }
 
 impl Report<'_> {
@@ -74,11 +80,10 @@ impl Report<'_> {
         let ours = measured.fastest();
         let rate = ours.map_or(f64::NAN, |ours| ours.speed.mrays_per_s);
         let total = ours.map_or(f64::NAN, |ours| measured.our_steps(model, ours).total());
-        let hits = ours.map_or(0, |ours| ours.hits);
         let trace = 1e-6 * measured.count as f64 / rate;
         let their_rate = |r: &Rendering| match r.trace_seconds > 0.0 {
             true => three_digits(1e-6 * measured.count as f64 / r.trace_seconds),
-            false => "-".into(),
+            false => NONE.into(),
         };
         let mut table = Table::new(self.tolerances);
         table.row("prepare", &time(model.preparation.total()), |k| {
@@ -87,11 +92,12 @@ impl Report<'_> {
         table.row("trace", &time(trace), |k| told(renderings[k].trace_seconds));
         table.row("million rays a second", &three_digits(rate), |k| their_rate(&renderings[k]));
         table.row("from start to end", &time(total), |k| time(renderings[k].total_seconds));
-        table.row("pixels that hit", &hits.to_string(), |k| findings[k].hits.to_string());
+        table.row("pixels left out: doubtful", &self.doubtful.to_string(), |_| NONE.into());
+        table.row("pixels that hit", &self.hits.to_string(), |k| findings[k].hits.to_string());
         let brightness = |k: usize| findings[k].brightness;
-        table.row("error of brightness, mean", "–", |k| fraction(brightness(k).map(|e| e.mean)));
-        table.row("… 99.9th percentile", "–", |k| fraction(brightness(k).map(|e| e.most)));
-        table.row("… largest", "–", |k| fraction(brightness(k).map(|e| e.largest)));
+        table.row("error of brightness, mean", NONE, |k| fraction(brightness(k).map(|e| e.mean)));
+        table.row("… 99.9th percentile", NONE, |k| fraction(brightness(k).map(|e| e.most)));
+        table.row("… largest", NONE, |k| fraction(brightness(k).map(|e| e.largest)));
         table.row("pixels lost", "0", |k| findings[k].lost.to_string());
         table.row("pixels invented", "0", |k| findings[k].invented.to_string());
         table.text()

@@ -5,7 +5,7 @@ use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
 use super::embree::{Findings, LEGEND, PICTURE, PLOT, normal_file, position_file};
 use super::errors::Errors;
-use super::table::{Table, fraction};
+use super::table::{NONE, Table, fraction};
 
 /// What stands behind the tables.
 const NOTES: &str = "\
@@ -23,15 +23,14 @@ const NOTES: &str = "\
   of its own under these.
 - **Normal error**: the angle between the surface's normal and the one interpolated between the exact
   normals of the triangle's corners, or the triangle's own.
+- **Doubtful**: rays of which nurbray itself says that floating point could not decide. There is no
+  truth to judge the triangles by; these rays are left out of all rows below that one.
 - **Lost**: rays whose first hit the triangles lack; they see something behind it, or nothing.
   **Invented**: rays that hit triangles where the surface is not.
 - **Silhouette pixels that differ**: rays lost or invented where another ray, beside it by no more
   than 2.2 tolerances, sees on the surface what the triangles show. The others went **through a
   gap** between triangles, or met one that juts out there.
 ";
-
-/// The cell of what is not measured of us.
-const NONE: &str = "–";
 
 /// Everything a report tells.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +47,8 @@ pub(super) struct Report<'a> {
     pub(super) findings: &'a [Findings],
     /// How far our hits are from their rays, as fractions of the diagonal.
     pub(super) residual: Option<Errors>,
+    /// Rays that hit the surfaces for certain.
+    pub(super) hits: usize,
     /// Our doubtful answers.
     pub(super) doubtful: usize,
 }
@@ -112,11 +113,11 @@ impl Report<'_> {
 
     fn errors(&self) -> String {
         let Self { residual, findings, .. } = self;
-        let hits = self.measured.fastest().map_or(0, |ours| ours.hits);
         let (mean, most) = (|errors: Errors| errors.mean, |errors: Errors| errors.most);
         let ours = [fraction(residual.map(mean)), fraction(residual.map(most))];
         let mut table = self.table();
-        table.row("rays that hit", &hits.to_string(), |k| findings[k].hits.to_string());
+        table.row("rays left out: doubtful", &self.doubtful.to_string(), |_| NONE.into());
+        table.row("rays that hit", &self.hits.to_string(), |k| findings[k].hits.to_string());
         table.row("… and see the same place", NONE, |k| findings[k].same.to_string());
         table.row("position error along the ray, mean", &ours[0], |k| {
             fraction(findings[k].along.map(mean))
@@ -138,8 +139,6 @@ impl Report<'_> {
         });
         table.row("rays lost", "0", |k| lost(findings[k].lost));
         table.row("rays invented", "0", |k| lost(findings[k].invented));
-        let doubtful = self.doubtful.to_string();
-        table.row("answers said to be doubtful", &doubtful, |_| "never".into());
         table.text()
     }
 
@@ -201,7 +200,7 @@ impl Report<'_> {
 }
 
 fn angle(degrees: Option<f64>) -> String {
-    degrees.map_or_else(|| "-".into(), |degrees| format!("{}°", two_digits(degrees)))
+    degrees.map_or_else(|| NONE.into(), |degrees| format!("{}°", two_digits(degrees)))
 }
 
 /// `12`, `1.2`, `0.12`, `0.0012`, …
@@ -224,7 +223,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!([None, Some(0.001234), Some(12.34)].map(angle), ["-", "0.0012°", "12°"]);
+        assert_eq!([None, Some(0.001234), Some(12.34)].map(angle), ["–", "0.0012°", "12°"]);
         assert_eq!([lost([3, 0]), lost([3, 2])], ["3", "5 (2 through gaps)"]);
     }
 }

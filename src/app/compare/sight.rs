@@ -1,7 +1,7 @@
 //! What each pixel sees: the surface itself, or triangles in its place.
 
 use glam::DVec3;
-use nurbray::intersect::{Answer, SurfaceBvh};
+use nurbray::intersect::{Answer, HitFlags, SurfaceBvh};
 use nurbray::io::EmbreeHit;
 use nurbray::io::mesh::GridMesh;
 use nurbray::math::Ray;
@@ -28,8 +28,39 @@ pub(super) struct Sight {
     pub(super) residual: f64,
 }
 
-/// What the rays meet on the surfaces, and whether an answer is doubtful.
-pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> (Vec<Option<Sight>>, usize) {
+/// What a ray meets on the surfaces, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum View {
+    /// This, or nothing.
+    Known(Option<Sight>),
+    /// Floating point could not decide: nobody can be blamed for another answer.
+    Doubtful,
+}
+
+impl View {
+    fn new(answer: &Answer, ray: &Ray) -> Self {
+        match is_doubtful(answer) {
+            true => Self::Doubtful,
+            false => Self::Known(on_surface(answer, ray)),
+        }
+    }
+
+    /// What is there for certain.
+    pub(super) fn sight(&self) -> Option<&Sight> {
+        match self {
+            Self::Known(sight) => sight.as_ref(),
+            Self::Doubtful => None,
+        }
+    }
+}
+
+/// How many views are doubtful.
+pub(super) fn doubtful(views: &[View]) -> usize {
+    views.iter().filter(|&&view| view == View::Doubtful).count()
+}
+
+/// What the rays meet on the surfaces.
+pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> Vec<View> {
     let (queries, coherence) = (&rays.queries[..], rays.neighbours.first_hits);
     let chunks = queries.par_chunks(CHUNK).map(|queries| {
         let mut answers = Vec::new();
@@ -37,9 +68,13 @@ pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> (Vec<Option<Sight>>, usize
         answers
     });
     let answers = chunks.collect::<Vec<_>>().concat();
-    let doubtful = answers.iter().filter(|answer| answer.doubtful).count();
     let both = answers.iter().zip(queries);
-    (both.map(|(answer, query)| on_surface(answer, &query.ray)).collect(), doubtful)
+    both.map(|(answer, query)| View::new(answer, &query.ray)).collect()
+}
+
+/// Whether an answer, or the hit in it, is doubtful.
+pub(super) fn is_doubtful(answer: &Answer) -> bool {
+    answer.doubtful || answer.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
 }
 
 /// What a ray meets on a surface.
@@ -87,7 +122,32 @@ pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nurbray::geometry::shapes;
+    use nurbray::intersect::{BuildOptions, Query};
+
     use super::*;
+
+    #[test]
+    fn what_is_doubtful_is_not_known() {
+        let ray = Ray::new(DVec3::new(0.1, 0.2, 3.0), DVec3::NEG_Z).unwrap();
+        let sphere = shapes::sphere(1.0).unwrap();
+        let bvh = SurfaceBvh::build(&[sphere], &BuildOptions::default()).unwrap();
+        let met = bvh.tracer().first_hit(&Query::primary(ray));
+        let known = View::new(&met, &ray);
+        assert!((known.sight().unwrap().point.length() - 1.0).abs() < 1e-15);
+
+        let answer = Answer { doubtful: true, ..met };
+        let mut hit = met.hit.unwrap();
+        hit.flags.insert(HitFlags::DOUBTFUL);
+        let flagged = Answer { hit: Some(hit), ..met };
+        let missing = Answer { hit: None, doubtful: true };
+        let views = [answer, flagged, missing].map(|answer| View::new(&answer, &ray));
+        assert_eq!(views, [View::Doubtful; 3]);
+        assert!(views[0].sight().is_none());
+        let nothing = View::new(&Answer::default(), &ray);
+        assert_eq!(nothing, View::Known(None));
+        assert_eq!(doubtful(&[views[0], known, nothing]), 1);
+    }
 
     #[test]
     fn small_angles_keep_their_digits() {

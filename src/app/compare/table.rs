@@ -28,9 +28,12 @@ impl Table {
     }
 }
 
+/// The cell of what is not measured, or does not exist.
+pub(super) const NONE: &str = "–";
+
 /// `1.2e-7`, or a dash.
 pub(super) fn fraction(number: Option<f64>) -> String {
-    number.map_or_else(|| "-".into(), |number| format!("{number:.1e}"))
+    number.map_or_else(|| NONE.into(), |number| format!("{number:.1e}"))
 }
 
 #[cfg(test)]
@@ -44,6 +47,6 @@ mod tests {
         let text =
             "| tolerance | nurbray | 1e-3 | 1e-5 |\n|---|--:|--:|--:|\n| size | 7 | 0 | 1 |\n";
         assert_eq!(table.text(), text);
-        assert_eq!([fraction(None), fraction(Some(1.234e-7))], ["-", "1.2e-7"]);
+        assert_eq!([fraction(None), fraction(Some(1.234e-7))], ["–", "1.2e-7"]);
     }
 }

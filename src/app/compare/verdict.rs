@@ -4,7 +4,7 @@ use glam::DVec3;
 use nurbray::intersect::{Query, SurfaceBvh};
 use nurbray::math::Ray;
 
-use super::sight::{self, Sight};
+use super::sight::{self, Sight, View};
 
 /// How far from our tangent plane, in tolerances, a triangle's hit may be to count as the same
 /// place.
@@ -34,13 +34,15 @@ pub(super) enum Verdict {
     Lost(Cause),
     /// The triangles show what the surface does not have there.
     Invented(Cause),
+    /// Our own answer is doubtful: there is no truth to judge by.
+    Open,
 }
 
 /// Why two answers differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// A ray as near as the tolerance sees on the surface what the triangles show: the
-    /// silhouette is in the wrong place.
+    /// A ray as near as the tolerance sees on the surface what the triangles show, or may see
+    /// it: the silhouette is in the wrong place.
     Silhouette,
     /// No such ray: there is a gap between triangles, or they overlap.
     Gap,
@@ -57,8 +59,9 @@ pub(super) struct Judge<'a> {
 
 impl Judge<'_> {
     /// Compares what both see along a ray.
-    pub(super) fn judge(self, ray: &Ray, ours: Option<&Sight>, theirs: Option<&Sight>) -> Verdict {
-        let lost = match (ours, theirs) {
+    pub(super) fn judge(self, ray: &Ray, ours: &View, theirs: Option<&Sight>) -> Verdict {
+        let View::Known(ours) = ours else { return Verdict::Open };
+        let lost = match (ours.as_ref(), theirs) {
             (None, None) => return Verdict::Nothing,
             (Some(_), None) => true,
             (None, Some(_)) => false,
@@ -84,6 +87,9 @@ impl Judge<'_> {
         let mut tracer = self.bvh.tracer();
         let mut sees_it = |aside: Ray| {
             let answer = tracer.first_hit(&Query::primary(aside));
+            if sight::is_doubtful(&answer) {
+                return true;
+            }
             match (sight::on_surface(&answer, &aside), theirs) {
                 (None, None) => true,
                 (Some(ours), Some(theirs)) => {
@@ -152,7 +158,7 @@ mod tests {
                 residual: 0.0,
             };
             let judge = Judge { bvh: &self.bvh, tolerance: self.tolerance };
-            judge.judge(ray, self.exact(ray).as_ref(), theirs.map(sight).as_ref())
+            judge.judge(ray, &View::Known(self.exact(ray)), theirs.map(sight).as_ref())
         }
     }
 
@@ -186,6 +192,8 @@ mod tests {
     fn gaps_are_no_silhouettes() {
         let setting = Setting::new(1.0);
         let ray = Setting::ray(1.0, 0.5);
+        let judge = Judge { bvh: &setting.bvh, tolerance: setting.tolerance };
+        assert_eq!(judge.judge(&ray, &View::Doubtful, None), Verdict::Open);
         // Through the front, and out of nothing.
         assert_eq!(setting.verdict(&ray, None), Verdict::Lost(Cause::Gap));
         let back = 6.0 - met(1.0, 0.5).unwrap();
