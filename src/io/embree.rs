@@ -2,8 +2,9 @@
 //!
 //! Nothing is linked. [`Embree::load`] opens the shared library named by `EMBREE_LIB`, else
 //! version 4, else version 3, and learns from the device which of the two calling conventions
-//! to use. Embree works in f32; scenes are moved to the middle of their bounding box first,
-//! and rays with them, so that data far from the origin keep their digits.
+//! to use. Embree works in f32, with absolute constants for lengths of about 1; scenes are
+//! moved to the middle of their bounding box first and scaled by a power of two to a size
+//! between 1 and 2, and rays with them, so that data of any size and place keep their digits.
 //!
 //! Embree advises its users to flush denormal numbers to zero (MXCSR bits FTZ and DAZ) on
 //! every tracing thread. We do not: the setting would change our own f64 arithmetic on the
@@ -19,14 +20,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 use std::{env, ptr};
 
-use glam::DVec3;
 use libloading::Library;
 
 use super::embree_error::{EmbreeError, OVERRIDE};
 use super::embree_rays::{EmbreeRays, PacketWidth, Packets};
 use super::mesh::GridMesh;
 use crate::intersect::Coherence;
-use crate::math::Ray;
+use crate::math::{Aabb, Ray};
+use crate::patch::SceneFrame;
 
 /// Library names to try, newest first; the plain names are those of development packages.
 const NAMES: [&str; 4] = ["libembree4.so.4", "libembree3.so.3", "libembree4.so", "libembree3.so"];
@@ -141,7 +142,8 @@ struct Functions {
 }
 
 impl Functions {
-    fn find(library: &Library) -> Result<Self, EmbreeError> {
+    fn find(library: &Library, path: &str) -> Result<Self, EmbreeError> {
+        let library = (library, path);
         // SAFETY: the types above are those of Embree's C functions of these names.
         unsafe {
             Ok(Self {
@@ -178,11 +180,11 @@ impl Functions {
 ///
 /// # Safety
 /// `F` must be the type of that function, and must not be called once the library is closed.
-unsafe fn symbol<F: Copy>(library: &Library, name: &str) -> Result<F, EmbreeError> {
+unsafe fn symbol<F: Copy>((library, path): (&Library, &str), name: &str) -> Result<F, EmbreeError> {
     // SAFETY: as this function demands of its caller.
-    unsafe { library.get::<F>(name.as_bytes()) }.map(|found| *found).map_err(|_| {
-        EmbreeError::Symbol { library: format!("{library:?}"), symbol: name.to_owned() }
-    })
+    unsafe { library.get::<F>(name.as_bytes()) }
+        .map(|found| *found)
+        .map_err(|_| EmbreeError::Symbol { library: path.to_owned(), symbol: name.to_owned() })
 }
 
 /// An open device.
@@ -209,9 +211,8 @@ impl Drop for Device {
 }
 
 impl Device {
-    fn open(library: Library, config: &CStr) -> Result<Self, EmbreeError> {
-        let name = format!("{library:?}");
-        let functions = Functions::find(&library)?;
+    fn open(library: Library, path: &str, config: &CStr) -> Result<Self, EmbreeError> {
+        let functions = Functions::find(&library, path)?;
         let bytes = Box::new(AtomicIsize::new(0));
         let counter: *const AtomicIsize = &raw const *bytes;
 
@@ -235,7 +236,7 @@ impl Device {
                 .map(|property| (functions.device_property)(handle, property))
         };
         if !(3..=4).contains(&version[0]) {
-            return Err(EmbreeError::Version { library: name, major: version[0] });
+            return Err(EmbreeError::Version { library: path.to_owned(), major: version[0] });
         }
         device.version = version.map(|number| u32::try_from(number).unwrap_or(0));
         Ok(device)
@@ -298,7 +299,8 @@ impl Embree {
             // what EMBREE_LIB names is the user's responsibility, as with LD_PRELOAD.
             match unsafe { Library::new(&name) } {
                 Ok(library) => {
-                    return Ok(Self { device: Arc::new(Device::open(library, config)?) });
+                    let device = Device::open(library, &name.to_string_lossy(), config)?;
+                    return Ok(Self { device: Arc::new(device) });
                 }
                 Err(error) => tried.push(error.to_string()),
             }
@@ -325,19 +327,14 @@ impl Embree {
         meshes: &[GridMesh],
         primitive: EmbreePrimitive,
     ) -> Result<EmbreeScene, EmbreeError> {
-        let (low, high) = meshes
-            .iter()
-            .flat_map(GridMesh::positions)
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| {
-                (low.min(point), high.max(point))
-            });
-        let centre = if low.x <= high.x { 0.5 * low + 0.5 * high } else { DVec3::ZERO };
+        let positions = meshes.iter().flat_map(GridMesh::positions).copied();
+        let frame = SceneFrame::around(&Aabb::around(positions));
         let functions = &self.device.functions;
 
         // SAFETY: the device is open; a null scene is an error caught before it is used.
         let handle = unsafe { (functions.new_scene)(self.device.handle) };
         self.device.check("create a scene")?;
-        let scene = EmbreeScene { handle, centre, device: Arc::clone(&self.device) };
+        let scene = EmbreeScene { handle, frame, device: Arc::clone(&self.device) };
         // SAFETY: the scene is open.
         unsafe { (functions.set_scene_flags)(handle, ROBUST) };
         for mesh in meshes {
@@ -354,7 +351,7 @@ impl Embree {
 #[derive(Debug)]
 pub struct EmbreeScene {
     handle: Handle,
-    centre: DVec3,
+    frame: SceneFrame,
     device: Arc<Device>,
 }
 
@@ -383,7 +380,7 @@ impl EmbreeScene {
         let geometry = unsafe { (functions.new_geometry)(self.device.handle, kind) };
         self.device.check("create a geometry")?;
 
-        let vertices = mesh.positions().iter().map(|&point| (point - self.centre).as_vec3());
+        let vertices = mesh.positions().iter().map(|&point| self.frame.scaled(point).as_vec3());
         let filled = self.fill(geometry, (VERTEX_BUFFER, FLOAT3), vertices.map(|p| p.to_array()));
         let filled = filled.and_then(|()| match primitive {
             EmbreePrimitive::Grid => {
@@ -433,9 +430,9 @@ impl EmbreeScene {
 
     /// Makes rays ready for this scene, in packets of the width given.
     ///
-    /// Origins, directions and ranges are rounded to f32; a range starts at 0 at the earliest.
+    /// Origins, directions and ranges are rounded to f32 in the scene's frame; a range starts at 0 at the earliest.
     pub fn rays(&self, rays: &[Ray], width: PacketWidth, coherence: Coherence) -> EmbreeRays {
-        EmbreeRays::new(rays, self.centre, width, coherence)
+        EmbreeRays::new(rays, &self.frame, width, coherence)
     }
 
     /// Finds the first hit of each ray. May be repeated.

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::intersect::Coherence;
-use crate::math::Ray;
+use crate::math::{Ray, rounding};
+use crate::patch::SceneFrame;
 
 /// How many rays Embree is given at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,8 +20,8 @@ pub enum PacketWidth {
 /// The first meeting of a ray and a mesh, as Embree reports it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmbreeHit {
-    /// The ray parameter, in units of the direction given.
-    pub t: f32,
+    /// The ray parameter, in units of the direction given; found in f32.
+    pub t: f64,
     /// Which mesh of the scene.
     pub mesh: u32,
     /// Which grid, or which triangle, of the mesh.
@@ -69,7 +70,7 @@ pub(super) struct RayHit<const N: usize> {
 const NOTHING: u32 = u32::MAX;
 
 impl<const N: usize> RayHit<N> {
-    fn new(rays: &[Ray], centre: DVec3) -> Self {
+    fn new(rays: &[FramedRay]) -> Self {
         let mut packet = Self {
             origin: [[0.0; N]; 3],
             t_near: [0.0; N],
@@ -89,14 +90,11 @@ impl<const N: usize> RayHit<N> {
             limit: [0.0; N],
         };
         for (lane, ray) in rays.iter().enumerate().take(N) {
-            let (origin, direction) =
-                ((ray.origin() - centre).as_vec3(), ray.direction().as_vec3());
             for axis in 0..3 {
-                packet.origin[axis][lane] = origin[axis];
-                packet.direction[axis][lane] = direction[axis];
+                packet.origin[axis][lane] = ray.origin[axis];
+                packet.direction[axis][lane] = ray.direction[axis];
             }
-            packet.t_near[lane] = ray.t_min().max(0.0) as f32;
-            packet.limit[lane] = ray.t_max() as f32;
+            [packet.t_near[lane], packet.limit[lane]] = ray.range;
             packet.valid[lane] = -1;
         }
         packet
@@ -115,7 +113,7 @@ impl<const N: usize> RayHit<N> {
     fn hits(&self) -> impl Iterator<Item = Option<EmbreeHit>> {
         self.lanes().map(|lane| {
             (self.geometry[lane] != NOTHING).then(|| EmbreeHit {
-                t: self.t_far[lane],
+                t: f64::from(self.t_far[lane]),
                 mesh: self.geometry[lane],
                 primitive: self.primitive[lane],
                 place: DVec2::new(f64::from(self.u[lane]), f64::from(self.v[lane])),
@@ -126,6 +124,30 @@ impl<const N: usize> RayHit<N> {
 
     fn occlusions(&self) -> impl Iterator<Item = bool> {
         self.lanes().map(|lane| self.t_far[lane] == f32::NEG_INFINITY)
+    }
+}
+
+/// A ray in the coordinates of a scene's frame, its direction about as long as 1: where
+/// Embree's absolute constants do the least harm.
+struct FramedRay {
+    origin: Vec3,
+    direction: Vec3,
+    range: [f32; 2],
+    /// A `t` of 1 there, in units of the direction given.
+    unit: f64,
+}
+
+impl FramedRay {
+    /// All factors are powers of two: what is rounded is what moving the origin and f32 round.
+    fn new(ray: &Ray, frame: &SceneFrame) -> Self {
+        let factor = rounding::power_of_two_below(1.0 / ray.direction().length());
+        let unit = factor / frame.scale;
+        Self {
+            origin: frame.scaled(ray.origin()).as_vec3(),
+            direction: (ray.direction() * factor).as_vec3(),
+            range: [ray.t_min().max(0.0), ray.t_max()].map(|t| (t / unit) as f32),
+            unit,
+        }
     }
 }
 
@@ -145,24 +167,27 @@ pub(super) enum Packets {
 pub struct EmbreeRays {
     packets: Packets,
     coherence: Coherence,
+    /// For each ray what a `t` of 1 is, in units of the direction given.
+    units: Vec<f64>,
 }
 
 impl EmbreeRays {
     pub(super) fn new(
         rays: &[Ray],
-        centre: DVec3,
+        frame: &SceneFrame,
         width: PacketWidth,
         coherence: Coherence,
     ) -> Self {
-        fn packets<const N: usize>(rays: &[Ray], centre: DVec3) -> Vec<RayHit<N>> {
-            rays.chunks(N).map(|rays| RayHit::new(rays, centre)).collect()
+        fn packets<const N: usize>(rays: &[FramedRay]) -> Vec<RayHit<N>> {
+            rays.chunks(N).map(RayHit::new).collect()
         }
+        let rays: Vec<_> = rays.iter().map(|ray| FramedRay::new(ray, frame)).collect();
         let packets = match width {
-            PacketWidth::One => Packets::One(packets(rays, centre)),
-            PacketWidth::Eight => Packets::Eight(packets(rays, centre)),
-            PacketWidth::Sixteen => Packets::Sixteen(packets(rays, centre)),
+            PacketWidth::One => Packets::One(packets(&rays)),
+            PacketWidth::Eight => Packets::Eight(packets(&rays)),
+            PacketWidth::Sixteen => Packets::Sixteen(packets(&rays)),
         };
-        Self { packets, coherence }
+        Self { packets, coherence, units: rays.iter().map(|ray| ray.unit).collect() }
     }
 
     pub(super) fn coherence(&self) -> Coherence {
@@ -175,11 +200,17 @@ impl EmbreeRays {
 
     /// What [`intersect`](super::EmbreeScene::intersect) found, ray by ray.
     pub fn hits(&self) -> Vec<Option<EmbreeHit>> {
-        match &self.packets {
+        let mut hits: Vec<_> = match &self.packets {
             Packets::One(packets) => packets.iter().flat_map(RayHit::hits).collect(),
             Packets::Eight(packets) => packets.iter().flat_map(RayHit::hits).collect(),
             Packets::Sixteen(packets) => packets.iter().flat_map(RayHit::hits).collect(),
+        };
+        for (hit, unit) in hits.iter_mut().zip(&self.units) {
+            if let Some(hit) = hit {
+                hit.t *= unit;
+            }
         }
+        hits
     }
 
     /// What [`occluded`](super::EmbreeScene::occluded) found, ray by ray.
@@ -229,7 +260,8 @@ mod tests {
     #[test]
     fn the_last_packet_may_be_part_full() {
         let ray = Ray::new(DVec3::ONE, DVec3::X).unwrap();
-        let rays = EmbreeRays::new(&[ray; 11], DVec3::X, PacketWidth::Eight, Coherence::Coherent);
+        let frame = SceneFrame { center: DVec3::X, scale: 1.0 };
+        let rays = EmbreeRays::new(&[ray; 11], &frame, PacketWidth::Eight, Coherence::Coherent);
         let Packets::Eight(packets) = &rays.packets else { panic!("packets of eight") };
         assert_eq!(packets.len(), 2);
         assert_eq!(packets[1].valid, [-1, -1, -1, 0, 0, 0, 0, 0]);
@@ -237,5 +269,25 @@ mod tests {
         assert_eq!(packets[1].origin[1][..4], [1.0, 1.0, 1.0, 0.0]);
         assert_eq!(rays.hits().len(), 11);
         assert!(rays.occlusions().iter().all(|&occluded| !occluded));
+    }
+
+    #[test]
+    fn rays_keep_their_bits_at_every_scale() {
+        let (origin, direction) = (DVec3::new(0.3, -0.7, 5.0), DVec3::new(0.1, 0.2, -0.9));
+        let framed = |size: f64, length: f64| {
+            let frame = SceneFrame { center: DVec3::ZERO, scale: 1.0 / size };
+            let range = [0.5, 3.0].map(|t| t * size / length);
+            let ray = Ray::with_range(size * origin, length * direction, range[0], range[1]);
+            FramedRay::new(&ray.unwrap(), &frame)
+        };
+        let plain = framed(1.0, 1.0);
+        assert_eq!(plain.range.map(f64::from).map(|t| t * plain.unit), [0.5, 3.0]);
+        for size in [-60, 60].map(|power| 2_f64.powi(power)) {
+            for length in [-50, 0, 50].map(|power| 2_f64.powi(power)) {
+                let far = framed(size, length);
+                assert_eq!((far.origin, far.direction), (plain.origin, plain.direction));
+                assert_eq!((far.range, far.unit), (plain.range, plain.unit * size / length));
+            }
+        }
     }
 }

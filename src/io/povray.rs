@@ -7,6 +7,10 @@
 //! Light and colour are not the scene's: one lamp at the camera, without shadows, on white.
 //! So a pixel is the cosine of the angle between ray and normal, and pictures differ where
 //! geometry differs. Where nothing is hit the picture is pure blue.
+//!
+//! POV-Ray drops what is nearer than an absolute 1e-6 or so, and more. So the scene is moved to
+//! the middle of its bounding box and scaled by a power of two to a size between 1 and 2, camera
+//! and all, which changes no pixel: POV-Ray is given its best case.
 
 mod patches;
 mod primitives;
@@ -16,6 +20,8 @@ use std::fmt;
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
+use crate::math::Aabb;
+use crate::patch::SceneFrame;
 use crate::scene::{Camera, Projection, Scene, World};
 
 /// A scene for POV-Ray.
@@ -83,16 +89,18 @@ pub fn povray_scene(
     flatness: f64,
 ) -> PovrayScene {
     let aspect = f64::from(width) / f64::from(height);
-    let mut text = heading(&world.camera, aspect);
+    let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
+    let frame = SceneFrame::around(&bounds);
+    let mut text = heading(&world.camera, aspect, &frame);
     let (mut written, mut skipped) = (Vec::new(), Vec::new());
     let parts =
         scene.objects.iter().flat_map(|object| object.parts.iter().map(move |p| (object, p)));
     for (index, (instance, (object, part))) in world.surfaces.iter().zip(parts).enumerate() {
-        let exact = primitives::primitive(&part.shape, &object.transform);
+        let exact = primitives::primitive(&part.shape, &object.transform, &frame);
         let body = match exact {
             _ if part.trims.is_some() => Err(PovrayGap::Trimmed),
             Some(body) => Ok(body),
-            None => patches::patches(&instance.surface, flatness),
+            None => patches::patches(&instance.surface, flatness, &frame),
         };
         match body {
             Ok(body) => {
@@ -108,10 +116,10 @@ pub fn povray_scene(
 }
 
 /// Camera, light and what all surfaces look like.
-fn heading(camera: &Camera, aspect: f64) -> String {
+fn heading(camera: &Camera, aspect: f64, frame: &SceneFrame) -> String {
     let [left, right, top, bottom] = [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)]
         .map(|(x, y)| camera.ray(DVec2::new(x, y), aspect));
-    let (eye, forward) = (camera.view().look_from, camera.forward());
+    let (eye, forward) = (frame.scaled(camera.view().look_from), camera.forward());
 
     // The picture's sides: at distance 1 in front of the eye, or on the film.
     let (kind, across, up, parallel) = match camera.projection() {
@@ -123,19 +131,22 @@ fn heading(camera: &Camera, aspect: f64) -> String {
         ),
         Projection::Orthographic { .. } => (
             "orthographic",
-            right.origin() - left.origin(),
-            top.origin() - bottom.origin(),
+            frame.scale * (right.origin() - left.origin()),
+            frame.scale * (top.origin() - bottom.origin()),
             format!(" parallel point_at {}", vector(eye + forward)),
         ),
     };
     format!(
         "// A pixel is the cosine of the angle between ray and normal; blue is nothing.\n\
+         // What is at p in the scene is here at (p - {}) * {:?}.\n\
          #version 3.7;\n\
          global_settings {{ assumed_gamma 1 }}\n\
          background {{ rgb <0, 0, 1> }}\n\
          camera {{\n  {kind}\n  location {}\n  direction {}\n  right {}\n  up {}\n}}\n\
          light_source {{ {}, rgb 1 shadowless{parallel} }}\n\
          #default {{ texture {{ pigment {{ rgb 1 }} finish {{ ambient 0 emission 0 diffuse 1 }} }} }}\n",
+        vector(frame.center),
+        frame.scale,
         vector(eye),
         vector(forward),
         vector(across),

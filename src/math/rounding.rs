@@ -29,6 +29,11 @@ pub fn f32_above(x: f64) -> f32 {
     if f64::from(nearest) < x { nearest.next_up() } else { nearest }
 }
 
+/// The largest power of two not above `x`, kept normal: scaling by it is exact.
+pub fn power_of_two_below(x: f64) -> f64 {
+    x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).log2().floor().exp2()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -34,7 +34,7 @@ impl SceneFrame {
             return Self { center: DVec3::ZERO, scale: 1.0 };
         }
         let half = (0.5 * bounds.size()).max_element().max(f64::MIN_POSITIVE);
-        Self { center: bounds.center(), scale: power_of_two_below(1.0 / half) }
+        Self { center: bounds.center(), scale: rounding::power_of_two_below(1.0 / half) }
     }
 
     /// A point in scaled coordinates.
@@ -50,9 +50,4 @@ impl SceneFrame {
         let above = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_above));
         ScaledBox { min: below(min), max: above(max) }
     }
-}
-
-/// The largest power of two not above `x`, kept normal: scaling by it is exact.
-fn power_of_two_below(x: f64) -> f64 {
-    x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).log2().floor().exp2()
 }

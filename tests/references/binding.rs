@@ -56,7 +56,7 @@ fn check(scene: &EmbreeScene, mesh: &GridMesh, primitive: EmbreePrimitive, at: D
                     }
                 };
                 // Coordinates of size 5 in f32, a few operations each.
-                let error = (point.position - ray.at(f64::from(hit.t))).length();
+                let error = (point.position - ray.at(hit.t)).length();
                 assert!(error < 4e-6, "{width:?} {primitive:?} {inside}: {error:e}");
             }
             counts.push(hits.iter().flatten().count());
@@ -99,6 +99,38 @@ fn ranges_and_lengths_of_directions_are_kept() {
         assert_eq!(meshes, [Some(1), Some(0), None, None], "{width:?}");
         scene.occluded(&mut batch);
         assert_eq!(batch.occlusions(), [true, true, false, false], "{width:?}");
+    }
+}
+
+#[test]
+fn scenes_of_any_size_and_rays_of_any_length_are_met_alike() {
+    let Some(embree) = embree() else { return };
+    let found = |size: f64, length: f64| {
+        let mut mesh = GridMesh::default();
+        mesh.push_grid((9, 9), |row, column| {
+            let uv = DVec2::new(row as f64 / 8.0, column as f64 / 8.0);
+            let height = (3.0 * uv.x).sin() * (2.0 * uv.y).cos();
+            MeshPoint { position: size * uv.extend(height), normal: DVec3::Z, uv }
+        })
+        .unwrap();
+        let scene = embree.scene(&[mesh], EmbreePrimitive::Grid).unwrap();
+        let rays: Vec<Ray> = rays_down(DVec3::ZERO)
+            .iter()
+            .map(|ray| Ray::new(size * ray.origin(), length * ray.direction()).unwrap())
+            .collect();
+        let mut batch = scene.rays(&rays, PacketWidth::Eight, Coherence::Coherent);
+        scene.intersect(&mut batch);
+        let plain = |t: f64| t * length / size;
+        batch.hits().iter().map(|hit| hit.map(|hit| (plain(hit.t), hit.place))).collect::<Vec<_>>()
+    };
+    let expected = found(1.0, 1.0);
+    assert_eq!(expected.iter().flatten().count(), 49);
+    // Powers of two: the same bits.
+    for power in [-100, -30, 30, 100] {
+        for length in [power, 0] {
+            let (size, length) = (2_f64.powi(power), 2_f64.powi(length));
+            assert_eq!(found(size, length), expected, "{size:e} {length:e}");
+        }
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn meshed(embree: &Embree, tessellation: &Tessellation, rays: &[Ray])
         hit.map(|hit| {
             let mesh = &meshes[hit.mesh as usize];
             let point = mesh.at_grid(hit.primitive as usize, hit.place);
-            Seen { depth: f64::from(hit.t), normal: point.normal, surface: hit.mesh }
+            Seen { depth: hit.t, normal: point.normal, surface: hit.mesh }
         })
     });
     seen.collect()

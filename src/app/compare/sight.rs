@@ -92,11 +92,10 @@ pub(super) fn on_surface(answer: &Answer, ray: &Ray) -> Option<Sight> {
 
 /// What a ray meets on triangles.
 pub(super) fn on_mesh(hit: &EmbreeHit, ray: &Ray, meshes: &[GridMesh]) -> Sight {
-    let t = f64::from(hit.t);
     let vertex = meshes[hit.mesh as usize].at_grid(hit.primitive as usize, hit.place);
     Sight {
-        distance: t * ray.direction().length(),
-        point: ray.at(t),
+        distance: hit.t * ray.direction().length(),
+        point: ray.at(hit.t),
         normal: vertex.normal,
         facet: hit.geometric_normal.normalize_or(DVec3::NAN),
         residual: 0.0,

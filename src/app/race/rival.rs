@@ -166,8 +166,7 @@ impl<'a> Entry<'a> {
         match self.question {
             Question::FirstHit => {
                 let hits = self.chunks.iter().flat_map(EmbreeRays::hits).zip(&self.lengths);
-                hits.map(|(hit, length)| certain(hit.map(|hit| f64::from(hit.t) * length)))
-                    .collect()
+                hits.map(|(hit, length)| certain(hit.map(|hit| hit.t * length))).collect()
             }
             Question::AnyHit => {
                 let occlusions = self.chunks.iter().flat_map(EmbreeRays::occlusions);

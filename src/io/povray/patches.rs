@@ -4,19 +4,29 @@ use glam::{DVec3, Vec4Swizzles};
 
 use super::{PovrayGap, vector};
 use crate::geometry::{Charts, NurbsSurface};
+use crate::patch::SceneFrame;
 
 /// The most halvings of a patch each way: a million parts.
 const MAX_HALVINGS: u32 = 10;
 
-/// All Bézier pieces of a surface, elevated to degree 3.
+/// All Bézier pieces of a surface, elevated to degree 3, in the coordinates of a frame; the
+/// flatness is in scene units.
 ///
 /// # Errors
 /// When the surface is rational, of a degree above 3, or the flatness too small.
-pub(super) fn patches(surface: &impl Charts, flatness: f64) -> Result<String, PovrayGap> {
-    surface.charts().iter().map(|chart| of_chart(&chart.surface, flatness)).collect()
+pub(super) fn patches(
+    surface: &impl Charts,
+    flatness: f64,
+    frame: &SceneFrame,
+) -> Result<String, PovrayGap> {
+    surface.charts().iter().map(|chart| of_chart(&chart.surface, flatness, frame)).collect()
 }
 
-fn of_chart(surface: &NurbsSurface, flatness: f64) -> Result<String, PovrayGap> {
+fn of_chart(
+    surface: &NurbsSurface,
+    flatness: f64,
+    frame: &SceneFrame,
+) -> Result<String, PovrayGap> {
     if surface.is_rational() {
         return Err(PovrayGap::Rational);
     }
@@ -34,10 +44,10 @@ fn of_chart(surface: &NurbsSurface, flatness: f64) -> Result<String, PovrayGap> 
         for v in bezier.knots_v().spans() {
             let point = |i: usize, j: usize| {
                 let control = bezier.control()[(u.index - 3 + i) * columns + v.index - 3 + j];
-                control.xyz() / control.w
+                frame.scaled(control.xyz() / control.w)
             };
             let net = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| point(i, j)));
-            text.push_str(&patch(&net, flatness)?);
+            text.push_str(&patch(&net, frame.scale * flatness)?);
         }
     }
     Ok(text)

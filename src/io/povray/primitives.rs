@@ -3,43 +3,75 @@
 use glam::{DAffine3, DVec3};
 
 use super::vector;
+use crate::math::rounding;
+use crate::patch::SceneFrame;
 use crate::scene::{NamedShape, Shape, Transform, Written};
 
-/// A primitive in its place; `None` of a shape POV-Ray does not know.
-pub(super) fn primitive(shape: &Shape, steps: &[Written<Transform>]) -> Option<String> {
+/// A primitive in its place, in the coordinates of a frame; `None` of a shape POV-Ray does not
+/// know.
+///
+/// The primitive itself is about as large as 1, too: POV-Ray meets it in its own coordinates.
+pub(super) fn primitive(
+    shape: &Shape,
+    steps: &[Written<Transform>],
+    frame: &SceneFrame,
+) -> Option<String> {
     let Shape::Named(shape, _) = shape else { return None };
+    let size = size(shape)?;
+    let unit = rounding::power_of_two_below(1.0 / size);
     let body = match *shape {
-        NamedShape::Sphere { radius } | NamedShape::SphereBiquadratic { radius } => {
-            format!("sphere {{ 0, {radius:?}")
+        NamedShape::Sphere { .. } | NamedShape::SphereBiquadratic { .. } => {
+            format!("sphere {{ 0, {:?}", unit * size)
         }
-        NamedShape::Hemisphere { radius } => {
-            format!("sphere {{ 0, {radius:?} clipped_by {{ plane {{ -y, 0 }} }}")
+        NamedShape::Hemisphere { .. } => {
+            format!("sphere {{ 0, {:?} clipped_by {{ plane {{ -y, 0 }} }}", unit * size)
         }
-        NamedShape::Octant { radius } => format!(
-            "sphere {{ 0, {radius:?} clipped_by {{\n  intersection {{ plane {{ -x, 0 }} \
-             plane {{ -y, 0 }} plane {{ -z, 0 }} }}\n}}"
+        NamedShape::Octant { .. } => format!(
+            "sphere {{ 0, {:?} clipped_by {{\n  intersection {{ plane {{ -x, 0 }} \
+             plane {{ -y, 0 }} plane {{ -z, 0 }} }}\n}}",
+            unit * size
         ),
         NamedShape::Cylinder { radius, height } => {
-            format!("cylinder {{ 0, <0, 0, {height:?}>, {radius:?} open")
+            format!("cylinder {{ 0, <0, 0, {:?}>, {:?} open", unit * height, unit * radius)
         }
         NamedShape::Cone { radius, height } => {
-            format!("cone {{ 0, {radius:?}, <0, 0, {height:?}>, 0 open")
+            format!("cone {{ 0, {:?}, <0, 0, {:?}>, 0 open", unit * radius, unit * height)
         }
         // POV-Ray's lies around the y axis.
         NamedShape::Torus { major, minor } => {
-            format!("torus {{ {major:?}, {minor:?} sturm rotate 90*x")
+            format!("torus {{ {:?}, {:?} sturm rotate 90*x", unit * major, unit * minor)
         }
-        NamedShape::Disk { radius } => format!("disc {{ 0, z, {radius:?}"),
+        NamedShape::Disk { .. } => format!("disc {{ 0, z, {:?}", unit * size),
         _ => return None,
     };
-    let affine = steps
+    let placed = steps
         .iter()
         .try_fold(DAffine3::IDENTITY, |before, step| Some(step.value.affine().ok()? * before))?;
+    let affine = DAffine3 {
+        matrix3: frame.scale * placed.matrix3 * (1.0 / unit),
+        translation: frame.scaled(placed.translation),
+    };
     let matrix = match affine == DAffine3::IDENTITY {
         true => String::new(),
         false => format!("\n  {}", matrix(&affine)),
     };
     Some(format!("{body}{matrix}\n}}\n"))
+}
+
+/// The largest of the lengths that describe a shape POV-Ray knows.
+fn size(shape: &NamedShape) -> Option<f64> {
+    match *shape {
+        NamedShape::Sphere { radius }
+        | NamedShape::SphereBiquadratic { radius }
+        | NamedShape::Hemisphere { radius }
+        | NamedShape::Octant { radius }
+        | NamedShape::Disk { radius } => Some(radius),
+        NamedShape::Cylinder { radius, height } | NamedShape::Cone { radius, height } => {
+            Some(radius.max(height.abs()))
+        }
+        NamedShape::Torus { major, .. } => Some(major),
+        _ => None,
+    }
 }
 
 /// POV-Ray multiplies rows by matrices: the images of x, y and z, then of the origin.

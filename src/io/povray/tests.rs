@@ -37,7 +37,8 @@ fn cameras_are_given_by_their_vectors() {
     let camera = "[camera]\nlook_from = [0, -4, 0]\nlook_at = [0, 0, 0]\n";
     let text = written(&format!("{camera}perspective = {{ fov = 90 }}\n{PLANE}")).text;
     assert!(text.contains("  perspective\n"));
-    assert_eq!(numbers(&text, "location"), [0.0, -4.0, 0.0]);
+    // The plane is 6 long: a quarter of that is between 1 and 2.
+    assert_eq!(numbers(&text, "location"), [0.0, -1.0, 0.0]);
     assert_eq!(numbers(&text, "direction"), [0.0, 1.0, 0.0]);
     let close = |found: Vec<f64>, expected: [f64; 3]| {
         let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -45,13 +46,13 @@ fn cameras_are_given_by_their_vectors() {
     };
     close(numbers(&text, "right"), [4.0, 0.0, 0.0]);
     close(numbers(&text, "up"), [0.0, 0.0, 2.0]);
-    assert_eq!(numbers(&text, "light_source {"), [0.0, -4.0, 0.0]);
+    assert_eq!(numbers(&text, "light_source {"), [0.0, -1.0, 0.0]);
 
     let text = written(&format!("{camera}orthographic = {{ height = 3 }}\n{PLANE}")).text;
     assert!(text.contains("  orthographic\n") && text.contains("shadowless parallel"));
-    close(numbers(&text, "right"), [6.0, 0.0, 0.0]);
-    close(numbers(&text, "up"), [0.0, 0.0, 3.0]);
-    close(numbers(&text, "point_at"), [0.0, -3.0, 0.0]);
+    close(numbers(&text, "right"), [1.5, 0.0, 0.0]);
+    close(numbers(&text, "up"), [0.0, 0.0, 0.75]);
+    close(numbers(&text, "point_at"), [0.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -61,10 +62,10 @@ fn polynomial_pieces_become_bicubic_patches() {
     assert!(
         scene
             .text
-            .contains("\n// table\nbicubic_patch { type 1 flatness 0.01 u_steps 0 v_steps 0\n")
+            .contains("\n// table\nbicubic_patch { type 1 flatness 0.0025 u_steps 0 v_steps 0\n")
     );
-    // Thirds of the rectangle, all sixteen.
-    for (x, y) in [("-1.5", "-3.0"), ("-0.5", "1.0"), ("1.5", "3.0")] {
+    // Thirds of the rectangle, all sixteen, a quarter as large.
+    for (x, y) in [("-0.375", "-0.75"), ("-0.125", "0.25"), ("0.375", "0.75")] {
         assert!(scene.text.contains(&format!("<{x}, {y}, 0.0>")), "{}", scene.text);
     }
     // 7 x 5 points of degrees 3 and 2: 4 x 3 pieces.
@@ -85,11 +86,44 @@ shape = { octant = { radius = 1 } }
 ";
     let scene = written(text);
     assert_eq!(scene.written, [0, 1, 2]);
-    let matrix = [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 4.0, 5.0, 6.0];
-    assert_eq!(numbers(&scene.text, "matrix"), matrix);
-    assert!(scene.text.contains("sphere { 0, 2.0\n"));
-    assert!(scene.text.contains("torus { 2.0, 0.5 sturm rotate 90*x\n"));
+    // All of it reaches from -2.5 to 8.25 ± 0.25, 9 and 12: an eighth is between 1 and 2. The
+    // sphere's radius is halved, and its place doubled for that.
+    assert!(scene.text.contains("sphere { 0, 1.0\n"));
+    let matrix = numbers(&scene.text, "matrix");
+    assert_eq!(matrix[..9], [0.25, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.75]);
+    // From (4, 5, 6) to the torus, which is at the origin.
+    let torus = numbers(scene.text.split("torus {").nth(1).unwrap(), "matrix");
+    for (k, apart) in [(9, 0.5), (10, 0.625), (11, 0.75)] {
+        assert!((matrix[k] - torus[k] - apart).abs() < 1e-15, "{matrix:?} {torus:?}");
+    }
+    assert!(scene.text.contains("torus { 1.0, 0.25 sturm rotate 90*x\n"));
     assert!(scene.text.contains("clipped_by"));
+}
+
+#[test]
+fn scenes_of_any_size_are_written_alike() {
+    let scene = |size: f64| {
+        let length = |factor: f64| factor * size;
+        written(&format!(
+            "[camera]\nlook_from = [{:e}, 0, {:e}]\nlook_at = [0, 0, 0]\n\
+             [[object]]\nshape = {{ sphere = {{ radius = {:e} }} }}\n\
+             transform = [{{ translate = [{:e}, 0, 0] }}]\n\
+             [[object]]\nshape = {{ cone = {{ radius = {:e}, height = {:e} }} }}\n",
+            length(5.0),
+            length(2.0),
+            length(1.0),
+            length(3.0),
+            length(0.5),
+            length(1.25)
+        ))
+    };
+    let without_first_lines =
+        |scene: PovrayScene| scene.text.lines().skip(2).collect::<Vec<_>>().join("\n");
+    let plain = without_first_lines(scene(1.0));
+    assert!(plain.contains("cone { 0, 0.25, <0, 0, 0.625>, 0 open"), "{plain}");
+    for size in [2_f64.powi(-60), 2_f64.powi(40)] {
+        assert_eq!(without_first_lines(scene(size)), plain);
+    }
 }
 
 #[test]
