@@ -17,7 +17,9 @@ use std::process::ExitCode;
 use nurbray::scene::World;
 
 use super::args::{Against, CompareArguments};
+use super::console;
 use super::failure::Failure;
+use super::race::Model;
 
 /// The longest side of a picture, as in `bench`: its 64 million rays and their packets take
 /// about 20 GB.
@@ -50,6 +52,10 @@ and left out on both sides. DIR gets
   picture.png               our picture with the same lamp
   difference-TOLERANCE.png  where brightness differs how much
   legend.svg                what the colours mean
+The rival is given its best case: what it gets is moved to the middle of the
+model's bounding box and scaled by a power of two, to a size between 1 and 2.
+Rays of which nurbray says that its own answer is doubtful are left out and
+counted. A report lists the files written with it; what else is in DIR stays.
 Everything but times, rates and memory is the same in every run.
 
 Example:
@@ -62,6 +68,13 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         Against::Povray => povray::run(arguments)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Says that there is nothing to compare.
+fn warn_if_empty(model: &Model, hits: usize, doubtful: usize) {
+    if hits + doubtful == 0 {
+        console::warning(&format!("{}: the camera sees nothing of the model", model.name));
+    }
 }
 
 /// Width and height of the pictures.

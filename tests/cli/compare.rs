@@ -98,6 +98,17 @@ fn a_report_against_embree() {
 
     let report = String::from_utf8(sandbox.bytes("out/report.md")).unwrap();
     assert!(report.starts_with("# ball.toml: the surfaces, and triangles in their place\n"));
+    assert!(
+        report.contains("\nA camera that shows all of the model, 60 x 40 pixels, "),
+        "{report}"
+    );
+    let listed = report
+        .lines()
+        .filter_map(|line| line.strip_prefix("- "))
+        .filter(|name| name.ends_with(".png") || name.ends_with(".svg") || name.ends_with(".md"));
+    let mut listed: Vec<_> = listed.collect();
+    listed.sort_unstable();
+    assert_eq!(listed, made);
     for name in &made[..7] {
         assert!(report.contains(&format!("({name})")), "{name} is not shown");
     }
@@ -122,6 +133,20 @@ fn a_report_against_embree() {
     let (hits, same) =
         (numbers(&rows, "rays that hit"), numbers(&rows, "rays that hit … and see the same place"));
     assert_eq!([hits[0] - lost[1], hits[0] - lost[2]], same[..]);
+}
+
+#[test]
+fn a_camera_that_sees_nothing_is_warned_of() {
+    if without_embree() {
+        return;
+    }
+    let away = format!("[camera]\nlook_from = [0, 0, 9]\nlook_at = [0, 0, 99]\n{SPHERE}");
+    let sandbox = Sandbox::with(&[("away.toml", &away)]);
+    let line = format!("compare away.toml --against embree --tolerance 1e-2 {QUICK} -o out");
+    let run = sandbox.run(&line).succeeded();
+    assert_eq!(run.stderr, "warning: away.toml: the camera sees nothing of the model\n");
+    let report = String::from_utf8(sandbox.bytes("out/report.md")).unwrap();
+    assert!(report.contains("\nThe scene's camera, 60 x 40 pixels, "), "{report}");
 }
 
 #[test]

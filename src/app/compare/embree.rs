@@ -71,7 +71,8 @@ struct Race {
 /// Runs the comparison and writes the report.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
-    let folder = Folder::new(&arguments.output, &files(&tolerances), &[&arguments.input])?;
+    let files = files(&tolerances);
+    let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
     input::read(&arguments.input)?; // what is wrong with it is told first
     let embree = Embree::load_with_threads(arguments.threads).or_failed()?;
     let progress = Progress::new("comparing", tolerances.len() as u64 + 2);
@@ -104,7 +105,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         hits: seen().count(),
         residual: Errors::of(seen().map(|sight| sight.residual / model.diagonal)),
         doubtful: sight::doubtful(&ours),
+        files: &files,
     };
+    super::warn_if_empty(model, report.hits, report.doubtful);
     write(&folder, &report, &pictures)?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
 }

@@ -61,6 +61,14 @@ impl Folder {
     }
 }
 
+/// The end of a report: which files of the folder belong to it.
+pub(super) fn files_written(files: &[String]) -> String {
+    let list: String = files.iter().map(|file| format!("- {file}\n")).collect();
+    format!(
+        "\n## Files\n\nWritten with this report; others in its folder are not part of it.\n\n{list}"
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
-use nurbray::io::{PovrayGap, PovrayScene, Quoted, povray_scene};
+use nurbray::io::{PovrayGap, PovrayScene, PovraySkip, Quoted, povray_scene};
 use nurbray::scene::Scene;
 
 use super::super::args::CompareArguments;
@@ -21,6 +21,9 @@ use super::sight::{self, Sight, View};
 /// The colours of errors of brightness: from the last of 16 bits to black against white.
 const BRIGHTNESS: Scale =
     Scale { quantity: "error of brightness (cosine between ray and normal)", low: -5, high: 0 };
+
+/// How many surfaces left out for one reason are named.
+const NAMES: usize = 3;
 
 /// The files of a report.
 const REPORT: &str = "report.md";
@@ -51,7 +54,8 @@ pub(super) struct Findings {
 /// Runs the comparison and writes the report.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
-    let folder = Folder::new(&arguments.output, &files(&tolerances), &[&arguments.input])?;
+    let files = files(&tolerances);
+    let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(Some(arguments.threads))?;
     let budget = Duration::from_secs_f64(arguments.seconds);
@@ -66,7 +70,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 
     let (skipped, written) =
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
-    skipped.iter().for_each(|skip| console::warning(&skip.to_string()));
+    let left_out = left_out(skipped, skipped.len() + written.len());
+    left_out.iter().for_each(|line| console::warning(line));
     let place = Quoted(&arguments.output);
     let povray = Povray::find()
         .map_err(|reason| Failure::work(format!("{reason}; its scenes are in {place}")))?;
@@ -100,10 +105,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         tolerances: &tolerances,
         renderings: &renderings,
         findings: &findings,
-        skipped,
+        left_out: &left_out,
+        files: &files,
         hits: ours.iter().filter(|pixel| matches!(pixel, Pixel::Known(Some(_)))).count(),
         doubtful: ours.iter().filter(|&&pixel| pixel == Pixel::Doubtful).count(),
     };
+    super::warn_if_empty(&model, report.hits, report.doubtful);
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
 }
@@ -152,12 +159,41 @@ fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure>
     if let Some(skip) = scene.skipped.iter().find(|skip| fine(&skip.reason)) {
         return Err(Failure::input(format!("tolerance {tolerance:e}: {skip}")));
     }
-    match (scene.written.as_slice(), scene.skipped.first()) {
-        ([], Some(skip)) => {
-            Err(Failure::input(format!("{name}: nothing is left to compare; {skip}")))
+    let left_out = left_out(&scene.skipped, scene.skipped.len() + scene.written.len());
+    match scene.written.is_empty() {
+        false => Ok(()),
+        true => {
+            let reasons = left_out.join("; ");
+            Err(Failure::input(format!("{name}: nothing is left to compare; {reasons}")))
         }
-        _ => Ok(()),
     }
+}
+
+/// What is left out of so many surfaces, a line for each reason.
+fn left_out(skipped: &[PovraySkip], surfaces: usize) -> Vec<String> {
+    let mut reasons: Vec<(PovrayGap, Vec<&PovraySkip>)> = Vec::new();
+    for skip in skipped {
+        match reasons.iter_mut().find(|(reason, _)| *reason == skip.reason) {
+            Some((_, alike)) => alike.push(skip),
+            None => reasons.push((skip.reason, vec![skip])),
+        }
+    }
+    let line = |(reason, alike): &(PovrayGap, Vec<&PovraySkip>)| match alike.as_slice() {
+        [only] => only.to_string(),
+        several => {
+            let names = several.iter().take(NAMES).map(|skip| format!("\"{}\"", skip.name));
+            let more = match several.len().saturating_sub(NAMES) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            let names = names.collect::<Vec<_>>().join(", ");
+            let count = several.len();
+            format!(
+                "{count} of {surfaces} surfaces are left out ({names}{more}), each because {reason}"
+            )
+        }
+    };
+    reasons.iter().map(line).collect()
 }
 
 /// What the lamp at the camera shows.
@@ -227,6 +263,20 @@ fn shade(pixel: Pixel) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_out_is_counted_by_reason() {
+        let skip = |number: usize| PovraySkip {
+            name: format!("s{number}"),
+            reason: if number == 2 { PovrayGap::Trimmed } else { PovrayGap::Rational },
+        };
+        let skipped: Vec<_> = (0..6).map(skip).collect();
+        let trimmed = skipped[2].to_string();
+        let five = "5 of 9 surfaces are left out (\"s0\", \"s1\", \"s3\" and 2 more), each because it is \
+                    rational, and the patches of POV-Ray are polynomial";
+        assert_eq!(left_out(&skipped, 9), [five, &trimmed]);
+        assert!(left_out(&[], 9).is_empty());
+    }
 
     #[test]
     fn pixels_are_counted_by_what_both_see() {

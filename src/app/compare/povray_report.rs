@@ -1,9 +1,8 @@
 //! The report on a comparison with POV-Ray, as Markdown.
 
-use nurbray::io::PovraySkip;
-
 use super::super::race::{Measurement, Model};
 use super::super::table::{count, short, three_digits, time};
+use super::folder::files_written;
 use super::povray::{Findings, LEGEND, PICTURE, difference_file, scene_file};
 use super::povray_run::Rendering;
 use super::table::{NONE, Table, fraction};
@@ -14,11 +13,14 @@ const NOTES: &str = "\
 
 - **Scene**: camera and shapes are ours; light and colour are not. A lamp at the camera, without
   shadows, makes each pixel the cosine of the angle between ray and normal. POV-Ray writes 16 bits.
+- **Scale**: POV-Ray has constants made for lengths of about 1. Its scene is moved to the middle of the
+  bounding box and scaled by a power of two, to a size between 1 and 2: its best case.
 - **Tolerance**: how flat POV-Ray makes the triangles it cuts its bicubic patches into (`flatness`),
   as a fraction of the diagonal of the model's bounding box. Spheres, cones, cylinders, disks and tori
   are not cut.
 - **Prepare**: from the file to ready; of POV-Ray, its parse and bounding times. **Trace**: POV-Ray's
-  own figure includes light and colour.
+  own figure includes light and colour. **From start to end**: of nurbray, from the file to the last
+  ray; of POV-Ray, the whole run of the program, picture written and all.
 - **Doubtful**: pixels of which nurbray itself says that floating point could not decide. There is no
   truth to judge POV-Ray by; they are left out of all rows below that one.
 - **Error of brightness**: the difference of both cosines where both hit. **Lost** are pixels where
@@ -39,7 +41,10 @@ pub(super) struct Report<'a> {
     pub(super) renderings: &'a [Rendering],
     /// One for each tolerance.
     pub(super) findings: &'a [Findings],
-    pub(super) skipped: &'a [PovraySkip],
+    /// What was left out, line by line.
+    pub(super) left_out: &'a [String],
+    /// The names of all files written.
+    pub(super) files: &'a [String],
     /// Pixels that hit the surfaces for certain.
     pub(super) hits: usize,
     /// Our doubtful answers.
@@ -53,25 +58,26 @@ impl Report<'_> {
         let Self { model, rival, .. } = self;
         let kernel = self.measured.fastest().map_or("", |ours| ours.kernel.name());
         let threads = count(self.threads.into(), "thread");
-        let (name, diagonal) = (&model.name, short(model.diagonal));
+        let (name, camera, diagonal) = (&model.name, model.camera(), short(model.diagonal));
         format!(
             "# {name}: nurbray and POV-Ray\n\n\
-             The scene's camera, {width} x {height} pixels, one ray through the middle of each; on \
+             {camera}, {width} x {height} pixels, one ray through the middle of each; on \
              {threads}. nurbray (kernel {kernel}), and {rival}. Tolerances are fractions of the \
              diagonal of the bounding box, {diagonal}.\n\n\
              ![what is looked at]({PICTURE})\n\n{}## Times and errors\n\n{}\n## Where\n\n{}\n\
-             ![what the colours mean]({LEGEND})\n\n{NOTES}",
+             ![what the colours mean]({LEGEND})\n\n{NOTES}{}",
             self.left_out(),
             self.table(),
-            self.pictures()
+            self.pictures(),
+            files_written(self.files)
         )
     }
 
     fn left_out(&self) -> String {
-        if self.skipped.is_empty() {
+        if self.left_out.is_empty() {
             return String::new();
         }
-        let lines: String = self.skipped.iter().map(|skip| format!("- {skip}.\n")).collect();
+        let lines: String = self.left_out.iter().map(|line| format!("- {line}.\n")).collect();
         format!("## Left out on both sides\n\n{lines}\n")
     }
 

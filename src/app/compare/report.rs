@@ -5,12 +5,16 @@ use super::super::race::{Measurement, Model, Rival, RivalResult};
 use super::super::table::{count, short, short_bytes, three_digits, time};
 use super::embree::{Findings, LEGEND, PICTURE, PLOT, normal_file, position_file};
 use super::errors::Errors;
+use super::folder::files_written;
 use super::table::{NONE, Table, fraction};
 
 /// What stands behind the tables.
 const NOTES: &str = "\
 ## What the words mean
 
+- **Scale**: Embree computes in f32, with constants made for lengths of about 1. Triangles and rays are
+  handed over moved to the middle of the bounding box and scaled by a power of two, to a size
+  between 1 and 2: its best case.
 - **Tolerance**: how far triangles may be from the surface, as a fraction of the diagonal of the
   model's bounding box. Every knot span is cut evenly, as often as the sampled distance demands.
 - **Build**: from the placed surfaces to ready. For triangles: to make the vertices, and Embree's
@@ -19,8 +23,7 @@ const NOTES: &str = "\
   would come on top.
 - **Position error**: how far apart both hits are *along the ray* (what a depth buffer sees), and how
   far the triangle's hit is from our tangent plane (*off the surface*), as fractions of the diagonal.
-  For nurbray: how far the point S(u, v) is from the ray. Embree computes in f32, which has a floor
-  of its own under these.
+  For nurbray: how far the point S(u, v) is from the ray. f32 has a floor of its own under Embree's.
 - **Normal error**: the angle between the surface's normal and the one interpolated between the exact
   normals of the triangle's corners, or the triangle's own.
 - **Doubtful**: rays of which nurbray itself says that floating point could not decide. There is no
@@ -51,6 +54,8 @@ pub(super) struct Report<'a> {
     pub(super) hits: usize,
     /// Our doubtful answers.
     pub(super) doubtful: usize,
+    /// The names of all files written.
+    pub(super) files: &'a [String],
 }
 
 /// A rival at one tolerance: how large, how fast, how wrong.
@@ -65,19 +70,20 @@ impl Report<'_> {
         let surfaces = count(model.surfaces.len() as u64, "surface");
         let threads = count(self.threads.into(), "thread");
         let diagonal = short(model.diagonal);
-        let name = &model.name;
+        let (name, camera) = (&model.name, model.camera());
         format!(
             "# {name}: the surfaces, and triangles in their place\n\n\
-             The scene's camera, {width} x {height} pixels, one ray through the middle of each; on \
+             {camera}, {width} x {height} pixels, one ray through the middle of each; on \
              {threads}. nurbray (kernel {kernel}) traces the {surfaces}, {rival} triangles that stay \
              within a tolerance of them. Tolerances are fractions of the diagonal of the bounding \
              box, {diagonal}.\n\n![what is looked at]({PICTURE})\n\n\
              ## What it costs\n\n{}\n![speed, memory and errors over the tolerance]({PLOT})\n\n\
              ## What it gets wrong\n\n{}\n## Where\n\n{}\n\
-             ![what the colours mean]({LEGEND})\n\n{NOTES}",
+             ![what the colours mean]({LEGEND})\n\n{NOTES}{}",
             self.costs(),
             self.errors(),
-            self.pictures()
+            self.pictures(),
+            files_written(self.files)
         )
     }
 
@@ -203,9 +209,15 @@ fn angle(degrees: Option<f64>) -> String {
     degrees.map_or_else(|| NONE.into(), |degrees| format!("{}°", two_digits(degrees)))
 }
 
-/// `12`, `1.2`, `0.12`, `0.0012`, …
+/// `12`, `1.2`, `0.12`, `0.0012`, …, `1.2e-5`; zero has one digit.
 fn two_digits(number: f64) -> String {
-    let decimals = 1 - number.abs().log10().floor().clamp(-9.0, 1.0) as i32;
+    if number == 0.0 {
+        return "0".into();
+    }
+    if number.abs() < 1e-4 {
+        return format!("{number:.1e}");
+    }
+    let decimals = 1 - number.abs().log10().floor().clamp(-4.0, 1.0) as i32;
     format!("{number:.*}", decimals as usize)
 }
 
@@ -224,6 +236,7 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         assert_eq!([None, Some(0.001234), Some(12.34)].map(angle), ["–", "0.0012°", "12°"]);
+        assert_eq!([0.0, 1.7e-6].map(|error| angle(Some(error))), ["0°", "1.7e-6°"]);
         assert_eq!([lost([3, 0]), lost([3, 2])], ["3", "5 (2 through gaps)"]);
     }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use nurbray::geometry::{Charts, KnotVector, Surface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
-use nurbray::scene::{Placed, World};
+use nurbray::scene::{CameraSpec, Placed, World};
 
 use super::super::failure::{Failure, OrFail};
 use super::super::input;
@@ -25,6 +25,8 @@ pub(crate) struct Model {
     pub(crate) world: World,
     /// Its surfaces in their places: what a rival starts from.
     pub(crate) surfaces: Vec<Surface>,
+    /// Whether the input says nothing of the camera, which then shows all there is.
+    pub(crate) framed: bool,
     /// How long it took to make it ready.
     pub(crate) preparation: Preparation,
     /// The middle of the bounding box.
@@ -36,6 +38,11 @@ pub(crate) struct Model {
 }
 
 impl Model {
+    /// How a report calls the camera.
+    pub(crate) fn camera(&self) -> &'static str {
+        if self.framed { "A camera that shows all of the model" } else { "The scene's camera" }
+    }
+
     /// The model with some of its surfaces only; prepares them again.
     ///
     /// # Errors
@@ -59,7 +66,7 @@ impl Model {
     /// # Errors
     /// When the input is missing, damaged or wrong.
     pub(crate) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
-        let (world, preparation) = repeat_preparing(budget, || {
+        let ((world, framed), preparation) = repeat_preparing(budget, || {
             let start = Instant::now();
             let scene = input::read(path)?;
             let placed = Placed::new(&scene).or_bad_input()?;
@@ -67,7 +74,10 @@ impl Model {
             let world = placed.build().or_bad_input()?;
             let build = start.elapsed() - read;
             let [read, build] = [read, build].map(|time| time.as_secs_f64());
-            Ok((world, Preparation { read, build }))
+            let camera = &scene.camera;
+            let framed =
+                *camera == CameraSpec { place: camera.place.clone(), ..Default::default() };
+            Ok(((world, framed), Preparation { read, build }))
         })?;
         let surfaces: Vec<_> =
             world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
@@ -79,6 +89,7 @@ impl Model {
             radius: MARGIN * farthest(&surfaces, centre),
             surfaces,
             world,
+            framed,
             preparation,
             centre,
             diagonal: (high - low).length(),
