@@ -24,7 +24,7 @@ pub(crate) use values::{Crop, SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
 /// `--threads 10000` is refused before the system is asked for their stacks.
-const MAX_THREADS: i64 = 1024;
+const MAX_THREADS: u64 = 1024;
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -139,7 +139,7 @@ pub(crate) struct RenderArguments {
 #[derive(Debug, Args)]
 pub(crate) struct WorkArguments {
     /// Number of threads [default: one for each processor]; it changes no result
-    #[arg(long, value_name = "N", value_parser = count::<u16>(1..=MAX_THREADS as u64))]
+    #[arg(long, value_name = "N", value_parser = count::<u16>(1..=MAX_THREADS))]
     pub(crate) threads: Option<u16>,
 
     /// How to use each thread.

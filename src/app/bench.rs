@@ -8,13 +8,14 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use nurbray::io::Embree;
+use nurbray::scene::Placed;
 
 use super::args::BenchArguments;
 use super::chart::{self, Panel};
 use super::failure::{Failure, OrFail};
 use super::progress::Progress;
 use super::race::{Measurement, Model, Rays, Rival};
-use super::{console, output, threads};
+use super::{console, input, output, threads};
 use report::Report;
 
 /// What `--help` says behind the options.
@@ -55,6 +56,8 @@ cut evenly, as often as is needed for the sampled distance between surface and
 triangles to stay within tolerance x diagonal; cells that trims cut become
 trapezoids, grids of their own, along chords as near to the trim curves.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
+Triangles and rays are moved to the middle of the bounding box and scaled by a
+power of two to a size between 1 and 2, which suits Embree's constants best.
 tnear is 0, but for rays that leave a surface twice the tolerance; nurbray needs
 none. A ray differs in t if the rival's hit is farther from the tangent plane of
 ours than the tolerance.
@@ -98,6 +101,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     let outputs: Vec<&Path> = arguments.plot.iter().map(AsRef::as_ref).collect();
     outputs.iter().try_for_each(|path| output::check_svg(path))?;
     output::check(&outputs, &inputs)?;
+    // What is wrong with the last of them is told before the first is measured.
+    for input in &inputs {
+        Placed::new(&input::read(input)?).or_bad_input()?;
+    }
 
     let (mut panels, mut rows) = (Vec::new(), Vec::new());
     for &threads in &arguments.thread_counts() {

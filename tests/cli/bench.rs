@@ -50,7 +50,8 @@ fn an_object_for_each_model_ray_set_and_kernel() {
         let seconds = |key: &str| line[key].as_f64().unwrap();
         assert!(seconds("build_seconds") < seconds("file_seconds"), "{line}");
         let trace = 1e-6 * seconds("count") / seconds("mrays_per_s");
-        assert_eq!(seconds("total_seconds"), seconds("file_seconds") + trace);
+        let total = seconds("file_seconds") + trace;
+        assert!((seconds("total_seconds") / total - 1.0).abs() < 1e-12, "{line}");
         assert_eq!((line["kernel"].as_str(), line["threads"].as_u64()), (Some("scalar"), Some(1)));
         assert!(line.get("rival").is_none() && line.get("ratio").is_none(), "{line}");
         assert_eq!(line.get("radius").is_some(), line["rays"] == "ao");
@@ -142,7 +143,10 @@ fn a_drawing_of_speed_over_tolerance() {
     let table = run.stdout.split("\n\n").last().unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split("  ").collect()).collect();
     assert!(table.starts_with("from the file"), "{table}");
-    assert!(table.contains("256 primary rays") && table.contains("nurbray / rival"), "{table}");
+    assert!(
+        table.contains("256 primary rays") && table.contains("nurbray's time / rival's"),
+        "{table}"
+    );
     assert_eq!(rows.len(), 1 + 1 + 2, "{table}");
     assert!(rows[1][0] == "nurbray scalar" && rows[2][0].ends_with("at 1e-3"), "{table}");
     let drawing = String::from_utf8(sandbox.bytes("speed.svg")).unwrap();
@@ -157,7 +161,10 @@ fn wrong_use_is_explained() {
     let sandbox = sandbox();
     let run = |rest: &str| sandbox.run(&format!("bench sphere.toml {rest}"));
     run("--rays primry").misused("invalid value 'primry' for '--rays <LIST>'");
-    run("--threads 0").misused("invalid value '0' for '--threads <LIST>': 0 is not in 1..=1024");
+    let needed = "a whole number from 1 to 1024 is needed, such as 64, 1_000 or 1e3";
+    run("--threads 0").misused(&format!("invalid value '0' for '--threads <LIST>': {needed}"));
+    let needed = "a whole number from 1 to 8192 is needed, such as 64, 1_000 or 1e3";
+    run("--size 1e4").misused(&format!("invalid value '1e4' for '--size <N>': {needed}"));
     run("--against embree --tolerance 2").misused(
         "invalid value '2' for '--tolerance <LIST>': a fraction between 0 and 1 is needed, such as \
          1e-3",
@@ -169,6 +176,11 @@ fn wrong_use_is_explained() {
     Sandbox::with(&[("sphere.svg", SPHERE)])
         .run("bench sphere.svg --against embree --plot sphere.svg")
         .failed(2, "\"sphere.svg\" would be overwritten: it is an input of this run");
+    // Before anything is measured, with or without a rival.
+    run("nothere.toml --size 1e1").failed(
+        2,
+        "cannot read \"nothere.toml\": there is no such file; did you mean \"sphere.toml\"?",
+    );
     sandbox.run("bench").misused("the following required arguments were not provided:");
     assert_eq!(sandbox.files(), ["sphere.toml", "square.json"]);
 }
@@ -181,6 +193,16 @@ fn a_missing_embree_is_named_with_a_remedy() {
     assert_eq!((run.code, run.stdout.as_str()), (1, ""));
     assert!(run.stderr.starts_with("error: Embree cannot be loaded ("), "{}", run.stderr);
     assert!(run.stderr.contains("apt install libembree"), "{}", run.stderr);
+}
+
+/// Any library that is there and is not Embree will do.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_not_embree_is_named_by_its_path() {
+    let sandbox = sandbox();
+    let mut command = sandbox.command("bench sphere.toml --against embree");
+    let run = Run::from_output(command.env("EMBREE_LIB", "libc.so.6").output().unwrap());
+    run.failed(1, "libc.so.6 has no function rtcNewDevice: is it Embree 3 or 4?");
 }
 
 #[test]

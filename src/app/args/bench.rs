@@ -9,10 +9,10 @@ use nurbray::intersect::Kernel;
 use super::super::bench;
 use super::super::race::RaySet;
 use super::values::{once_each, seconds, tolerance};
-use super::{MAX_THREADS, kernels};
+use super::{MAX_THREADS, count, kernels};
 
 /// The widest picture: its 64 million rays and their packets take about 20 GB.
-const MAX_SIZE: i64 = 8192;
+const MAX_SIZE: u64 = 8192;
 
 /// `nurbray bench`.
 #[derive(Debug, Args)]
@@ -24,7 +24,7 @@ pub(crate) struct BenchArguments {
 
     /// Which rays: names from primary, single, incoherent, incoherent-single, ao, shadow
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = ray_sets(),
-        hide_possible_values = true, default_values_t = RaySet::DEFAULT)]
+        hide_possible_values = true, default_value = RaySet::DEFAULT)]
     pub(crate) rays: Vec<RaySet>,
 
     /// Trace the same rays in the same run with a rival, on a tessellation
@@ -39,7 +39,7 @@ pub(crate) struct BenchArguments {
 
     /// Numbers of threads; several are measured one after the other
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1",
-        value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+        value_parser = count::<u16>(1..=MAX_THREADS))]
     pub(crate) threads: Vec<u16>,
 
     /// Which code searches for hits; may name several [default: all, side by side]
@@ -48,7 +48,7 @@ pub(crate) struct BenchArguments {
 
     /// Pixels along each side of the picture: N x N primary rays, as many incoherent ones
     #[arg(long, value_name = "N", default_value_t = 1024,
-        value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
+        value_parser = count::<u32>(1..=MAX_SIZE))]
     pub(crate) size: u32,
 
     /// How long to measure each competitor on each ray set. Slow ones take longer: each

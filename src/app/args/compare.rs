@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::compare;
-use super::MAX_THREADS;
 use super::values::{self, Size, once_each, seconds, tolerance};
+use super::{MAX_THREADS, count};
 
 /// Another way to trace the same camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -50,7 +50,7 @@ pub(crate) struct CompareArguments {
 
     /// Number of threads each side traces on
     #[arg(long, value_name = "N", default_value_t = 1,
-        value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+        value_parser = count::<u16>(1..=MAX_THREADS))]
     pub(crate) threads: u16,
 
     /// How long to measure the speed of each competitor

@@ -164,7 +164,11 @@ impl Report<'_> {
         heading.push("doubtful".into());
         heading.extend(first.kernels.iter().map(|ours| ours.kernel.to_string()));
         for rival in &first.rivals {
-            heading.extend([format!("at {:e}", rival.tolerance), "packet".into(), "ratio".into()]);
+            heading.extend([
+                format!("at {:e}", rival.tolerance),
+                "packet".into(),
+                "speed / rival's".into(),
+            ]);
         }
         let mut rows = vec![heading];
         for measured in self.measurements {
@@ -211,7 +215,7 @@ impl Report<'_> {
     fn totals(&self) -> Vec<Vec<String>> {
         let primary = self.measurements.iter().find(|measured| measured.set == RaySet::Primary);
         let Some((measured, ours)) =
-            primary.and_then(|measured| Some((measured, measured.fastest()?)))
+            primary.and_then(|measured| Some((measured, measured.usual()?)))
         else {
             return Vec::new();
         };
@@ -223,7 +227,8 @@ impl Report<'_> {
             std::iter::once(name).chain(cells).collect::<Vec<_>>()
         };
         let rays = format!("{count} primary rays");
-        let heading = ["from the file", "read", "build", &rays, "in all", "nurbray / rival"];
+        let heading =
+            ["from the file", "read", "build", &rays, "in all", "nurbray's time / rival's"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.push(row(format!("nurbray {}", ours.kernel), our_steps));
         for (rival, result) in self.rivals.iter().zip(&measured.rivals) {

@@ -99,6 +99,12 @@ impl Measurement {
         self.kernels.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))
     }
 
+    /// The kernel that is used if nobody asks for another; if it was not measured, the fastest.
+    pub(crate) fn usual(&self) -> Option<&KernelResult> {
+        let usual = self.kernels.iter().find(|result| result.kernel == Kernel::default());
+        usual.or_else(|| self.fastest())
+    }
+
     /// From the file to our last ray.
     pub(crate) fn our_steps(&self, model: &Model, ours: &KernelResult) -> Steps {
         model.preparation.then_trace(self.tracing_seconds(ours.speed))

@@ -51,8 +51,7 @@ impl RaySet {
     ];
 
     /// What is measured if nobody says.
-    pub(crate) const DEFAULT: [Self; 4] =
-        [Self::Primary, Self::Single, Self::Incoherent, Self::AmbientOcclusion];
+    pub(crate) const DEFAULT: &str = "primary,single,incoherent,ao";
 
     /// Its name on the command line and in results.
     pub(crate) fn name(self) -> &'static str {
