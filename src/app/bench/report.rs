@@ -219,14 +219,14 @@ impl Report<'_> {
         else {
             return Vec::new();
         };
-        let (model, count) = (self.model, measured.count);
+        let model = self.model;
         let our_steps = measured.our_steps(model, ours);
         let row = |name: String, steps: Steps| {
             let Preparation { read, build } = steps.preparation;
             let cells = [read, build, steps.trace, steps.total()].map(time);
             std::iter::once(name).chain(cells).collect::<Vec<_>>()
         };
-        let rays = format!("{count} primary rays");
+        let rays = count(measured.count as u64, "primary ray");
         let heading =
             ["from the file", "read", "build", &rays, "in all", "nurbray's time / rival's"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
