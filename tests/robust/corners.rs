@@ -18,7 +18,7 @@ fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     control[7] = DVec4::new(0.0, 0.0, 1.0, 1.0);
     control[8] = DVec4::new(1.0, 1.0, 1.0, 1.0);
     let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
-    let bvh = SurfaceBvh::build(&[surface.clone()], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default()).unwrap();
     let mut tracer = bvh.tracer();
     let mut random = Random::new(3);
     let mut seen = 0;
