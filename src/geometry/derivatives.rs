@@ -28,6 +28,23 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const CLEAR: f64 = 1.5e-8;
 
 impl SurfaceDerivatives {
+    /// The same without the derivatives that are but rounding: those not longer than differences
+    /// of control points of a Bézier patch of these degrees that are each known to `error`.
+    pub fn beyond_rounding(self, [p, q]: [usize; 2], error: f64) -> Self {
+        let [p, q] = [p, q].map(|degree| degree as f64);
+        let kept = |derivative: DVec3, times: f64| {
+            if derivative.length() <= times * error { DVec3::ZERO } else { derivative }
+        };
+        Self {
+            point: self.point,
+            du: kept(self.du, 2.0 * p),
+            dv: kept(self.dv, 2.0 * q),
+            duu: kept(self.duu, 4.0 * p * (p - 1.0)),
+            duv: kept(self.duv, 4.0 * p * q),
+            dvv: kept(self.dvv, 4.0 * q * (q - 1.0)),
+        }
+    }
+
     /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes, its limit on the
     /// way out of the domain's inside.
     ///

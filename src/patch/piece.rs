@@ -15,6 +15,16 @@ use crate::geometry::trim::{Side, Trims, UvBox};
 /// places with a smaller one is that they are at a side within a thousand times the distance.
 const LEAST_SINE: f64 = 1e-3;
 
+/// Places are beside a collapsed side as far as this part of the piece, at most: where a surface
+/// hardly moves with a parameter, far places are near in space.
+const BESIDE: f64 = 1e-3;
+
+/// A tangent at a side speaks for places beside it where it changes by less than one over this.
+const STEADY: f64 = 16.0;
+
+/// By how much the tangents' rounding may turn the normal beside a collapsed side, in radians.
+const KNOWN: f64 = 1e-6;
+
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -144,22 +154,27 @@ impl Piece {
     ///
     /// At a distance `ρ` from a collapsed side the tangent along it is known to `error / ρ`,
     /// while the limit at the side itself differs by up to `ρ / size` from the truth: it is
-    /// taken where it is the nearer of the two. So half of the digits are right everywhere.
+    /// taken where it is the nearer of the two. So half of the digits are right everywhere. Where
+    /// second derivatives know of no limit, and the tangents are but rounding, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         let half_the_digits = 1e-8;
-        let error = self.patch.residual_factor() * self.patch.magnitude();
+        let error = self.error();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
-        let near = |side: usize| self.collapsed(side).is_some() && distances[side] <= clear;
+        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
+        let near = |side: usize| {
+            let reaches = distances[side] <= clear && parameters[side] <= BESIDE;
+            self.collapsed(side).is_some() && reaches
+        };
         // Beside a collapsed side those that it meets are near all along it: only that counts which
         // is the nearest in its parameter.
-        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         let nearest = (0..4)
             .filter(|&side| self.collapsed(side).is_some())
             .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
             .filter(|&side| near(side));
         let cross = jet.ds.cross(jet.dt);
-        let regular = cross.length() > half_the_digits * jet.ds.length() * jet.dt.length();
+        let sides = [jet.ds.length(), jet.dt.length()];
+        let regular = cross.length() > half_the_digits * sides[0] * sides[1];
         let Some(nearest) = nearest else {
             return if regular { cross } else { self.limit(st).unwrap_or(cross) }.try_normalize();
         };
@@ -169,14 +184,43 @@ impl Piece {
         };
         let place = at(st, nearest);
         let corner = (0..4).filter(|&side| near(side)).fold(place, at);
-        let limit = self.limit(place).or_else(|| self.limit(corner));
-        limit.or_else(|| cross.try_normalize())
+        let limit = self.limit_beside(place, st).or_else(|| self.limit_beside(corner, st));
+        let [p, q] = self.patch.degree().map(|degree| 2.0 * degree as f64 * error);
+        let turned = (p * sides[1] + q * sides[0]) / cross.length();
+        let unit = cross.try_normalize();
+        match (limit, unit) {
+            // What is known of the tangents must not speak against it.
+            (Some(limit), Some(unit)) if limit.distance(unit) <= 4.0 * turned + KNOWN => {
+                Some(limit)
+            }
+            (Some(limit), None) => Some(limit),
+            _ => unit.filter(|_| turned <= KNOWN),
+        }
+    }
+
+    /// The limit at a place beside another one; `None` where the tangents turn on the way.
+    fn limit_beside(&self, place: DVec2, st: DVec2) -> Option<DVec3> {
+        let derivatives = self.patch.derivatives(place);
+        let known = derivatives.beyond_rounding(self.patch.degree(), self.error());
+        let way = (place - st).abs();
+        let turns = |first: DVec3, second: DVec3, way: f64| {
+            first != DVec3::ZERO && first.length() < STEADY * way * second.length()
+        };
+        if turns(known.du, known.duu, way.x) || turns(known.dv, known.dvv, way.y) {
+            return None;
+        }
+        self.limit(place)
+    }
+
+    /// How far a computed point may be from the true one.
+    fn error(&self) -> f64 {
+        self.patch.residual_factor() * self.patch.magnitude()
     }
 
     /// Whether a point is a tip, as that of a cone, to within rounding: the end of a collapsed
     /// side from which normals have different limits, and so the surface has none.
     pub fn is_tip(&self, point: DVec3) -> bool {
-        let rounding = 4.0 * self.patch.residual_factor() * self.patch.magnitude();
+        let rounding = 4.0 * self.error();
         (0..4).any(|side| {
             let on_side = |tip: DVec3| point.distance(tip) <= rounding;
             self.collapsed(side).is_some_and(on_side) && !self.has_one_limit(side)
@@ -187,7 +231,8 @@ impl Piece {
     fn limit(&self, place: DVec2) -> Option<DVec3> {
         let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
         let inward = DVec2::new(inward(place.x), inward(place.y));
-        self.patch.derivatives(place).unit_normal(inward)
+        let derivatives = self.patch.derivatives(place);
+        derivatives.beyond_rounding(self.patch.degree(), self.error()).unit_normal(inward)
     }
 
     /// Whether the normals along a collapsed side have one limit, as far as a few places tell.
