@@ -42,14 +42,19 @@ pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
 }
 
 /// The point of a border nearest to the ray, from a place on it: least squares along the
-/// direction that is free.
+/// direction that is free, as long as the point is not so near that rounding would have a say in
+/// where to go. (Where the ray runs along the border, to within rounding, every point of it is.)
 fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
     // Gauss and Newton's steps double the digits, but only near the end of a long way.
     let most_steps = 8;
+    let near = AT_RAY * error_bound(piece, ray);
     let mut nearest = start;
     for _ in 0..most_steps {
         let jet = piece.patch.jet(nearest);
         let at = ray.coordinates(jet.point).truncate();
+        if at.length() <= near {
+            break;
+        }
         let along = project(ray, free.x * jet.ds + free.y * jet.dt);
         let step = along.dot(at) / along.length_squared();
         if !step.is_finite() {
@@ -63,6 +68,9 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
     }
     nearest
 }
+
+/// Points are at the ray if they are this part of the error from it, or less.
+const AT_RAY: f64 = 0.25;
 
 /// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
 /// edge itself is on a surface known to rounding, and the edge it is shared with on another.

@@ -39,3 +39,26 @@ fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     }
     assert!(seen > 1000, "{seen}");
 }
+
+/// A ray along a straight side, as near as numbers can say: no end of the stretch may be looked for
+/// along the side, every point of which is as near.
+#[test]
+fn a_ray_along_a_side_does_not_slip_off_it() {
+    let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
+    let corner = |x, y, z| DVec4::new(x, y, z, 1.0);
+    let twice = corner(-0.3255442106369106, 0.2533737952144184, -1.3664575916015147);
+    let control = vec![
+        twice,
+        corner(0.7775528003888408, 0.013355002760814914, 0.49213734857573455),
+        corner(-0.5414762580095427, 0.6657905325766917, 1.1603737476646139),
+        twice,
+    ];
+    let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
+    let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+    let origin = DVec3::new(-0.4978496441329934, 0.5824664221630071, 0.6498562190687206);
+    let direction = DVec3::new(-0.08404130760430094, 0.1605136537515085, 0.9834492491102427);
+    let ray = Ray::new(origin, direction).unwrap();
+    let answer = bvh.tracer().first_hit(&Query::primary(ray));
+    assert!(answer.doubtful, "{answer:?}"); // from where it starts
+    assert!(answer.hit.is_some_and(|hit| hit.t <= 0.5192), "{answer:?}");
+}
