@@ -201,8 +201,7 @@ fn accept(
 
     let mut normal = piece.normal(st, &jet);
     let mut cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
-    let grazes = || may_touch(leaf, &jet, cosine, error);
-    if solution.proof == Proof::Collapsed && (residual > error || grazes()) {
+    if solution.proof == Proof::Collapsed && may_touch(leaf, &jet, cosine, error) {
         flags.insert(HitFlags::DOUBTFUL);
     }
     let z_error = error_along(solution.proof, error, cosine);

@@ -71,8 +71,7 @@ fn bodies() -> Vec<Model> {
 
 fn none_leaks(count: u64) {
     for model in bodies() {
-        // A ray that passes a pole by more than the promise is doubtful.
-        for (aim, most_doubtful) in [(Aim::True, 0.001), (Aim::Beside, 0.05)] {
+        for (aim, most_doubtful) in [(Aim::True, 0.001), (Aim::Beside, 0.02)] {
             let (faults, doubt) = leaks(&model, count, aim);
             let (name, leaking) = (&model.name, faults.len());
             println!("{name:20} {aim:?}: {count} rays, {leaking} leak, {doubt:.5} doubtful");
