@@ -155,6 +155,13 @@ pub struct Answer {
     pub doubtful: bool,
 }
 
+impl Answer {
+    /// Whether anything of the answer is doubtful, the hit included.
+    pub fn is_doubtful(&self) -> bool {
+        self.doubtful || self.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
+    }
+}
+
 /// Whether anything lies on the ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Occlusion {

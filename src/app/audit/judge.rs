@@ -100,7 +100,7 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
-        let doubtful = is_doubtful(answer);
+        let doubtful = answer.is_doubtful();
         let fault = match measured {
             _ if doubtful => None,
             Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
@@ -263,10 +263,6 @@ impl<'a> Judge<'a> {
 /// The largest coordinate of a surface's control points, in absolute value.
 fn largest(surface: &Surface) -> f64 {
     surface.charts().iter().map(|chart| magnitude(&chart.surface)).fold(0.0, f64::max)
-}
-
-fn is_doubtful(answer: &Answer) -> bool {
-    answer.doubtful || answer.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
 }
 
 /// Whether the ray passes a border on its outside, farther off than half the slack.

@@ -1,7 +1,7 @@
 //! What each pixel sees: the surface itself, or triangles in its place.
 
 use glam::DVec3;
-use nurbray::intersect::{Answer, HitFlags, SurfaceBvh};
+use nurbray::intersect::{Answer, SurfaceBvh};
 use nurbray::io::EmbreeHit;
 use nurbray::io::mesh::GridMesh;
 use nurbray::math::Ray;
@@ -39,7 +39,7 @@ pub(super) enum View {
 
 impl View {
     fn new(answer: &Answer, ray: &Ray) -> Self {
-        match is_doubtful(answer) {
+        match answer.is_doubtful() {
             true => Self::Doubtful,
             false => Self::Known(on_surface(answer, ray)),
         }
@@ -70,11 +70,6 @@ pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> Vec<View> {
     let answers = chunks.collect::<Vec<_>>().concat();
     let both = answers.iter().zip(queries);
     both.map(|(answer, query)| View::new(answer, &query.ray)).collect()
-}
-
-/// Whether an answer, or the hit in it, is doubtful.
-pub(super) fn is_doubtful(answer: &Answer) -> bool {
-    answer.doubtful || answer.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
 }
 
 /// What a ray meets on a surface.
@@ -122,7 +117,7 @@ pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::{BuildOptions, Query};
+    use nurbray::intersect::{BuildOptions, HitFlags, Query};
 
     use super::*;
 

@@ -3,9 +3,7 @@
 use std::hint::black_box;
 use std::sync::{Mutex, PoisonError};
 
-use nurbray::intersect::{
-    Answer, Coherence, HitFlags, Kernel, Occlusion, Query, SurfaceBvh, Tracer,
-};
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -131,7 +129,7 @@ fn first_hit(answer: &Answer, query: &Query) -> Outcome {
     Outcome {
         distance: Some(hit.t * direction.length()),
         incidence: if cosine.is_nan() { 1.0 } else { cosine },
-        doubtful: answer.doubtful || hit.flags.contains(HitFlags::DOUBTFUL),
+        doubtful: answer.is_doubtful(),
     }
 }
 
