@@ -55,7 +55,7 @@ impl FitError {
             return unknown;
         }
 
-        let noise = 4.0 * patch.residual_factor() * patch.magnitude();
+        let noise = 4.0 * patch.noise();
         let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
         let bend = bend(degree, &net, least) + noise;
@@ -87,7 +87,7 @@ impl FitError {
         // The sum of `REACHⁱ⁺ʲ` is 29, that of `(i + j) REACHⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
-        let noise = 4.0 * piece.patch.residual_factor() * piece.patch.magnitude();
+        let noise = 4.0 * piece.patch.noise();
         let (value, slope) = (rounding(sum) + noise, rounding(slopes) + 96.0 * noise);
         Self { value, slope, bend: bound + noise }
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::fit::{Approximation, Fit};
 use super::oriented_box::Axes;
-use super::part::{Halving, noise};
+use super::part::Halving;
 use super::tangents::{Certificate, CollapsedSide, Net};
 use super::up16::Up16;
 use super::{DyadicRect, OrientedBox, Part, Piece, SceneFrame};
@@ -55,7 +55,7 @@ impl Leaf {
         let Approximation { middle, fit, chords, error } =
             Approximation::new(&halving, piece, part.rect);
         let axes = Axes::along(chords);
-        let noise = noise(piece);
+        let noise = piece.patch.noise();
         let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);
 
         let widened = halving.widened(piece, collapsed);

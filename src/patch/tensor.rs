@@ -127,7 +127,13 @@ impl TensorPatch {
         rounding::residual_factor(self.degree()[0], self.degree()[1])
     }
 
-    /// How far a computed point may be from the true one for a ray, in scene units; `magnitude` is
+    /// How far a computed point may be from the true one, in scene units.
+    #[inline(always)]
+    pub fn noise(&self) -> f64 {
+        self.error_bound(0.0)
+    }
+
+    /// The same for a ray; `magnitude` is
     /// the largest absolute coordinate of the ray's origin.
     #[inline(always)]
     pub fn error_bound(&self, magnitude: f64) -> f64 {

@@ -64,13 +64,10 @@ fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
 fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let surface = &chart.surface;
     let (us, vs) = (surface.knots_u(), surface.knots_v());
-    let bounds = chart.trims.as_ref().map_or_else(
-        || {
-            let (u, v) = (us.domain(), vs.domain());
-            UvBox { min: DVec2::new(u.0, v.0), max: DVec2::new(u.1, v.1) }
-        },
-        |trims| trims.bounds(),
-    );
+    let bounds = match &chart.trims {
+        Some(trims) => trims.bounds(),
+        None => UvBox::new(us.domain().into(), vs.domain().into()),
+    };
     let us = parameters(us, across, [bounds.min.x, bounds.max.x]);
     let vs = parameters(vs, across, [bounds.min.y, bounds.max.y]);
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
