@@ -90,6 +90,26 @@ fn trims_are_listed() {
 }
 
 #[test]
+fn bounds_are_those_of_what_trims_keep() {
+    let disc = r#"
+[[object]]
+shape = { plane = { width = 4, height = 4 } }
+[object.trims]
+keep = "inside"
+loops = [ { circle = { center = [0.25, 0.75], radius = 0.0005 } } ]
+"#;
+    let sandbox = Sandbox::with(&[("disc.toml", disc)]);
+    let json = sandbox.run("info disc.toml --json").succeeded().json();
+    let found = json["surfaces"][0]["bounds"].as_array().unwrap().iter();
+    let found = found.flat_map(|corner| corner.as_array().unwrap());
+    // A radius of 0.002 around (-1, 1): far less than the plane's one leaf.
+    let expected = [-1.002, 0.998, 0.0, -0.998, 1.002, 0.0];
+    for (x, expected) in found.zip(expected) {
+        assert!((x.as_f64().unwrap() - expected).abs() < 1e-11, "{json}");
+    }
+}
+
+#[test]
 fn people_get_tables() {
     let sandbox = Sandbox::with(&[("sphere.toml", SPHERE)]);
     let text = sandbox.run("info sphere.toml").succeeded().stdout;
