@@ -26,12 +26,13 @@ pub struct Neighbours {
     pub occlusions: Coherence,
 }
 
-/// Packets pay off where a leaf is at least so many rays wide. Measured: where leaves are half as
-/// wide, packets take twice as long as batches of incoherent rays; at a quarter, six times.
+/// Packets pay off where a leaf is at least so many rays wide. Measured on sheets: they take 1.2 times
+/// as long as batches of incoherent rays at about 1.7, 1.9 times at 0.8, six times at 0.4.
 const FIRST_HITS: f64 = 2.0;
 
 /// The same of rays that leave hits: those of a packet begin in as many leaves as it has met, and
-/// pass by the boxes of all their neighbours.
+/// pass by the boxes of all their neighbours. Measured: 1.4 to 1.8 times as long at about 3.3, three
+/// times at 1.7.
 const OCCLUSIONS: f64 = 4.0;
 
 impl SurfaceBvh {
@@ -41,7 +42,7 @@ impl SurfaceBvh {
     /// The same for all rays of a picture, so that none of them depends on what else is traced.
     pub fn neighbours(&self, spacing: f64) -> Neighbours {
         let told = |least: f64| {
-            // Also where there are no leaves, or the spacing is not a number.
+            // False for a spacing that is not a number.
             let narrow = self.leaf_width < least * spacing;
             if narrow { Coherence::Incoherent } else { Coherence::Coherent }
         };
