@@ -152,7 +152,15 @@ fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -
         let origin = center + 1e6 * radius * random.direction();
         rays.push((origin, center + 0.9 * radius * random.direction() - origin));
     }
-    rays.into_iter().map(|(o, d)| Query::primary(Ray::new(o, d).unwrap())).collect()
+    let mut rays: Vec<Ray> = rays.into_iter().map(|(o, d)| Ray::new(o, d).unwrap()).collect();
+    // One in eight with its origin elsewhere on its line, and another range.
+    for ray in rays.iter_mut().step_by(8) {
+        let t = 3.0 * random.next();
+        let from = if random.next() < 0.5 { -3.0 * random.next() } else { f64::NEG_INFINITY };
+        let to = if random.next() < 0.5 { 0.1 + random.next() } else { f64::INFINITY };
+        *ray = Ray::with_range(ray.at(t), ray.direction(), from, to).unwrap();
+    }
+    rays.into_iter().map(Query::primary).collect()
 }
 
 fn trace(bvh: &SurfaceBvh, kernel: Kernel, coherence: Coherence, queries: &[Query]) -> Vec<Answer> {

@@ -33,6 +33,8 @@ Rays are made from the model's own surfaces, by class:
   random       from around the model to points of its bounding box
   aimed        in any direction through any point of a surface
   lengths      as aimed, with directions 1e-8 to 1e8 long
+  ranges       as aimed, from before or behind the point, with ranges that begin
+               behind the origin or end beyond the point
   borders      through borders: seams, shared edges, free edges
   lines        through knot lines and the lines that halve pieces
   corners      through points where such lines meet

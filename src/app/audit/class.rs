@@ -9,6 +9,8 @@ pub(crate) enum Class {
     Aimed,
     /// As `Aimed`, with a direction of length 10⁻⁸ to 10⁸.
     Lengths,
+    /// As `Aimed`, from before or behind the point, with any range that it lies in.
+    Ranges,
     /// Through the border of a surface: seams, shared edges, free edges.
     Borders,
     /// Through knot lines and the lines at which pieces are halved.
@@ -75,6 +77,7 @@ impl Class {
             Self::Random,
             Self::Aimed,
             Self::Lengths,
+            Self::Ranges,
             Self::Borders,
             Self::Lines,
             Self::Corners,
@@ -95,6 +98,7 @@ impl Class {
             Self::Random => "random",
             Self::Aimed => "aimed",
             Self::Lengths => "lengths",
+            Self::Ranges => "ranges",
             Self::Borders => "borders",
             Self::Lines => "lines",
             Self::Corners => "corners",
@@ -128,7 +132,8 @@ impl Class {
             Self::Random | Self::Aimed | Self::Leaving => 4,
             Self::Borders | Self::Lines | Self::Corners | Self::Poles | Self::TrimEdges => 2,
             Self::SeamPlanes | Self::Axes | Self::Origins => 2,
-            Self::Lengths | Self::Chords | Self::Grazing(_) | Self::Tangents | Self::Far => 1,
+            Self::Lengths | Self::Ranges | Self::Chords | Self::Grazing(_) => 1,
+            Self::Tangents | Self::Far => 1,
         }
     }
 
@@ -151,6 +156,7 @@ impl Class {
             Self::Leaving => 12,
             Self::Far => 13,
             Self::TrimEdges => 14,
+            Self::Ranges => 15,
             Self::Grazing(k) => 100 + u64::from(k),
         }
     }

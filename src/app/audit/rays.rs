@@ -76,6 +76,7 @@ impl<'a> RaySource<'a> {
         let ray = match class {
             Class::Aimed => return self.through(sites.anywhere(random), random),
             Class::Lengths => return self.of_any_length(random),
+            Class::Ranges => return self.with_range(random),
             Class::Borders => {
                 let border = sites.border(random)?;
                 return self.through(sites.on_border(random, border), random);
@@ -131,6 +132,22 @@ impl<'a> RaySource<'a> {
         let direction = f64::powf(10.0, random.between(-8.0, 8.0)) * random.direction();
         let t = random.between(0.01, 3.0) * self.sites.radius() / direction.length();
         self.shoot(site, t, direction)
+    }
+
+    /// From before or behind a point of a surface, with a range that may begin behind the origin
+    /// and end anywhere beyond the point.
+    fn with_range(&self, random: &mut Random) -> Option<Shot> {
+        let site = self.sites.anywhere(random);
+        let direction = random.direction();
+        let mut length = || random.between(0.01, 3.0) * self.sites.radius();
+        let [back, before, beyond] = [length(), length(), length()];
+        let t = back * random.sign();
+        let t_min = if random.coin() { t - before } else { f64::NEG_INFINITY };
+        let t_max = if random.coin() { t + beyond } else { f64::INFINITY };
+        let shot = self.shoot(site, t, direction)?;
+        let ray = shot.query.ray;
+        let ray = Ray::with_range(ray.origin(), ray.direction(), t_min, t_max).ok()?;
+        Some(Shot { query: Query::primary(ray), ..shot })
     }
 
     /// Through a point of a surface at `t`.

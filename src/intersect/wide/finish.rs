@@ -96,7 +96,7 @@ pub(super) fn finish<S: Simd>(
         // Nothing more is asked of these rays.
         let hits = hit.to_bitmask();
         put(simd, hit, &mut packet.z, base, f64x8::splat(simd, f64::NEG_INFINITY));
-        put_index(simd, hits, &mut packet.leaf, base, target.index);
+        packet.met |= hits << base;
         packet.shorten(simd, base, hits);
     } else if any {
         let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
@@ -123,6 +123,7 @@ pub(super) fn finish<S: Simd>(
         put3(simd, hit, &mut packet.point, base, point);
         put3(simd, hit, &mut packet.normal, base, normal);
         let hits = hit.to_bitmask();
+        packet.met |= hits << base;
         packet.near_border &= !(hits << base);
         packet.near_border |= (close & hit).to_bitmask() << base;
         put_index(simd, hits, &mut packet.leaf, base, target.index);
@@ -182,8 +183,8 @@ fn earlier<S: Simd>(
     }
     let mut earlier = 0;
     for k in 0..8 {
-        let known = packet.leaf[base + k];
-        let first = known == u32::MAX || comes_first(target.scene.leaves, target.index, known);
+        let first = packet.met >> (base + k) & 1 == 0
+            || comes_first(target.scene.leaves, target.index, packet.leaf[base + k]);
         earlier |= u64::from(first) << k;
     }
     tie & mask64x8::from_bitmask(simd, earlier)

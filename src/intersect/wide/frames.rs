@@ -10,7 +10,7 @@ use crate::math::Ray;
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
-const NEAR: f64 = 3.0;
+pub(super) const NEAR: f64 = 3.0;
 
 /// Ends of rays are taken in f32 with this to spare, in scaled coordinates: some units of f32
 /// for distances of a few scene sizes.
@@ -130,8 +130,9 @@ impl<S: Simd> Narrow<S> {
             let far_off = square.simd_gt(near * near);
             let mut shift = zero;
             if far_off.any_true() {
+                // Back where the scene lies behind: some ranges begin before the origin.
                 let beyond = square.sqrt() - near + f64x8::splat(simd, 1.0);
-                shift = far_off.select(beyond, zero);
+                shift = far_off.select(beyond.copysign(-dot_d(scaled, axis)), zero);
             }
             for i in 0..3 {
                 origin[half][i] = scaled[i] + shift * axis[i];

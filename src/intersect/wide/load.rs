@@ -15,7 +15,7 @@ use crate::intersect::Shot;
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
 pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], center: DVec3) {
-    packet.count = shots.len();
+    packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
         let high = frames(simd, packet, shots, base + 8);
@@ -24,8 +24,6 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
-    packet.leaf = [u32::MAX; PACKET];
-    packet.near_border = 0;
     packet.turned = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
@@ -121,6 +119,7 @@ pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> 
     let mut axis = load3(simd, &packet.axis_f, lanes.start);
     let mut origin = load3(simd, &packet.origin_f, lanes.start);
     let (mut axis_max, mut origin_max) = (axis, origin);
+    let mut nearest = f32x16::from_slice(simd, &packet.near_f[lanes.start..lanes.start + LANES]);
     for base in lanes.step_by(LANES).skip(1) {
         let a = load3(simd, &packet.axis_f, base);
         let o = load3(simd, &packet.origin_f, base);
@@ -128,7 +127,9 @@ pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> 
             (axis[i], axis_max[i]) = (axis[i].min(a[i]), axis_max[i].max(a[i]));
             (origin[i], origin_max[i]) = (origin[i].min(o[i]), origin_max[i].max(o[i]));
         }
+        nearest = nearest.min(f32x16::from_slice(simd, &packet.near_f[base..base + LANES]));
     }
+    bounds.nearest = nearest.reduce_min();
     for i in 0..3 {
         bounds.origin_min[i] = origin[i].reduce_min();
         bounds.origin_max[i] = origin_max[i].reduce_max();

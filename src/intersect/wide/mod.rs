@@ -37,6 +37,7 @@ mod lane_proof;
 mod leaf;
 mod load;
 mod newton;
+mod outline;
 mod packet;
 mod pair_finish;
 mod pairs;

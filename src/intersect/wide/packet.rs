@@ -52,7 +52,9 @@ pub(in crate::intersect) struct Packet {
     pub(super) far_f: [f32; PACKET],
     /// The largest of those ends.
     pub(super) farthest: f32,
-    /// The leaf of the nearest hit; `u32::MAX` for none.
+    /// One bit a ray: whether it has met anything.
+    pub(super) met: u64,
+    /// The leaf of the nearest hit of rays that have one.
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
@@ -91,6 +93,8 @@ pub(super) struct PacketBounds {
     /// The inverse direction's range in each coordinate, for directions of one sign.
     pub(super) inverse_min: Vec3,
     pub(super) inverse_max: Vec3,
+    /// From where on hits count, at the earliest.
+    pub(super) nearest: f32,
     /// Per coordinate: 1 or −1 where all directions have that sign, 0 where they differ.
     pub(super) sign: [i8; 3],
 }
@@ -132,7 +136,8 @@ impl Packet {
             z: [0.0; PACKET],
             far_f: [0.0; PACKET],
             farthest: 0.0,
-            leaf: [u32::MAX; PACKET],
+            met: 0,
+            leaf: [0; PACKET],
             piece: [0; PACKET],
             surface: [0; PACKET],
             near_border: 0,
@@ -150,6 +155,12 @@ impl Packet {
             from_error: [0.0; PACKET],
             scale: 1.0,
         }
+    }
+
+    /// Forgets all rays: there are `count` that meet nothing.
+    pub(super) fn clear(&mut self, count: usize) {
+        self.count = count;
+        (self.met, self.near_border) = (0, 0);
     }
 
     /// Says whether any hit will do for the rays to come.
@@ -185,7 +196,7 @@ impl Packet {
 
     /// One bit a ray: whether it has met anything.
     pub(in crate::intersect) fn met(&self) -> u64 {
-        (0..PACKET).fold(0, |met, k| met | u64::from(self.leaf[k] != u32::MAX) << k)
+        self.met
     }
 
     /// Takes in the roots that rays start on.
@@ -297,7 +308,7 @@ impl Packet {
     /// The answer to a ray whose nearest hit needs no closer look.
     #[inline]
     pub(in crate::intersect) fn plain_answer(&self, k: usize) -> Answer {
-        if self.leaf[k] == u32::MAX {
+        if self.met >> k & 1 == 0 {
             return Answer { hit: None, doubtful: false };
         }
         let root = Root { piece: self.piece[k], st: pair(&self.st, k), error: self.z_error[k] };
@@ -315,7 +326,7 @@ impl Packet {
 
     /// The nearest hit of a ray.
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
-        (self.leaf[k] != u32::MAX).then(|| LaneHit {
+        (self.met >> k & 1 != 0).then(|| LaneHit {
             piece: self.piece[k],
             t: self.ray_t[k],
             z_error: self.z_error[k],

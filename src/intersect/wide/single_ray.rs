@@ -88,7 +88,12 @@ impl<'a> SingleRay<'a> {
         let scale = scene.scale;
         let scaled = scene.scaled(frame.origin);
         let square = scaled.length_squared();
-        let shift = if square > NEAR * NEAR { square.sqrt() - NEAR + 1.0 } else { 0.0 };
+        let shift = if square > NEAR * NEAR {
+            // Back where the scene lies behind: some ranges begin before the origin.
+            (square.sqrt() - NEAR + 1.0).copysign(-scaled.dot(frame.axis))
+        } else {
+            0.0
+        };
         let origin = (scaled + shift * frame.axis).as_vec3();
         let axis = frame.axis.as_vec3();
         let near = (frame.z_range[0] * scale - shift - SPARE) as f32;

@@ -7,11 +7,12 @@ use glam::Vec3;
 use super::distances::LaneDistances;
 use super::leaf::search_leaf;
 use super::load::{bounds, load};
+use super::outline::outline;
 use super::packet::{Packet, PacketBounds};
 use super::search::bits;
 use super::single::Scene;
 use super::{LANES, PACKET};
-use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
+use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Tree};
 use crate::intersect::{Shot, Statistics};
 
 /// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
@@ -70,11 +71,14 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     statistics: &mut Statistics,
 ) {
     let tree = scene.tree;
-    packet.scale = tree.frame.scale;
-    load(simd, packet, shots, tree.frame.center);
     work.rest.clear();
     work.rest_rays = 0;
     work.touched = 0;
+    if packet.met() == 0 && meets_nothing(simd, tree, (shots, ahead), work) {
+        return packet.clear(shots.len());
+    }
+    packet.scale = tree.frame.scale;
+    load(simd, packet, shots, tree.frame.center);
     work.groups = None;
     work.stack.clear();
     work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
@@ -100,6 +104,41 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
             }
         }
     }
+}
+
+/// Whether the outline of some rays is enough to see that they meet no leaf.
+#[simd]
+fn meets_nothing<S: Simd, Q: Shot>(
+    simd: S,
+    tree: &Tree,
+    (shots, ahead): (&[Q], &[Q]),
+    work: &mut Work,
+) -> bool {
+    let Some((bounds, farthest)) = outline(simd, shots, &tree.frame) else { return false };
+    work.stack.clear();
+    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
+    while let Some((_, code)) = work.stack.pop() {
+        work.touch(ahead);
+        match code.child() {
+            Child::Block(index) => {
+                let block = &tree.blocks[index as usize];
+                let (_, count) = tree.leaves(index);
+                let (_, met) = enter_block(simd, block, &bounds, farthest);
+                if met & ((1 << count) - 1) != 0 {
+                    return false;
+                }
+            }
+            Child::Node(index) => {
+                let node = &tree.nodes[index as usize];
+                let (_, mut met) = enter(simd, node, &bounds, farthest);
+                while met != 0 {
+                    work.stack.push((0.0, node.child[met.trailing_zeros() as usize]));
+                    met &= met - 1;
+                }
+            }
+        }
+    }
+    true
 }
 
 /// Where the packet may enter each of a node's boxes, and which it may meet at all.
@@ -141,7 +180,7 @@ fn enter<S: Simd>(
     let spare = f32x16::splat(simd, 1e-5);
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
-        & far.simd_ge(-spare);
+        & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
     (near.into(), bits(met) & filled)
 }
 
@@ -187,7 +226,7 @@ fn enter_block<S: Simd>(
     let spare = f32x16::splat(simd, 1e-5);
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
-        & far.simd_ge(-spare);
+        & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
     (near.into(), bits(met))
 }
 
