@@ -88,47 +88,80 @@ fn powers(degree: usize, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
     }
 }
 
+/// The Chebyshev points of degree four: `cos((2k + 1) π / 8)`.
+const NODES: [f64; 4] = {
+    let (outer, inner) = (0.923_879_532_511_286_7, 0.382_683_432_365_089_8);
+    [outer, inner, -inner, -outer]
+};
+
+/// Takes values at the nodes to power coefficients.
+const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
+
 /// The bicubic polynomial through a map's values at 4 × 4 Chebyshev points of `[−1, 1]²`,
 /// near the best approximation there is (Trefethen 2013, ch. 16).
 fn interpolated(map: impl Fn(f64, f64) -> DVec3) -> Fit {
-    let nodes = [1.0, 3.0, 5.0, 7.0].map(|k: f64| (k * std::f64::consts::PI / 8.0).cos());
-    let inverse = interpolation(nodes);
-    let values: [[DVec3; 4]; 4] = nodes.map(|x| nodes.map(|y| map(x, y)));
+    let mut values = [[DVec3::ZERO; 4]; 4];
+    for a in 0..4 {
+        for b in 0..4 {
+            values[a][b] = map(NODES[a], NODES[b]);
+        }
+    }
+    let coefficients = in_both_directions(&INTERPOLATION, &values);
     let mut fit = [[0.0; 16]; 3];
-    for i in 0..4 {
-        for j in 0..4 {
-            let mut coefficient = DVec3::ZERO;
-            for a in 0..4 {
-                for b in 0..4 {
-                    coefficient += inverse[i][a] * inverse[j][b] * values[a][b];
-                }
-            }
-            for axis in 0..3 {
-                fit[axis][4 * i + j] = coefficient[axis] as f32;
-            }
+    for k in 0..16 {
+        for axis in 0..3 {
+            fit[axis][k] = coefficients[k / 4][k % 4][axis] as f32;
         }
     }
     fit
 }
 
-/// The matrix that takes values at four nodes to power coefficients: column `a` holds the
-/// coefficients of the Lagrange polynomial that is 1 at node `a`.
-fn interpolation(nodes: [f64; 4]) -> [[f64; 4]; 4] {
-    let mut matrix = [[0.0; 4]; 4];
-    for a in 0..4 {
-        let mut polynomial = [1.0, 0.0, 0.0, 0.0];
-        let mut degree = 0;
-        for b in (0..4).filter(|&b| b != a) {
-            let scale = 1.0 / (nodes[a] - nodes[b]);
-            degree += 1;
-            for k in (0..=degree).rev() {
-                let lower = if k > 0 { polynomial[k - 1] } else { 0.0 };
-                polynomial[k] = (lower - nodes[b] * polynomial[k]) * scale;
+/// A linear map of four numbers applied to the columns of a net, then to its rows.
+pub(super) fn in_both_directions(matrix: &[[f64; 4]; 4], net: &[[DVec3; 4]; 4]) -> [[DVec3; 4]; 4] {
+    let mut columns = [[DVec3::ZERO; 4]; 4];
+    let mut both = columns;
+    for i in 0..4 {
+        for a in 0..4 {
+            for b in 0..4 {
+                columns[i][b] += matrix[i][a] * net[a][b];
             }
         }
-        for k in 0..4 {
-            matrix[k][a] = polynomial[k];
+        for j in 0..4 {
+            for b in 0..4 {
+                both[i][j] += matrix[j][b] * columns[i][b];
+            }
         }
+    }
+    both
+}
+
+/// The matrix that takes values at four nodes to power coefficients: column `a` holds the
+/// coefficients of the Lagrange polynomial that is 1 at node `a`.
+const fn interpolation(nodes: [f64; 4]) -> [[f64; 4]; 4] {
+    let mut matrix = [[0.0; 4]; 4];
+    let mut a = 0;
+    while a < 4 {
+        let mut polynomial = [1.0, 0.0, 0.0, 0.0];
+        let (mut b, mut degree) = (0, 0);
+        while b < 4 {
+            if b != a {
+                degree += 1;
+                let scale = 1.0 / (nodes[a] - nodes[b]);
+                let mut k = degree;
+                while k > 0 {
+                    polynomial[k] = (polynomial[k - 1] - nodes[b] * polynomial[k]) * scale;
+                    k -= 1;
+                }
+                polynomial[0] *= -nodes[b] * scale;
+            }
+            b += 1;
+        }
+        let mut k = 0;
+        while k < 4 {
+            matrix[k][a] = polynomial[k];
+            k += 1;
+        }
+        a += 1;
     }
     matrix
 }

@@ -16,9 +16,10 @@
 //! `W'` likewise; `R / W` is at most `E`.
 
 use glam::{DVec3, DVec4};
+use smallvec::SmallVec;
 
 use super::Piece;
-use super::fit::Fit;
+use super::fit::{Fit, in_both_directions};
 use super::part::Halving;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
@@ -94,35 +95,34 @@ impl FitError {
 }
 
 /// The Bernstein coefficients of the approximation over the widened rectangle.
-///
-/// The coefficient `i` of `xᵏ` in the cubic form is the mean of all products of `k` out of
-/// three values, of which `i` are the upper end of the range and the others the lower.
 fn in_bernstein_form(fit: &Fit) -> [[DVec3; 4]; 4] {
-    let mut blossom = [[0.0; 4]; 4];
-    for (i, row) in blossom.iter_mut().enumerate() {
-        let end = |k: usize| if k < i { REACH } else { -REACH };
-        let [a, b, c] = [end(0), end(1), end(2)];
-        *row = [1.0, (a + b + c) / 3.0, (a * b + b * c + c * a) / 3.0, a * b * c];
+    let mut powers = [[DVec3::ZERO; 4]; 4];
+    for k in 0..16 {
+        powers[k / 4][k % 4] = DVec3::from_array([0, 1, 2].map(|axis| f64::from(fit[axis][k])));
     }
-    let mut net = [[DVec3::ZERO; 4]; 4];
-    for i in 0..4 {
-        for j in 0..4 {
-            for k in 0..4 {
-                for l in 0..4 {
-                    let at = |axis: usize| f64::from(fit[axis][4 * k + l]);
-                    net[i][j] += blossom[i][k] * blossom[j][l] * DVec3::new(at(0), at(1), at(2));
-                }
-            }
-        }
-    }
-    net
+    in_both_directions(&BLOSSOM, &powers)
 }
+
+/// The Bernstein coefficient `i` of `xᵏ` in the cubic form on `[−REACH, REACH]`: the mean of all
+/// products of `k` out of three values, of which `i` are the upper end and the others the lower.
+const BLOSSOM: [[f64; 4]; 4] = {
+    let mut blossom = [[0.0; 4]; 4];
+    let mut i = 0;
+    while i < 4 {
+        let a = if i > 0 { REACH } else { -REACH };
+        let b = if i > 1 { REACH } else { -REACH };
+        let c = if i > 2 { REACH } else { -REACH };
+        blossom[i] = [1.0, (a + b + c) / 3.0, (a * b + b * c + c * a) / 3.0, a * b * c];
+        i += 1;
+    }
+    blossom
+};
 
 /// Bounds of `X − W Q` and of its derivatives by box coordinates.
 fn difference([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64; 2] {
     let (along_s, along_t) = (product_weights(p), product_weights(q));
     let (rows, columns) = (p + 4, q + 4);
-    let mut difference = vec![DVec3::ZERO; rows * columns];
+    let mut difference = SmallVec::<[DVec3; 64]>::from_elem(DVec3::ZERO, rows * columns);
     for i in 0..=p {
         for j in 0..=q {
             let control = net[i * (q + 1) + j];
@@ -135,21 +135,22 @@ fn difference([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64;
             }
         }
     }
-    let value = difference.iter().map(|d| d.length()).fold(0.0, f64::max);
-    let mut slope = 0f64;
+    let value = difference.iter().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
+    let (mut down, mut across) = (0f64, 0f64);
     for i in 0..rows {
         for j in 0..columns {
             let here = difference[i * columns + j];
             if i + 1 < rows {
                 let step = difference[(i + 1) * columns + j] - here;
-                slope = slope.max((rows - 1) as f64 * step.length());
+                down = down.max(step.length_squared());
             }
             if j + 1 < columns {
                 let step = difference[i * columns + j + 1] - here;
-                slope = slope.max((columns - 1) as f64 * step.length());
+                across = across.max(step.length_squared());
             }
         }
     }
+    let slope = ((rows - 1) as f64 * down.sqrt()).max((columns - 1) as f64 * across.sqrt());
     [value, slope / SIDE]
 }
 
@@ -172,11 +173,11 @@ fn weight_slope([p, q]: [usize; 2], net: &[DVec4]) -> f64 {
 
 /// The factors of products of coefficients in the product of a polynomial of degree `p` and a
 /// cubic: `C(p, i) C(3, k) / C(p + 3, i + k)`.
-fn product_weights(p: usize) -> Vec<[f64; 4]> {
+fn product_weights(p: usize) -> SmallVec<[[f64; 4]; 4]> {
     let row = |n: usize| {
-        let mut row = vec![1.0];
+        let mut row = SmallVec::<[f64; 8]>::from_elem(1.0, n + 1);
         for k in 0..n {
-            row.push(row[k] * (n - k) as f64 / (k + 1) as f64);
+            row[k + 1] = row[k] * (n - k) as f64 / (k + 1) as f64;
         }
         row
     };
@@ -189,9 +190,10 @@ fn product_weights(p: usize) -> Vec<[f64; 4]> {
 fn bend([p, q]: [usize; 2], net: &[DVec4], least: f64) -> f64 {
     let at = |i: usize, j: usize| net[i * (q + 1) + j];
     let (mut first, mut second) = ((0f64, 0f64), (0f64, 0f64));
+    // Of the squares, of points and of weights.
     let larger = |sum: &mut (f64, f64), c: DVec4, factor: f64| {
-        let (x, w) = (factor * c.truncate().length(), factor * c.w.abs());
-        *sum = (sum.0.max(x), sum.1.max(w));
+        let (x, w) = (factor * c.truncate(), factor * c.w);
+        *sum = (sum.0.max(x.length_squared()), sum.1.max(w * w));
     };
     let (pf, qf) = (p as f64, q as f64);
     let mut sums = [(0.0, 0.0); 5];
@@ -219,12 +221,13 @@ fn bend([p, q]: [usize; 2], net: &[DVec4], least: f64) -> f64 {
         }
     }
     for (x, w) in &sums[..2] {
-        first = (first.0 + x, first.1 + w);
+        first = (first.0 + x.sqrt(), first.1 + w.sqrt());
     }
     for (x, w) in &sums[2..] {
-        second = (second.0 + x, second.1 + w);
+        second = (second.0 + x.sqrt(), second.1 + w.sqrt());
     }
-    let radius = net.iter().map(|c| c.truncate().length() / c.w).fold(0.0, f64::max);
+    let radius = net.iter().map(|c| (c.truncate() / c.w).length_squared()).fold(0.0, f64::max);
+    let radius = radius.sqrt();
     let slope = (first.0 + radius * first.1) / least;
     let bound = (0.5 * (second.0 + radius * second.1) + slope * first.1) / least;
     // From sides of the rectangle to half sides of the leaf.

@@ -19,6 +19,7 @@ mod fit;
 mod fit_error;
 mod frame;
 mod leaf;
+mod leaves;
 mod net;
 mod oriented_box;
 mod part;

@@ -58,14 +58,22 @@ pub(super) struct Halving {
     net: ControlNet,
     /// How often it was halved for the sake of trim curves.
     cuts: u32,
-    /// Whether a trim curve passes through it, as far as was asked.
-    trimmed: bool,
+    /// Whether it is known that trims have cut off nothing of it.
+    inside: bool,
+}
+
+/// What became of a part that was to be cut.
+pub(super) enum Cut {
+    /// It is flat; and whether a trim curve passes through it.
+    Whole { trimmed: bool },
+    /// Its parts were handed over, but for what trims have cut off.
+    Apart,
 }
 
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        Self { rect: DyadicRect::UNIT, net: copied(piece), cuts: 0, trimmed: false }
+        Self { rect: DyadicRect::UNIT, net: copied(piece), cuts: 0, inside: false }
     }
 
     /// The part of a piece over a rectangle.
@@ -73,48 +81,50 @@ impl Halving {
         let mut net = copied(piece);
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-        Self { rect, net, cuts: 0, trimmed: false }
+        Self { rect, net, cuts: 0, inside: false }
     }
 
-    /// Hands over the parts of this part that are flat to within `flatness`.
-    pub(super) fn flattened(self, piece: &Piece, flatness: f64, done: &mut impl FnMut(Self)) {
-        match self.direction_to_halve(piece, flatness) {
-            None => done(self),
-            Some(direction) => {
-                let [first, second] = self.halves(piece, direction);
-                second.flattened(piece, flatness, done);
-                first.flattened(piece, flatness, done);
-            }
+    /// Hands over the parts of this part that are flat and are not cut off by trims; and whether a
+    /// trim curve passes through each.
+    pub(super) fn cut(self, piece: &Piece, fineness: Fineness, done: &mut impl FnMut(Self, bool)) {
+        match self.parts(piece, fineness, done) {
+            Cut::Apart => {}
+            Cut::Whole { trimmed } => done(self, trimmed),
         }
     }
 
-    /// Hands over the parts of this part that are flat and are not cut off by trims.
-    pub(super) fn kept(mut self, piece: &Piece, fineness: Fineness, done: &mut impl FnMut(Self)) {
+    /// The same, but for this part itself where it is one of them.
+    pub(super) fn parts(
+        &self,
+        piece: &Piece,
+        fineness: Fineness,
+        done: &mut impl FnMut(Self, bool),
+    ) -> Cut {
         let Fineness { flatness, cuts: most_cuts } = fineness;
-        let Some(trims) = piece.trims() else {
-            return self.flattened(piece, flatness, done);
-        };
         // Roots are known to far less than the widening where a certificate holds.
-        match trims.classify(&piece.uv_box(self.on_piece(WIDENING))) {
-            Coverage::Outside => {}
-            Coverage::Inside => self.flattened(piece, flatness, done),
-            Coverage::Mixed => {
-                let mut cuts = self.cuts;
-                let bend = self.direction_to_halve(piece, flatness);
-                let direction = bend.or_else(|| {
-                    cuts += 1;
-                    self.direction_to_cut(piece, trims).filter(|_| cuts <= most_cuts)
-                });
-                let Some(direction) = direction else {
-                    self.trimmed = true;
-                    return done(self);
-                };
-                let [mut first, mut second] = self.halves(piece, direction);
-                (first.cuts, second.cuts) = (cuts, cuts);
-                second.kept(piece, fineness, done);
-                first.kept(piece, fineness, done);
-            }
+        let coverage = self.trims_of(piece).map_or(Coverage::Inside, |trims| {
+            trims.classify(&piece.uv_box(self.on_piece(WIDENING)))
+        });
+        if coverage == Coverage::Outside {
+            return Cut::Apart;
         }
+        let (inside, trimmed) = (coverage == Coverage::Inside, coverage == Coverage::Mixed);
+        let mut cuts = self.cuts;
+        let mut direction = self.direction_to_halve(piece, flatness);
+        if direction.is_none() && trimmed {
+            cuts += 1;
+            direction = self.direction_to_cut(piece).filter(|_| cuts <= most_cuts);
+        }
+        let Some(direction) = direction else { return Cut::Whole { trimmed } };
+        for half in self.halves(piece, direction).into_iter().rev() {
+            Self { cuts, inside, ..half }.cut(piece, fineness, done);
+        }
+        Cut::Apart
+    }
+
+    /// The trims of the piece, if they may have cut off something of this part.
+    fn trims_of<'a>(&self, piece: &'a Piece) -> Option<&'a Trims> {
+        piece.trims().filter(|_| !self.inside)
     }
 
     /// The part's rectangle with `part` of its sides added on each side, as far as the piece
@@ -128,7 +138,8 @@ impl Halving {
 
     /// Across which side to halve a flat part that a trim curve passes through, if that is
     /// worthwhile: the longer one.
-    fn direction_to_cut(&self, piece: &Piece, trims: &Trims) -> Option<usize> {
+    fn direction_to_cut(&self, piece: &Piece) -> Option<usize> {
+        let trims = self.trims_of(piece)?;
         let middle = piece.uv_box(self.on_piece(-RIM));
         if trims.classify(&middle) != Coverage::Mixed {
             return None;
@@ -207,7 +218,7 @@ impl Halving {
         (wanted[direction] > flatness).then_some(direction)
     }
 
-    fn halves(self, piece: &Piece, direction: usize) -> [Self; 2] {
+    fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
         let degree = piece.patch.degree();
         let half = |side: u32| {
             let mut part = self.clone();
@@ -223,7 +234,7 @@ impl Halving {
 
     /// What is kept of the part: where it is, and a box with sides along the axes that holds
     /// every point its leaf answers for, but for rounding.
-    pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
+    pub(super) fn part(&self, index: u32, piece: &Piece, trimmed: bool) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
             Aabb::around(self.net.iter().map(|&c| euclidean(c)))
@@ -231,7 +242,7 @@ impl Halving {
             Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
         };
         let bounds = bounds.grown(piece.patch.noise());
-        Part { piece: index, rect: self.rect, bounds, trimmed: self.trimmed }
+        Part { piece: index, rect: self.rect, bounds, trimmed }
     }
 
     /// The control points over the leaf and its slack, which ends with the piece.

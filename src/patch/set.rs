@@ -4,35 +4,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use smallvec::SmallVec;
 use thiserror::Error;
 
 use super::net::BezierNet;
-use super::part::{Fineness, Halving};
-use super::{Leaf, OrientedBox, Part, Piece};
+use super::{Part, Piece, leaves::parts};
 use crate::geometry::{Chart, Charts};
 use crate::math::Aabb;
-
-/// How flat leaves are tried to be, from coarse to fine: see `Halving::direction_to_halve`.
-///
-/// Flatter leaves need fewer Newton steps, fit their boxes better and are certified for
-/// more rays; but there are more of them. Measured on sphere, teapot and height fields,
-/// the work a ray stops falling at about 0.06, and rises where leaves leave the cache.
-const FLATNESS: [f64; 7] = [0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06];
-
-/// How often flat leaves that a trim curve passes through are halved for it, from coarse to fine:
-/// see `Halving::direction_to_cut`.
-///
-/// Measured on a sheet with 2132 leaves, 336 of them at a curve: 2 and 4 save more tests of hits
-/// than they add leaves, 6 and 8 gain nothing more and take two and three times the memory.
-const TRIM_CUTS: [u32; 3] = [0, 2, 4];
-
-/// Finer leaves are made only while all of them take no more than this: about the size of
-/// a second-level cache, and a sixth of what triangles take that are off by 1e-5 of the model.
-const WORTHWHILE_BYTES: usize = 5 << 18;
-
-/// What a leaf takes with its share of the tree: its box in a block that is four fifths full.
-const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 5 / 4;
 
 /// Why surfaces cannot be cut into pieces.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -137,40 +114,4 @@ fn pieces(net: &Arc<BezierNet>, [rows, columns]: [Vec<u32>; 2], surface: u32) ->
         columns.iter().map(move |&j| Piece::new(&net, surface, [i, j])).collect::<Vec<_>>()
     };
     rows.par_iter().flat_map_iter(row).collect()
-}
-
-/// The parts of all pieces that are to be leaves: as flat as their number allows, and none where
-/// trims have cut all of it off.
-fn parts(pieces: &[Piece]) -> Vec<Part> {
-    let fineness = worthwhile_fineness(pieces);
-    let parts = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
-        let mut parts = SmallVec::<[Part; 1]>::new();
-        Halving::whole(piece).kept(piece, fineness, &mut |halving| {
-            parts.push(halving.part(k as u32, piece));
-        });
-        parts
-    });
-    parts.collect()
-}
-
-/// The finest leaves that take no more room than is worthwhile: first the flattest, then those
-/// that follow trim curves most closely.
-fn worthwhile_fineness(pieces: &[Piece]) -> Fineness {
-    let most = WORTHWHILE_BYTES / BYTES_A_LEAF;
-    let worthwhile = |&fineness: &Fineness| {
-        let counts = pieces.par_iter().map(|piece| {
-            let mut count = 0;
-            Halving::whole(piece).kept(piece, fineness, &mut |_| count += 1);
-            count
-        });
-        pieces.len() <= most && counts.sum::<usize>() <= most
-    };
-    let coarsest = Fineness { flatness: FLATNESS[0], cuts: TRIM_CUTS[0] };
-    let flatter = FLATNESS[1..].iter().map(|&flatness| Fineness { flatness, ..coarsest });
-    let flattest = flatter.take_while(worthwhile).last().unwrap_or(coarsest);
-    if pieces.iter().all(|piece| piece.trims().is_none()) {
-        return flattest;
-    }
-    let closer = TRIM_CUTS[1..].iter().map(|&cuts| Fineness { cuts, ..flattest });
-    closer.take_while(worthwhile).last().unwrap_or(flattest)
 }
