@@ -61,8 +61,7 @@ impl Leaf {
         let widened = halving.widened(piece, collapsed);
         let (degree, rational) = (piece.patch.degree(), piece.patch.is_rational());
         // Parameters are known to half a unit in the last place of one.
-        let sides = part.rect.ranges().map(|[from, to]| to - from);
-        let spacing = rounding::UNIT_ROUNDOFF / sides[0].min(sides[1]);
+        let spacing = part.rect.ranges().map(|[from, to]| rounding::UNIT_ROUNDOFF / (to - from));
         let net = Net { degree, control: &widened, noise, rational, spacing };
         let certificate = Certificate::new(&net, collapsed, &axes, &oriented);
         let leaf = Self {

@@ -28,15 +28,20 @@ const RATIONAL: f64 = 0.25;
 const LONG: f64 = 8.0;
 const LONGEST: f64 = 32.0;
 
-/// How finely pieces are cut into leaves.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fineness {
-    /// How flat leaves are.
-    pub(super) flatness: f64,
-    /// How often a flat part that a trim curve passes through is halved for it: hits on what is
-    /// off the curve then need no test.
-    pub(super) cuts: u32,
-}
+/// Polynomial leaves are at least so flat.
+const COARSEST: f64 = 0.5;
+
+/// Flatter leaves than this gain nothing. Flat ones need fewer Newton steps, fit their boxes better
+/// and are certified for more rays; measured on sphere, teapot and height fields, the work a ray
+/// stops falling at about 0.06.
+const FLATTEST: f64 = 0.06;
+
+/// What halving a part that a trim curve passes through is worth, the first time for its sake, the
+/// second and so on, as if it was bent by that much: hits on what is off the curve then need no test.
+///
+/// Measured on a sheet with 2132 leaves, 336 of them at a curve: two and four times save more tests
+/// of hits than they add leaves, six and eight gain nothing more.
+const AT_TRIMS: [f64; 4] = [0.12, 0.12, 0.09, 0.09];
 
 /// A part of a piece that is flat enough to become a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -62,12 +67,28 @@ pub(super) struct Halving {
     inside: bool,
 }
 
-/// What became of a part that was to be cut.
-pub(super) enum Cut {
-    /// It is flat; and whether a trim curve passes through it.
-    Whole { trimmed: bool },
-    /// Its parts were handed over, but for what trims have cut off.
-    Apart,
+/// A way to halve a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Across which side.
+    direction: usize,
+    /// Whether it is for the sake of a trim curve.
+    at_trims: bool,
+    /// What it is worth: the angle the part bends by, times the square root of its size. Large
+    /// parts are seen by more rays; but a small one may be what a picture is about, so not times its
+    /// area. Measured on a scene of a body and wires: 1.3–1.8 times as fast as with the angle alone,
+    /// and about the same on bodies with parts of one size.
+    pub(super) worth: f64,
+}
+
+/// How much a part bends.
+struct Bend {
+    /// In `s` and in `t`: half the angle by which rows turn.
+    angles: [f64; 2],
+    /// The same, more where no coarser leaf will do.
+    strained: [f64; 2],
+    /// How long it is.
+    sides: [f64; 2],
 }
 
 impl Halving {
@@ -84,42 +105,49 @@ impl Halving {
         Self { rect, net, cuts: 0, inside: false }
     }
 
-    /// Hands over the parts of this part that are flat and are not cut off by trims; and whether a
-    /// trim curve passes through each.
-    pub(super) fn cut(self, piece: &Piece, fineness: Fineness, done: &mut impl FnMut(Self, bool)) {
-        match self.parts(piece, fineness, done) {
-            Cut::Apart => {}
-            Cut::Whole { trimmed } => done(self, trimmed),
-        }
-    }
-
-    /// The same, but for this part itself where it is one of them.
-    pub(super) fn parts(
-        &self,
-        piece: &Piece,
-        fineness: Fineness,
-        done: &mut impl FnMut(Self, bool),
-    ) -> Cut {
-        let Fineness { flatness, cuts: most_cuts } = fineness;
+    /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
+    /// trims; and whether a trim curve passes through each.
+    pub(super) fn coarse_parts(mut self, piece: &Piece, done: &mut impl FnMut(Self, bool)) {
         // Roots are known to far less than the widening where a certificate holds.
         let coverage = self.trims_of(piece).map_or(Coverage::Inside, |trims| {
             trims.classify(&piece.uv_box(self.on_piece(WIDENING)))
         });
         if coverage == Coverage::Outside {
-            return Cut::Apart;
+            return;
         }
-        let (inside, trimmed) = (coverage == Coverage::Inside, coverage == Coverage::Mixed);
-        let mut cuts = self.cuts;
-        let mut direction = self.direction_to_halve(piece, flatness);
-        if direction.is_none() && trimmed {
-            cuts += 1;
-            direction = self.direction_to_cut(piece).filter(|_| cuts <= most_cuts);
+        self.inside = coverage == Coverage::Inside;
+        let rational = piece.patch.is_rational();
+        let coarsest = if rational { RATIONAL } else { COARSEST };
+        let bend = self.bend(piece).filter(|bend| bend.strained.iter().any(|&b| b > coarsest));
+        let Some(Bend { strained, sides, .. }) = bend else {
+            let trimmed = !self.inside;
+            return done(self, trimmed);
+        };
+        let [first, second] = self.halves(piece, larger(strained, sides));
+        second.coarse_parts(piece, done);
+        first.coarse_parts(piece, done);
+    }
+
+    /// The best way to halve this part further, if that is worth anything.
+    pub(super) fn way(&self, piece: &Piece) -> Option<Way> {
+        let Bend { angles, sides, .. } = self.bend(piece)?;
+        let mut direction = larger(angles, sides);
+        let mut angle = angles[direction];
+        let mut at_trims = false;
+        let worth = AT_TRIMS.get(self.cuts as usize).filter(|&&worth| worth > angle);
+        if let (Some(&worth), Some(across)) = (worth, self.direction_to_cut(piece)) {
+            (direction, angle, at_trims) = (across, worth, true);
         }
-        let Some(direction) = direction else { return Cut::Whole { trimmed } };
-        for half in self.halves(piece, direction).into_iter().rev() {
-            Self { cuts, inside, ..half }.cut(piece, fineness, done);
+        let worth = angle * (sides[0] * sides[1]).sqrt().sqrt();
+        (angle > FLATTEST).then_some(Way { direction, at_trims, worth })
+    }
+
+    /// Hands over the parts of both halves, as [`coarse_parts`](Self::coarse_parts) does.
+    pub(super) fn halved(&self, piece: &Piece, way: Way, done: &mut impl FnMut(Self, bool)) {
+        let cuts = self.cuts + u32::from(way.at_trims);
+        for half in self.halves(piece, way.direction) {
+            Self { cuts, inside: self.inside, ..half }.coarse_parts(piece, done);
         }
-        Cut::Apart
     }
 
     /// The trims of the piece, if they may have cut off something of this part.
@@ -157,65 +185,57 @@ impl Halving {
         [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
     }
 
-    /// Where the part bends most, if that is more than `flatness`.
+    /// How much the part bends; `None` where rounding is all there is left to see.
     ///
     /// The measure of a direction is the largest second difference of the control points
     /// along it, times the second derivative's factor, over the longest row's chord: half
     /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
-    fn direction_to_halve(&self, piece: &Piece, flatness: f64) -> Option<usize> {
+    fn bend(&self, piece: &Piece) -> Option<Bend> {
         let [p, q] = piece.patch.degree();
-        let rational = piece.patch.is_rational();
-        let flatness = if rational { flatness.min(RATIONAL) } else { flatness };
         let noise = piece.patch.noise();
         let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
         if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
-            return None; // rounding is all there is left to see
+            return None;
         }
-        let rows = [(p, q + 1, q, 1), (q, 1, p, q + 1)];
-        let [mut bend_s, mut bend_t] = rows.map(|(degree, step, others, other_step)| {
+        let mut sides = [noise; 2];
+        let mut angles = [0f64; 2];
+        for (k, (degree, step, others, other_step)) in
+            [(p, q + 1, q, 1), (q, 1, p, q + 1)].into_iter().enumerate()
+        {
             let row = |k: usize, i: usize| points[k * other_step + i * step];
             let chord = (0..=others).map(|k| row(k, 0).distance(row(k, degree)));
-            let longest = chord.fold(noise, f64::max);
+            sides[k] = chord.fold(noise, f64::max);
             let turns = (0..=others).flat_map(|k| (1..degree).map(move |i| (k, i)));
             let second = turns
-                .map(|(k, i)| (row(k, i - 1) - 2.0 * row(k, i) + row(k, i + 1)).length())
-                .fold(0.0, f64::max);
-            (second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / longest, longest)
-        });
-
-        if rational {
-            let aspect = (bend_s.1 / bend_t.1).clamp(1.0 / LONGEST, LONGEST);
-            let share = flatness / RATIONAL / LONG;
-            bend_s.0 *= (share * aspect).max(1.0);
-            bend_t.0 *= (share / aspect).max(1.0);
+                .map(|(k, i)| (row(k, i - 1) - 2.0 * row(k, i) + row(k, i + 1)).length_squared())
+                .fold(0.0, f64::max)
+                .sqrt();
+            angles[k] = second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / sides[k];
+        }
+        let mut strained = angles;
+        if piece.patch.is_rational() {
+            let aspect = (sides[0] / sides[1]).clamp(1.0 / LONGEST, LONGEST);
+            strained[0] *= (aspect / LONG).max(1.0);
+            strained[1] *= (1.0 / (aspect * LONG)).max(1.0);
         }
         let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
         let twist = corner(0, 0) - corner(0, 1) - corner(1, 0) + corner(1, 1);
         let normal = (corner(1, 1) - corner(0, 0)).cross(corner(0, 1) - corner(1, 0));
         let out_of_plane = twist.dot(normal.normalize_or_zero()).abs();
-        let longest = bend_s.1.max(bend_t.1);
-        let twist = out_of_plane / longest;
+        let twist = out_of_plane / sides[0].max(sides[1]);
 
-        // Two collapsed sides at the two ends of a direction need a leaf each.
-        let both_ends = |at: usize| {
-            piece.collapsed(2 * at).is_some()
-                && piece.collapsed(2 * at + 1).is_some()
-                && self.rect.halvings(at) == 0
-        };
-        let mut wanted = [bend_s.0.max(twist), bend_t.0.max(twist)];
-        for direction in 0..2 {
-            if both_ends(direction) {
-                wanted[direction] = f64::INFINITY;
-            }
-            if self.rect.halvings(direction) >= MOST_HALVINGS {
-                wanted[direction] = 0.0;
+        for k in 0..2 {
+            // Two collapsed sides at the two ends of a direction need a leaf each.
+            let both_ends = piece.collapsed(2 * k).is_some()
+                && piece.collapsed(2 * k + 1).is_some()
+                && self.rect.halvings(k) == 0;
+            let least = if both_ends { f64::INFINITY } else { twist };
+            let may_be_halved = self.rect.halvings(k) < MOST_HALVINGS;
+            for angles in [&mut angles, &mut strained] {
+                angles[k] = if may_be_halved { angles[k].max(least) } else { 0.0 };
             }
         }
-        if twist > flatness && twist >= bend_s.0.max(bend_t.0) && wanted[0] == wanted[1] {
-            return Some(usize::from(bend_t.1 > bend_s.1));
-        }
-        let direction = usize::from(wanted[1] > wanted[0]);
-        (wanted[direction] > flatness).then_some(direction)
+        Some(Bend { angles, strained, sides })
     }
 
     fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
@@ -275,10 +295,21 @@ impl Halving {
         net
     }
 
+    /// Where it is on its piece.
+    pub(super) fn rect(&self) -> DyadicRect {
+        self.rect
+    }
+
     /// The control points.
     pub(super) fn net(&self) -> &[DVec4] {
         &self.net
     }
+}
+
+/// Where there is more bend; else, as where both are the twist, the longer side.
+fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
+    let order = angles[1].total_cmp(&angles[0]).then(sides[1].total_cmp(&sides[0]));
+    usize::from(order.is_gt())
 }
 
 /// The control points of a piece.

@@ -194,7 +194,12 @@ impl Proof {
             Some(side) => {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
                 let (degree, control) = net.with_collapsed_first(side);
-                let net = Net { degree, control: &control, ..*net };
+                let [in_s, in_t] = net.spacing;
+                let spacing = match side {
+                    CollapsedSide::T(_) => [in_s, in_t],
+                    CollapsedSide::S(_) => [in_t, in_s],
+                };
+                let net = Net { degree, control: &control, spacing, ..*net };
                 let pole = euclidean(net.control[0]);
                 let tangents = Tangents::at_pole(&net, pole)?;
                 match side {
@@ -222,8 +227,8 @@ pub(super) struct Net<'a> {
     pub(super) noise: f64,
     /// Whether the weights differ.
     pub(super) rational: bool,
-    /// What rounding moves a parameter by, as a part of the net's side.
-    pub(super) spacing: f64,
+    /// What rounding moves the parameters by, as parts of the net's sides.
+    pub(super) spacing: [f64; 2],
 }
 
 impl Net<'_> {
@@ -312,8 +317,8 @@ struct Tangents {
     weights: Interval,
     weight_slopes: [Interval; 2],
     noise: f64,
-    /// The longest tangent for which rounding of a parameter is small against the noise.
-    longest: f64,
+    /// The longest tangents for which rounding of the parameters is small against the noise.
+    longest: [f64; 2],
 }
 
 impl Tangents {
@@ -326,7 +331,7 @@ impl Tangents {
         }
         let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
         let noise = net.noise * weights.hi;
-        let longest = 0.25 * net.noise / net.spacing;
+        let longest = net.spacing.map(|spacing| 0.25 * net.noise / spacing);
         if !net.rational {
             // The differences of equal weights are rounding, and part of the noise.
             let weight_slopes = [Interval::point(0.0); 2];
@@ -437,7 +442,8 @@ impl Tangents {
         let longest_s = self.along_s.length() + more(0, &self.factor_s);
         let longest_t = self.along_t.length() + more(1, &self.factor_t);
         // `S_s = (X_s − (S − c) W_s) / W`; at a pole its quotient by `t`, which is one at most.
-        if longest_s.max(longest_t) > self.longest * self.weights.lo {
+        let [most_s, most_t] = self.longest.map(|longest| longest * self.weights.lo);
+        if longest_s > most_s || longest_t > most_t {
             return None;
         }
         let spread = match pole {
