@@ -88,7 +88,8 @@
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged
 //!   [doubtful](intersect::Answer::doubtful).
-//! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`.
+//! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that in a pole,
+//!   where what passes it so near meets it.
 //! - Domains are closed: a ray that passes within `C ε M` of a border meets it, and the hit
 //!   is marked [`BORDER`](intersect::HitFlags::BORDER).
 //! - What trims keep of a surface is closed, too: a root that may lie on a trim edge, as far as

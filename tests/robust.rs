@@ -12,6 +12,8 @@
 mod bodies;
 #[path = "robust/corners.rs"]
 mod corners;
+#[path = "robust/far.rs"]
+mod far;
 #[path = "robust/halving.rs"]
 mod halving;
 #[path = "robust/hard.rs"]

@@ -33,6 +33,8 @@ pub struct SurfaceBvh {
     pub(super) tree: Tree,
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
+    /// See [`reach_of_f32`].
+    pub(super) farthest: f64,
 }
 
 impl SurfaceBvh {
@@ -55,8 +57,8 @@ impl SurfaceBvh {
         });
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
         tree.fill(&boxes);
-        let leaf_width = leaf_width(&leaves);
-        Ok(Self { set, leaves, tree, leaf_width })
+        let (leaf_width, farthest) = (leaf_width(&leaves), reach_of_f32(&set, &frame));
+        Ok(Self { set, leaves, tree, leaf_width, farthest })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -101,11 +103,34 @@ impl SurfaceBvh {
         self.set.bytes() + size_of_val(&self.leaves[..]) + self.tree.bytes()
     }
 
+    /// Whether an origin with this largest coordinate is too far away for the work in f32.
+    #[inline(always)]
+    pub(super) fn is_beyond_f32(&self, magnitude: f64) -> bool {
+        magnitude > self.farthest
+    }
+
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let bounds = self.set.bounds();
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
     }
+}
+
+/// How far a point may be from a ray, in scaled coordinates, for boxes in f32 to meet the ray all the
+/// same: a quarter of what they are grown by.
+const BLUR_OF_F32: f64 = 1e-6;
+
+/// The largest coordinate an origin may have for the work in f32.
+///
+/// A point may be as far from a ray as its residual is promised to be; that grows with the origin's
+/// coordinates, and what boxes in f32 are grown by does not. The noise of the surfaces themselves is
+/// part of their boxes.
+fn reach_of_f32(set: &PatchSet, frame: &SceneFrame) -> f64 {
+    let patches = set.pieces().iter().map(|piece| &piece.patch);
+    let (factor, magnitude) = patches.fold((0f64, 0f64), |(factor, magnitude), patch| {
+        (factor.max(patch.residual_factor()), magnitude.max(patch.magnitude()))
+    });
+    (BLUR_OF_F32 / (factor * frame.scale)).max(2.0 * magnitude)
 }
 
 #[cfg(test)]

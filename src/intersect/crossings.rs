@@ -44,6 +44,8 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
         }
     }
     meetings.truncate(kept);
+    // A certain view may lie a little behind the doubtful one whose place it has taken.
+    meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
     doubt_half_touches(meetings, pieces);
 }
 

@@ -91,7 +91,8 @@ impl HitFlags {
 pub struct Query {
     /// The ray.
     pub ray: Ray,
-    /// The root the ray starts on: that root itself is not reported again.
+    /// The root the ray starts on, within its error: that root itself is not reported again. See
+    /// [`Query::leaving`].
     pub from: Option<Root>,
 }
 
@@ -102,8 +103,13 @@ impl Query {
     }
 
     /// A ray that leaves a hit: the hit itself is not met again.
+    ///
+    /// The ray is to start at [`Hit::point`], or within what the hit may be off. One that starts
+    /// elsewhere, as where its origin was moved along the normal to be on the safe side, does not
+    /// leave the hit: it is asked about like any other ray.
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        Self { ray, from: Some(hit.root) }
+        let starts_there = ray.origin().distance(hit.point) <= hit.root.error;
+        Self { ray, from: starts_there.then_some(hit.root) }
     }
 }
 

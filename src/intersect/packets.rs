@@ -19,6 +19,7 @@ impl Tracer<'_> {
         answers: &mut Vec<Answer>,
     ) {
         answers.reserve(shots.len());
+        self.packets.packet.clear(0); // what was asked before has no part in the statistics
         let mut rest = shots;
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: what a ray is answered must not
@@ -32,7 +33,12 @@ impl Tracer<'_> {
             let (packet, others) = rest.split_at(alike);
             self.trace_packet(level, (packet, ahead(others)), Wanted::First);
             self.search_rest(packet, Wanted::First);
+            let first = answers.len();
             self.answer_packet(packet, answers);
+            for k in left_out(self.packets.packet.far_off()) {
+                self.findings.statistics.rays -= 1; // it has been counted
+                answers[first + k] = self.scalar_first(&packet[k].query());
+            }
             rest = others;
         }
     }
@@ -48,13 +54,14 @@ impl Tracer<'_> {
         answers: &mut Vec<Occlusion>,
     ) {
         answers.reserve(queries.len());
+        self.packets.packet.clear(0);
         let mut rest = queries;
         while !rest.is_empty() {
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
             rest = others;
             self.trace_packet(level, (packet, ahead(others)), Wanted::Any);
             self.search_rest(packet, Wanted::Any);
-            let met = self.packets.packet.met();
+            let (first, met) = (answers.len(), self.packets.packet.met());
             let open = self.packets.work.rest_rays & !met;
             for k in 0..packet.len() {
                 answers.push(if open >> k & 1 == 0 {
@@ -62,6 +69,10 @@ impl Tracer<'_> {
                 } else {
                     self.judged_occlusion(k)
                 });
+            }
+            for k in left_out(self.packets.packet.far_off()) {
+                self.findings.statistics.rays -= 1; // it has been counted
+                answers[first + k] = self.scalar_any(&packet[k]);
             }
         }
     }
@@ -149,6 +160,11 @@ impl Tracer<'_> {
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
+}
+
+/// The rays that packets do not trace.
+fn left_out(bits: u64) -> impl Iterator<Item = usize> {
+    (0..PACKET).filter(move |k| bits >> k & 1 != 0).take(bits.count_ones() as usize)
 }
 
 /// The rays of the packet that comes next.

@@ -16,19 +16,29 @@ use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
-        Scene { tree: &self.tree, leaves: &self.leaves, set: &self.set }
+        let Self { tree, leaves, set, farthest, .. } = self;
+        Scene { tree, leaves, set, farthest: *farthest }
     }
 }
 
 impl Tracer<'_> {
     /// The first hit of one ray.
     pub(super) fn single_first(&mut self, level: Level, query: &Query) -> Answer {
+        if self.is_beyond_f32(query) {
+            return self.scalar_first(query);
+        }
         dispatch!(level, simd => first_hit(simd, self, query))
     }
 
     /// Whether anything lies on one ray.
     pub(super) fn single_any(&mut self, level: Level, query: &Query) -> Occlusion {
         dispatch!(level, simd => any_hit(simd, self, query))
+    }
+
+    /// Whether the ray comes from too far away for the fast search.
+    #[inline(always)]
+    fn is_beyond_f32(&self, query: &Query) -> bool {
+        self.bvh.is_beyond_f32(query.ray.origin().abs().max_element())
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.
@@ -129,6 +139,9 @@ fn any_hits<S: Simd>(
 
 #[simd]
 fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusion {
+    if tracer.is_beyond_f32(query) {
+        return tracer.scalar_any(query);
+    }
     let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
     if tracer.single.hit.is_some() {
         return Occlusion { occluded: true, doubtful: false };

@@ -80,8 +80,13 @@ impl<'a> Tracer<'a> {
     pub fn first_hit(&mut self, query: &Query) -> Answer {
         match self.level {
             Some(level) => self.single_first(level, query),
-            None => self.first(query, leaf_search::search),
+            None => self.scalar_first(query),
         }
+    }
+
+    /// The same by the scalar kernel.
+    pub(super) fn scalar_first(&mut self, query: &Query) -> Answer {
+        self.first(query, leaf_search::search)
     }
 
     /// The first hit found by the exact solver alone: slow, and independent of the kernel.
@@ -91,9 +96,14 @@ impl<'a> Tracer<'a> {
 
     /// Whether anything lies on a ray within its range.
     pub fn occluded(&mut self, query: &Query) -> Occlusion {
-        if let Some(level) = self.level {
-            return self.single_any(level, query);
+        match self.level {
+            Some(level) => self.single_any(level, query),
+            None => self.scalar_any(query),
         }
+    }
+
+    /// The same by the scalar kernel.
+    pub(super) fn scalar_any(&mut self, query: &Query) -> Occlusion {
         let frame = RayFrame::new(&query.ray);
         self.collect(query, &frame, leaf_search::search, |meetings| {
             // One certain hit is enough; a doubtful one keeps the search going.

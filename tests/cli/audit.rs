@@ -15,7 +15,7 @@ fn a_row_for_each_class_and_one_for_all() {
     let total = rows.iter().find(|row| row.first() == Some(&"total")).unwrap();
     assert_eq!((total[1], &total[3..6]), ("2000", &["0", "0", "0"][..]));
     let classes: Vec<&str> = rows[1..].iter().map_while(|row| row.first().copied()).collect();
-    assert_eq!(classes.len(), 25, "{classes:?}"); // 24 classes and the total
+    assert_eq!(classes.len(), 26, "{classes:?}"); // 25 classes and the total
     assert!(run.stdout.contains("\nno unflagged miss, no wrong root, no false hit\ndoubtful: "));
     // Every ray is of one of three kinds, every doubtful one, too; and the shares are theirs.
     let (_, summary) = run.stdout.rsplit_once("\ndoubtful: ").unwrap();

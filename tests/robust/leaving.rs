@@ -239,3 +239,28 @@ fn grazing_departures() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+/// A ray whose origin was moved off the hit does not leave it: it meets what is between.
+#[test]
+fn origins_moved_off_the_hit_meet_it_again() {
+    let model = models::sphere();
+    let bvh = model.bvh();
+    let mut random = Random::new(72);
+    let mut tracer = bvh.tracer();
+    for _ in 0..500 {
+        let normal = random.direction();
+        let seen = Query::primary(Ray::new(3.0 * normal, -normal).unwrap());
+        let seen = tracer.first_hit(&seen).hit.unwrap();
+        let aside = 0.3 * random.direction();
+        for moved in [1e-12, 1e-6, 1e-3] {
+            let origin = seen.point + moved * normal;
+            let ray = Ray::new(origin, aside - normal).unwrap();
+            let again = tracer.first_hit(&Query::leaving(ray, &seen));
+            let near = again.hit.is_some_and(|hit| hit.point.distance(seen.point) < 2.0 * moved);
+            assert!(near || again.doubtful, "{ray:?}: {again:?}");
+        }
+        let on = Query::leaving(Ray::new(seen.point, aside - normal).unwrap(), &seen);
+        let across = tracer.first_hit(&on).hit.unwrap();
+        assert!(across.point.distance(seen.point) > 0.5, "{on:?}");
+    }
+}

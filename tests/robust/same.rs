@@ -2,7 +2,7 @@
 //! the surfaces were prepared, and wherever they stand in the list.
 
 use glam::{DAffine3, DVec3};
-use nurbray::geometry::Surface;
+use nurbray::geometry::{Surface, shapes};
 use nurbray::intersect::{
     Answer, BuildOptions, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh,
 };
@@ -178,4 +178,40 @@ fn ties_go_to_the_surface_given_first() {
             }
         }
     }
+}
+
+/// Of surfaces in the same place too, whose hits are one crossing or two.
+#[test]
+fn all_hits_come_by_increasing_t() {
+    let model =
+        |name: &str, surfaces: Vec<Surface>| Model { name: name.into(), surfaces, closed: false };
+    let [sphere, other] =
+        [shapes::sphere(1.0), shapes::sphere_biquadratic(1.0)].map(Result::unwrap);
+    let flat = DAffine3::from_scale(DVec3::new(1e-6, 1.0, 1.0));
+    let disk = sphere.transformed(&flat).unwrap();
+    let spheres = model("spheres", vec![sphere.clone().into(), sphere.into(), other.into()]);
+    let rays = [
+        (
+            [-1391174213.4687676, 1024604228.3571112, -121867752.27154647],
+            [0.8031906210960309, -0.5915524445770404, 0.0703600134899052],
+        ),
+        (
+            [62251770.7981905, -64655184.3626128, 109290669.5050609],
+            [-62251770.7981905, 64655184.3626128, -109290668.5050609],
+        ),
+    ];
+    let mut hits = 0;
+    for model in [spheres, model("disk", vec![disk.into()])] {
+        let bvh = model.bvh();
+        let mut queries = queries(&model, &bvh, 20, 73);
+        let far = rays.map(|(o, d)| Query::primary(Ray::new(o.into(), d.into()).unwrap()));
+        queries.extend(far);
+        for query in queries {
+            let mut all = Vec::new();
+            bvh.tracer().all_hits(&query, &mut all);
+            assert!(all.is_sorted_by(|a, b| a.t <= b.t), "{query:?}: {all:?}");
+            hits += all.len();
+        }
+    }
+    assert!(hits > 1000, "{hits}");
 }

@@ -305,7 +305,8 @@ mod tests {
             // From inside and nearly along the surface: it comes out again.
             let direction = (aside + 0.02 * normal).normalize();
             let ray = Ray::new(seen.point - depth * normal, direction).unwrap();
-            let far = hit(&Query::leaving(ray, &seen)).map(|hit| hit.point.length());
+            let leaving = Query { ray, from: Some(seen.root) };
+            let far = hit(&leaving).map(|hit| hit.point.length());
             assert!(far.is_some_and(|r| (r - 1.0).abs() < 1e-12), "{depth}: {far:?}");
         }
     }

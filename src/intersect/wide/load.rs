@@ -2,19 +2,23 @@
 
 use std::ops::Range;
 
-use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
 use super::search::{load3, load3d};
+use super::single::Scene;
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
+use crate::patch::SceneFrame;
 
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
-pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], center: DVec3) {
+pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], scene: &Scene<'_>) {
+    let SceneFrame { center, scale } = scene.tree.frame;
+    packet.scale = scale;
     packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
@@ -24,10 +28,31 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
+    leave_out(simd, packet, scene.farthest);
     packet.turned = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
+}
+
+/// Leaves out the rays that come from too far away.
+#[simd]
+fn leave_out<S: Simd>(simd: S, packet: &mut Packet, farthest: f64) {
+    let farthest = f64x8::splat(simd, farthest);
+    let mut far_off = 0;
+    for base in (0..packet.count).step_by(8) {
+        let magnitude = f64x8::from_slice(simd, &packet.magnitude[base..base + 8]);
+        far_off |= magnitude.simd_gt(farthest).to_bitmask() << base;
+    }
+    if packet.count < PACKET {
+        far_off &= (1 << packet.count) - 1;
+    }
+    packet.far_off = far_off;
+    while far_off != 0 {
+        let k = far_off.trailing_zeros() as usize;
+        far_off &= far_off - 1;
+        (packet.z[k], packet.far_f[k]) = (f64::NEG_INFINITY, f32::NEG_INFINITY);
+    }
 }
 
 /// The frames of eight rays.

@@ -6,12 +6,8 @@ use fearless_simd_macros::simd;
 
 use super::frames::{END_SPARE, NEAR};
 use super::packet::PacketBounds;
+use super::single::Scene;
 use crate::intersect::Shot;
-use crate::patch::SceneFrame;
-
-/// Origins farther away than this, in scaled coordinates, would bring the rounding of f64 near
-/// what is spared for that of f32.
-const FARTHEST: f64 = 1e8;
 
 /// Where moved origins may be at most for the work in f32, in scaled coordinates.
 const FARTHEST_MOVED: f32 = 4.0;
@@ -32,7 +28,7 @@ const ROUNDED: f32 = f32::EPSILON;
 pub(super) fn outline<S: Simd, Q: Shot>(
     simd: S,
     shots: &[Q],
-    frame: &SceneFrame,
+    scene: &Scene<'_>,
 ) -> Option<(PacketBounds, f32)> {
     let first = f64x8::from_slice(simd, &shots.first()?.ray().to_array());
     // Four at a time: no minimum waits for the one before.
@@ -64,14 +60,15 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     let (shortest, longest) = (least.sqrt(), most.sqrt());
     let (per_shortest, per_longest) = (1.0 / shortest, 1.0 / longest);
 
+    let frame = &scene.tree.frame;
     let mut middle = [0.0; 3];
     let mut square = 0.0;
     for k in 0..3 {
         middle[k] = (0.5 * (low[k] + high[k]) - frame.center[k]) * frame.scale;
         square += middle[k] * middle[k];
     }
-    let near = square <= FARTHEST * FARTHEST; // false for NaN
-    if !near {
+    let magnitude = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
+    if magnitude > scene.farthest {
         return None;
     }
     let towards: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();

@@ -52,6 +52,8 @@ pub(in crate::intersect) struct Packet {
     pub(super) far_f: [f32; PACKET],
     /// The largest of those ends.
     pub(super) farthest: f32,
+    /// One bit a ray: whether it comes from too far away for the work in f32, and is left out.
+    pub(super) far_off: u64,
     /// One bit a ray: whether it has met anything.
     pub(super) met: u64,
     /// The leaf of the nearest hit of rays that have one.
@@ -136,6 +138,7 @@ impl Packet {
             z: [0.0; PACKET],
             far_f: [0.0; PACKET],
             farthest: 0.0,
+            far_off: 0,
             met: 0,
             leaf: [0; PACKET],
             piece: [0; PACKET],
@@ -158,9 +161,9 @@ impl Packet {
     }
 
     /// Forgets all rays: there are `count` that meet nothing.
-    pub(super) fn clear(&mut self, count: usize) {
+    pub(in crate::intersect) fn clear(&mut self, count: usize) {
         self.count = count;
-        (self.met, self.near_border) = (0, 0);
+        (self.far_off, self.met, self.near_border) = (0, 0, 0);
     }
 
     /// Says whether any hit will do for the rays to come.
@@ -192,6 +195,11 @@ impl Packet {
     /// How far along a ray anything is of interest: to its nearest hit, or its end.
     pub(in crate::intersect) fn end(&self, k: usize) -> f64 {
         self.z[k]
+    }
+
+    /// One bit a ray: whether it was left out, for others to trace.
+    pub(in crate::intersect) fn far_off(&self) -> u64 {
+        self.far_off
     }
 
     /// One bit a ray: whether it has met anything.

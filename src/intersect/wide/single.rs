@@ -35,6 +35,8 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
     pub(in crate::intersect) set: &'a PatchSet,
+    /// The largest coordinate an origin may have for the work in f32.
+    pub(in crate::intersect) farthest: f64,
 }
 
 /// Scenes of more leaves than this do not fit into the memory near the processor.

@@ -220,9 +220,12 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
             flight.shift = shift[lane % 8];
             flight.magnitude = magnitude[lane % 8];
             flight.t_from_z = t_from_z[lane % 8];
-            (flight.met, flight.alone) = (false, false);
+            flight.met = false;
+            flight.alone = flight.magnitude > scene.farthest;
             flight.stack.clear();
-            if let Some(root) = scene.tree.root {
+            if let Some(root) = scene.tree.root
+                && !flight.alone
+            {
                 flight.stack.push((f32::NEG_INFINITY, root));
                 stream.walking.push((base + lane) as u32);
             }

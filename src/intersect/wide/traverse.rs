@@ -12,7 +12,7 @@ use super::packet::{Packet, PacketBounds};
 use super::search::bits;
 use super::single::Scene;
 use super::{LANES, PACKET};
-use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Tree};
+use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
 use crate::intersect::{Shot, Statistics};
 
 /// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
@@ -74,11 +74,11 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest.clear();
     work.rest_rays = 0;
     work.touched = 0;
-    if packet.met() == 0 && meets_nothing(simd, tree, (shots, ahead), work) {
+    // Where the packet before has met something, this one is likely to.
+    if packet.met() == 0 && meets_nothing(simd, scene, (shots, ahead), work) {
         return packet.clear(shots.len());
     }
-    packet.scale = tree.frame.scale;
-    load(simd, packet, shots, tree.frame.center);
+    load(simd, packet, shots, scene);
     work.groups = None;
     work.stack.clear();
     work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
@@ -110,11 +110,12 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
 #[simd]
 fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
-    tree: &Tree,
+    scene: &Scene<'_>,
     (shots, ahead): (&[Q], &[Q]),
     work: &mut Work,
 ) -> bool {
-    let Some((bounds, farthest)) = outline(simd, shots, &tree.frame) else { return false };
+    let tree = scene.tree;
+    let Some((bounds, farthest)) = outline(simd, shots, scene) else { return false };
     work.stack.clear();
     work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
     while let Some((_, code)) = work.stack.pop() {

@@ -1,0 +1,104 @@
+//! Origins so far away that a point may be off a ray by more than f32 can tell.
+
+use glam::DVec3;
+use nurbray::geometry::shapes;
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
+use nurbray::math::Ray;
+
+use crate::model::Model;
+use crate::models;
+use crate::random::Random;
+
+/// Everything a kernel can be asked of rays: first hits, then whether they are occluded.
+fn all_ways(
+    model: &Model,
+    kernel: Kernel,
+    queries: &[Query],
+) -> (Vec<Vec<Answer>>, Vec<Vec<Occlusion>>) {
+    let bvh = model.bvh();
+    let mut tracer = bvh.tracer_with(kernel);
+    let mut answers = vec![queries.iter().map(|query| tracer.first_hit(query)).collect()];
+    let mut occlusions = vec![queries.iter().map(|query| tracer.occluded(query)).collect()];
+    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+        tracer.first_hits(queries, coherence, &mut hits);
+        tracer.occlusions(queries, coherence, &mut occluded);
+        answers.push(hits);
+        occlusions.push(occluded);
+    }
+    (answers, occlusions)
+}
+
+fn kernels() -> impl Iterator<Item = Kernel> {
+    Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
+}
+
+/// Rays through a border of a square, or past it by less than a point may be off; all numbers are
+/// exact, and so is `o + t d`.
+#[test]
+fn borders_are_met_or_doubted_from_anywhere() {
+    let model = Model::new("square", shapes::plane(2.0, 2.0).unwrap());
+    let rays = [
+        ([103079215105.0, 34359738367.648438, 154618822656.0], [-6.0, -2.0, -9.0]),
+        ([137438953473.0, -412316860416.9375, 618475290624.0], [-2.0, 6.0, -9.0]),
+        ([-4294967294.999983, 3221225472.9375, 12884901888.0], [4.0, -3.0, -12.0]),
+        ([-536870913.0000105, -2147483648.1446114, 4294967296.0], [1.0, 4.0, -8.0]),
+        // Through the middle.
+        ([10133099161583616.0, -6755399441055744.0, -2251799813685248.0], [-9.0, 6.0, 2.0]),
+    ];
+    let far = rays.map(|(o, d)| Ray::new(o.into(), d.into()).unwrap());
+    // Each also in the company of rays that come from nearby.
+    let near = (0..20).map(|k| Ray::new(DVec3::new(0.1 * f64::from(k), 0.2, 3.0), DVec3::NEG_Z));
+    let mut queries: Vec<Query> = near.map(|ray| Query::primary(ray.unwrap())).collect();
+    for (k, ray) in far.into_iter().enumerate() {
+        queries.insert(4 * k, Query::primary(ray));
+    }
+    for kernel in kernels() {
+        let (answers, occlusions) = all_ways(&model, kernel, &queries);
+        for (way, answers) in answers.iter().enumerate() {
+            for (query, answer) in queries.iter().zip(answers) {
+                let hit_or_doubt = answer.hit.is_some() || answer.doubtful;
+                let meets = query.ray.direction() != DVec3::NEG_Z || query.ray.origin().x <= 1.0;
+                assert_eq!(hit_or_doubt, meets, "{kernel}, way {way}: {:?}", query.ray);
+            }
+        }
+        for (way, occlusions) in occlusions.iter().enumerate() {
+            for (query, occlusion) in queries.iter().zip(occlusions) {
+                let hit_or_doubt = occlusion.occluded || occlusion.doubtful;
+                let meets = query.ray.direction() != DVec3::NEG_Z || query.ray.origin().x <= 1.0;
+                assert_eq!(hit_or_doubt, meets, "{kernel}, way {way}: {:?}", query.ray);
+            }
+        }
+    }
+}
+
+/// At a body from 1 to 1e14 of its sizes away: the kernels agree, or doubt.
+#[test]
+fn kernels_agree_from_anywhere() {
+    for model in [models::sphere(), models::teapot()] {
+        let bvh = model.bvh();
+        let (low, high) = bvh.bounds().unwrap();
+        let (middle, size) = (0.5 * (low + high), low.distance(high));
+        let mut random = Random::new(71);
+        let mut queries = Vec::new();
+        for k in 0..300 {
+            let origin = middle + size * 10f64.powf(f64::from(k) / 21.0) * random.direction();
+            let target =
+                low + (high - low) * DVec3::new(random.unit(), random.unit(), random.unit());
+            queries.push(Query::primary(Ray::new(origin, target - origin).unwrap()));
+        }
+        let truth: Vec<Answer> =
+            queries.iter().map(|query| bvh.tracer().exact_first_hit(query)).collect();
+        let certain = truth.iter().filter(|answer| !answer.doubtful).count();
+        assert!(certain > 200, "{certain}");
+        for kernel in kernels() {
+            for answers in all_ways(&model, kernel, &queries).0 {
+                for ((query, answer), truth) in queries.iter().zip(&answers).zip(&truth) {
+                    let decided = !answer.doubtful && !truth.doubtful;
+                    let same = answer.hit.is_some() == truth.hit.is_some();
+                    assert!(!decided || same, "{kernel}: {:?}", query.ray);
+                }
+            }
+        }
+    }
+}
