@@ -34,7 +34,7 @@ pub struct SurfaceBvh {
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
     /// See [`reach_of_f32`].
-    pub(super) farthest: f64,
+    pub(super) reach_of_f32: f64,
 }
 
 impl SurfaceBvh {
@@ -57,8 +57,8 @@ impl SurfaceBvh {
         });
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
         tree.fill(&boxes);
-        let (leaf_width, farthest) = (leaf_width(&leaves), reach_of_f32(&set, &frame));
-        Ok(Self { set, leaves, tree, leaf_width, farthest })
+        let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach_of_f32(&set, &frame));
+        Ok(Self { set, leaves, tree, leaf_width, reach_of_f32 })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -103,12 +103,6 @@ impl SurfaceBvh {
         self.set.bytes() + size_of_val(&self.leaves[..]) + self.tree.bytes()
     }
 
-    /// Whether an origin with this largest coordinate is too far away for the work in f32.
-    #[inline(always)]
-    pub(super) fn is_beyond_f32(&self, magnitude: f64) -> bool {
-        magnitude > self.farthest
-    }
-
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let bounds = self.set.bounds();
@@ -117,7 +111,8 @@ impl SurfaceBvh {
 }
 
 /// How far a point may be from a ray, in scaled coordinates, for boxes in f32 to meet the ray all the
-/// same: a quarter of what they are grown by.
+/// same: a quarter of what rays are blurred by at the boxes of nodes, and what oriented boxes are grown
+/// by.
 const BLUR_OF_F32: f64 = 1e-6;
 
 /// The largest coordinate an origin may have for the work in f32.

@@ -104,11 +104,11 @@ impl Query {
 
     /// A ray that leaves a hit: the hit itself is not met again.
     ///
-    /// The ray is to start at [`Hit::point`], or within what the hit may be off. One that starts
+    /// The ray is to start at [`Hit::point`], or as near as `o + t d` comes to it. One that starts
     /// elsewhere, as where its origin was moved along the normal to be on the safe side, does not
     /// leave the hit: it is asked about like any other ray.
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        let starts_there = ray.origin().distance(hit.point) <= hit.root.error;
+        let starts_there = ray.origin().distance(hit.point) <= 2.0 * hit.root.error;
         Self { ray, from: starts_there.then_some(hit.root) }
     }
 }

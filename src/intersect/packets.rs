@@ -36,7 +36,7 @@ impl Tracer<'_> {
             let first = answers.len();
             self.answer_packet(packet, answers);
             for k in left_out(self.packets.packet.far_off()) {
-                self.findings.statistics.rays -= 1; // it has been counted
+                self.findings.statistics.count_again();
                 answers[first + k] = self.scalar_first(&packet[k].query());
             }
             rest = others;
@@ -71,7 +71,7 @@ impl Tracer<'_> {
                 });
             }
             for k in left_out(self.packets.packet.far_off()) {
-                self.findings.statistics.rays -= 1; // it has been counted
+                self.findings.statistics.count_again();
                 answers[first + k] = self.scalar_any(&packet[k]);
             }
         }
@@ -163,8 +163,12 @@ impl Tracer<'_> {
 }
 
 /// The rays that packets do not trace.
-fn left_out(bits: u64) -> impl Iterator<Item = usize> {
-    (0..PACKET).filter(move |k| bits >> k & 1 != 0).take(bits.count_ones() as usize)
+fn left_out(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let k = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (k < PACKET).then_some(k)
+    })
 }
 
 /// The rays of the packet that comes next.

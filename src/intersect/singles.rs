@@ -16,8 +16,8 @@ use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
-        let Self { tree, leaves, set, farthest, .. } = self;
-        Scene { tree, leaves, set, farthest: *farthest }
+        let Self { tree, leaves, set, reach_of_f32, .. } = self;
+        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32 }
     }
 }
 
@@ -38,7 +38,7 @@ impl Tracer<'_> {
     /// Whether the ray comes from too far away for the fast search.
     #[inline(always)]
     fn is_beyond_f32(&self, query: &Query) -> bool {
-        self.bvh.is_beyond_f32(query.ray.origin().abs().max_element())
+        self.bvh.scene().is_beyond_f32(query.ray.origin().abs().max_element())
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.

@@ -21,6 +21,13 @@ pub struct Statistics {
     pub doubtful: u64,
 }
 
+impl Statistics {
+    /// One of the rays that were counted is asked about again, by another search.
+    pub(super) fn count_again(&mut self) {
+        self.rays -= 1;
+    }
+}
+
 impl AddAssign for Statistics {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;

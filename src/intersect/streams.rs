@@ -29,7 +29,7 @@ impl Tracer<'_> {
             }));
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
-                    self.findings.statistics.rays -= 1; // it has been counted
+                    self.findings.statistics.count_again();
                     answers[first + k] = self.single_first(level, &shot.query());
                 }
             }

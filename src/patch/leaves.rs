@@ -36,7 +36,7 @@ fn worthwhile(pieces: &[Piece], coarse: usize) -> usize {
 /// it off.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
-/// long as there is room.
+/// long as there is room. Halves that are not flat enough by themselves may take a little more.
 pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
     if pieces.len() > MOST {
         return coarse_parts(pieces);

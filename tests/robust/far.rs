@@ -1,7 +1,7 @@
 //! Origins so far away that a point may be off a ray by more than f32 can tell.
 
 use glam::DVec3;
-use nurbray::geometry::shapes;
+use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
 use nurbray::math::Ray;
 
@@ -53,21 +53,53 @@ fn borders_are_met_or_doubted_from_anywhere() {
     for (k, ray) in far.into_iter().enumerate() {
         queries.insert(4 * k, Query::primary(ray));
     }
+    // And of rays for which there are no numbers of f32; they pass far away.
+    for (k, axis) in [DVec3::X, DVec3::NEG_Y, DVec3::Z].into_iter().enumerate() {
+        let ray = Ray::new(1e150 * axis + DVec3::splat(1e100), axis).unwrap();
+        queries.insert(9 * k, Query::primary(ray));
+    }
+    let meets = |query: &Query| {
+        let (o, d) = (query.ray.origin(), query.ray.direction());
+        o.abs().max_element() < 1e100 && (d != DVec3::NEG_Z || o.x <= 1.0)
+    };
     for kernel in kernels() {
         let (answers, occlusions) = all_ways(&model, kernel, &queries);
         for (way, answers) in answers.iter().enumerate() {
             for (query, answer) in queries.iter().zip(answers) {
                 let hit_or_doubt = answer.hit.is_some() || answer.doubtful;
-                let meets = query.ray.direction() != DVec3::NEG_Z || query.ray.origin().x <= 1.0;
-                assert_eq!(hit_or_doubt, meets, "{kernel}, way {way}: {:?}", query.ray);
+                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray);
             }
         }
         for (way, occlusions) in occlusions.iter().enumerate() {
             for (query, occlusion) in queries.iter().zip(occlusions) {
                 let hit_or_doubt = occlusion.occluded || occlusion.doubtful;
-                let meets = query.ray.direction() != DVec3::NEG_Z || query.ray.origin().x <= 1.0;
-                assert_eq!(hit_or_doubt, meets, "{kernel}, way {way}: {:?}", query.ray);
+                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray);
             }
+        }
+    }
+}
+
+/// Many small boxes side by side, met at steep angles: of a sheet of 8 × 8 pieces, past its border
+/// by less than a point may be off.
+#[test]
+fn boxes_are_met_as_far_off_as_points_may_be() {
+    let knots = || KnotVector::clamped_uniform(1, 9).unwrap();
+    let at = |k: usize| k as f64 / 4.0 - 1.0;
+    let net = (0..81).map(|k| DVec3::new(at(k / 9), at(k % 9), 0.0)).collect();
+    let model = Model::new("sheet", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+    let top = 2f64.powi(29);
+    let direction = DVec3::new(2f64.powi(-10), 0.0, -1.0);
+    let rays = [1e-7, 6e-7, 8e-7, 1e-6, 1.1e-6, 1.2e-6, 1.3e-6].map(|beyond| {
+        let origin = DVec3::new(1.0 + beyond - top * direction.x, 0.1, top);
+        Query::primary(Ray::new(origin, direction).unwrap())
+    });
+    for kernel in kernels() {
+        for query in &rays {
+            let (answers, occlusions) = all_ways(&model, kernel, &[*query]);
+            let met = |answer: &Answer| answer.hit.is_some() || answer.doubtful;
+            assert!(answers.iter().flatten().all(met), "{kernel}: {:?}", query.ray);
+            let met = |occlusion: &Occlusion| occlusion.occluded || occlusion.doubtful;
+            assert!(occlusions.iter().flatten().all(met), "{kernel}: {:?}", query.ray);
         }
     }
 }

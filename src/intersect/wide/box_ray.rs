@@ -8,7 +8,7 @@ use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 /// How far the ray in f32 may be from the true one where it meets the scene, in scaled
 /// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
 /// and four roundings of each.
-const BLUR: f32 = 4e-6;
+pub(super) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than
 /// [`BLUR`] for it, and quotients stay finite.

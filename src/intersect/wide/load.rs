@@ -6,6 +6,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
+use super::box_ray::BLUR;
 use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
 use super::search::{load3, load3d};
@@ -28,31 +29,36 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
-    leave_out(simd, packet, scene.farthest);
+    leave_out(simd, packet, scene.reach_of_f32);
     packet.turned = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
 }
 
-/// Leaves out the rays that come from too far away.
+/// Leaves out the rays that come from too far away: in their lanes, and in idle ones that repeat such a
+/// ray, there may be no numbers of f32, which would spoil what is said of all lanes.
 #[simd]
-fn leave_out<S: Simd>(simd: S, packet: &mut Packet, farthest: f64) {
-    let farthest = f64x8::splat(simd, farthest);
+fn leave_out<S: Simd>(simd: S, packet: &mut Packet, reach_of_f32: f64) {
+    let reach = f64x8::splat(simd, reach_of_f32);
     let mut far_off = 0;
-    for base in (0..packet.count).step_by(8) {
+    for base in (0..PACKET).step_by(8) {
         let magnitude = f64x8::from_slice(simd, &packet.magnitude[base..base + 8]);
-        far_off |= magnitude.simd_gt(farthest).to_bitmask() << base;
+        far_off |= magnitude.simd_gt(reach).to_bitmask() << base;
     }
-    if packet.count < PACKET {
-        far_off &= (1 << packet.count) - 1;
+    if far_off == 0 {
+        return;
     }
-    packet.far_off = far_off;
-    while far_off != 0 {
-        let k = far_off.trailing_zeros() as usize;
-        far_off &= far_off - 1;
+    let other = (!far_off).trailing_zeros() as usize % PACKET;
+    for k in (0..PACKET).filter(|k| far_off >> k & 1 != 0) {
         (packet.z[k], packet.far_f[k]) = (f64::NEG_INFINITY, f32::NEG_INFINITY);
+        packet.near_f[k] = packet.near_f[other];
+        for i in 0..3 {
+            packet.origin_f[i][k] = packet.origin_f[i][other];
+            packet.axis_f[i][k] = packet.axis_f[i][other];
+        }
     }
+    packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
 }
 
 /// The frames of eight rays.
@@ -156,8 +162,8 @@ pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> 
     }
     bounds.nearest = nearest.reduce_min();
     for i in 0..3 {
-        bounds.origin_min[i] = origin[i].reduce_min();
-        bounds.origin_max[i] = origin_max[i].reduce_max();
+        bounds.origin_min[i] = origin[i].reduce_min() - BLUR;
+        bounds.origin_max[i] = origin_max[i].reduce_max() + BLUR;
         bounds.set_directions(i, axis[i].reduce_min(), axis_max[i].reduce_max());
     }
     bounds

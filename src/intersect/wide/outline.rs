@@ -4,6 +4,7 @@
 use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
 
+use super::box_ray::BLUR;
 use super::frames::{END_SPARE, NEAR};
 use super::packet::PacketBounds;
 use super::single::Scene;
@@ -15,7 +16,8 @@ const FARTHEST_MOVED: f32 = 4.0;
 /// Squares of lengths from here to its inverse are far from where digits are lost.
 const SHORTEST: f64 = 1e-100;
 
-/// What an `f32` may be off by that was rounded from a number of size one or two.
+/// What an `f32` may be off by that was rounded from a number of size one or two; of size four, and
+/// after one more operation, it is at most four times that.
 const ROUNDED: f32 = f32::EPSILON;
 
 /// Bounds of all rays, and the largest of their ends in scaled coordinates; `None` where they
@@ -68,7 +70,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(
         square += middle[k] * middle[k];
     }
     let magnitude = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
-    if magnitude > scene.farthest {
+    if scene.is_beyond_f32(magnitude) {
         return None;
     }
     let towards: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();
@@ -89,8 +91,8 @@ pub(super) fn outline<S: Simd, Q: Shot>(
         if !nearby {
             return None;
         }
-        bounds.origin_min[k] = first - 4.0 * ROUNDED;
-        bounds.origin_max[k] = last + 4.0 * ROUNDED;
+        bounds.origin_min[k] = first - (BLUR + 4.0 * ROUNDED);
+        bounds.origin_max[k] = last + (BLUR + 4.0 * ROUNDED);
     }
     let from = low[6] * if low[6] > 0.0 { shortest } else { longest };
     let to = high[7] * if high[7] > 0.0 { longest } else { shortest };

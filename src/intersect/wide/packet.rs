@@ -88,6 +88,7 @@ pub(in crate::intersect) struct Packet {
 /// What all rays of a packet have in common, in scaled f32 coordinates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PacketBounds {
+    /// With [`BLUR`](super::box_ray::BLUR) to spare.
     pub(super) origin_min: Vec3,
     pub(super) origin_max: Vec3,
     pub(super) axis_min: Vec3,

@@ -36,13 +36,19 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) leaves: &'a [Leaf],
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
-    pub(in crate::intersect) farthest: f64,
+    pub(in crate::intersect) reach_of_f32: f64,
 }
 
 /// Scenes of more leaves than this do not fit into the memory near the processor.
 const FAR: usize = 1 << 14;
 
 impl Scene<'_> {
+    /// Whether an origin with this largest coordinate is too far away for the work in f32.
+    #[inline(always)]
+    pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
+        magnitude > self.reach_of_f32
+    }
+
     /// Whether what is wanted soon should be touched: read, one after the other and without
     /// waiting, so that all of it is on its way from memory before the first is used.
     #[inline(always)]

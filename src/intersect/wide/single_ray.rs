@@ -3,14 +3,11 @@
 use glam::{DVec2, DVec3};
 
 use super::box_ray::BoxRay;
+use super::frames::NEAR;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
 use crate::patch::{LEAF_SLACK, SceneFrame};
-
-/// Origins farther than this from the scene, in its half sizes, are moved nearer for the
-/// work in f32: it would otherwise lose digits to the distance.
-const NEAR: f64 = 3.0;
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;

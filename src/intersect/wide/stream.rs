@@ -221,7 +221,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
             flight.magnitude = magnitude[lane % 8];
             flight.t_from_z = t_from_z[lane % 8];
             flight.met = false;
-            flight.alone = flight.magnitude > scene.farthest;
+            flight.alone = scene.is_beyond_f32(flight.magnitude);
             flight.stack.clear();
             if let Some(root) = scene.tree.root
                 && !flight.alone

@@ -75,7 +75,9 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest_rays = 0;
     work.touched = 0;
     // Where the packet before has met something, this one is likely to.
-    if packet.met() == 0 && meets_nothing(simd, scene, (shots, ahead), work) {
+    if packet.met() == 0
+        && meets_nothing(simd, scene, (shots, ahead), (&mut *work, &mut *statistics))
+    {
         return packet.clear(shots.len());
     }
     load(simd, packet, shots, scene);
@@ -112,7 +114,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
     scene: &Scene<'_>,
     (shots, ahead): (&[Q], &[Q]),
-    work: &mut Work,
+    (work, statistics): (&mut Work, &mut Statistics),
 ) -> bool {
     let tree = scene.tree;
     let Some((bounds, farthest)) = outline(simd, shots, scene) else { return false };
@@ -130,6 +132,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
                 }
             }
             Child::Node(index) => {
+                statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let (_, mut met) = enter(simd, node, &bounds, farthest);
                 while met != 0 {
