@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
-use super::{Leaf, OrientedBox, Part, Piece};
+use super::{DyadicRect, Leaf, OrientedBox, Part, Piece};
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
 /// take that are off by 1e-5 of the teapot.
@@ -46,8 +46,8 @@ pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
         .enumerate()
         .map(|(k, piece)| {
             let mut parts = SmallVec::new();
-            Halving::whole(piece).coarse_parts(piece, &mut |halving, trimmed| {
-                parts.push(Flat::new(k as u32, piece, halving, trimmed));
+            Halving::whole(piece).coarse_parts(piece, &mut |halving| {
+                parts.push(Flat::new(k as u32, piece, halving));
             });
             parts
         })
@@ -62,14 +62,13 @@ pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
             continue;
         };
         let piece = &pieces[flat.piece as usize];
-        flat.halving.halved(piece, way, &mut |halving, trimmed| {
-            open.push(Flat::new(flat.piece, piece, halving, trimmed));
+        flat.halving.halved(piece, way, &mut |halving| {
+            open.push(Flat::new(flat.piece, piece, halving));
         });
     }
     done.extend(open);
     done.par_sort_unstable_by_key(Flat::place);
-    let part =
-        |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize], flat.trimmed);
+    let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
     done.par_iter().map(part).collect()
 }
 
@@ -77,8 +76,8 @@ pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
 fn coarse_parts(pieces: &[Piece]) -> Vec<Part> {
     let parts = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
         let mut parts = SmallVec::<[Part; 1]>::new();
-        Halving::whole(piece).coarse_parts(piece, &mut |halving, trimmed| {
-            parts.push(halving.part(k as u32, piece, trimmed));
+        Halving::whole(piece).coarse_parts(piece, &mut |halving| {
+            parts.push(halving.part(k as u32, piece));
         });
         parts
     });
@@ -89,18 +88,17 @@ fn coarse_parts(pieces: &[Piece]) -> Vec<Part> {
 struct Flat {
     piece: u32,
     halving: Box<Halving>,
-    trimmed: bool,
     /// How to halve it, if that is worth anything.
     way: Option<Way>,
 }
 
 impl Flat {
-    fn new(index: u32, piece: &Piece, halving: Halving, trimmed: bool) -> Self {
+    fn new(index: u32, piece: &Piece, halving: Halving) -> Self {
         let way = halving.way(piece);
-        Self { piece: index, halving: Box::new(halving), trimmed, way }
+        Self { piece: index, halving: Box::new(halving), way }
     }
 
-    fn place(&self) -> (u32, super::DyadicRect) {
+    fn place(&self) -> (u32, DyadicRect) {
         (self.piece, self.halving.rect())
     }
 }

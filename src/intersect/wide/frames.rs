@@ -10,14 +10,22 @@ use crate::math::Ray;
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
-pub(super) const NEAR: f64 = 3.0;
+const NEAR: f64 = 3.0;
 
 /// Ends of rays are taken in f32 with this to spare, in scaled coordinates: some units of f32
 /// for distances of a few scene sizes.
 pub(super) const END_SPARE: f32 = 1e-5;
 
 /// Squares of lengths from here to its inverse are far from where digits are lost.
-const PLAIN: f64 = 1e-100;
+pub(super) const PLAIN: f64 = 1e-100;
+
+/// By how much an origin is moved along its ray for the work in f32, from the square of its distance
+/// from the middle of the scene and what that has along the ray, all in scaled coordinates: to beside the
+/// scene, back where it lies behind, as some ranges begin before the origin.
+#[inline(always)]
+pub(super) fn shift_to_scene(square: f64, along: f64) -> f64 {
+    if square > NEAR * NEAR { (square.sqrt() - NEAR + 1.0).copysign(-along) } else { 0.0 }
+}
 
 /// What is known of eight rays in f64.
 #[derive(Clone, Copy)]
@@ -130,7 +138,7 @@ impl<S: Simd> Narrow<S> {
             let far_off = square.simd_gt(near * near);
             let mut shift = zero;
             if far_off.any_true() {
-                // Back where the scene lies behind: some ranges begin before the origin.
+                // Lane by lane as `shift_to_scene`.
                 let beyond = square.sqrt() - near + f64x8::splat(simd, 1.0);
                 shift = far_off.select(beyond.copysign(-dot_d(scaled, axis)), zero);
             }

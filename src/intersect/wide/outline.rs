@@ -5,16 +5,13 @@ use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
 
 use super::box_ray::BLUR;
-use super::frames::{END_SPARE, NEAR};
+use super::frames::{END_SPARE, PLAIN, shift_to_scene};
 use super::packet::PacketBounds;
 use super::single::Scene;
 use crate::intersect::Shot;
 
 /// Where moved origins may be at most for the work in f32, in scaled coordinates.
 const FARTHEST_MOVED: f32 = 4.0;
-
-/// Squares of lengths from here to its inverse are far from where digits are lost.
-const SHORTEST: f64 = 1e-100;
 
 /// What an `f32` may be off by that was rounded from a number of size one or two; of size four, and
 /// after one more operation, it is at most four times that.
@@ -32,30 +29,14 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     shots: &[Q],
     scene: &Scene<'_>,
 ) -> Option<(PacketBounds, f32)> {
-    let first = f64x8::from_slice(simd, &shots.first()?.ray().to_array());
-    // Four at a time: no minimum waits for the one before.
-    let (mut low, mut high) = ([first; 4], [first; 4]);
-    let mut fours = shots.chunks_exact(4);
-    for four in &mut fours {
-        for k in 0..4 {
-            let ray = f64x8::from_slice(simd, &four[k].ray().to_array());
-            (low[k], high[k]) = (low[k].min(ray), high[k].max(ray));
-        }
-    }
-    for shot in fours.remainder() {
-        let ray = f64x8::from_slice(simd, &shot.ray().to_array());
-        (low[0], high[0]) = (low[0].min(ray), high[0].max(ray));
-    }
-    let low: [f64; 8] = low[0].min(low[1]).min(low[2].min(low[3])).into();
-    let high: [f64; 8] = high[0].max(high[1]).max(high[2].max(high[3])).into();
-
+    let [low, high] = hull(simd, shots)?;
     let (mut least, mut most) = (0.0, 0.0);
     for k in 3..6 {
         let size = low[k].max(-high[k]).max(0.0);
         least += size * size;
         most += low[k].abs().max(high[k].abs()).powi(2);
     }
-    let alike = least > 0.25 * most && least > SHORTEST && most < 1.0 / SHORTEST;
+    let alike = least > 0.25 * most && least > PLAIN && most < 1.0 / PLAIN;
     if !alike {
         return None;
     }
@@ -73,9 +54,8 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     if scene.is_beyond_f32(magnitude) {
         return None;
     }
-    let towards: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();
-    let shift =
-        if square > NEAR * NEAR { (square.sqrt() - NEAR + 1.0).copysign(-towards) } else { 0.0 };
+    let along: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();
+    let shift = shift_to_scene(square, along);
 
     let mut bounds = PacketBounds::default();
     for k in 0..3 {
@@ -98,4 +78,26 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     let to = high[7] * if high[7] > 0.0 { longest } else { shortest };
     bounds.nearest = (from * frame.scale - shift) as f32 - END_SPARE;
     Some((bounds, (to * frame.scale - shift) as f32 + END_SPARE))
+}
+
+/// The least and the largest of each of the eight numbers of some rays; `None` without rays.
+#[simd]
+fn hull<S: Simd, Q: Shot>(simd: S, shots: &[Q]) -> Option<[[f64; 8]; 2]> {
+    let first = f64x8::from_slice(simd, &shots.first()?.ray().to_array());
+    // Four at a time: no minimum waits for the one before.
+    let (mut low, mut high) = ([first; 4], [first; 4]);
+    let mut fours = shots.chunks_exact(4);
+    for four in &mut fours {
+        for k in 0..4 {
+            let ray = f64x8::from_slice(simd, &four[k].ray().to_array());
+            (low[k], high[k]) = (low[k].min(ray), high[k].max(ray));
+        }
+    }
+    for shot in fours.remainder() {
+        let ray = f64x8::from_slice(simd, &shot.ray().to_array());
+        (low[0], high[0]) = (low[0].min(ray), high[0].max(ray));
+    }
+    let low = low[0].min(low[1]).min(low[2].min(low[3]));
+    let high = high[0].max(high[1]).max(high[2].max(high[3]));
+    Some([low.into(), high.into()])
 }

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::box_ray::BoxRay;
-use super::frames::NEAR;
+use super::frames::shift_to_scene;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
@@ -85,12 +85,7 @@ impl<'a> SingleRay<'a> {
         let scale = scene.scale;
         let scaled = scene.scaled(frame.origin);
         let square = scaled.length_squared();
-        let shift = if square > NEAR * NEAR {
-            // Back where the scene lies behind: some ranges begin before the origin.
-            (square.sqrt() - NEAR + 1.0).copysign(-scaled.dot(frame.axis))
-        } else {
-            0.0
-        };
+        let shift = shift_to_scene(square, scaled.dot(frame.axis));
         let origin = (scaled + shift * frame.axis).as_vec3();
         let axis = frame.axis.as_vec3();
         let near = (frame.z_range[0] * scale - shift - SPARE) as f32;
