@@ -108,6 +108,7 @@ Example:
 pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let outputs: Vec<&Path> = arguments.offenders.iter().map(AsRef::as_ref).collect();
     outputs.iter().try_for_each(|output| output::check_npy(output))?;
+    outputs.iter().try_for_each(|output| output::check_not_stdout(output))?;
     output::check(&outputs, &[&arguments.input])?;
     let scene = input::read(&arguments.input)?;
     let pool = threads::pool(None)?;

@@ -100,6 +100,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     let inputs: Vec<&Path> = arguments.inputs.iter().map(AsRef::as_ref).collect();
     let outputs: Vec<&Path> = arguments.plot.iter().map(AsRef::as_ref).collect();
     outputs.iter().try_for_each(|path| output::check_svg(path))?;
+    outputs.iter().try_for_each(|path| output::check_not_stdout(path))?;
     output::check(&outputs, &inputs)?;
     // What is wrong with the last of them is told before the first is measured.
     for input in &inputs {

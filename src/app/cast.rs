@@ -21,6 +21,9 @@ use trace::{Traced, Tracing};
 /// Runs the subcommand.
 pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     output::check_npy(&arguments.output)?;
+    if arguments.json {
+        output::check_not_stdout(&arguments.output)?;
+    }
     output::check(&[&arguments.output], &[&arguments.input, &arguments.rays])?;
     let rays = read_rays(&arguments.rays).or_bad_input()?;
     let scene = input::read(&arguments.input)?;
@@ -58,15 +61,19 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
         }))?;
     } else {
         let rate = rays.len() as f64 / seconds.max(f64::MIN_POSITIVE) * 1e-6;
-        console::print(&format!(
-            "{}, {}, {} doubtful; {seconds:.3} s on {} ({rate:.3} Mrays/s, kernel {}); wrote {}\n",
+        let summary = format!(
+            "{}, {}, {} doubtful; {seconds:.3} s on {} ({rate:.3} Mrays/s, kernel {}); wrote {}",
             count(rays.len() as u64, "ray"),
             count(counts.hits, "hit"),
             counts.doubtful,
             count(threads as u64, "thread"),
             tracing.kernel,
             arguments.output.display(),
-        ))?;
+        );
+        match output::is_stdout(&arguments.output) {
+            true => console::say(&summary),
+            false => console::print(&format!("{summary}\n"))?,
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

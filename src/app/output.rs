@@ -66,6 +66,50 @@ fn check_only(path: &Path, known: &'static str) -> Result<(), Failure> {
     if is_stream { Ok(()) } else { format(path, &[known]).map(drop) }
 }
 
+/// Whether a path leads into the pipe that standard output is: what else is printed there would end
+/// up among the hits or rays.
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{FileTypeExt, MetadataExt};
+        let pipe = |path: &Path| {
+            let found = path.metadata().ok()?;
+            let kind = found.file_type();
+            (kind.is_fifo() || kind.is_socket()).then(|| (found.dev(), found.ino()))
+        };
+        let found = pipe(path);
+        found.is_some() && found == pipe(Path::new("/dev/stdout"))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        false
+    }
+}
+
+/// Refuses to write a file into the pipe that the results are printed into.
+///
+/// # Errors
+/// When it is one: wrong use.
+pub(crate) fn check_not_stdout(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Err(Failure::input(format!(
+            "{} is standard output, where the results are printed: write to a file",
+            Quoted(path)
+        )));
+    }
+    Ok(())
+}
+
+/// Files as words: `a.exr, b.exr and c.png`.
+pub(crate) fn listed(paths: &[&Path]) -> String {
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    match names.as_slice() {
+        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        names => names.concat(),
+    }
+}
+
 /// Whether two paths lead to one regular file. Devices such as /dev/stdin and /dev/null are
 /// not overwritten.
 fn is_same_file(a: &Path, b: &Path) -> bool {

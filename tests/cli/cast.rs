@@ -1,8 +1,9 @@
 //! `nurbray cast`.
 
 use std::fs;
+use std::process::Output;
 
-use crate::sandbox::{SPHERE, SQUARE, Sandbox};
+use crate::sandbox::{Run, SPHERE, SQUARE, Sandbox};
 
 const NONE: f64 = f64::NAN;
 
@@ -173,6 +174,30 @@ fn json_has_the_counts_and_times() {
         (Some(2), Some(nurbray::intersect::Kernel::default().name()))
     );
     assert!(json["bytes"].as_u64().unwrap() > 0 && json["build_seconds"].as_f64().unwrap() > 0.0);
+}
+
+/// `nurbray cast … -o /dev/stdout | reader`: what the reader gets is a NumPy file and nothing else.
+#[cfg(target_os = "linux")]
+#[test]
+fn hits_go_down_a_pipe_alone() {
+    let sandbox = sandbox();
+    sandbox.write_rows("rays.npy", &[[0.25, 0.5, 2.0, 0.0, 0.0, -1.0]; 3]);
+    sandbox.run("cast square.json --rays rays.npy -o hits.npy").succeeded();
+    let output = sandbox.command("cast square.json --rays rays.npy -o /dev/stdout").output();
+    let output = output.unwrap();
+    assert!(output.stdout == sandbox.bytes("hits.npy"));
+    let run = Run::from_output(Output { stdout: Vec::new(), ..output }).succeeded();
+    assert!(run.stderr.starts_with("3 rays, 3 hits, 0 doubtful; "), "{}", run.stderr);
+    let refused =
+        "\"/dev/stdout\" is standard output, where the results are printed: write to a file";
+    for line in [
+        "cast square.json --rays rays.npy -o /dev/stdout --json",
+        "audit square.json --rays 50 --offenders /dev/stdout",
+        "bench square.json --against embree --plot /dev/stdout",
+    ] {
+        sandbox.run(line).failed(2, refused);
+    }
+    sandbox.run("cast square.json --rays rays.npy -o /dev/null --json").succeeded();
 }
 
 #[test]
