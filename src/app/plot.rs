@@ -74,12 +74,14 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     let text = svg::svg(&panels, columns, size)
         .map_err(|unable| refused(unable, (size, &place), (&scene, &panels)))?;
 
-    for (path, format) in paths.into_iter().zip(formats) {
+    for (path, format) in paths.iter().zip(formats) {
         match format {
             "png" => png::write(path, &text, size).or_failed()?,
             _ => write_atomically(path, |file| file.write_all(text.as_bytes())).or_failed()?,
         }
     }
+    let drawn = count(panels.len() as u64, "plot");
+    console::say(&format!("{drawn}; wrote {}", output::listed(&paths)));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         write(picture, &film, &world, (arguments, took))?;
     }
     if !arguments.quiet {
-        console::say(&format!("{}; wrote {}", summary(&film, took), listed(&paths)));
+        console::say(&format!("{}; wrote {}", summary(&film, took), output::listed(&paths)));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -178,15 +178,6 @@ fn warn_of_bright_materials(scene: &Scene) {
                 Shown(largest)
             ));
         }
-    }
-}
-
-/// `a.exr, b.exr and c.png`.
-fn listed(paths: &[&Path]) -> String {
-    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
-    match names.as_slice() {
-        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        names => names.concat(),
     }
 }
 

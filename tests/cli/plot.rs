@@ -86,7 +86,8 @@ fn scene(name: &str) -> String {
 fn plotted(scene: &str, options: &str) -> String {
     let sandbox = Sandbox::with(&[("s.toml", scene)]);
     let run = sandbox.run(&format!("plot s.toml -o p.svg {options}")).succeeded();
-    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    assert_eq!(run.stdout, "");
+    assert!(run.stderr.ends_with("; wrote p.svg\n") && run.stderr.lines().count() == 1);
     assert_eq!(sandbox.files(), ["p.svg", "s.toml"]);
     String::from_utf8(sandbox.bytes("p.svg")).unwrap()
 }
@@ -576,7 +577,7 @@ fn triangles_and_cages_are_drawn_in_space() {
     ]);
     for (input, title, rings) in [("o.toml", "o in space", 15), ("cube.obj", "cube in space", 8)] {
         let run = sandbox.run(&format!("plot {input} -o p.svg")).succeeded();
-        assert_eq!(run.stderr, "");
+        assert_eq!(run.stderr, "1 plot; wrote p.svg\n");
         let svg = String::from_utf8(sandbox.bytes("p.svg")).unwrap();
         assert!(svg.contains(title) && svg.contains("control points"), "{title}");
         // Two circles a ring, and one in the legend.
