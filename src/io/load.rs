@@ -17,6 +17,9 @@ use crate::scene::{Object, Part, Place, Scene, Scheme, Shape, Subdivision};
 /// its numbers and the surfaces made of them are in memory together for a while.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// The endings of files that are read.
+const READ: [&str; 3] = ["toml", "json", "obj"];
+
 /// Model files known by their endings but not read yet.
 const NOT_READ: [(&str, &str); 11] = [
     ("step", "STEP is not read yet"),
@@ -143,7 +146,7 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let fail = |fault| LoadError::new(mentioned.clone(), fault);
     let cannot = |error| {
         let path = path.to_owned();
-        fail(LoadFault::Read { nearest: nearest_file(&path), path, error })
+        fail(LoadFault::Read { nearest: nearest_file(&path, &READ), path, error })
     };
     let metadata = fs::metadata(path).map_err(cannot)?;
     if !metadata.is_file() {

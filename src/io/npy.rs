@@ -141,7 +141,7 @@ pub fn read_table(path: &Path, columns: &[usize]) -> Result<Table, NpyError> {
     let io_error = |reason| NpyError::Io { path: path.to_owned(), nearest: None, reason };
     let file = File::open(path).map_err(|reason| {
         let missing = reason.kind() == io::ErrorKind::NotFound;
-        let nearest = if missing { nearest_file(path) } else { None };
+        let nearest = if missing { nearest_file(path, &["npy"]) } else { None };
         NpyError::Io { path: path.to_owned(), nearest, reason }
     })?;
     let metadata = file.metadata().map_err(io_error)?;
