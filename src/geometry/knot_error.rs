@@ -44,8 +44,8 @@ pub enum KnotError {
     },
     /// The number of knots does not match the degree and the control points.
     #[error(
-        "{}, but {points} points of degree {degree} need {}",
-        Counted(*.knots, "knot"), points + degree + 1
+        "{}, but {points} points of degree {degree} need {}{}",
+        Counted(*.knots, "knot"), points + degree + 1, ends_left_out(*.knots, points + degree + 1)
     )]
     Count {
         /// The number of knots given.
@@ -128,4 +128,10 @@ pub enum KnotError {
         /// Where it ends.
         end: f64,
     },
+}
+
+/// What to do about knots as openNURBS counts them: without the first and the last, which no point of
+/// the domain depends on.
+fn ends_left_out(knots: usize, needed: usize) -> &'static str {
+    if knots + 2 == needed { " (Rhino leaves out the first and the last: add them)" } else { "" }
 }

@@ -15,6 +15,11 @@ fn errors_tell_what_was_found_and_what_is_needed() {
         message(KnotVector::for_points(3, vec![0.0; 10], 7)),
         "10 knots, but 7 points of degree 3 need 11"
     );
+    // A clamped cubic as openNURBS keeps it.
+    assert_eq!(
+        message(KnotVector::for_points(3, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 4)),
+        "6 knots, but 4 points of degree 3 need 8 (Rhino leaves out the first and the last: add them)"
+    );
     assert_eq!(
         message(KnotVector::for_points(3, vec![0.0; 7], 3)),
         "3 points of degree 3: at least 4 are needed"
