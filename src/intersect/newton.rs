@@ -96,7 +96,9 @@ pub(super) fn newton(
     let mut escapes = 0;
     let mut best: Option<(f64, Newton)> = None;
 
-    for step in 1..=MOST_STEPS {
+    let mut steps = 0;
+    while steps < MOST_STEPS {
+        steps += 1;
         let jet = patch.jet(st);
         let at = ray.coordinates(jet.point);
         let (f, residual) = (at.truncate(), at.truncate().length());
@@ -109,13 +111,13 @@ pub(super) fn newton(
         if let Some((least, converged)) = best
             && (least <= finest || !better)
         {
-            return (converged, step);
+            return (converged, steps);
         }
 
         let (a, b) = (project(ray, jet.ds), project(ray, jet.dt));
         let delta = DVec2::new(f.perp_dot(b), a.perp_dot(f)) / a.perp_dot(b);
         if residual > CLEAR * error && grounds.rule_out(ray, st, delta, f) {
-            return (Newton::Missed, step);
+            return (Newton::Missed, steps);
         }
         let next = (st - delta).clamp(low, high);
         if next != st - delta {
@@ -126,7 +128,7 @@ pub(super) fn newton(
         }
         st = next;
     }
-    (best.map_or(Newton::Failed, |(_, converged)| converged), MOST_STEPS)
+    (best.map_or(Newton::Failed, |(_, converged)| converged), steps)
 }
 
 /// The components of a vector along the ray's two planes' normals.
