@@ -29,10 +29,8 @@ impl<'a> Spot<'a> {
         side: CollapsedSide,
         (ray, allowed): (&RayFrame, f64),
     ) -> Option<Self> {
-        let (fixed, direction) = match side {
-            CollapsedSide::S(_) => (0, Direction::U),
-            CollapsedSide::T(_) => (1, Direction::V),
-        };
+        let fixed = side.parameter();
+        let direction = [Direction::U, Direction::V][fixed];
         let trims = self.piece.trims()?;
         let own = self.piece.domain();
         let at = within(own[fixed], self.st[fixed]);
@@ -46,12 +44,11 @@ impl<'a> Spot<'a> {
         let near = |a: &f64, b: &f64| (a - free).abs().total_cmp(&(b - free).abs());
         let to = stretches.into_iter().map(nearest).min_by(near)?;
 
-        let pole = side_number(side);
         let holds = |piece: &Piece| {
             let domain = piece.domain();
             domain[fixed] == own[fixed]
                 && (domain[1 - fixed][0]..=domain[1 - fixed][1]).contains(&to)
-                && piece.collapsed(pole).is_some()
+                && piece.collapsed(side.number()).is_some()
                 && piece.trims().is_some_and(|theirs| std::ptr::eq(theirs, trims))
         };
         let (index, piece) = if holds(self.piece) {
@@ -75,12 +72,4 @@ const INSIDE: f64 = 1e-9;
 
 fn within([from, to]: [f64; 2], share: f64) -> f64 {
     if share == 1.0 { to } else { from + share * (to - from) }
-}
-
-/// The side as [`Piece::collapsed`] counts it.
-fn side_number(side: CollapsedSide) -> usize {
-    match side {
-        CollapsedSide::S(end) => end,
-        CollapsedSide::T(end) => 2 + end,
-    }
 }

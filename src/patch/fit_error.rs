@@ -23,7 +23,7 @@ use super::fit::{Fit, in_both_directions};
 use super::part::Halving;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
-const REACH: f64 = 1.2;
+pub const REACH: f64 = 1.2;
 
 /// A side of the rectangle they hold on.
 const SIDE: f64 = 2.0 * REACH;

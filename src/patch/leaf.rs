@@ -7,9 +7,9 @@ use glam::DVec3;
 use super::fit::{Approximation, Fit};
 use super::oriented_box::Axes;
 use super::part::Halving;
-use super::tangents::{Certificate, CollapsedSide, Net};
+use super::tangents::Net;
 use super::up16::Up16;
-use super::{DyadicRect, OrientedBox, Part, Piece, SceneFrame};
+use super::{Certificate, CollapsedSide, DyadicRect, OrientedBox, Part, Piece, REACH, SceneFrame};
 use crate::math::rounding;
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
@@ -106,10 +106,8 @@ impl Leaf {
             let more = part * (to - from);
             [from - more, to + more]
         });
-        match self.collapsed(piece) {
-            Some(CollapsedSide::S(end)) => rect[0][end] = end as f64,
-            Some(CollapsedSide::T(end)) => rect[1][end] = end as f64,
-            None => {}
+        if let Some(side) = self.collapsed(piece) {
+            side.end_at_it(&mut rect);
         }
         rect
     }
@@ -214,10 +212,9 @@ fn stretch(fit: &Fit, slope_error: f64) -> f64 {
     let lengths = [a.length(), b.length()];
     let least = (1.0 - (a.dot(b) / (lengths[0] * lengths[1])).abs()).sqrt();
     let mut turning = [slope_error; 2];
-    let reach = 1.2f64; // where the error's bounds hold
     for i in 0..4 {
         for j in (0..4).filter(|j| i + j > 1) {
-            let size = term(i, j).length() * reach.powi((i + j) as i32 - 1);
+            let size = term(i, j).length() * REACH.powi((i + j) as i32 - 1);
             turning[0] += i as f64 * size;
             turning[1] += j as f64 * size;
         }
@@ -231,11 +228,7 @@ fn stretch(fit: &Fit, slope_error: f64) -> f64 {
 /// The collapsed side of a piece that a rectangle touches.
 fn collapsed_side(rect: DyadicRect, piece: &Piece) -> Option<CollapsedSide> {
     let ranges = rect.ranges();
-    let touches = |side: CollapsedSide| match side {
-        CollapsedSide::S(end) => ranges[0][end] == end as f64,
-        CollapsedSide::T(end) => ranges[1][end] == end as f64,
-    };
-    piece.collapsed_sides().map(|(side, _)| side).find(|&side| touches(side))
+    piece.collapsed_sides().map(|(side, _)| side).find(|side| side.is_reached_by(&ranges))
 }
 
 const _: () = assert!(size_of::<Leaf>() == 256);

@@ -15,6 +15,8 @@
 //!
 //! [`Aabb`]: crate::math::Aabb
 
+mod certificate;
+mod collapsed_side;
 mod fit;
 mod fit_error;
 mod frame;
@@ -36,8 +38,10 @@ use smallvec::SmallVec;
 /// The homogeneous control points of a part of a piece: those of a bicubic lie in place.
 type ControlNet = SmallVec<[DVec4; 16]>;
 
+pub use certificate::Certificate;
+pub use collapsed_side::CollapsedSide;
 pub use fit::Fit;
-pub use fit_error::FitError;
+pub use fit_error::{FitError, REACH};
 pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
@@ -45,5 +49,4 @@ pub use part::Part;
 pub use piece::Piece;
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
-pub use tangents::{Certificate, CollapsedSide};
 pub use tensor::{Jet, TensorPatch};

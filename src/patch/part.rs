@@ -3,9 +3,8 @@
 use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
-use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
-use super::{ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
+use super::{CollapsedSide, ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
@@ -282,10 +281,8 @@ impl Halving {
     /// collapsed side.
     pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> ControlNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
-        match collapsed {
-            Some(CollapsedSide::S(end)) => ranges[0][end] = end as f64,
-            Some(CollapsedSide::T(end)) => ranges[1][end] = end as f64,
-            None => {}
+        if let Some(side) = collapsed {
+            side.end_at_it(&mut ranges);
         }
         self.grown(piece, ranges[0], ranges[1])
     }

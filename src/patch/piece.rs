@@ -5,9 +5,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::net::BezierNet;
-use super::tangents::CollapsedSide;
 use super::tensor::euclidean;
-use super::{Jet, TensorPatch};
+use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 
@@ -24,6 +23,10 @@ const STEADY: f64 = 16.0;
 
 /// By how much the tangents' rounding may turn the normal beside a collapsed side, in radians.
 const KNOWN: f64 = 1e-6;
+
+/// What is left of a number of f64 of which half of the digits are lost: sines and angles below it
+/// may be rounding of what second derivatives decide.
+const HALF_THE_DIGITS: f64 = 1e-8;
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -157,7 +160,6 @@ impl Piece {
     /// taken where it is the nearer of the two. So half of the digits are right everywhere. Where
     /// second derivatives know of no limit, and the tangents are but rounding, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
-        let half_the_digits = 1e-8;
         let error = self.patch.noise();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
@@ -174,7 +176,7 @@ impl Piece {
             .filter(|&side| near(side));
         let cross = jet.ds.cross(jet.dt);
         let sides = [jet.ds.length(), jet.dt.length()];
-        let regular = cross.length() > half_the_digits * sides[0] * sides[1];
+        let regular = cross.length() > HALF_THE_DIGITS * sides[0] * sides[1];
         let Some(nearest) = nearest else {
             return if regular { cross } else { self.limit(st).unwrap_or(cross) }.try_normalize();
         };
@@ -234,7 +236,6 @@ impl Piece {
 
     /// Whether the normals along a collapsed side have one limit, as far as a few places tell.
     fn has_one_limit(&self, side: usize) -> bool {
-        let half_the_digits = 1e-8;
         let end = (side % 2) as f64;
         let at = |along: f64| match side / 2 {
             0 => self.limit(DVec2::new(end, along)),
@@ -243,17 +244,16 @@ impl Piece {
         let limits = [0.1, 0.3, 0.5, 0.7, 0.9].map(at);
         let first = limits[0];
         limits.iter().all(|limit| match (first, limit) {
-            (Some(first), Some(limit)) => first.distance(*limit) <= half_the_digits,
+            (Some(first), Some(limit)) => first.distance(*limit) <= HALF_THE_DIGITS,
             _ => true, // nothing is known of a place without limit
         })
     }
 
     /// The sides that are collapsed to a point.
     pub fn collapsed_sides(&self) -> impl Iterator<Item = (CollapsedSide, DVec3)> {
-        let sides =
-            [CollapsedSide::S(0), CollapsedSide::S(1), CollapsedSide::T(0), CollapsedSide::T(1)];
-        let points = (0..4).map(|side| self.collapsed(side));
-        sides.into_iter().zip(points).filter_map(|(side, at)| Some((side, at?)))
+        CollapsedSide::ALL
+            .into_iter()
+            .filter_map(|side| Some((side, self.collapsed(side.number())?)))
     }
 }
 

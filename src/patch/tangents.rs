@@ -1,106 +1,21 @@
-//! The proof that a ray meets a leaf at most once.
+//! How the tangents of a leaf turn: what its certificate is made of.
 
 use glam::{DVec3, DVec4};
 
 use super::oriented_box::Axes;
 use super::tensor::euclidean;
-use super::up16::Up16;
-use super::{ControlNet, LEAF_SLACK, OrientedBox};
+use super::{CollapsedSide, ControlNet};
 use crate::math::Interval;
 
-/// A promise about all rays that are steep enough: each meets the leaf, widened on all
-/// sides, at most once; and how far the leaf's tangents turn.
-///
-/// # What is bounded
-/// Write the piece over the convex parameter rectangle `D` as `S = c + X / W`, where the
-/// Bernstein coefficients of `X` are `w_ij (P_ij − c)` and those of `W` are `w_ij > 0`.
-/// By the quotient rule `S_s = a / W` with `a = X_s − (S − c) W_s`, and `S_t = b / W`
-/// likewise. On `D` every component of `X_s` lies between the smallest and the largest
-/// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
-/// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
-/// the coefficients, gives a box around every coefficient of `a` and of `b`, in the frame
-/// `(a₀, b₀, n)` of the leaf's chords and its normal: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. With
-/// `α₁ > 0` in all of these boxes the quotients `α₂/α₁` and `α₃/α₁` of sums of members are
-/// weighted means of those of the members, and `b` likewise: intervals around the quotients
-/// of the coefficients hold those of the means of `a` and of `b` over any set.
-///
-/// # What is concluded
-/// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
-/// the two distances from a pair of perpendicular planes through the ray. Then
-/// `0 = F(y) − F(x) = J̄ (y − x)`, where `J̄` is the mean of the Jacobian along the segment
-/// from `x` to `y`: its columns are the projections of `∫ a/W` and `∫ b/W`, which are
-/// positive multiples `λā`, `μb̄` of means of `a` and `b`, and `det J̄ = ± λμ d·(ā × b̄)`.
-/// With `ā = α₁ (a₀ + ρ₂ b₀ + ρ₃ n)` and `b̄ = β₂ (σ₁ a₀ + b₀ + σ₃ n)`
-///
-/// `|d·(ā × b̄)| ≥ α₁ β₂ (|d·(a₀ × b₀)| m − |d·(a₀ × n)| e₁ − |d·(b₀ × n)| e₂)`,
-///
-/// `m = min(1 − ρ₂σ₁)`, `e₁ = max|σ₃ − ρ₃σ₁|`, `e₂ = max|ρ₂σ₃ − ρ₃|`. This is positive,
-/// hence `x = y`, whenever `|n·d| > |A·d| + |B·d|` with `A = (a₀ × n) e₁ / (|a₀ × b₀| m)` and
-/// `B = (b₀ × n) e₂ / (|a₀ × b₀| m)`: three dot products. Splitting off the parts along `a₀`
-/// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
-/// the turning of the tangents does; and a ray may be the flatter the less the leaf turns
-/// in the direction it comes from.
-///
-/// # How a miss is proved
-/// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
-/// component of known sign, and let the ray be certified. If it met the leaf at `y`,
-/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
-/// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
-/// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
-/// with the largest `|σ₁|` and `|σ₃|`. The same holds for `t`, with `ρ₂` and `ρ₃`.
-///
-/// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
-/// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
-/// multiples keep the argument. So poles are certified too, but for the pole itself.
-///
-/// # What rounding costs
-/// `A` and `B` are taken with 2 % to spare, so that with `θ` the angle between `d` and `n`
-/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m`. A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
-/// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
-/// owner compares that with the slack it allows itself.
-///
-/// # What is kept
-/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
-/// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The
-/// factors are kept in units of the third slope, in sixteen bits, rounded up: every condition
-/// becomes a little harder to meet, by less than 1 %. Rows in f32 are off by 2⁻²⁴ of their
-/// length; that, and six roundings of f32 of each of the three slopes, are covered by
-/// what `turning` returns last.
-#[derive(Clone, Copy, Debug)]
-pub struct Certificate {
-    /// A ray with slopes `a, b, c` meets the widened leaf at most once where
-    /// `|c| > turning₀ |a| + turning₁ |b| + rounding`.
-    turning: [Up16; 2],
-    rounding: Up16,
-    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the
-    /// root where also `|c| ≥ ε steep_per_error`.
-    steep_per_error: Up16,
-    /// For a step in `s`, then in `t`: how much of the other tangent, and of the normal, may
-    /// have to be added to `b₀`, or `a₀`, for those of the unit vectors.
-    bend: [[Up16; 2]; 2],
-    /// In a leaf that ends in a pole: `|c| ρ ≥ ε pole_per_error` is needed, too, for a ray at
-    /// the distance `ρ` from the pole. Zero for other leaves.
-    pole_per_error: Up16,
-}
-
-/// What is proved of a leaf: see [`Certificate`].
-struct Proof {
+/// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
+pub(super) struct Proof {
     /// The lengths of `A` and `B`.
-    turning: [f64; 2],
-    bend: [[f64; 2]; 2],
-    spread: f64,
+    pub(super) turning: [f64; 2],
+    pub(super) bend: [[f64; 2]; 2],
+    pub(super) spread: f64,
     /// At a pole: the parameter along the collapsed side errs by at most
     /// `ε·spread / (ρ·cos θ)` sides of the leaf.
-    pole_spread: f64,
-}
-
-/// Which side of a leaf's rectangle is collapsed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CollapsedSide {
-    /// `s` is constant: 0 or 1 tells which end.
-    S(usize),
-    /// `t` is constant: 0 or 1 tells which end.
-    T(usize),
+    pub(super) pole_spread: f64,
 }
 
 /// Leaves whose tangents are bounded with this factor to spare.
@@ -110,84 +25,17 @@ const MARGIN: f64 = 1.02;
 /// uncertified, and what rounding does to `A·d` and `B·d` grows with their lengths.
 const MOST_TURNING: f64 = 4.0;
 
-/// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
-/// length: eight roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
-const ROUNDING: f64 = 2.5e-6;
-
 /// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
 const MOST_BEND: f64 = 1e3;
 
-impl Certificate {
-    /// The certificate of the net over the widened rectangle, for rays measured by the leaf's
-    /// box. It holds for no ray when the tangents turn too far, or nothing can be said.
+impl Proof {
+    /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None` where
+    /// the tangents turn too far, or nothing can be said.
     pub(super) fn new(
         net: &Net<'_>,
         collapsed: Option<CollapsedSide>,
         axes: &Axes,
-        oriented: &OrientedBox,
-    ) -> Self {
-        let lengths = oriented.directions().map(DVec3::length);
-        let Some(proof) = Proof::new(net, collapsed, axes) else { return Self::none(collapsed) };
-        // `A` is perpendicular to `a₀`, as is the second row; `B` and `b₀` likewise.
-        let [a, b] = [0, 1].map(|k| proof.turning[1 - k] * lengths[2] / lengths[k]);
-        // Both with a little more than the rounding of the products to f32 on the way.
-        let slack = 0.5 * LEAF_SLACK * 0.999;
-        Self {
-            turning: [Up16::above(a), Up16::above(b)],
-            rounding: Up16::above(ROUNDING * lengths[2]),
-            steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
-            bend: proof.bend.map(|bend| bend.map(Up16::above)),
-            pole_per_error: Up16::above(proof.pole_spread * lengths[2] / slack),
-        }
-    }
-
-    /// No ray is certified.
-    fn none(collapsed: Option<CollapsedSide>) -> Self {
-        let never = Up16::above(f64::INFINITY);
-        let pole_per_error = if collapsed.is_some() { never } else { Up16::above(0.0) };
-        Self {
-            turning: [never; 2],
-            rounding: never,
-            steep_per_error: never,
-            bend: [[never; 2]; 2],
-            pole_per_error,
-        }
-    }
-
-    /// Whether a ray with these slopes meets the widened leaf at most once.
-    pub fn holds(&self, [a, b, c]: [f64; 3]) -> bool {
-        let [by_a, by_b] = self.turning.map(|turning| f64::from(turning.value()));
-        c.abs() > by_a * a.abs() + by_b * b.abs() + f64::from(self.rounding.value())
-    }
-
-    /// The factors of the first two slopes, and what is added for rounding.
-    #[inline(always)]
-    pub fn turning(&self) -> [f32; 3] {
-        [self.turning[0].value(), self.turning[1].value(), self.rounding.value()]
-    }
-
-    /// The third slope needed for an error of one scene unit.
-    #[inline(always)]
-    pub fn steep_per_error(&self) -> f32 {
-        self.steep_per_error.value()
-    }
-
-    /// The same, times the distance from the pole; zero for leaves without one.
-    #[inline(always)]
-    pub fn pole_per_error(&self) -> f32 {
-        self.pole_per_error.value()
-    }
-
-    /// How much of the other tangent and of the normal is to be reckoned with, for a step in
-    /// `s`, then in `t`.
-    #[inline(always)]
-    pub fn bend(&self) -> [[f64; 2]; 2] {
-        self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
-    }
-}
-
-impl Proof {
-    fn new(net: &Net<'_>, collapsed: Option<CollapsedSide>, axes: &Axes) -> Option<Self> {
+    ) -> Option<Self> {
         let [a, b, _] = axes.axes;
         match collapsed {
             None => Tangents::regular(net, net.middle())?.proof(None, [a, b]),

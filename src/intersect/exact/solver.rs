@@ -362,11 +362,7 @@ impl ExactSolver {
     }
 
     fn at_collapsed_side(&self, task: &Task<'_>, rect: Rect) -> bool {
-        match task.collapsed {
-            Some(CollapsedSide::S(end)) => rect[0][end] == end as f64,
-            Some(CollapsedSide::T(end)) => rect[1][end] == end as f64,
-            None => false,
-        }
+        task.collapsed.is_some_and(|side| side.is_reached_by(&rect))
     }
 }
 

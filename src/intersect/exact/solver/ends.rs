@@ -6,7 +6,6 @@ use super::{Candidate, END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Sol
 use super::{halves, holds, inner, linearised};
 use crate::intersect::exact::Rect;
 use crate::intersect::exact::contact::{self, Contact};
-use crate::patch::CollapsedSide;
 
 impl ExactSolver {
     /// Adds one contact that stands for all the spare boxes: its first and last place.
@@ -65,8 +64,7 @@ impl ExactSolver {
     fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
-            Some(CollapsedSide::S(_)) => 0,
-            Some(CollapsedSide::T(_)) => 1,
+            Some(side) => side.parameter(),
             None => usize::from(spread.y > spread.x),
         };
         if exhausted[wanted] { 1 - wanted } else { wanted }
@@ -117,19 +115,11 @@ impl ExactSolver {
             }
             let middle = 0.5 * (ends[0] + ends[1]);
             solutions.push(match task.collapsed.filter(|_| contact.collapsed) {
-                Some(side) => Solution { st: at_side(side, middle), proof: Proof::Collapsed },
+                Some(side) => Solution { st: side.beside(middle), proof: Proof::Collapsed },
                 None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
             });
         }
         self.contacts = contacts;
-    }
-}
-
-/// The place moved to a side.
-fn at_side(side: CollapsedSide, st: DVec2) -> DVec2 {
-    match side {
-        CollapsedSide::S(end) => DVec2::new(end as f64, st.y),
-        CollapsedSide::T(end) => DVec2::new(st.x, end as f64),
     }
 }
 
