@@ -27,14 +27,12 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
             Some(j) => {
                 let flags = meetings[j].flags.with(meeting.flags);
                 let beyond = meetings[j].beyond && meeting.beyond;
-                let doubtful = HitFlags::DOUBTFUL;
-                let certain = |m: &Meeting| !m.flags.contains(doubtful);
-                let decided = (certain(&meetings[j]) || certain(&meeting))
+                let decided = (meetings[j].is_certain() || meeting.is_certain())
                     && !(touches(&meetings[j]) || touches(&meeting));
-                if certain(&meeting) && !certain(&meetings[j]) {
+                if meeting.is_certain() && !meetings[j].is_certain() {
                     meetings[j] = meeting;
                 }
-                meetings[j].flags = if decided { flags.without(doubtful) } else { flags };
+                meetings[j].flags = if decided { flags.without(HitFlags::DOUBTFUL) } else { flags };
                 meetings[j].beyond = beyond;
             }
             None => {
@@ -71,8 +69,7 @@ const GRAZING: f64 = 1e-4;
 /// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
 /// which side the ray is of the surface around the corner is known.
 fn touches(meeting: &Meeting) -> bool {
-    let doubtful = meeting.flags.contains(HitFlags::DOUBTFUL);
-    doubtful && meeting.cosine.abs() < GRAZING && meeting.normal.is_some()
+    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && meeting.normal.is_some()
 }
 
 /// Whether two meetings lead through the surface in the same direction, as far as is known.

@@ -157,15 +157,9 @@ mod sealed {
 pub struct Answer {
     /// The hit with the smallest `t`.
     pub hit: Option<Hit>,
-    /// Whether floating point could not decide some part of the answer.
+    /// Whether floating point could not decide some part of the answer. If there is a hit, it is
+    /// flagged [`DOUBTFUL`](HitFlags::DOUBTFUL) if and only if the answer is.
     pub doubtful: bool,
-}
-
-impl Answer {
-    /// Whether anything of the answer is doubtful, the hit included.
-    pub fn is_doubtful(&self) -> bool {
-        self.doubtful || self.hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL))
-    }
 }
 
 /// Whether anything lies on the ray.

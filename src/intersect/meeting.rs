@@ -7,7 +7,7 @@ use super::exact::{ExactSolver, Solution};
 use super::{HitFlags, Occlusion, Root, Statistics};
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
-use crate::patch::{Jet, Leaf, OrientedBox, PatchSet, Piece};
+use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, SceneFrame};
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,25 @@ pub(super) struct Meeting {
     pub(super) beyond: bool,
 }
 
+impl Meeting {
+    /// Whether floating point has decided that it is one.
+    pub(super) fn is_certain(&self) -> bool {
+        !self.flags.contains(HitFlags::DOUBTFUL)
+    }
+}
+
+/// What meetings come to as the answer of an any-hit search; `doubt` is the smallest ray parameter
+/// at which something may have been missed.
+pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: f64) -> Occlusion {
+    let (mut occluded, mut certain) = (false, false);
+    for meeting in meetings {
+        occluded = true;
+        certain |= meeting.is_certain();
+    }
+    let doubtful = !certain && (occluded || doubt < f64::INFINITY);
+    Occlusion { occluded, doubtful }
+}
+
 /// Everything a search of leaves needs to know of the question.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Question<'a> {
@@ -49,6 +68,22 @@ pub(super) struct Place<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) oriented: &'a OrientedBox,
     pub(super) piece: &'a Piece,
+}
+
+impl Place<'_> {
+    /// A ray's way through the leaf's box, if it may meet the leaf before `limit` and after its start,
+    /// both in scene units along it, and to within rounding.
+    pub(super) fn passage(
+        &self,
+        ray: &RayFrame,
+        scene: &SceneFrame,
+        limit: f64,
+    ) -> Option<Passage> {
+        let slack = error_bound(self.piece, ray);
+        let passage = self.oriented.passage(ray, scene, slack)?;
+        let apart = passage.entry > limit + slack || passage.exit < ray.z_range[0] - slack;
+        (!apart).then_some(passage)
+    }
 }
 
 impl<'a> Question<'a> {
@@ -106,11 +141,9 @@ impl Findings {
 
     /// What was found as the answer of an any-hit search.
     pub(super) fn occlusion(&mut self) -> Occlusion {
-        let certain = self.meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
-        let occluded = !self.meetings.is_empty();
-        let doubtful = !certain && (occluded || self.doubt < f64::INFINITY);
-        self.statistics.doubtful += u64::from(doubtful);
-        Occlusion { occluded, doubtful }
+        let occlusion = occlusion(self.meetings.iter(), self.doubt);
+        self.statistics.doubtful += u64::from(occlusion.doubtful);
+        occlusion
     }
 
     pub(super) fn doubt_at(&mut self, t: f64) {

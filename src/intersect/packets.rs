@@ -1,8 +1,7 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave.
 
 use super::borders::{at_border, error_bound};
-use super::meeting::Meeting;
-use super::singles::is_certain;
+use super::meeting::{Meeting, occlusion};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
 use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
@@ -80,12 +79,10 @@ impl Tracer<'_> {
     /// The occlusion of a ray of which only the scalar search has found anything.
     fn judged_occlusion(&mut self, k: usize) -> Occlusion {
         let PacketScratch { meetings, doubt, .. } = &*self.packets;
-        let mut found = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
-        let certain = found.clone().any(is_certain);
-        let occluded = found.next().is_some();
-        let doubtful = !certain && (occluded || doubt[k] < f64::INFINITY);
-        self.findings.statistics.doubtful += u64::from(doubtful);
-        Occlusion { occluded, doubtful }
+        let found = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
+        let occlusion = occlusion(found, doubt[k]);
+        self.findings.statistics.doubtful += u64::from(occlusion.doubtful);
+        occlusion
     }
 
     fn trace_packet<Q: Shot>(
@@ -122,7 +119,7 @@ impl Tracer<'_> {
             effort[k] = self.findings.effort;
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             let found = &self.findings.meetings;
-            if wanted == Wanted::Any && found.iter().any(is_certain) {
+            if wanted == Wanted::Any && found.iter().any(Meeting::is_certain) {
                 enough |= 1 << k;
             }
             meetings.extend(found.iter().map(|&meeting| (k, meeting)));

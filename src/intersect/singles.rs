@@ -62,12 +62,9 @@ impl Tracer<'_> {
         for &index in &self.single.rest {
             let oriented = bvh.tree.oriented(index);
             let place = bvh.place(index, &oriented);
-            let slack = error_bound(place.piece, frame);
-            let passage = oriented.passage(frame, &bvh.tree.frame, slack);
+            let passage = place.passage(frame, &bvh.tree.frame, limit);
             let Some(passage) = passage else { continue };
-            if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
-                continue;
-            }
+            let slack = error_bound(place.piece, frame);
             let before = self.findings.meetings.len();
             leaf_search::search(&question, &place, &passage, limit + slack, &mut self.findings);
             for meeting in &self.findings.meetings[before..] {
@@ -76,7 +73,7 @@ impl Tracer<'_> {
                     Wanted::First => {
                         limit = limit.min((meeting.t + meeting.t_error) / frame.t_from_z);
                     }
-                    Wanted::Any if is_certain(meeting) => return,
+                    Wanted::Any if meeting.is_certain() => return,
                     Wanted::Any => {}
                 }
             }
@@ -170,10 +167,6 @@ fn search<S: Simd>(
     trace_single(simd, &bvh.scene(), &mut single, (&mut *work, &mut *statistics));
     statistics.newton_iterations += std::mem::take(&mut work.steps);
     frame
-}
-
-pub(super) fn is_certain(meeting: &Meeting) -> bool {
-    !meeting.flags.contains(HitFlags::DOUBTFUL)
 }
 
 /// A certified hit with all that is to be said of it.

@@ -3,7 +3,6 @@
 use fearless_simd::Level;
 use glam::DVec3;
 
-use super::borders::error_bound;
 use super::leaf_search;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::tree::ChildCode;
@@ -107,8 +106,7 @@ impl<'a> Tracer<'a> {
         let frame = RayFrame::new(&query.ray);
         self.collect(query, &frame, leaf_search::search, |meetings| {
             // One certain hit is enough; a doubtful one keeps the search going.
-            let certain = meetings.iter().any(|m| !m.flags.contains(HitFlags::DOUBTFUL));
-            if certain { f64::NEG_INFINITY } else { f64::INFINITY }
+            if meetings.iter().any(Meeting::is_certain) { f64::NEG_INFINITY } else { f64::INFINITY }
         });
         self.findings.occlusion()
     }
@@ -125,9 +123,8 @@ impl<'a> Tracer<'a> {
         crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces());
         let set = &self.bvh.set;
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, &frame, meeting)));
-        let flagged = |m: &Meeting| m.flags.contains(HitFlags::DOUBTFUL);
-        let doubtful =
-            self.findings.meetings.iter().any(flagged) || self.findings.doubt < f64::INFINITY;
+        let certain = self.findings.meetings.iter().all(Meeting::is_certain);
+        let doubtful = !certain || self.findings.doubt < f64::INFINITY;
         self.findings.statistics.doubtful += u64::from(doubtful);
         doubtful
     }
@@ -208,12 +205,8 @@ impl<'a> Tracer<'a> {
         let mut limit = frame.z_range[1];
         let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, oriented| {
             let place = bvh.place(index, oriented);
-            let slack = error_bound(place.piece, frame);
-            let passage = oriented.passage(frame, &bvh.tree.frame, slack);
+            let passage = place.passage(frame, &bvh.tree.frame, limit);
             let Some(passage) = passage else { return limit };
-            if passage.entry > limit + slack || passage.exit < frame.z_range[0] - slack {
-                return limit;
-            }
             let before = findings.meetings.len();
             search(&question, &place, &passage, limit, findings);
             if findings.meetings.len() > before {

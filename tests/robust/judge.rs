@@ -87,6 +87,11 @@ impl<'a> Judge<'a> {
 
     /// What is wrong with a first hit alone.
     pub(crate) fn faults_of_first(&self, shot: &Shot, first: &Answer) -> Vec<String> {
+        if let Some(hit) = first.hit
+            && hit.flags.contains(HitFlags::DOUBTFUL) != first.doubtful
+        {
+            return vec![format!("doubtful: {}, but the hit {:?}", first.doubtful, hit.flags)];
+        }
         let unsound = first.hit.iter().filter_map(|hit| self.unsound(&shot.ray, hit));
         unsound.chain(self.target_passed(shot, "first hit", first)).collect()
     }

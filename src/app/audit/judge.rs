@@ -100,7 +100,7 @@ impl<'a> Judge<'a> {
         let ray = &shot.query.ray;
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
-        let doubtful = answer.is_doubtful();
+        let doubtful = answer.doubtful;
         let fault = match measured {
             _ if doubtful => None,
             Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),

@@ -39,7 +39,7 @@ pub(super) enum View {
 
 impl View {
     fn new(answer: &Answer, ray: &Ray) -> Self {
-        match answer.is_doubtful() {
+        match answer.doubtful {
             true => Self::Doubtful,
             false => Self::Known(on_surface(answer, ray)),
         }
@@ -117,7 +117,7 @@ pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::{BuildOptions, HitFlags, Query};
+    use nurbray::intersect::{BuildOptions, Query};
 
     use super::*;
 
@@ -131,12 +131,9 @@ mod tests {
         assert!((known.sight().unwrap().point.length() - 1.0).abs() < 1e-15);
 
         let answer = Answer { doubtful: true, ..met };
-        let mut hit = met.hit.unwrap();
-        hit.flags.insert(HitFlags::DOUBTFUL);
-        let flagged = Answer { hit: Some(hit), ..met };
         let missing = Answer { hit: None, doubtful: true };
-        let views = [answer, flagged, missing].map(|answer| View::new(&answer, &ray));
-        assert_eq!(views, [View::Doubtful; 3]);
+        let views = [answer, missing].map(|answer| View::new(&answer, &ray));
+        assert_eq!(views, [View::Doubtful; 2]);
         assert!(views[0].sight().is_none());
         let nothing = View::new(&Answer::default(), &ray);
         assert_eq!(nothing, View::Known(None));

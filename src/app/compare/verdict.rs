@@ -87,7 +87,7 @@ impl Judge<'_> {
         let mut tracer = self.bvh.tracer();
         let mut sees_it = |aside: Ray| {
             let answer = tracer.first_hit(&Query::primary(aside));
-            if answer.is_doubtful() {
+            if answer.doubtful {
                 return true;
             }
             match (sight::on_surface(&answer, &aside), theirs) {

@@ -129,7 +129,7 @@ fn first_hit(answer: &Answer, query: &Query) -> Outcome {
     Outcome {
         distance: Some(hit.t * direction.length()),
         incidence: if cosine.is_nan() { 1.0 } else { cosine },
-        doubtful: answer.is_doubtful(),
+        doubtful: answer.doubtful,
     }
 }
 
