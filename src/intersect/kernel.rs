@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use fearless_simd::Level;
+use thiserror::Error;
 
 /// Which code searches for hits. All give the same answers, to the stated accuracy; one kernel
 /// gives the same bits on every processor of one architecture that can run it.
@@ -69,10 +70,31 @@ impl fmt::Display for Kernel {
     }
 }
 
-impl FromStr for Kernel {
-    type Err = ();
+/// A name that no kernel has.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("unknown kernel \"{0}\"; known: scalar, portable, avx2, avx512")]
+pub struct UnknownKernel(String);
 
-    fn from_str(name: &str) -> Result<Self, ()> {
-        Self::ALL.iter().copied().find(|kernel| kernel.name() == name).ok_or(())
+impl FromStr for Kernel {
+    type Err = UnknownKernel;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKernel> {
+        let known = Self::ALL.iter().copied().find(|kernel| kernel.name() == name);
+        known.ok_or_else(|| UnknownKernel(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_are_known_by_their_names() {
+        for &kernel in Kernel::ALL {
+            assert_eq!(kernel.name().parse(), Ok(kernel));
+        }
+        let names: Vec<_> = Kernel::ALL.iter().map(|kernel| kernel.name()).collect();
+        let message = "sse".parse::<Kernel>().unwrap_err().to_string();
+        assert_eq!(message, format!("unknown kernel \"sse\"; known: {}", names.join(", ")));
     }
 }

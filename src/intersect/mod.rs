@@ -94,6 +94,6 @@ mod wide;
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
 pub use coherence::{Coherence, Neighbours};
 pub use hit::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot};
-pub use kernel::Kernel;
+pub use kernel::{Kernel, UnknownKernel};
 pub use statistics::Statistics;
 pub use tracer::Tracer;
