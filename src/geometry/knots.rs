@@ -1,12 +1,13 @@
 //! Knot vectors: the parameter values at which the pieces of a spline meet.
 
 use super::KnotError;
+use crate::math::bernstein;
 
 /// The highest degree supported.
 ///
 /// Basis functions are evaluated in arrays of this size plus one on the stack, so that
 /// nothing allocates per point. Files from CAD systems rarely exceed degree 24.
-pub const MAX_DEGREE: usize = 32;
+pub const MAX_DEGREE: usize = bernstein::MAX_DEGREE;
 
 /// The largest number of control points in one direction: more is taken for a mistake and
 /// refused before memory is asked for. 2²⁴ points of 32 bytes are half a gigabyte.

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::coherence::leaf_width;
 use super::tree::Tree;
+use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, ScaledBox, SceneFrame};
@@ -113,7 +114,7 @@ impl SurfaceBvh {
 /// How far a point may be from a ray, in scaled coordinates, for boxes in f32 to meet the ray all the
 /// same: a quarter of what rays are blurred by at the boxes of nodes, and what oriented boxes are grown
 /// by.
-const BLUR_OF_F32: f64 = 1e-6;
+const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 
 /// The largest coordinate an origin may have for the work in f32.
 ///

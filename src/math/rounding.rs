@@ -13,7 +13,7 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// normal add the rest (Higham 2002, ch. 3). The worst case would be about
 /// `6 (p + q + 4)`; errors of random sign stay well below half of it, and the bound
 /// taken here is the promise the tests hold us to.
-pub fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
+pub const fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
     4.0 * (degree_u + degree_v + 4) as f64 * UNIT_ROUNDOFF
 }
 

@@ -39,6 +39,14 @@ const THIN: f64 = 256.0;
 /// is soon within rounding.
 const WIDE: f64 = 4096.0;
 
+/// The inverse of a Jacobian is of use where it makes no more than this part of the box's side of the
+/// rounding error: what it then cuts off, or proves, is worth its cost.
+const MOST_AMPLIFIED: f64 = 0.05;
+
+/// Krawczyk's test is made where the map contracts to less than this: it proves something below one,
+/// but so near to it little is cut off.
+const MOST_CONTRACTION: f64 = 0.9;
+
 /// A box is not divided below this side: parameters near 1 have no finer digits.
 const FINEST: f64 = 4.0 * f64::EPSILON;
 
@@ -216,7 +224,7 @@ impl ExactSolver {
         let longer = usize::from(jacobian.y_axis.length() > jacobian.x_axis.length());
         let inverse = jacobian.inverse();
         let amplified = error * (inverse.x_axis.abs() + inverse.y_axis.abs()).max_element();
-        let usable = amplified < 0.05; // false for NaN: a singular Jacobian
+        let usable = amplified < MOST_AMPLIFIED; // false for NaN: a singular Jacobian
         if !usable {
             return self.turned(rect, &bounds, error);
         }
@@ -231,7 +239,7 @@ impl ExactSolver {
 
         // Krawczyk's test on the box of side 1.
         let kappa = self.preconditioned.contraction();
-        if kappa.max_element() < 0.9 {
+        if kappa.max_element() < MOST_CONTRACTION {
             let center = DVec2::splat(0.5) - self.preconditioned.middle();
             let radius = 0.5 * kappa + amplified;
             let (low, high) = (center - radius, center + radius);

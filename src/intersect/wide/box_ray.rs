@@ -8,7 +8,7 @@ use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 /// How far the ray in f32 may be from the true one where it meets the scene, in scaled
 /// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
 /// and four roundings of each.
-pub(super) const BLUR: f32 = 4e-6;
+pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than
 /// [`BLUR`] for it, and quotients stay finite.
@@ -16,7 +16,7 @@ const LEAST: f32 = 1e-12;
 
 /// Directions along a box's side are taken for at least this part of a turn: so quotients
 /// stay finite, and far larger than any distance that matters.
-const LEAST_SLOPE: f32 = 1e-12;
+pub(super) const LEAST_SLOPE: f32 = 1e-12;
 
 /// Box entries and exits are compared with this to spare, in scaled coordinates: some
 /// roundings of f32 at the distances a ray has inside the scene.

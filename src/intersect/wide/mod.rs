@@ -21,9 +21,20 @@
 //! sixteen pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
 //! (`newton`).
 //!
-//! What they stand on: rays in lanes (`frames`, `load`), the surface in lanes (`jets`, for leaves of
-//! one patch by `target`, of many by `lane_net`), bicubic polynomials (`cubic`), and what trims say of
-//! a hit (`trimmed`).
+//! The files, in the order to read them in:
+//!
+//! | | packets: many rays, one leaf | single: one ray, many boxes | streams: many pairs |
+//! |---|---|---|---|
+//! | rays | `frames`, `load`, `packet`, `outline` | `single_ray`, `box_ray` | `frames`, `box_ray` |
+//! | the tree | `traverse` | `single` | `stream` |
+//! | a leaf: box, certificate | `leaf`, `search` | `single` | `stream` |
+//! | its start in f32 | `distances` | `single_search` | `pairs` |
+//! | its own proof | `lane_proof` | `single_proof` | as a single ray |
+//! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
+//!
+//! All stand on the surface in lanes (`jets`, for leaves of one patch by `target`, of many by
+//! `lane_net`), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
+//! `departure`), and on what trims say of a hit (`trimmed`).
 
 mod box_ray;
 mod cubic;
@@ -53,13 +64,14 @@ mod target;
 mod traverse;
 mod trimmed;
 
+pub(super) use box_ray::BLUR;
 pub(super) use packet::{LaneHit, Packet};
 pub(super) use single::{Scene, SingleWork, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
 pub(super) use stream::{FLIGHTS, Stream, trace_stream};
 pub(super) use traverse::{Work, trace};
 
+use super::tree::LANES;
+
 /// Rays in a packet: a square of 8 × 8 pixels.
 pub(super) const PACKET: usize = 64;
-
-use super::tree::LANES;

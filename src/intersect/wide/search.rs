@@ -3,16 +3,9 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask32x16};
 use fearless_simd_macros::simd;
 
+use super::box_ray::{LEAST_SLOPE, SPARE};
 use super::packet::{Lanes3, Lanes3f, Packet};
 use crate::patch::{Leaf, OrientedBox};
-
-/// Directions along a box's side are taken for at least this part of a turn: so quotients
-/// stay finite, and far larger than any distance that matters.
-const LEAST_SLOPE: f32 = 1e-12;
-
-/// Box entries and exits are compared with this to spare, in scaled coordinates: some
-/// roundings of f32 at the distances a ray has inside the scene.
-const SPARE: f32 = 4e-6;
 
 /// Which of sixteen rays meet a leaf's box, and where they cross its middle; what the box's rows
 /// say of their directions.

@@ -1,8 +1,9 @@
 //! One ray against one leaf, in f64 on the true surface.
 //!
-//! The ray is certified: it meets the widened leaf at most once. So where Newton's iteration
-//! converges it has found the one root: a hit if that lies in the leaf or its slack, else the
-//! leaf is proved to be missed. Roots outside the piece, or too near an end of the ray or the
+//! In the domain the caller names there is one root at most: in the widened leaf, where the
+//! certificate speaks of the ray, or in a part of it, where the ray's own proof does. So where
+//! Newton's iteration converges it has found the one root: a hit if that lies in the leaf or its
+//! slack, else that domain is proved to hold none. Roots outside the piece, or too near an end of the ray or the
 //! root it starts on, are left to the scalar search, as is what does not converge.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};

@@ -10,9 +10,9 @@ use crate::patch::Leaf;
 /// second 1e-4 or the fit's error.
 const STEPS: usize = 2;
 
-/// The search, and what is proved, may leave the leaf by this much of its half side: what the
-/// certificate covers.
-pub(super) const REACH: f32 = 1.2;
+/// The search, and what is proved, may leave the leaf as far as the bounds of the approximation's
+/// error hold, in box coordinates.
+pub(super) const REACH: f32 = crate::patch::REACH as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes: coefficients of
 /// `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
