@@ -82,8 +82,8 @@
 //!
 //! # What may be relied on
 //!
-//! Let ε = 2⁻⁵³, M the largest coordinate magnitude of the ray's origin and the surface, and
-//! C = 4 (p + q + 4) for a surface of degrees p and q ([`math::rounding::residual_factor`]
+//! Let ε = 2⁻⁵³, M the largest coordinate magnitude of the ray's origin and the surface's control
+//! points, and C = 4 (p + q + 4) for a surface of degrees p and q ([`math::rounding::residual_factor`]
 //! says where C comes from).
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged

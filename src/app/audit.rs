@@ -78,8 +78,8 @@ beyond the border by more than a quarter of the promise. What trims
 keep is judged by even-odd against polylines within 1/1000 of the domain of the
 trim curves, which the tracer does not know; within twice that of one both sides
 pass, but points of class trim-edges are on the curves, and owed. M is the
-largest coordinate magnitude of the ray's origin and the surface. The bound of
-the residual, for degrees p and q and e = 2^-53, is
+largest coordinate magnitude of the ray's origin and the surface's control
+points. The bound of the residual, for degrees p and q and e = 2^-53, is
 b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|): the promise 4 (p + q + 4) e M
 twice, for the hit and for checking it, and the rounding of u and v. The bound
 of t, in units of length, is the sum of both hits' b over |N.d|, at most

@@ -53,7 +53,7 @@ pub(crate) struct Truth<'a> {
 struct Measure {
     /// `|S(u, v) − (o + t d)|`, by the surface as authored.
     residual: f64,
-    /// The largest coordinate magnitude of the ray's origin and the surface.
+    /// The largest coordinate magnitude of the ray's origin and the surface's control points.
     magnitude: f64,
     /// What the residual may be by the promise.
     promise: f64,
