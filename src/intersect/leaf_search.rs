@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec4};
 
 use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
-use super::exact::{END, Proof, Rect, STRETCH, Solution, Task};
+use super::exact::{AT_POLE, END, Proof, Rect, STRETCH, Solution, Task};
 use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::newton::{Grounds, Newton, newton};
@@ -184,7 +184,7 @@ fn accept(
     let residual = ray.coordinates(jet.point).truncate().length();
     let (allowed, mut flags) = match solution.proof {
         Proof::Isolated(_) => (error, HitFlags::NONE),
-        Proof::Collapsed => (2.0 * error, HitFlags::NONE),
+        Proof::Collapsed => (AT_POLE * error, HitFlags::NONE),
         Proof::Contact { .. } => (2.0 * error, HitFlags::DOUBTFUL),
         Proof::Stretch(_) => (4.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
     };

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::{Cage, Surface};
-use nurbray::intersect::Query;
+use nurbray::intersect::{Kernel, Query};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -120,6 +120,37 @@ fn no_crossing_is_lost_beside_a_pole() {
         // Doubt is due below the root of the rounding error.
         let least = if shift.x > 1e3 { 0.2 } else { 0.4 };
         assert!(f64::from(certain) > least * 20_000.0, "{}: {certain} certain", model.name);
+    }
+}
+
+/// A steep ray that passes a pole by more than it may be off, but by too little for a root to be proved
+/// there, has a hit, be it a doubtful one: nobody looks out of a closed body beside its pole.
+#[test]
+fn a_steep_ray_beside_a_pole_has_a_hit() {
+    let mut random = Random::new(61);
+    for (scale, shift) in [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1.0, DVec3::splat(1e3))] {
+        let model = models::sphere().placed(scale, shift);
+        let (bvh, judge) = (model.bvh(), Judge::new(&model));
+        let pole = model.surfaces[0].point_at(DVec2::new(0.0, 0.3));
+        for kernel in Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            for _ in 0..1_000 {
+                let aside =
+                    scale * random.power_of_ten(-15.0, -6.0) * random.perpendicular(DVec3::Z);
+                let back = scale * (0.5 * random.direction() + DVec3::Z); // the pole is the upper one
+                let origin = pole + aside - back;
+                let ray = Ray::new(origin, pole + aside - origin).unwrap();
+                let query = Query::primary(ray);
+                let said = || format!("{kernel}, {}: {aside}, {ray:?}", model.name);
+                let answer = tracer.first_hit(&query);
+                let hit = answer.hit.unwrap_or_else(|| panic!("{}: no hit", said()));
+                // In a pole twice the promise; what is doubtful may be off by some times that.
+                let allowed = if answer.doubtful { 8.0 } else { 2.0 };
+                let off_ray = hit.point.distance(ray.at(hit.t));
+                assert!(off_ray <= allowed * judge.measure(&ray, &hit).promise, "{}", said());
+                assert!(tracer.occluded(&query).occluded, "{}", said());
+            }
+        }
     }
 }
 

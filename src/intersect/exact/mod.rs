@@ -32,4 +32,4 @@ mod parameter_box;
 mod solver;
 
 pub(crate) use parameter_box::Rect;
-pub(super) use solver::{END, ExactSolver, Proof, STRETCH, Solution, Task};
+pub(super) use solver::{AT_POLE, END, ExactSolver, Proof, STRETCH, Solution, Task};

@@ -59,6 +59,9 @@ pub(crate) const END: f64 = 1e-9;
 /// 1e-8, at one of fourth order 1e-4.
 pub(crate) const STRETCH: f64 = 1e-3;
 
+/// A ray that passes the point of a collapsed side within so many errors meets it there.
+pub(crate) const AT_POLE: f64 = 2.0;
+
 /// One leaf and one ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task<'a> {

@@ -2,7 +2,9 @@
 
 use glam::{DMat2, DVec2};
 
-use super::{Candidate, END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task};
+use super::{
+    AT_POLE, Candidate, END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task,
+};
 use super::{halves, holds, inner, linearised};
 use crate::intersect::exact::Rect;
 use crate::intersect::exact::contact::{self, Contact};
@@ -114,8 +116,13 @@ impl ExactSolver {
                 continue;
             }
             let middle = 0.5 * (ends[0] + ends[1]);
-            solutions.push(match task.collapsed.filter(|_| contact.collapsed) {
-                Some(side) => Solution { st: side.beside(middle), proof: Proof::Collapsed },
+            // Boxes beside a pole reach it where all they hold is one line through it, to within
+            // rounding: the ray may still pass the line farther along.
+            let side = task.collapsed.filter(|_| contact.collapsed);
+            let pole = side.map(|side| side.beside(middle));
+            let pole = pole.filter(|&st| linearised(task, st).1.length() <= AT_POLE * task.error);
+            solutions.push(match pole {
+                Some(st) => Solution { st, proof: Proof::Collapsed },
                 None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
             });
         }
