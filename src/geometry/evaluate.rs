@@ -28,6 +28,36 @@ impl NurbsSurface {
         sum.xyz() / sum.w
     }
 
+    /// The points `S(u, v)` for all pairs of a `u` and a `v`, those of the first `u` first: the
+    /// same as [`point_at`](Self::point_at) gives, bit for bit, with less work for each.
+    pub fn points_at(&self, us: &[f64], vs: &[f64]) -> Vec<DVec3> {
+        let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
+        let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
+        let rows = self.size().0;
+        // For each v the control points of the curve over it.
+        let mut curves = vec![DVec4::ZERO; rows * vs.len()];
+        for (curve, &v) in curves.chunks_exact_mut(rows).zip(vs) {
+            let first = self.knots_v().basis(v, &mut values) - q;
+            for (i, sum) in curve.iter_mut().enumerate() {
+                for b in 0..=q {
+                    *sum += values[b] * self.homogeneous(i, first + b);
+                }
+            }
+        }
+        let mut points = Vec::with_capacity(us.len() * vs.len());
+        for &u in us {
+            let first = self.knots_u().basis(u, &mut values) - p;
+            points.extend(curves.chunks_exact(rows).map(|curve| {
+                let mut sum = DVec4::ZERO;
+                for a in 0..=p {
+                    sum += values[a] * curve[first + a];
+                }
+                sum.xyz() / sum.w
+            }));
+        }
+        points
+    }
+
     /// The point `S(u, v)` with its first and second derivatives.
     ///
     /// At inner knots they belong to the piece that begins there, as the basis functions do.

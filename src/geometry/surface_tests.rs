@@ -204,3 +204,18 @@ fn maps_move_points_and_normals() {
         assert!((mirrored.normal(u, v).unwrap() + out).length() < 1e-13);
     }
 }
+
+/// At ends, at knots, off the domain, and where there is no number.
+#[test]
+fn points_on_a_grid_are_the_points() {
+    let points: Vec<_> = net(6, 5).iter().map(|p| p + DVec3::Z * (p.x * p.y).sin()).collect();
+    let weights = (0..30).map(|k| 1.0 + f64::from(k % 7)).collect();
+    let surface = NurbsSurface::new(knots(3, 6), knots(2, 5), points, Some(weights)).unwrap();
+    let us = [0.0, 0.1, 1.0 / 3.0, 0.9, 1.0, 1.25, f64::NAN];
+    let vs = [1.0, 2.0 / 3.0, 0.5, 0.0, -0.25];
+    let bits = |point: DVec3| point.to_array().map(f64::to_bits);
+    let grid: Vec<_> = surface.points_at(&us, &vs).into_iter().map(bits).collect();
+    let one_by_one = us.iter().flat_map(|&u| vs.map(|v| bits(surface.point_at(u, v))));
+    assert_eq!(grid, one_by_one.collect::<Vec<_>>());
+    assert_eq!(surface.points_at(&us, &[]), []);
+}

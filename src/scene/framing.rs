@@ -70,10 +70,11 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     };
     let us = parameters(us, across, [bounds.min.x, bounds.max.x]);
     let vs = parameters(vs, across, [bounds.min.y, bounds.max.y]);
+    let points = surface.points_at(&us, &vs);
+    let Some(trims) = &chart.trims else { return points };
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
-    let kept =
-        |uv: &DVec2| chart.trims.as_ref().is_none_or(|trims| trims.contains(*uv) != Side::Outside);
-    grid.filter(kept).map(|uv| surface.point_at(uv.x, uv.y)).collect()
+    let kept = |&(uv, _): &(DVec2, DVec3)| trims.contains(uv) != Side::Outside;
+    grid.zip(points).filter(kept).map(|(_, point)| point).collect()
 }
 
 /// The ends of all spans within a range, and between them as many parameters as make up `across`.
