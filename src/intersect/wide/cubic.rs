@@ -2,15 +2,14 @@
 
 use fearless_simd::{Simd, SimdFloat};
 
-/// The coefficients of a cubic in `(x − middle) / half`.
+/// The coefficients of a cubic in `(x − m) / h`.
 #[inline(always)]
 pub(super) fn moved<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
     [c0, c1, c2, c3]: [V; 4],
-    (middle, half): (f32, f32),
+    (m, h): (V, V),
 ) -> [V; 4] {
-    let (m, h) = (V::splat(simd, middle), V::splat(simd, half));
-    let (three, h2) = (V::splat(simd, 3.0), V::splat(simd, half * half));
+    let (three, h2) = (V::splat(simd, 3.0), h * h);
     let twice = c2 + c2;
     let thrice = c3 * three;
     [

@@ -82,17 +82,15 @@ impl LaneDistances {
         terms
     }
 
-    /// Newton's iteration in box coordinates, from a start there and within a rectangle.
+    /// Newton's iteration in box coordinates, from starts there and within rectangles.
     #[simd]
     pub(super) fn newton<S: Simd>(
         &self,
         simd: S,
         start: [f32x16<S>; 2],
-        [[low_x, high_x], [low_y, high_y]]: [[f32; 2]; 2],
+        [[low_x, high_x], [low_y, high_y]]: [[f32x16<S>; 2]; 2],
     ) -> Approximate<f32x16<S>> {
         let [mut x, mut y] = start;
-        let (low_x, high_x) = (f32x16::splat(simd, low_x), f32x16::splat(simd, high_x));
-        let (low_y, high_y) = (f32x16::splat(simd, low_y), f32x16::splat(simd, high_y));
         let mut inverse = [[low_x; 2]; 2];
         for _ in 0..STEPS {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
@@ -160,7 +158,7 @@ fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -
 
 /// One half of sixteen lanes in f64.
 #[inline(always)]
-fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
+pub(super) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
     let (low, high) = value.widen();
     if half == 0 { low } else { high }
 }

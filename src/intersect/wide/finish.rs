@@ -4,7 +4,6 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask32x8, mask64x8,
 use fearless_simd_macros::simd;
 use glam::DVec2;
 
-use super::PACKET;
 use super::distances::Approximate;
 use super::newton::{Converged, Ends, RayLanes, Verdict, newton};
 use super::packet::{Lanes3, Packet};
@@ -12,6 +11,7 @@ use super::search::load3d;
 use super::single::comes_first;
 use super::target::{Ground, Ground8, Target};
 use super::trimmed;
+use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
 use crate::patch::Piece;
 
@@ -40,13 +40,12 @@ pub(super) fn finish<S: Simd>(
     target: &Target<'_>,
     packet: &mut Packet,
     base: usize,
-    (wanted, ground): (mask64x8<S>, Ground),
+    (wanted, ground): (mask64x8<S>, &Ground<S>),
     near: &Approximate<f64x8<S>>,
 ) -> Done {
-    let certified = ground == Ground::Certificate;
-    let domain = match ground {
-        Ground::Certificate => target.domain,
-        Ground::Own(rect) => target.parameters(rect),
+    let (certified, domain) = match ground {
+        Ground::Certificate => (true, target.certified(simd)),
+        Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
     let leaves = Ground8 { target, domain, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);

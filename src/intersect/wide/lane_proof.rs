@@ -1,15 +1,17 @@
 //! What a leaf's bicubic approximation proves of sixteen rays, each lane as in
 //! [`single_proof`](super::single_proof).
 //!
-//! All lanes look at the same parts of the leaf, each for as long as it needs to: which parts
-//! those are depends on the leaf alone, and what is proved of them on the lane alone.
+//! Of the whole leaf all rays are asked at once. Most need no more, some many parts: so the lanes
+//! hold parts, sixteen at a time, of whichever rays ([`LaneParts`]). Which parts a ray is asked for, and
+//! what is proved of them, depends on the ray and the leaf alone.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u8x64};
 use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::cubic::{bernstein, moved, slope_weight};
 use super::distances::LaneDistances;
+use super::lane_parts::{LaneParts, Sixteen};
 use super::packet::Packet;
 use super::search::bits;
 use super::single_proof::{
@@ -18,42 +20,45 @@ use super::single_proof::{
 use crate::patch::Leaf;
 
 /// How often a leaf is halved before the scalar search is called.
-const MOST_HALVINGS: usize = 14;
+const MOST_HALVINGS: u32 = 14;
 
-/// A part of a leaf, and the lanes whose roots in it are looked for.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LanePart {
-    pub(super) part: Part,
-    pub(super) lanes: u32,
-    /// How often the leaf was halved.
-    depth: usize,
+/// Scratch memory.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    /// To be looked at.
+    waiting: LaneParts,
+    /// With one root at most for their rays.
+    unique: LaneParts,
 }
 
-/// What is asked of all parts of a leaf.
+/// What is asked of the parts of a leaf.
 pub(super) struct LaneProof<'a, S: Simd> {
     simd: S,
     distances: &'a LaneDistances,
+    parts: &'a mut Parts,
     /// The lengths, about, of the leaf's half sides.
     lengths: [f32; 2],
+    errors: Errors<S>,
+    /// The lanes of which nothing could be proved.
+    pub(super) undecided: u32,
+}
+
+/// How far what is computed may be off, lane by lane.
+#[derive(Clone, Copy)]
+struct Errors<S: Simd> {
     /// How far a point may be from the ray.
     error: f32x16<S>,
     /// A ray that passes within the error of a border meets it: closer is not missed.
     off_ray: f32x16<S>,
     slope_noise: f32x16<S>,
-    waiting: [LanePart; MOST_HALVINGS + 1],
-    count: usize,
-    /// The part that was told last, and the lanes for which its halves are to be looked at.
-    last: LanePart,
-    /// The lanes of which nothing could be proved.
-    pub(super) undecided: u32,
 }
 
 impl<'a, S: Simd> LaneProof<'a, S> {
-    /// All of a leaf; `error` is how far a point may be from the ray.
+    /// For some lanes; `error` is how far a point may be from the ray.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
-        distances: &'a LaneDistances,
+        (distances, parts): (&'a LaneDistances, &'a mut Parts),
         leaf: &Leaf,
         (packet, base): (&Packet, usize),
         (lanes, error): (u32, f32x16<S>),
@@ -62,120 +67,167 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         // False for NaN.
         let undecided = lanes & !bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, ROUNDING);
-        let mut waiting = [LanePart::default(); MOST_HALVINGS + 1];
-        waiting[0] = LanePart { part: Part::whole(), lanes, depth: 0 };
-        Self {
-            simd,
-            distances,
-            lengths: leaf.side_lengths(),
+        let errors = Errors {
             error,
             off_ray: noise + f32x16::splat(simd, leaf.fit_error()) + error,
             slope_noise: noise + f32x16::splat(simd, leaf.slope_error()),
-            waiting,
-            count: 1,
-            last: LanePart::default(),
-            undecided,
-        }
+        };
+        parts.waiting.clear();
+        parts.unique.clear();
+        let lengths = leaf.side_lengths();
+        let mut proof = Self { simd, distances, parts, lengths, errors, undecided };
+        let Part { middle, half } = Part::whole();
+        let whole = Sixteen::all(simd, middle, half);
+        let local = Local::over(simd, distances, &whole, None);
+        proof.look_at(&whole, lanes & !undecided, &local, &errors);
+        proof
     }
 
-    /// The next part, and the lanes that have one root at most in it: all of their roots are in
+    /// A part for each of some lanes that has one root at most in it: all of their roots are in
     /// such parts, but for the lanes that are `undecided` at the end.
     #[inline(always)]
-    pub(super) fn next(&mut self) -> Option<LanePart> {
-        self.halve_last();
-        while self.count > 0 {
-            self.count -= 1;
-            let mut task = self.waiting[self.count];
-            task.lanes &= !self.undecided;
-            if task.lanes == 0 {
-                continue;
-            }
-            let look = (self.distances, [self.error, self.off_ray, self.slope_noise]);
-            let (open, alone) = look_at(self.simd, look, &task);
-            self.last = LanePart { lanes: open & !alone, ..task };
-            if alone != 0 {
-                return Some(LanePart { lanes: alone, ..task });
-            }
-            self.halve_last();
+    pub(super) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
+        while let Some((parts, taken)) = self.parts.waiting.pop(self.simd) {
+            look_at_parts(self.simd, self, &parts, taken);
         }
-        None
+        self.parts.unique.pop_by_lane(self.simd)
     }
 
-    /// Looks at the halves of the part told last for these lanes, too.
+    /// Looks at the halves of parts told last for these lanes, too.
     #[inline(always)]
-    pub(super) fn go_on(&mut self, lanes: u32) {
-        self.last.lanes |= lanes;
+    pub(super) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
+        if lanes != 0 {
+            self.halve(parts, lanes);
+        }
+    }
+
+    /// Parts `asked` for whose distances are given.
+    #[inline(always)]
+    fn look_at(&mut self, parts: &Sixteen<S>, asked: u32, local: &Local, errors: &Errors<S>) {
+        let simd = self.simd;
+        let open = asked & !local.missed(simd, errors.off_ray);
+        if open == 0 {
+            return;
+        }
+        let [half_x, half_y] = parts.half;
+        let smallest = f32x16::splat(simd, SMALLEST);
+        let slope_error = errors.slope_noise * half_x.max(half_y);
+        let large = bits(half_x.simd_gt(smallest) & half_y.simd_gt(smallest));
+        let unique = open
+            & local.unique(simd, slope_error, errors.error)
+            & !(large & local.leading_away(simd));
+        if unique != 0 {
+            self.parts.unique.push(parts, mask(simd, unique));
+        }
+        if open != unique {
+            self.halve(parts, open & !unique);
+        }
     }
 
     #[inline(always)]
-    fn halve_last(&mut self) {
-        let LanePart { part, lanes, depth } = std::mem::take(&mut self.last);
-        if lanes == 0 {
-            return;
-        }
-        if depth == MOST_HALVINGS {
-            self.undecided |= lanes;
-            return;
-        }
-        // One part makes place for two, at most once at each depth.
-        for part in part.halved(self.lengths) {
-            self.waiting[self.count] = LanePart { part, lanes, depth: depth + 1 };
-            self.count += 1;
-        }
+    fn halve(&mut self, parts: &Sixteen<S>, places: u32) {
+        let simd = self.simd;
+        let small = places & bits(parts.halved_so_often(simd, MOST_HALVINGS));
+        self.undecided |= lanes_of(parts, small);
+        let places = mask(simd, places & !small);
+        let [first, second] = parts.halved(simd, self.lengths);
+        self.parts.waiting.push(&first, places);
+        self.parts.waiting.push(&second, places);
     }
 }
 
-/// The lanes that may have roots in a part, and those that have one at most.
+/// Looks at parts of any lanes: those whose bit is set.
 #[simd]
-fn look_at<S: Simd>(
-    simd: S,
-    (distances, [error, off_ray, slope_noise]): (&LaneDistances, [f32x16<S>; 3]),
-    task: &LanePart,
-) -> (u32, u32) {
-    let mut local = Local::default();
-    local.take(simd, distances, &task.part);
-    let open = task.lanes & !local.missed(simd, off_ray);
-    if open == 0 {
-        return (0, 0);
+fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen<S>, taken: u32) {
+    let mut asked = taken;
+    if proof.undecided != 0 {
+        for place in 0..LANES {
+            asked &= !((proof.undecided >> parts.lane(place) & 1) << place);
+        }
     }
-    let [half_x, half_y] = task.part.half;
-    let slope_error = slope_noise * f32x16::splat(simd, half_x.max(half_y));
-    let mut alone = open & local.unique(simd, slope_error, error);
-    if half_x > SMALLEST && half_y > SMALLEST {
-        alone &= !local.leading_away(simd);
+    if asked == 0 {
+        return;
     }
-    (open, alone)
+    let bytes = parts.bytes_of_lanes(simd);
+    let local = Local::over(simd, proof.distances, parts, Some(bytes));
+    let Errors { error, off_ray, slope_noise } = proof.errors;
+    let errors = Errors {
+        error: error.swizzle_dyn(bytes),
+        off_ray: off_ray.swizzle_dyn(bytes),
+        slope_noise: slope_noise.swizzle_dyn(bytes),
+    };
+    proof.look_at(parts, asked, &local, &errors);
+}
+
+/// The bits of the lanes of parts in these places.
+#[inline(always)]
+fn lanes_of<S: Simd>(parts: &Sixteen<S>, mut places: u32) -> u32 {
+    let mut lanes = 0;
+    while places != 0 {
+        lanes |= 1 << parts.lane(places.trailing_zeros() as usize);
+        places &= places - 1;
+    }
+    lanes
+}
+
+#[inline(always)]
+fn mask<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
+    mask32x16::from_bitmask(simd, u64::from(bits))
 }
 
 /// The lanes with no root in the whole leaf; `error` is how far the distances may be off.
 #[simd]
 pub(super) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
-    let mut local = Local::default();
-    local.take(simd, distances, &Part::whole());
+    let Part { middle, half } = Part::whole();
+    let whole = Sixteen::all(simd, middle, half);
+    let local = Local::over(simd, distances, &whole, None);
     local.missed(simd, error)
 }
 
-/// The distances over a part, in coordinates from −1 to 1.
+/// The distances of sixteen rays, each over a part, in coordinates from −1 to 1.
 #[derive(Default)]
 struct Local(LaneDistances);
 
 impl Local {
+    /// From the distances of the parts' lanes, which `bytes` tells if not every part is in its
+    /// lane's place.
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, distances: &LaneDistances, part: &Part) {
-        let (middle, half) = (part.middle, part.half);
+    fn over<S: Simd>(
+        simd: S,
+        distances: &LaneDistances,
+        parts: &Sixteen<S>,
+        bytes: Option<u8x64<S>>,
+    ) -> Self {
+        let mut local = Self::default();
+        let zero = f32x16::splat(simd, 0.0);
+        let (in_x, in_y) = ((parts.middle[0], parts.half[0]), (parts.middle[1], parts.half[1]));
         for k in 0..2 {
-            let (from, to) = (&distances.of[k], &mut self.0.of[k]);
+            let to = &mut local.0.of[k];
             for j in 0..4 {
-                let column = [0, 4, 8, 12];
-                let c = moved(simd, load4(simd, from, column, j), (middle[0], half[0]));
-                store4(simd, to, column, j, c);
+                let mut column = [zero; 4];
+                for i in 0..4 {
+                    column[i] = f32x16::from_slice(simd, &distances.of[k][4 * i + j]);
+                    if let Some(bytes) = bytes {
+                        column[i] = column[i].swizzle_dyn(bytes);
+                    }
+                }
+                let column = moved(simd, column, in_x);
+                for i in 0..4 {
+                    column[i].store_slice(&mut to[4 * i + j]);
+                }
             }
             for i in 0..4 {
-                let row = [0, 1, 2, 3];
-                let c = moved(simd, load4(simd, to, row, 4 * i), (middle[1], half[1]));
-                store4(simd, to, row, 4 * i, c);
+                let mut row = [zero; 4];
+                for j in 0..4 {
+                    row[j] = f32x16::from_slice(simd, &to[4 * i + j]);
+                }
+                let row = moved(simd, row, in_y);
+                for j in 0..4 {
+                    row[j].store_slice(&mut to[4 * i + j]);
+                }
             }
         }
+        local
     }
 
     #[inline(always)]
@@ -273,35 +325,6 @@ impl Local {
             most = most.max(a.max(b).max(c.max(d)));
         }
         [least, most]
-    }
-}
-
-#[inline(always)]
-fn load4<S: Simd>(
-    simd: S,
-    lanes: &[[f32; LANES]; 16],
-    places: [usize; 4],
-    from: usize,
-) -> [f32x16<S>; 4] {
-    let [a, b, c, d] = places;
-    [
-        f32x16::from_slice(simd, &lanes[a + from]),
-        f32x16::from_slice(simd, &lanes[b + from]),
-        f32x16::from_slice(simd, &lanes[c + from]),
-        f32x16::from_slice(simd, &lanes[d + from]),
-    ]
-}
-
-#[inline(always)]
-fn store4<S: Simd>(
-    _simd: S,
-    lanes: &mut [[f32; LANES]; 16],
-    places: [usize; 4],
-    from: usize,
-    values: [f32x16<S>; 4],
-) {
-    for k in 0..4 {
-        values[k].store_slice(&mut lanes[places[k] + from]);
     }
 }
 

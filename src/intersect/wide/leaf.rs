@@ -5,11 +5,12 @@ use fearless_simd_macros::simd;
 
 use super::distances::{Approximate, LaneDistances};
 use super::finish::finish;
-use super::lane_proof::LaneProof;
+use super::lane_proof::{LaneProof, Parts};
 use super::load::{farthest, turn};
 use super::packet::Packet;
 use super::search::{bits, certify, cross_box};
 use super::single::Scene;
+use super::single_proof::{REACH, START_REACH};
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
@@ -17,8 +18,8 @@ use crate::intersect::Statistics;
 use crate::math::rounding;
 use crate::patch::{OrientedBox, WIDENING};
 
-/// The rectangle that certificates speak of, in box coordinates.
-const WIDENED: [[f32; 2]; 2] = [[-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32]; 2];
+/// The sides of the rectangle that certificates speak of, in box coordinates: from and to.
+const WIDENED: [f32; 2] = [-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32];
 
 /// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
 /// set in `groups`.
@@ -63,7 +64,8 @@ pub(super) fn search_leaf<S: Simd>(
         let mut doubted = met & !certain;
         if packet.from_roots {
             // The one root of these is the one they start on.
-            certain &= !packet.starts_in(simd, base, target.leaf.piece, target.domain);
+            let certified = [target.certified(simd); 2];
+            certain &= !packet.starts_in(simd, base, target.leaf.piece, &certified);
             if doubted != 0 {
                 doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
             }
@@ -75,7 +77,8 @@ pub(super) fn search_leaf<S: Simd>(
         let mut done = Done::default();
         if certain != 0 {
             let start = [crossing.x, crossing.y];
-            let near = work.distances.newton(simd, start, WIDENED);
+            let widened = WIDENED.map(|end| f32x16::splat(simd, end));
+            let near = work.distances.newton(simd, start, [widened; 2]);
             let lanes = (certain, Ground::Certificate);
             done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
             doubted |= done.open;
@@ -84,7 +87,8 @@ pub(super) fn search_leaf<S: Simd>(
         if doubted != 0 {
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
             let lanes = (doubted, error);
-            let more = search_doubted(simd, target, (&mut *packet, base), &work.distances, lanes);
+            let proof = (&work.distances, &mut work.parts);
+            let more = search_doubted(simd, target, (&mut *packet, base), proof, lanes);
             rest |= more.judged | more.open;
             done.found |= more.found;
             done.steps += more.steps;
@@ -106,29 +110,29 @@ fn search_doubted<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&mut Packet, usize),
-    distances: &LaneDistances,
+    (distances, parts): (&LaneDistances, &mut Parts),
     (lanes, error): (u32, f32x16<S>),
 ) -> Done {
     let mut all = Done::default();
-    let mut proof = LaneProof::new(simd, distances, target.leaf, (&*packet, base), (lanes, error));
-    while let Some(task) = proof.next() {
-        let part = &task.part;
-        let mut lanes = task.lanes & !all.judged;
+    let rays = (&*packet, base);
+    let mut proof = LaneProof::new(simd, (distances, parts), target.leaf, rays, (lanes, error));
+    while let Some((part, lanes)) = proof.next() {
+        let mut lanes = lanes & !all.judged;
         if packet.from_roots {
             // The one root of these is the one they start on.
-            let start = target.parameters(part.of_start());
-            lanes &= !packet.starts_in(simd, base, target.leaf.piece, start);
+            let start = part.widened(simd, START_REACH);
+            let start = [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
+            lanes &= !packet.starts_in(simd, base, target.leaf.piece, &start);
         }
         if lanes == 0 {
             continue;
         }
-        let domain = part.domain();
-        let start = [f32x16::splat(simd, part.middle[0]), f32x16::splat(simd, part.middle[1])];
-        let near = distances.newton(simd, start, domain);
-        let lanes = (lanes, Ground::Own(domain));
-        let done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
+        let domain = part.widened(simd, REACH);
+        let near = distances.newton(simd, part.middle, domain);
+        let done =
+            finish_all(simd, target, (&mut *packet, base), (lanes, Ground::Own(domain)), &near);
         // What leads out of the part may be missed by its halves.
-        proof.go_on(done.open);
+        proof.go_on(&part, done.open);
         all.judged |= done.judged;
         all.found |= done.found;
         all.steps += done.steps;
@@ -156,7 +160,7 @@ fn finish_all<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&mut Packet, usize),
-    (lanes, ground): (u32, Ground),
+    (lanes, ground): (u32, Ground<S>),
     near: &Approximate<f32x16<S>>,
 ) -> Done {
     let mut all = Done::default();
@@ -167,7 +171,7 @@ fn finish_all<S: Simd>(
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, near.half(half));
-        let done = finish(simd, target, packet, base, (wanted, ground), &near);
+        let done = finish(simd, target, packet, base, (wanted, &ground), &near);
         all.open |= (done.open as u32) << (8 * half);
         all.judged |= (done.judged as u32) << (8 * half);
         all.found |= done.found;

@@ -44,6 +44,7 @@ mod finish;
 mod frames;
 mod jets;
 mod lane_net;
+mod lane_parts;
 mod lane_proof;
 mod leaf;
 mod load;

@@ -225,14 +225,15 @@ impl Packet {
         }
     }
 
-    /// One bit for each of the sixteen rays from `base` on that starts in a part of a piece.
+    /// One bit for each of the sixteen rays from `base` on that starts in its part of a piece: from
+    /// and to in `s`, then in `t`, for each half of the rays.
     #[simd]
     pub(super) fn starts_in<S: Simd>(
         &self,
         simd: S,
         base: usize,
         piece: u32,
-        [s, t]: [[f64; 2]; 2],
+        parts: &[[f64x8<S>; 4]; 2],
     ) -> u32 {
         let from = u32x16::from_slice(simd, &self.from_piece[base..base + LANES]);
         let on_piece = from.simd_eq(u32x16::splat(simd, piece)).to_bitmask() as u32;
@@ -240,15 +241,13 @@ impl Packet {
             return 0;
         }
         let mut inside = 0;
-        for half in [0, 8] {
-            let eight = base + half..base + half + 8;
+        for half in 0..2 {
+            let eight = base + 8 * half..base + 8 * half + 8;
             let at_s = f64x8::from_slice(simd, &self.from_st[0][eight.clone()]);
             let at_t = f64x8::from_slice(simd, &self.from_st[1][eight]);
-            let within = at_s.simd_ge(f64x8::splat(simd, s[0]))
-                & at_s.simd_le(f64x8::splat(simd, s[1]))
-                & at_t.simd_ge(f64x8::splat(simd, t[0]))
-                & at_t.simd_le(f64x8::splat(simd, t[1]));
-            inside |= (within.to_bitmask() as u32) << half;
+            let [s0, s1, t0, t1] = parts[half];
+            let within = at_s.simd_ge(s0) & at_s.simd_le(s1) & at_t.simd_ge(t0) & at_t.simd_le(t1);
+            inside |= (within.to_bitmask() as u32) << (8 * half);
         }
         inside & on_piece
     }
@@ -265,8 +264,9 @@ impl Packet {
         (magnitude, factor): (f32x16<S>, f64),
     ) -> u32 {
         let leaf = target.leaf;
-        let nearby = target.parameters([[-NEARBY, NEARBY]; 2]);
-        let here = self.starts_in(simd, base, leaf.piece, nearby);
+        let nearby = [f32x16::splat(simd, -NEARBY), f32x16::splat(simd, NEARBY)];
+        let here =
+            self.starts_in(simd, base, leaf.piece, &[target.parameters(simd, &[nearby; 2], 0); 2]);
         if here == 0 {
             return 0;
         }

@@ -132,7 +132,8 @@ impl PairLanes {
         self.take_distances(simd, &halves, &normals);
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
-        let near = self.distances.newton(simd, start, [[-WIDENED, WIDENED]; 2]);
+        let widened = [f32x16::splat(simd, -WIDENED), f32x16::splat(simd, WIDENED)];
+        let near = self.distances.newton(simd, start, [widened; 2]);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.

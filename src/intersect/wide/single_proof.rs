@@ -49,7 +49,7 @@ pub(super) const NEARBY: f32 = 1.05;
 pub(super) const SMALLEST: f32 = 0.1;
 
 /// A box a root starts in is widened by less.
-const START_REACH: f32 = 1.09;
+pub(super) const START_REACH: f32 = 1.09;
 
 /// Row sums are wanted to be this much below one, so that rounding moves a root by no more
 /// than its error times twenty and the inverse Jacobian.
@@ -96,14 +96,6 @@ impl Part {
     pub(super) fn domain(&self) -> [[f32; 2]; 2] {
         [0, 1].map(|k| {
             let (middle, reach) = (self.middle[k], REACH * self.half[k]);
-            [middle - reach, middle + reach]
-        })
-    }
-
-    /// Where a ray that starts starts on the one root in it.
-    pub(super) fn of_start(&self) -> [[f32; 2]; 2] {
-        [0, 1].map(|k| {
-            let (middle, reach) = (self.middle[k], START_REACH * self.half[k]);
             [middle - reach, middle + reach]
         })
     }
@@ -199,8 +191,10 @@ struct Local<S: Simd> {
 impl<S: Simd> Distances<S> {
     #[simd]
     fn over(self, simd: S, part: &Part) -> Local<S> {
-        let rows = moved(simd, self.rows, (part.middle[0], part.half[0]));
-        let columns = moved(simd, transposed_rows(rows), (part.middle[1], part.half[1]));
+        let along =
+            |k: usize| (f32x8::splat(simd, part.middle[k]), f32x8::splat(simd, part.half[k]));
+        let rows = moved(simd, self.rows, along(0));
+        let columns = moved(simd, transposed_rows(rows), along(1));
         let sizes = columns[0].abs() + columns[1].abs() + (columns[2].abs() + columns[3].abs());
         let [low, high] = halves(sizes);
         Local {

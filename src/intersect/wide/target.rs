@@ -1,9 +1,10 @@
 //! A leaf that eight rays are searched in.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
+use super::distances::widened;
 use super::jets::{Jets, jets, points};
 use super::newton::{Leaves, RayLanes, Step};
 use super::search::dot_d;
@@ -22,7 +23,7 @@ pub(super) struct Target<'a> {
     oriented: &'a OrientedBox,
     rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
-    pub(super) domain: [[f64; 2]; 2],
+    domain: [[f64; 2]; 2],
     /// The point the leaf ends in, if it does.
     pub(super) pole: Option<DVec3>,
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
@@ -50,6 +51,18 @@ impl<'a> Target<'a> {
         Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, higher }
     }
 
+    /// The rectangle where the leaf's certificate holds, for all of eight rays.
+    #[inline(always)]
+    pub(super) fn certified<S: Simd>(&self, simd: S) -> [f64x8<S>; 4] {
+        let [[s0, s1], [t0, t1]] = self.domain;
+        [
+            f64x8::splat(simd, s0),
+            f64x8::splat(simd, s1),
+            f64x8::splat(simd, t0),
+            f64x8::splat(simd, t1),
+        ]
+    }
+
     /// The rays that pass the leaf's pole far enough for its certificate to speak of them.
     #[inline(always)]
     pub(super) fn is_away_from_pole<S: Simd>(
@@ -72,24 +85,38 @@ impl<'a> Target<'a> {
         (error * f64x8::splat(simd, needed)).simd_le(steep * distance)
     }
 
-    /// A rectangle of box coordinates, in the piece's parameters.
-    pub(super) fn parameters(&self, rect: [[f32; 2]; 2]) -> [[f64; 2]; 2] {
-        [0, 1].map(|k| {
+    /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
+    /// `s`, then in `t`.
+    #[inline(always)]
+    pub(super) fn parameters<S: Simd>(
+        &self,
+        simd: S,
+        rect: &[[f32x16<S>; 2]; 2],
+        half: usize,
+    ) -> [f64x8<S>; 4] {
+        let mut ends = [f64x8::splat(simd, 0.0); 4];
+        for k in 0..2 {
             let [from, to] = self.rect[k];
-            rect[k].map(|x| 0.5 * (from + to) + f64::from(x) * 0.5 * (to - from))
-        })
+            let middle = f64x8::splat(simd, 0.5 * (from + to));
+            let side = f64x8::splat(simd, 0.5 * (to - from));
+            for end in 0..2 {
+                ends[2 * k + end] = widened(rect[k][end], half).mul_add(side, middle);
+            }
+        }
+        ends
     }
 }
 
 /// A leaf, and where in it eight rays have one root at most.
-pub(super) struct Ground8<'a> {
+pub(super) struct Ground8<'a, S: Simd> {
     pub(super) target: &'a Target<'a>,
-    pub(super) domain: [[f64; 2]; 2],
+    /// From and to in `s`, then in `t`.
+    pub(super) domain: [f64x8<S>; 4],
     /// Whether normals are asked for.
     pub(super) normals: bool,
 }
 
-impl<S: Simd> Leaves<S> for Ground8<'_> {
+impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
         jets(simd, &self.target.piece.patch, s, t)
@@ -119,14 +146,8 @@ impl<S: Simd> Leaves<S> for Ground8<'_> {
     }
 
     #[inline(always)]
-    fn domain(&self, simd: S) -> [f64x8<S>; 4] {
-        let [[s0, s1], [t0, t1]] = self.domain;
-        [
-            f64x8::splat(simd, s0),
-            f64x8::splat(simd, s1),
-            f64x8::splat(simd, t0),
-            f64x8::splat(simd, t1),
-        ]
+    fn domain(&self, _: S) -> [f64x8<S>; 4] {
+        self.domain
     }
 
     #[inline(always)]
@@ -194,12 +215,12 @@ impl<S: Simd> Leaves<S> for Ground8<'_> {
 }
 
 /// Why there is one root at most, and where.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Ground {
-    /// The leaf's certificate speaks of the ray: in the widened leaf.
+#[derive(Clone, Copy)]
+pub(super) enum Ground<S: Simd> {
+    /// The leaf's certificate speaks of the rays: in the widened leaf.
     Certificate,
-    /// The ray's own proof: in a rectangle of box coordinates.
-    Own([[f32; 2]; 2]),
+    /// The rays' own proofs: in rectangles of box coordinates.
+    Own([[f32x16<S>; 2]; 2]),
 }
 
 #[simd]

@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::Vec3;
 
 use super::distances::LaneDistances;
+use super::lane_proof::Parts;
 use super::leaf::search_leaf;
 use super::load::{bounds, load};
 use super::outline::outline;
@@ -29,6 +30,8 @@ pub(in crate::intersect) struct Work {
     groups: Option<[PacketBounds; PACKET / LANES]>,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
+    /// Parts of that leaf.
+    pub(super) parts: Parts,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
     /// How many of the rays to come have been touched.
