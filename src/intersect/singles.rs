@@ -16,8 +16,9 @@ use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
-        let Self { tree, leaves, set, reach_of_f32, .. } = self;
-        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32 }
+        let Self { tree, leaves, set, reach_of_f32, leaf_width } = self;
+        let leaf_width = (leaf_width * tree.frame.scale) as f32;
+        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32, leaf_width }
     }
 }
 

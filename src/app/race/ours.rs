@@ -83,11 +83,18 @@ impl<'a> Ours<'a> {
         let Desk { tracer, answers, occlusions } = desk;
         match (self.rays.set.question(), self.rays.set.calls()) {
             (Question::FirstHit, Calls::Batch(told)) => {
-                let coherence = suited(told, self.rays.neighbours.first_hits);
+                let coherence = match told {
+                    Coherence::Coherent => self.rays.neighbours.first_hits,
+                    Coherence::Incoherent => Coherence::Incoherent,
+                };
                 tracer.first_hits(alone, coherence, answers);
             }
             (Question::AnyHit, Calls::Batch(told)) => {
-                let coherence = suited(told, self.rays.neighbours.occlusions);
+                // All of these leave hits of neighbouring pixels.
+                let coherence = match told {
+                    Coherence::Coherent => self.rays.neighbours.occlusions,
+                    Coherence::Incoherent => self.rays.neighbours.scattered,
+                };
                 tracer.occlusions(queries, coherence, occlusions);
             }
             (Question::FirstHit, Calls::OneByOne) => {
@@ -109,14 +116,6 @@ impl<'a> Ours<'a> {
             }
             Question::AnyHit => desk.occlusions.iter().map(any_hit).collect(),
         }
-    }
-}
-
-/// Rays that are told to be coherent are traced as suits them.
-fn suited(told: Coherence, suits: Coherence) -> Coherence {
-    match told {
-        Coherence::Coherent => suits,
-        Coherence::Incoherent => Coherence::Incoherent,
     }
 }
 

@@ -12,7 +12,7 @@ pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than
 /// [`BLUR`] for it, and quotients stay finite.
-const LEAST: f32 = 1e-12;
+pub(super) const LEAST: f32 = 1e-12;
 
 /// Directions along a box's side are taken for at least this part of a turn: so quotients
 /// stay finite, and far larger than any distance that matters.

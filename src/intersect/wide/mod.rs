@@ -1,7 +1,8 @@
 //! How it is made fast: many boxes, and many rays, at a time.
 //!
 //! The scalar kernel says what is computed, the certificate why it is certain. Sixteen boxes are
-//! tested at once against a packet of rays (`traverse`), sixteen rays at once against a leaf
+//! tested at once against a packet of rays (`traverse`), or sixteen of its rays against a box where they
+//! have little in common (`apart`); sixteen rays at once against a leaf
 //! (`leaf`, `search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
 //! promised accuracy (`finish`).
@@ -36,6 +37,7 @@
 //! `lane_net`), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
 //! `departure`), and on what trims say of a hit (`trimmed`).
 
+mod apart;
 mod box_ray;
 mod cubic;
 mod departure;

@@ -37,6 +37,8 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub(in crate::intersect) reach_of_f32: f64,
+    /// The width of leaves, in scaled coordinates.
+    pub(in crate::intersect) leaf_width: f32,
 }
 
 /// Scenes of more leaves than this do not fit into the memory near the processor.

@@ -4,10 +4,11 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 use glam::Vec3;
 
+use super::apart::{ALL, Apart};
 use super::distances::LaneDistances;
 use super::lane_proof::Parts;
 use super::leaf::search_leaf;
-use super::load::{bounds, load};
+use super::load::load;
 use super::outline::outline;
 use super::packet::{Packet, PacketBounds};
 use super::search::bits;
@@ -20,14 +21,16 @@ use crate::intersect::{Shot, Statistics};
 /// leaves, and no one waits for as many at once.
 const TOUCHED_AT_A_TIME: usize = 6;
 
+/// What is to be entered, where the first ray may, and the rays that may.
+type Task = (f32, ChildCode, u64);
+
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Work {
-    stack: Vec<(f32, ChildCode)>,
+    stack: Vec<Task>,
     /// Rays and leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
-    /// What every sixteen rays have in common, once it was asked for.
-    groups: Option<[PacketBounds; PACKET / LANES]>,
+    apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
     /// Parts of that leaf.
@@ -84,25 +87,30 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         return packet.clear(shots.len());
     }
     load(simd, packet, shots, scene);
-    work.groups = None;
+    work.apart.set(simd, packet, scene.leaf_width);
     work.stack.clear();
-    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
-    while let Some((entry, code)) = work.stack.pop() {
+    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root, ALL)));
+    while let Some((entry, code, rays)) = work.stack.pop() {
         if entry > packet.farthest {
             continue;
         }
         work.touch(ahead);
         match code.child() {
-            Child::Block(index) => search_block(simd, scene, index, packet, work, statistics),
+            Child::Block(index) => {
+                search_block(simd, scene, (index, rays), packet, work, statistics);
+            }
             Child::Node(index) => {
                 statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let first = work.stack.len();
                 let (entries, mut met) = enter(simd, node, &packet.bounds, packet.farthest);
+                let meeting = work.apart.meeting(simd, packet, (node, met), rays);
                 while met != 0 {
                     let k = met.trailing_zeros() as usize;
-                    work.stack.push((entries[k], node.child[k]));
                     met &= met - 1;
+                    if meeting[k] != 0 {
+                        work.stack.push((entries[k], node.child[k], meeting[k]));
+                    }
                 }
                 // The nearest child is popped first.
                 work.stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
@@ -122,8 +130,8 @@ fn meets_nothing<S: Simd, Q: Shot>(
     let tree = scene.tree;
     let Some((bounds, farthest)) = outline(simd, shots, scene) else { return false };
     work.stack.clear();
-    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root)));
-    while let Some((_, code)) = work.stack.pop() {
+    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root, ALL)));
+    while let Some((_, code, _)) = work.stack.pop() {
         work.touch(ahead);
         match code.child() {
             Child::Block(index) => {
@@ -139,7 +147,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
                 let node = &tree.nodes[index as usize];
                 let (_, mut met) = enter(simd, node, &bounds, farthest);
                 while met != 0 {
-                    work.stack.push((0.0, node.child[met.trailing_zeros() as usize]));
+                    work.stack.push((0.0, node.child[met.trailing_zeros() as usize], ALL));
                     met &= met - 1;
                 }
             }
@@ -197,7 +205,7 @@ fn enter<S: Simd>(
 /// of the packet each lies within the sum of the sizes of its terms from that of the middle ray.
 /// Rows whose slopes may vanish decide nothing.
 #[simd]
-fn enter_block<S: Simd>(
+pub(super) fn enter_block<S: Simd>(
     simd: S,
     block: &LeafBlock,
     bounds: &PacketBounds,
@@ -243,38 +251,12 @@ fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
     (middle, 0.5 * (max - min) + 4.0 * f32::EPSILON * min.abs().max(max.abs()))
 }
 
-/// Of more leaves than this in one block every sixteen rays of a packet are told apart: leaves are
-/// then small against it, and most of the others would be tested for nothing.
-const FEW: u32 = 4;
-
-/// For every sixteen rays, which of a block's leaves they may meet.
-#[simd]
-fn told_apart<S: Simd>(
-    simd: S,
-    block: &LeafBlock,
-    met: u32,
-    packet: &Packet,
-    work: &mut Work,
-) -> [u32; PACKET / LANES] {
-    if met.count_ones() <= FEW {
-        return [met; PACKET / LANES];
-    }
-    let groups = work.groups.get_or_insert_with(|| {
-        std::array::from_fn(|k| bounds(simd, packet, LANES * k..LANES * (k + 1)))
-    });
-    let mut apart = [0; PACKET / LANES];
-    for (of_group, bounds) in apart.iter_mut().zip(groups) {
-        *of_group = met & enter_block(simd, block, bounds, packet.farthest).1;
-    }
-    apart
-}
-
 /// The leaves of a block, near ones first.
 #[simd]
 fn search_block<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
-    index: u32,
+    (index, rays): (u32, u64),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -282,7 +264,8 @@ fn search_block<S: Simd>(
     let block = &scene.tree.blocks[index as usize];
     let (first, count) = scene.tree.leaves(index);
     let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
-    let apart = told_apart(simd, block, met & ((1 << count) - 1), packet, work);
+    let leaves = (block, met & ((1 << count) - 1));
+    let apart = work.apart.leaves(simd, leaves, packet, rays);
     let mut met = apart.iter().fold(0, |all, met| all | met);
     while met != 0 {
         let mut nearest = met.trailing_zeros() as usize;

@@ -66,7 +66,7 @@ impl Integrator {
             work::trace(tracer, batch);
             return count(&batch.answers);
         }
-        let Neighbours { first_hits, occlusions } = self.neighbours;
+        let Neighbours { first_hits, occlusions, .. } = self.neighbours;
         tracer.first_hits(&batch.queries, first_hits, &mut batch.answers);
         let mut counters = count(&batch.answers);
         match &mut self.way {
