@@ -236,7 +236,9 @@ fn accept(
     if let Some((root, start)) = question.start_on(piece.surface) {
         let reach = z_error + root.error;
         if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-            if !is_same_root(solution.proof, leaf, root) {
+            // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
+            let touches = flags.contains(HitFlags::DOUBTFUL);
+            if touches || !is_same_root(solution.proof, leaf, (root, start), reach) {
                 findings.doubt_at(0.0);
             }
             return;
@@ -313,10 +315,17 @@ fn error_along(proof: Proof, error: f64, cosine: f64) -> f64 {
     }
 }
 
-/// Whether what was found where a ray starts is proved to be the root it starts on.
-fn is_same_root(proof: Proof, leaf: &Leaf, root: &Root) -> bool {
+/// Whether what was found where a ray starts is proved to be the root it starts on. On another
+/// piece it is that root only if the ray starts within twice `reach` of a side: a surface that crosses
+/// itself has two roots there.
+fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach: f64) -> bool {
+    let at_side = || {
+        let distances = start.side_distances(root.st, &start.patch.jet(root.st));
+        distances.into_iter().any(|distance| distance <= 2.0 * reach)
+    };
     match proof {
-        Proof::Isolated(rect) => root.piece != leaf.piece || holds(rect, root.st),
+        Proof::Isolated(rect) if root.piece == leaf.piece => holds(rect, root.st),
+        Proof::Isolated(_) => at_side(),
         Proof::Collapsed => true,
         Proof::Contact { .. } | Proof::Stretch(_) => false,
     }

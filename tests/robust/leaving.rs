@@ -1,7 +1,8 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
 use glam::DVec3;
-use nurbray::intersect::{Hit, Query, Tracer};
+use nurbray::geometry::{KnotVector, NurbsSurface};
+use nurbray::intersect::{Coherence, Hit, Kernel, Query, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -262,5 +263,80 @@ fn origins_moved_off_the_hit_meet_it_again() {
         let on = Query::leaving(Ray::new(seen.point, aside - normal).unwrap(), &seen);
         let across = tracer.first_hit(&on).hit.unwrap();
         assert!(across.point.distance(seen.point) > 0.5, "{on:?}");
+    }
+}
+
+/// A ray that starts in a pole and hardly dips below the tangent plane there meets the sphere again
+/// at `t = 2 cos`, which must not be taken for the pole itself.
+#[test]
+fn rays_along_the_tangent_plane_of_a_pole_are_no_certain_misses() {
+    for model in [models::sphere(), models::sphere_biquadratic()] {
+        let bvh = model.bvh();
+        let mut random = Random::new(74);
+        let mut found = 0;
+        for pole in [DVec3::Z, DVec3::NEG_Z] {
+            let seen = Query::primary(Ray::new(3.0 * pole, -pole).unwrap());
+            let seen = bvh.tracer().first_hit(&seen).hit.unwrap();
+            assert_eq!(seen.point, pole);
+            let queries: Vec<Query> = (0..25)
+                .map(|_| {
+                    let dip = random.power_of_ten(-10.0, -4.0);
+                    let along = random.perpendicular(pole) - dip * pole;
+                    Query::leaving(Ray::new(seen.point, along.normalize()).unwrap(), &seen)
+                })
+                .collect();
+            let met_again = |ray: &Ray| -2.0 * pole.dot(ray.direction());
+            let available = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+            for mut tracer in available.map(|&kernel| bvh.tracer_with(kernel)) {
+                let mut said: Vec<_> = queries
+                    .iter()
+                    .flat_map(|query| [tracer.first_hit(query), tracer.exact_first_hit(query)])
+                    .collect();
+                let asked = queries.iter().flat_map(|query| [query; 2]).chain(&queries);
+                for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                    let mut answers = Vec::new();
+                    tracer.first_hits(&queries, coherence, &mut answers);
+                    said.extend(answers);
+                }
+                for (query, answer) in asked.chain(&queries).zip(&said) {
+                    let t = met_again(&query.ray);
+                    let near = answer.hit.is_some_and(|hit| (hit.t - t).abs() <= 0.01 * t);
+                    assert!(near || answer.is_doubtful(), "{query:?}: {answer:?}");
+                    found += u32::from(near);
+                }
+                for query in &queries {
+                    let mut hits = Vec::new();
+                    let doubtful = tracer.all_hits(query, &mut hits);
+                    assert!(doubtful || !hits.is_empty(), "{query:?}");
+                    let occlusion = tracer.occluded(query);
+                    assert!(occlusion.occluded || occlusion.doubtful, "{query:?}");
+                }
+            }
+        }
+        assert!(found > 100, "{found}");
+    }
+}
+
+/// Where a surface crosses itself, a ray that leaves one sheet may or may not have the other still
+/// before it, whether both are of one piece or of two.
+#[test]
+fn where_a_surface_crosses_itself_the_other_sheet_is_doubtful() {
+    // A ribbon along a line that crosses itself in the origin, in its first and its last piece.
+    let line = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]];
+    let points = line.iter().flat_map(|&[x, z]| [0.0, 1.0].map(|y| DVec3::new(x, y, z)));
+    let [u, v] = [4, 2].map(|count| KnotVector::clamped_uniform(1, count).unwrap());
+    let model = Model::new("ribbon", NurbsSurface::new(u, v, points.collect(), None).unwrap());
+    let bvh = model.bvh();
+    let mut tracer = bvh.tracer();
+    let down = Ray::new(DVec3::new(0.0, 0.5, 2.0), DVec3::NEG_Z).unwrap();
+    let seen = tracer.first_hit(&Query::primary(down)).hit.unwrap();
+    assert_eq!(seen.point, DVec3::new(0.0, 0.5, 0.0));
+    for x in [-0.3, 0.2, 0.0] {
+        let onward = Ray::new(seen.point, DVec3::new(x, 0.1, -1.0)).unwrap();
+        let onward = Query::leaving(onward, &seen);
+        let mut hits = Vec::new();
+        assert!(tracer.all_hits(&onward, &mut hits) || !hits.is_empty(), "{onward:?}");
+        let first = tracer.first_hit(&onward);
+        assert!(first.hit.is_some() || first.doubtful, "{onward:?}: {first:?}");
     }
 }
