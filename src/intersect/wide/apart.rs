@@ -171,9 +171,10 @@ fn leaves_of_rays<S: Simd>(
     while left != 0 {
         let k = left.trailing_zeros() as usize;
         left &= left - 1;
-        let origin = [0, 1, 2].map(|i| packet.origin_f[i][k]);
-        let axis = [0, 1, 2].map(|i| packet.axis_f[i][k]);
-        let ray = BoxRay::new(origin, axis, [packet.near_f[k], packet.far_f[k]]);
+        let [x, y, z] = &packet.origin_f;
+        let [dx, dy, dz] = &packet.axis_f;
+        let (origin, axis) = ([x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
+        let ray = BoxRay::for_blocks(origin, axis, [packet.near_f[k], packet.far_f[k]]);
         ray.cross(simd, block, &mut crossings);
         apart[k / LANES] |= met & crossings.met;
     }
