@@ -80,8 +80,11 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest.clear();
     work.rest_rays = 0;
     work.touched = 0;
-    // Where the packet before has met something, this one is likely to.
+    // Where the packet before has met something, this one is likely to; rays that leave a hit meet the
+    // box of its leaf.
+    let leaves_hits = shots.first().is_some_and(|shot| shot.from().is_some());
     if packet.met() == 0
+        && !leaves_hits
         && meets_nothing(simd, scene, (shots, ahead), (&mut *work, &mut *statistics))
     {
         return packet.clear(shots.len());
