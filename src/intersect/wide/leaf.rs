@@ -11,15 +11,13 @@ use super::packet::Packet;
 use super::search::{bits, certify, cross_box};
 use super::single::Scene;
 use super::single_proof::{REACH, START_REACH};
+use super::single_ray::WIDENED;
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::math::rounding;
-use crate::patch::{OrientedBox, WIDENING};
-
-/// The sides of the rectangle that certificates speak of, in box coordinates: from and to.
-const WIDENED: [f32; 2] = [-1.0 - 2.0 * WIDENING as f32, 1.0 + 2.0 * WIDENING as f32];
+use crate::patch::OrientedBox;
 
 /// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
 /// set in `groups`.
@@ -77,8 +75,8 @@ pub(super) fn search_leaf<S: Simd>(
         let mut done = Done::default();
         if certain != 0 {
             let start = [crossing.x, crossing.y];
-            let widened = WIDENED.map(|end| f32x16::splat(simd, end));
-            let near = work.distances.newton(simd, start, [widened; 2]);
+            let widened = f32x16::splat(simd, WIDENED as f32);
+            let near = work.distances.newton(simd, start, [[-widened, widened]; 2]);
             let lanes = (certain, Ground::Certificate);
             done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
             doubted |= done.open;

@@ -15,13 +15,10 @@ use super::lane_proof::missed;
 use super::search::{bits, dot_d};
 use super::single::Scene;
 use super::single_proof::{LARGEST, ROUNDING};
-use super::single_ray::{Place, SingleHit};
+use super::single_ray::{Place, SingleHit, WIDENED};
 use crate::intersect::Shot;
 use crate::math::{Ray, rounding};
-use crate::patch::{Leaf, Piece, WIDENING};
-
-/// How far from the middle certificates speak of a ray, in box coordinates.
-const WIDENED: f32 = 1.0 + 2.0 * WIDENING as f32;
+use crate::patch::{Leaf, Piece};
 
 /// A ray, and a leaf whose certificate speaks of it.
 #[derive(Clone, Copy, Debug)]
@@ -132,13 +129,13 @@ impl PairLanes {
         self.take_distances(simd, &halves, &normals);
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
-        let widened = [f32x16::splat(simd, -WIDENED), f32x16::splat(simd, WIDENED)];
-        let near = self.distances.newton(simd, start, [widened; 2]);
+        let widened = f32x16::splat(simd, WIDENED as f32);
+        let near = self.distances.newton(simd, start, [[-widened, widened]; 2]);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         let farthest = near.x.abs().max(near.y.abs());
-        let outside = wanted & !bits(farthest.simd_lt(f32x16::splat(simd, WIDENED)));
+        let outside = wanted & !bits(farthest.simd_lt(widened));
         if outside != 0 {
             all.open = outside & !self.missed(simd, outside, &halves, &normals, first.form);
             wanted &= !outside;

@@ -21,13 +21,13 @@ use fearless_simd_macros::simd;
 use super::box_ray::{Crossings, SPARE, Stack};
 use super::single_finish::{Outcome, finish};
 use super::single_proof::isolate;
-use super::single_ray::{Place, SingleHit, SingleRay};
+use super::single_ray::{Place, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
 use crate::intersect::tree::{Child, Tree};
-use crate::patch::{Leaf, PatchSet, Piece, WIDENING};
+use crate::patch::{Leaf, PatchSet, Piece};
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
@@ -210,8 +210,9 @@ pub(super) fn search_ahead<S: Simd>(
     if let Some(start) = start {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
-        if near[0].abs().max(near[1].abs()) <= WIDENED[0][1] as f32 {
-            let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, WIDENED, error));
+        if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
+            let (outcome, steps) =
+                finish(simd, leaf, &piece.patch, ray, (near, [[-WIDENED, WIDENED]; 2], error));
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -243,9 +244,6 @@ pub(super) fn search_ahead<S: Simd>(
         }
     }
 }
-
-/// The rectangle that certificates speak of, in box coordinates.
-const WIDENED: [[f64; 2]; 2] = [[-1.0 - 2.0 * WIDENING, 1.0 + 2.0 * WIDENING]; 2];
 
 /// What is to be done with a hit.
 pub(super) enum Kept {

@@ -7,7 +7,7 @@ use super::frames::shift_to_scene;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, SceneFrame};
+use crate::patch::{LEAF_SLACK, SceneFrame, WIDENING};
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
@@ -122,6 +122,9 @@ impl<'a> SingleRay<'a> {
         self.boxes.far == f32::NEG_INFINITY
     }
 }
+
+/// How far certificates speak of a leaf, in half sides.
+pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
 /// How far outside a leaf's rectangle roots are its own, in half sides.
 pub(super) const REACH: f64 = 1.0 + 2.0 * LEAF_SLACK;
