@@ -85,12 +85,16 @@ impl<'a, S: Simd> LaneProof<'a, S> {
 
     /// A part for each of some lanes that has one root at most in it: all of their roots are in
     /// such parts, but for the lanes that are `undecided` at the end.
+    ///
+    /// Lanes that are undecided by now are told no more parts: which of theirs were looked at before
+    /// that was known depends on the other lanes.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
         while let Some((parts, taken)) = self.parts.waiting.pop(self.simd) {
             look_at_parts(self.simd, self, &parts, taken);
         }
-        self.parts.unique.pop_by_lane(self.simd)
+        let (parts, lanes) = self.parts.unique.pop_by_lane(self.simd)?;
+        Some((parts, lanes & !self.undecided))
     }
 
     /// Looks at the halves of parts told last for these lanes, too.
