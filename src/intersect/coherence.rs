@@ -37,8 +37,8 @@ const FIRST_HITS: f64 = 2.0;
 /// at about 2.4, 1.1 times at 1.2.
 const OCCLUSIONS: f64 = 2.0;
 
-/// The same of rays that leave hits in any directions. Measured: packets take 0.7 to 0.9 times as long
-/// as batches where leaves are 11 to 40 rays wide, the same at about 6; more where few large leaves
+/// The same of rays that leave hits in any directions. Measured: packets take 0.7 to 1 times as long
+/// as batches where leaves are 11 to 40 rays wide, about the same at 6; more where few large leaves
 /// are beside many small ones (1.1 times).
 const SCATTERED: f64 = 8.0;
 

@@ -21,8 +21,8 @@ use crate::intersect::tree::{LeafBlock, Node};
 pub(super) const ALL: u64 = u64::MAX;
 
 /// Rays that start so many widths of a leaf apart are asked one by one: what neighbours in a picture
-/// see of one body lies closer. Measured: shadow rays take the same time with 8 and with 4, but for
-/// bodies with many small leaves, which gain up to 1.2 times.
+/// see of one body lies closer. Measured against 8: shadow rays are 0.99 to 1.1 times as fast, of a body
+/// with many small leaves 1.2 times; 2 gains on such bodies, and loses on a sheet of hills.
 const FAR_APART: f32 = 4.0;
 
 /// Of more leaves than this in one block every sixteen rays of a packet are told apart: leaves are
@@ -45,6 +45,7 @@ impl Apart {
     pub(super) fn set<S: Simd>(&mut self, simd: S, packet: &Packet, leaf_width: f32) {
         self.groups = None;
         let spread = packet.bounds.origin_max - packet.bounds.origin_min;
+        // Where two coordinates of the directions differ in sign, bounds say next to nothing.
         let mixed = packet.bounds.sign.iter().filter(|&&sign| sign == 0).count();
         self.one_by_one = spread.max_element() > FAR_APART * leaf_width || mixed > 1;
         if !self.one_by_one {
@@ -174,7 +175,7 @@ fn leaves_of_rays<S: Simd>(
         let [x, y, z] = &packet.origin_f;
         let [dx, dy, dz] = &packet.axis_f;
         let (origin, axis) = ([x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
-        let ray = BoxRay::for_blocks(origin, axis, [packet.near_f[k], packet.far_f[k]]);
+        let ray = BoxRay::new(origin, axis, [packet.near_f[k], packet.far_f[k]]);
         ray.cross(simd, block, &mut crossings);
         apart[k / LANES] |= met & crossings.met;
     }

@@ -51,12 +51,6 @@ impl BoxRay {
         ray
     }
 
-    /// A ray for blocks of leaves only, not for nodes.
-    #[inline(always)]
-    pub(super) fn for_blocks(origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) -> Self {
-        Self { origin, axis, near, far, ..Self::default() }
-    }
-
     /// Makes it another ray.
     #[inline(always)]
     pub(super) fn set(&mut self, origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) {
