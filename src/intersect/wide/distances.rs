@@ -36,6 +36,18 @@ pub(super) struct Approximate<V> {
     pub(super) inverse: [[V; 2]; 2],
 }
 
+/// The last step of that search.
+#[derive(Clone, Copy)]
+pub(super) struct LastStep<S: Simd> {
+    /// From where, and where it leads without the bounds of the domain.
+    pub(super) from: [f32x16<S>; 2],
+    pub(super) to: [f32x16<S>; 2],
+    /// The distances where it starts, and their derivatives by `x` and by `y`.
+    pub(super) distances: [f32x16<S>; 2],
+    pub(super) slopes: [[f32x16<S>; 2]; 2],
+    pub(super) inverse: [[f32x16<S>; 2]; 2],
+}
+
 impl LaneDistances {
     /// Takes the distances of rays `base … base + 15`.
     ///
@@ -89,20 +101,34 @@ impl LaneDistances {
         simd: S,
         start: [f32x16<S>; 2],
         [[low_x, high_x], [low_y, high_y]]: [[f32x16<S>; 2]; 2],
-    ) -> Approximate<f32x16<S>> {
+    ) -> (Approximate<f32x16<S>>, LastStep<S>) {
         let [mut x, mut y] = start;
-        let mut inverse = [[low_x; 2]; 2];
+        let mut last = LastStep {
+            from: start,
+            to: start,
+            distances: start,
+            slopes: [start; 2],
+            inverse: [start; 2],
+        };
         for _ in 0..STEPS {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
             let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
-            inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
-            // `max` and `min` with the bound first turn a NaN into a bound.
+            let inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
             let [[xx, xy], [yx, yy]] = inverse;
-            x = (x - xx.mul_add(f1, xy * f2)).max(low_x).min(high_x);
-            y = (y - yx.mul_add(f1, yy * f2)).max(low_y).min(high_y);
+            let to = [x - xx.mul_add(f1, xy * f2), y - yx.mul_add(f1, yy * f2)];
+            last = LastStep {
+                from: [x, y],
+                to,
+                distances: [f1, f2],
+                slopes: [[a1, a2], [b1, b2]],
+                inverse,
+            };
+            // `max` and `min` with the bound first turn a NaN into a bound.
+            x = to[0].max(low_x).min(high_x);
+            y = to[1].max(low_y).min(high_y);
         }
-        Approximate { x, y, inverse }
+        (Approximate { x, y, inverse: last.inverse }, last)
     }
 }
 

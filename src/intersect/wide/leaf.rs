@@ -8,7 +8,8 @@ use super::finish::finish;
 use super::lane_proof::{LaneProof, Parts};
 use super::load::{farthest, turn};
 use super::packet::Packet;
-use super::search::{bits, certify, cross_box};
+use super::screen::{Screen, Screened};
+use super::search::{bits, certify, cross_box, load3};
 use super::single::Scene;
 use super::single_proof::{REACH, START_REACH};
 use super::single_ray::WIDENED;
@@ -76,7 +77,26 @@ pub(super) fn search_leaf<S: Simd>(
         if certain != 0 {
             let start = [crossing.x, crossing.y];
             let widened = f32x16::splat(simd, WIDENED as f32);
-            let near = work.distances.newton(simd, start, [[-widened, widened]; 2]);
+            let (near, step) = work.distances.newton(simd, start, [[-widened, widened]; 2]);
+            let farthest = step.to[0].abs().max(step.to[1].abs());
+            let outside = certain & !bits(farthest.simd_le(f32x16::splat(simd, 1.0)));
+            if target.pole.is_none() && (outside != 0 || packet.any) {
+                let screen = Screen {
+                    target,
+                    normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
+                    slope: crossing.slopes[2],
+                    error: magnitude * f32x16::splat(simd, rounding::f32_above(factor)),
+                };
+                let Screened { missed, met } = screen.ask(simd, &step);
+                certain &= !missed;
+                if packet.any && !target.leaf.is_trimmed() {
+                    let met = certain & met & packet.within_range(simd, base, &crossing);
+                    packet.meet(simd, base, met);
+                    certain &= !met;
+                    doubted &= !met;
+                    found |= met != 0;
+                }
+            }
             let lanes = (certain, Ground::Certificate);
             done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
             doubted |= done.open;
@@ -126,7 +146,7 @@ fn search_doubted<S: Simd>(
             continue;
         }
         let domain = part.widened(simd, REACH);
-        let near = distances.newton(simd, part.middle, domain);
+        let (near, _) = distances.newton(simd, part.middle, domain);
         let done =
             finish_all(simd, target, (&mut *packet, base), (lanes, Ground::Own(domain)), &near);
         // What leads out of the part may be missed by its halves.

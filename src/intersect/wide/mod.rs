@@ -55,6 +55,7 @@ mod outline;
 mod packet;
 mod pair_finish;
 mod pairs;
+mod screen;
 mod search;
 mod single;
 mod single_finish;

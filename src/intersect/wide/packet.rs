@@ -1,14 +1,15 @@
 //! Sixty-four rays, coordinate by coordinate, and what has been found for each.
 
 use fearless_simd::{
-    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, u32x16,
+    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, mask64x8, u32x16,
 };
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
+use super::box_ray::SPARE;
 use super::departure::{Departure, Final, NEARBY};
 use super::frames::END_SPARE;
-use super::search::load3;
+use super::search::{Crossing, bits, load3};
 use super::single_ray::Wanted;
 use super::target::Target;
 use super::{LANES, PACKET};
@@ -185,6 +186,52 @@ impl Packet {
         let lanes = &mut self.far_f[eight];
         let old = f32x8::from_slice(simd, lanes);
         mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
+    }
+
+    /// One bit for each of sixteen rays whose crossing of a box lies in the part that hits count on, and
+    /// ahead of the root it starts on.
+    #[simd]
+    pub(super) fn within_range<S: Simd>(
+        &self,
+        simd: S,
+        base: usize,
+        crossing: &Crossing<S>,
+    ) -> u32 {
+        let sixteen = base..base + LANES;
+        let near = f32x16::from_slice(simd, &self.near_f[sixteen.clone()]);
+        let far = f32x16::from_slice(simd, &self.far_f[sixteen]);
+        // The ends are known with some to spare to the other side.
+        let spare = f32x16::splat(simd, 2.0 * END_SPARE + SPARE);
+        let within = crossing.entry.simd_gt(near + spare) & crossing.exit.simd_lt(far - spare);
+        if !self.from_roots {
+            return bits(within);
+        }
+        let scale = f64x8::splat(simd, self.scale);
+        let [low, high] = [base, base + 8].map(|base| {
+            let error = f64x8::from_slice(simd, &self.from_error[base..base + 8]);
+            let shift = f64x8::from_slice(simd, &self.shift[base..base + 8]);
+            (error - shift) * scale
+        });
+        let ahead = simd.narrow_f64x8(low, high) + spare;
+        bits(within & crossing.entry.simd_gt(ahead))
+    }
+
+    /// Notes of sixteen rays that ask for any hit those that have one.
+    #[simd]
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, met: u32) {
+        self.met |= u64::from(met) << base;
+        for half in 0..2 {
+            let base = base + 8 * half;
+            let hits = u64::from(met >> (8 * half)) & 0xff;
+            if hits == 0 {
+                continue;
+            }
+            let lanes = &mut self.z[base..base + 8];
+            let old = f64x8::from_slice(simd, lanes);
+            let none = f64x8::splat(simd, f64::NEG_INFINITY);
+            mask64x8::from_bitmask(simd, hits).select(none, old).store_slice(lanes);
+            self.shorten(simd, base, hits);
+        }
     }
 
     /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of

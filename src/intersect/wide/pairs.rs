@@ -130,7 +130,7 @@ impl PairLanes {
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
         let widened = f32x16::splat(simd, WIDENED as f32);
-        let near = self.distances.newton(simd, start, [[-widened, widened]; 2]);
+        let (near, _) = self.distances.newton(simd, start, [[-widened, widened]; 2]);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.

@@ -13,6 +13,9 @@ pub(super) struct Crossing<S: Simd> {
     pub(super) met: mask32x16<S>,
     pub(super) x: f32x16<S>,
     pub(super) y: f32x16<S>,
+    /// Where they enter the box and leave it, whatever part of them counts.
+    pub(super) entry: f32x16<S>,
+    pub(super) exit: f32x16<S>,
     pub(super) slopes: [f32x16<S>; 3],
 }
 
@@ -74,7 +77,7 @@ pub(super) fn cross_box<S: Simd>(
     let z = (-at[2] / along[2]).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    Crossing { met, x, y, slopes: along }
+    Crossing { met, x, y, entry, exit, slopes: along }
 }
 
 /// The certificate: which of sixteen rays with these slopes meet the leaf at most once. A point

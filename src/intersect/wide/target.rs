@@ -33,6 +33,7 @@ pub(super) struct Target<'a> {
     bend: f64,
     /// See [`Leaf::higher_derivatives`].
     higher: [DVec3; 7],
+    sizes: [f32; 3],
 }
 
 impl<'a> Target<'a> {
@@ -48,7 +49,20 @@ impl<'a> Target<'a> {
         };
         let higher = leaf.higher_derivatives();
         let bend = f64::from(leaf.fit_bend());
-        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, higher }
+        let sizes = leaf.fit().map(|axis| axis.iter().map(|c| c.abs()).sum());
+        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, higher, sizes }
+    }
+
+    /// The sums of the sizes of the approximation's coefficients, by coordinate.
+    #[inline(always)]
+    pub(super) fn sizes(&self) -> [f32; 3] {
+        self.sizes
+    }
+
+    /// See [`OrientedBox::unit_axes`].
+    #[inline(always)]
+    pub(super) fn unit_axes(&self) -> [DVec3; 3] {
+        self.oriented.unit_axes()
     }
 
     /// The rectangle where the leaf's certificate holds, for all of eight rays.

@@ -1,0 +1,170 @@
+//! What the search in f32 proves of a leaf's one root, before anything is done in f64: that it is not
+//! there, or that it surely is.
+//!
+//! Most rays that meet the box of a leaf beside the one they hit have a root just outside of it; and
+//! of a ray that asks for any hit nothing is to be known but that there is one.
+//!
+//! # Proof
+//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes and their derivatives at
+//! `x₁`, in box coordinates, `A` the matrix that is to be the inverse of `J = (a b)`, and
+//! `x₂ = x₁ + h`. With the bounds of [`FitError`](crate::patch::FitError) `E`, `σ` and `M` the true
+//! distances are, at any `x` with `|x − x₁| ≤ r` (the larger component),
+//!
+//! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`.
+//!
+//! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of `|A J − I|`.
+//! Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`. If this is less than
+//! `ρ` wherever `|x − x₂| = ρ`, the two components of `A F` have the signs of those of `x − x₂` on the
+//! sides of the square of half side `ρ` about `x₂`: there is a root in it (Miranda 1940). Where
+//! the leaf's certificate speaks of the ray, it is the only one of the widened leaf.
+//!
+//! *There is none.* Where `x₁` lies beyond the leaf, the certificate says of `F(x₁)` alone that the
+//! leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` is `f` but for `E`.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
+use fearless_simd_macros::simd;
+
+use super::distances::LastStep;
+use super::search::bits;
+use super::single_proof::{LARGEST, LEAF, ROUNDING};
+use super::target::Target;
+use crate::intersect::newton::{CLEAR, SURELY};
+use crate::patch::WIDENING;
+
+/// The largest square about the root that was found, as half a side.
+const MOST_OFF: f32 = 1.0 / 128.0;
+
+/// How far from the middle there is one root at most.
+const DOMAIN: f32 = 1.0 + 1.999 * WIDENING as f32;
+
+/// Where the surface surely goes on: a little less than the leaf.
+const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
+
+/// The inverse Jacobian is one to a twentieth or better where its largest row sum times the
+/// Jacobian's entries is less than this: its rounding is no more than ten units of 2⁻²⁴ of that.
+const WORST: f32 = 8e4;
+
+/// Derivatives shorter than this are not trusted: products of two lose digits.
+const SHORTEST: f32 = 1e-12;
+
+/// Sixteen rays and the leaf's rows and certificate.
+pub(super) struct Screen<'a, S: Simd> {
+    pub(super) target: &'a Target<'a>,
+    /// The normals of the rays' planes.
+    pub(super) normals: [[f32x16<S>; 3]; 2],
+    /// What the third row of the leaf's box says of the rays' directions.
+    pub(super) slope: f32x16<S>,
+    /// How far a point may be from the ray.
+    pub(super) error: f32x16<S>,
+}
+
+/// What is proved of sixteen rays, a bit each.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Screened {
+    /// They miss the leaf, if its certificate speaks of them.
+    pub(super) missed: u32,
+    /// They meet the leaf.
+    pub(super) met: u32,
+}
+
+impl<S: Simd> Screen<'_, S> {
+    /// What the last step of the search says.
+    #[simd]
+    pub(super) fn ask(&self, simd: S, step: &LastStep<S>) -> Screened {
+        let LastStep { from, to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]], inverse } =
+            *step;
+        let [[xx, xy], [yx, yy]] = inverse;
+        let leaf = self.target.leaf;
+
+        // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
+        // three times the size.
+        let noise = self.noise(simd, [f1, f2]);
+        let off = noise + splat(simd, leaf.fit_error());
+        let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
+
+        let (move_x, move_y) = (to[0] - from[0], to[1] - from[1]);
+        let left_1 = a1.mul_add(move_x, b1.mul_add(move_y, f1)).abs();
+        let left_2 = a2.mul_add(move_x, b2.mul_add(move_y, f2)).abs();
+        let reach = move_x.abs().max(move_y.abs()) + splat(simd, MOST_OFF);
+        let bend = splat(simd, leaf.fit_bend());
+        let rest = left_1.max(left_2) + bend.mul_add(reach, per_move).mul_add(reach, off);
+        let by_inverse = (xx.abs() + xy.abs()).max(yx.abs() + yy.abs());
+        // The row sums of `A J − I` are less than a half, and a little is left for rounding.
+        let radius = splat(simd, 2.2) * by_inverse * rest;
+        let size = a1.abs() + a2.abs() + (b1.abs() + b2.abs());
+        // All are false for NaN.
+        let known = radius.simd_le(splat(simd, MOST_OFF))
+            & (by_inverse * size).simd_le(splat(simd, WORST))
+            & size.simd_ge(splat(simd, SHORTEST))
+            & noise.simd_le(splat(simd, LARGEST * ROUNDING));
+
+        let (x, y) = (to[0].abs(), to[1].abs());
+        let (farthest, spare) = (x.max(y), radius + splat(simd, 2.0 * f32::EPSILON));
+        let in_domain = (farthest + spare).simd_le(splat(simd, DOMAIN));
+        let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
+        let within = (farthest + spare).simd_le(splat(simd, INSIDE));
+        let mut missed = bits(known & in_domain & beyond);
+        let outside = [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
+        if (outside[0] | outside[1]).any_true() {
+            missed |= bits(self.away(simd, (from, outside), [f1, f2], off));
+        }
+        Screened { missed, met: bits(known & within) }
+    }
+
+    /// What rounding may have done to the distances.
+    #[inline(always)]
+    fn noise(&self, simd: S, [f1, f2]: [f32x16<S>; 2]) -> f32x16<S> {
+        let mut terms = f1.abs().max(f2.abs());
+        let sizes = self.target.sizes();
+        let mut of_leaf = [splat(simd, 0.0); 2];
+        for k in 0..2 {
+            for i in 0..3 {
+                of_leaf[k] = self.normals[k][i].abs().mul_add(splat(simd, sizes[i]), of_leaf[k]);
+            }
+        }
+        terms += of_leaf[0].max(of_leaf[1]);
+        terms * f32x16::splat(simd, ROUNDING)
+    }
+
+    /// The lanes that are beyond the leaf on some side, and of which the certificate says that the leaf
+    /// is missed.
+    #[inline(always)]
+    fn away(
+        &self,
+        simd: S,
+        (at, outside): ([f32x16<S>; 2], [mask32x16<S>; 2]),
+        [f1, f2]: [f32x16<S>; 2],
+        off: f32x16<S>,
+    ) -> mask32x16<S> {
+        let (zero, [n1, n2]) = (splat(simd, 0.0), self.normals);
+        let axes = self.target.unit_axes();
+        let mut along = [zero; 3];
+        for i in 0..3 {
+            let g = f1 * n2[i] - f2 * n1[i];
+            for k in 0..3 {
+                along[k] = g.mul_add(splat(simd, axes[k][i] as f32), along[k]);
+            }
+        }
+        let [along_a, along_b, along_n] = along;
+        let size = f1.abs() + f2.abs();
+        let rest = size * splat(simd, SURELY as f32) + off * splat(simd, 2.0);
+        let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
+        let (other_s, out_s) = (splat(simd, other_s as f32), splat(simd, out_s as f32));
+        let (other_t, out_t) = (splat(simd, other_t as f32), splat(simd, out_t as f32));
+        // What a distance that is off does to each of the three.
+        let (across_a, across_b) = (along_a.abs() + rest, along_b.abs() + rest);
+        let across_n = along_n.abs() + rest;
+        let turned_s = across_a.mul_add(other_s, across_n.mul_add(out_s, rest));
+        let turned_t = across_b.mul_add(other_t, across_n.mul_add(out_t, rest));
+        let sign = self.slope;
+        let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
+        let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
+        let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));
+        clear & (outside[0] & away_s | outside[1] & away_t)
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
+    f32x16::splat(simd, x)
+}
