@@ -78,59 +78,63 @@ impl<S: Simd> Departure<S> {
         let lengths = leaf.side_lengths();
         let [per_x, per_y] = lengths.map(|length| 1.0 / length);
         let per_side = per_x.hypot(per_y);
-        let splat = |x: f32| f32x16::splat(simd, x);
 
         let Tangents { off, normal, along } = self.tangents(simd, leaf);
         let length = dot(normal, normal).sqrt();
-        let sign = splat(1.0).copysign(along);
+        let sign = splat(simd, 1.0).copysign(along);
         let cosine = along.abs() / length;
 
         // Second derivatives of the height: at most, and in size for the mixed one.
-        let [mut xx, mut xy, mut yy] = [splat(0.0); 3];
+        let [mut xx, mut xy, mut yy] = [splat(simd, 0.0); 3];
+        let fit = leaf.fit();
         for i in 0..4 {
             for j in 0..4 {
                 if i + j < 2 {
                     continue;
                 }
                 let m = 4 * i + j;
-                let [x, y, z] = leaf.fit().each_ref().map(|axis| axis[m]);
-                let height =
-                    normal[0].mul_add(splat(x), normal[1].mul_add(splat(y), normal[2] * splat(z)));
-                let weight = |of: usize| splat(of as f32 * reach_to(i + j - 2));
+                let [x, y, z] = [fit[0][m], fit[1][m], fit[2][m]];
+                let height = normal[0].mul_add(
+                    splat(simd, x),
+                    normal[1].mul_add(splat(simd, y), normal[2] * splat(simd, z)),
+                );
+                let weight = reach_to(i + j - 2);
                 match (i, j) {
-                    (2, 0) => xx += height * sign * splat(2.0),
-                    (0, 2) => yy += height * sign * splat(2.0),
+                    (2, 0) => xx += height * sign * splat(simd, 2.0),
+                    (0, 2) => yy += height * sign * splat(simd, 2.0),
                     _ => {
                         let size = height.abs();
-                        xx = size.mul_add(weight(i * i.saturating_sub(1)), xx);
-                        xy = size.mul_add(weight(i * j), xy);
-                        yy = size.mul_add(weight(j * j.saturating_sub(1)), yy);
+                        xx = size
+                            .mul_add(splat(simd, (i * i.saturating_sub(1)) as f32 * weight), xx);
+                        xy = size.mul_add(splat(simd, (i * j) as f32 * weight), xy);
+                        yy = size
+                            .mul_add(splat(simd, (j * j.saturating_sub(1)) as f32 * weight), yy);
                     }
                 }
             }
         }
-        let (xx, yy) = (xx * splat(per_x * per_x), yy * splat(per_y * per_y));
-        let xy = xy * splat(2.0 * per_x * per_y);
+        let (xx, yy) = (xx * splat(simd, per_x * per_x), yy * splat(simd, per_y * per_y));
+        let xy = xy * splat(simd, 2.0 * per_x * per_y);
         let apart = xx - yy;
-        let largest = splat(0.5) * (xx + yy + apart.mul_add(apart, xy * xy).sqrt());
+        let largest = splat(simd, 0.5) * (xx + yy + apart.mul_add(apart, xy * xy).sqrt());
 
         let farthest = {
-            let x = (self.place[0].abs() + splat(LEAF)) * splat(lengths[0]);
-            let y = (self.place[1].abs() + splat(LEAF)) * splat(lengths[1]);
+            let x = (self.place[0].abs() + splat(simd, LEAF)) * splat(simd, lengths[0]);
+            let y = (self.place[1].abs() + splat(simd, LEAF)) * splat(simd, lengths[1]);
             x.mul_add(x, y * y).sqrt()
         };
-        let bent = splat(0.5) * largest * farthest / length;
+        let bent = splat(simd, 0.5) * largest * farthest / length;
         let fit_error = leaf.fit_error();
         let rounding = ROUNDING * stretch * (lengths[0] + lengths[1]);
-        let slopes = splat((leaf.slope_error() + rounding) * per_side);
-        let most = splat(ALMOST / stretch) * cosine;
-        let aside = splat(stretch * per_side) / cosine;
-        let most_beside = most - bent.max(splat(0.0)) - slopes;
+        let slopes = splat(simd, (leaf.slope_error() + rounding) * per_side);
+        let most = splat(simd, ALMOST / stretch) * cosine;
+        let aside = splat(simd, stretch * per_side) / cosine;
+        let most_beside = most - bent.max(splat(simd, 0.0)) - slopes;
         // All are false for NaN.
-        let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(NEARBY));
+        let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, NEARBY));
         let if_near = inside & (self.reach * aside).simd_lt(most_beside);
-        let seen = self.reach + splat(2.0 * fit_error + rounding);
-        let near = off.simd_le(self.reach + splat(fit_error + rounding));
+        let seen = self.reach + splat(simd, 2.0 * fit_error + rounding);
+        let near = off.simd_le(self.reach + splat(simd, fit_error + rounding));
         let surely = if_near & near & (seen * aside).simd_lt(most_beside);
         Final { surely: bits(surely), if_near: bits(if_near) }
     }
@@ -173,6 +177,11 @@ struct Tangents<S: Simd> {
     normal: [f32x16<S>; 3],
     /// Its part along the ray.
     along: f32x16<S>,
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
+    f32x16::splat(simd, x)
 }
 
 #[inline(always)]

@@ -72,12 +72,12 @@ impl LaneDistances {
     }
 
     /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
-    /// the two distances: what their rounding is measured by.
+    /// the two distances: what their rounding is measured by. `sizes` are those of the leaf.
     #[simd]
     pub(super) fn terms<S: Simd>(
         &self,
         simd: S,
-        leaf: &Leaf,
+        sizes: [f32; 3],
         packet: &Packet,
         base: usize,
     ) -> f32x16<S> {
@@ -86,8 +86,7 @@ impl LaneDistances {
             let n = load3(simd, &packet.normals_f[k], base);
             let mut sum = f32x16::from_slice(simd, &self.of[k][0]).abs();
             for axis in 0..3 {
-                let size: f32 = leaf.fit()[axis].iter().map(|c| c.abs()).sum();
-                sum = n[axis].abs().mul_add(f32x16::splat(simd, size), sum);
+                sum = n[axis].abs().mul_add(f32x16::splat(simd, sizes[axis]), sum);
             }
             terms = terms.max(sum);
         }

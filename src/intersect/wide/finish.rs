@@ -9,7 +9,7 @@ use super::newton::{Converged, Ends, RayLanes, Verdict, newton};
 use super::packet::{Lanes3, Packet};
 use super::search::load3d;
 use super::single::comes_first;
-use super::target::{Ground, Ground8, Target};
+use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
@@ -37,7 +37,7 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    target: &Target<'_>,
+    (target, closer): (&Target<'_>, &Closer),
     packet: &mut Packet,
     base: usize,
     (wanted, ground): (mask64x8<S>, &Ground<S>),
@@ -47,7 +47,7 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { target, domain, normals: !packet.any };
+    let leaves = Ground8 { target, closer, domain, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);
     let patch = &target.piece.patch;
     let error = f64x8::splat(simd, patch.residual_factor())
@@ -93,10 +93,7 @@ pub(super) fn finish<S: Simd>(
     let any = hit.any_true();
     if any && packet.any {
         // Nothing more is asked of these rays.
-        let hits = hit.to_bitmask();
-        put(simd, hit, &mut packet.z, base, f64x8::splat(simd, f64::NEG_INFINITY));
-        packet.met |= hits << base;
-        packet.shorten(simd, base, hits);
+        packet.meet_eight(simd, base, hit.to_bitmask());
     } else if any {
         let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
         let ray_t = z * t_from_z;
@@ -104,7 +101,7 @@ pub(super) fn finish<S: Simd>(
         // A closer look is also due where the normal is not a number, or there is none for `t`.
         let infinity = f64x8::splat(simd, f64::INFINITY);
         let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
-        if let Some(reach) = target.reach {
+        if let Some(reach) = closer.reach {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {
                 close |= distances[side].simd_le(f64x8::splat(simd, reach[side]));
@@ -202,7 +199,8 @@ fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f6
     }
     let domain = piece.domain();
     for k in 0..2 {
-        let [from, to] = domain[k].map(|end| f64x8::splat(simd, end));
+        let [from, to] = domain[k];
+        let (from, to) = (f64x8::splat(simd, from), f64x8::splat(simd, to));
         let end = st[k].simd_eq(f64x8::splat(simd, 1.0));
         uv[k] = end.select(to, from + st[k] * (to - from));
         if let Some(end) = piece.open_end(k) {

@@ -38,12 +38,11 @@ impl<S: Simd> Sixteen<S> {
         [[x - reach_x, x + reach_x], [y - reach_y, y + reach_y]]
     }
 
-    /// Halved across the longer sides, for the lengths of the leaf's half sides.
+    /// Halved across the longer sides, for the lengths of the leaves' half sides.
     #[inline(always)]
-    pub(super) fn halved(&self, simd: S, lengths: [f32; 2]) -> [Self; 2] {
+    pub(super) fn halved(&self, simd: S, lengths: [f32x16<S>; 2]) -> [Self; 2] {
         let [x, y] = self.half;
-        let length_x = x * f32x16::splat(simd, lengths[0]);
-        let second = (y * f32x16::splat(simd, lengths[1])).simd_gt(length_x);
+        let second = (y * lengths[1]).simd_gt(x * lengths[0]);
         let (zero, half) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 0.5));
         let quarters = [x * half, y * half];
         let (by_x, by_y) = (second.select(zero, quarters[0]), second.select(quarters[1], zero));
@@ -210,7 +209,7 @@ mod tests {
         let mut parts = LaneParts::default();
         parts.clear();
         let whole = Sixteen::all(simd, [0.0; 2], [1.0; 2]);
-        let [low, high] = whole.halved(simd, [1.0, 2.0]);
+        let [low, high] = whole.halved(simd, [1.0, 2.0].map(|length| f32x16::splat(simd, length)));
         // The second side is the longer one.
         assert_eq!(told(&low, 1 << 5), [(5, [0.0, -0.5], [1.0, 0.5])]);
         let of = |bits: u64| mask32x16::from_bitmask(simd, bits);

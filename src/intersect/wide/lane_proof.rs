@@ -1,7 +1,7 @@
-//! What a leaf's bicubic approximation proves of sixteen rays, each lane as in
+//! What the bicubic approximations of leaves prove of sixteen rays, each lane as in
 //! [`single_proof`](super::single_proof).
 //!
-//! Of the whole leaf all rays are asked at once. Most need no more, some many parts: so the lanes
+//! Of whole leaves all rays are asked at once. Most need no more, some many parts: so the lanes
 //! hold parts, sixteen at a time, of whichever rays ([`LaneParts`]). Which parts a ray is asked for, and
 //! what is proved of them, depends on the ray and the leaf alone.
 
@@ -12,12 +12,10 @@ use super::LANES;
 use super::cubic::{bernstein, moved, slope_weight};
 use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
-use super::packet::Packet;
 use super::search::bits;
 use super::single_proof::{
-    LARGEST, MOST_NOISE, MOST_TURNING, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
+    MOST_NOISE, MOST_TURNING, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
 };
-use crate::patch::Leaf;
 
 /// How often a leaf is halved before the scalar search is called.
 const MOST_HALVINGS: u32 = 14;
@@ -31,13 +29,13 @@ pub(super) struct Parts {
     unique: LaneParts,
 }
 
-/// What is asked of the parts of a leaf.
+/// What is asked of the parts of leaves, each for one ray.
 pub(super) struct LaneProof<'a, S: Simd> {
     simd: S,
     distances: &'a LaneDistances,
     parts: &'a mut Parts,
-    /// The lengths, about, of the leaf's half sides.
-    lengths: [f32; 2],
+    /// The lengths, about, of the leaves' half sides.
+    lengths: [f32x16<S>; 2],
     errors: Errors<S>,
     /// The lanes of which nothing could be proved.
     pub(super) undecided: u32,
@@ -45,41 +43,31 @@ pub(super) struct LaneProof<'a, S: Simd> {
 
 /// How far what is computed may be off, lane by lane.
 #[derive(Clone, Copy)]
-struct Errors<S: Simd> {
+pub(super) struct Errors<S: Simd> {
     /// How far a point may be from the ray.
-    error: f32x16<S>,
+    pub(super) error: f32x16<S>,
     /// A ray that passes within the error of a border meets it: closer is not missed.
-    off_ray: f32x16<S>,
-    slope_noise: f32x16<S>,
+    pub(super) off_ray: f32x16<S>,
+    pub(super) slope_noise: f32x16<S>,
 }
 
 impl<'a, S: Simd> LaneProof<'a, S> {
-    /// For some lanes; `error` is how far a point may be from the ray.
+    /// For the lanes that are `asked` for.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
         (distances, parts): (&'a LaneDistances, &'a mut Parts),
-        leaf: &Leaf,
-        (packet, base): (&Packet, usize),
-        (lanes, error): (u32, f32x16<S>),
+        lengths: [f32x16<S>; 2],
+        errors: Errors<S>,
+        asked: u32,
     ) -> Self {
-        let terms = distances.terms(simd, leaf, packet, base);
-        // False for NaN.
-        let undecided = lanes & !bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
-        let noise = terms * f32x16::splat(simd, ROUNDING);
-        let errors = Errors {
-            error,
-            off_ray: noise + f32x16::splat(simd, leaf.fit_error()) + error,
-            slope_noise: noise + f32x16::splat(simd, leaf.slope_error()),
-        };
         parts.waiting.clear();
         parts.unique.clear();
-        let lengths = leaf.side_lengths();
-        let mut proof = Self { simd, distances, parts, lengths, errors, undecided };
+        let mut proof = Self { simd, distances, parts, lengths, errors, undecided: 0 };
         let Part { middle, half } = Part::whole();
         let whole = Sixteen::all(simd, middle, half);
         let local = Local::over(simd, distances, &whole, None);
-        proof.look_at(&whole, lanes & !undecided, &local, &errors);
+        proof.look_at(&whole, asked, &local, (&errors, lengths));
         proof
     }
 
@@ -101,13 +89,21 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     #[inline(always)]
     pub(super) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
         if lanes != 0 {
-            self.halve(parts, lanes);
+            let bytes = parts.bytes_of_lanes(self.simd);
+            let lengths = [self.lengths[0].swizzle_dyn(bytes), self.lengths[1].swizzle_dyn(bytes)];
+            self.halve(parts, lengths, lanes);
         }
     }
 
     /// Parts `asked` for whose distances are given.
     #[inline(always)]
-    fn look_at(&mut self, parts: &Sixteen<S>, asked: u32, local: &Local, errors: &Errors<S>) {
+    fn look_at(
+        &mut self,
+        parts: &Sixteen<S>,
+        asked: u32,
+        local: &Local,
+        (errors, lengths): (&Errors<S>, [f32x16<S>; 2]),
+    ) {
         let simd = self.simd;
         let open = asked & !local.missed(simd, errors.off_ray);
         if open == 0 {
@@ -124,17 +120,17 @@ impl<'a, S: Simd> LaneProof<'a, S> {
             self.parts.unique.push(parts, mask(simd, unique));
         }
         if open != unique {
-            self.halve(parts, open & !unique);
+            self.halve(parts, lengths, open & !unique);
         }
     }
 
     #[inline(always)]
-    fn halve(&mut self, parts: &Sixteen<S>, places: u32) {
+    fn halve(&mut self, parts: &Sixteen<S>, lengths: [f32x16<S>; 2], places: u32) {
         let simd = self.simd;
         let small = places & bits(parts.halved_so_often(simd, MOST_HALVINGS));
         self.undecided |= lanes_of(parts, small);
         let places = mask(simd, places & !small);
-        let [first, second] = parts.halved(simd, self.lengths);
+        let [first, second] = parts.halved(simd, lengths);
         self.parts.waiting.push(&first, places);
         self.parts.waiting.push(&second, places);
     }
@@ -160,7 +156,9 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
         off_ray: off_ray.swizzle_dyn(bytes),
         slope_noise: slope_noise.swizzle_dyn(bytes),
     };
-    proof.look_at(parts, asked, &local, &errors);
+    let [length_x, length_y] = proof.lengths;
+    let lengths = [length_x.swizzle_dyn(bytes), length_y.swizzle_dyn(bytes)];
+    proof.look_at(parts, asked, &local, (&errors, lengths));
 }
 
 /// The bits of the lanes of parts in these places.

@@ -3,17 +3,16 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::distances::{Approximate, LaneDistances};
+use super::distances::Approximate;
+use super::doubts::settle;
 use super::finish::finish;
-use super::lane_proof::{LaneProof, Parts};
 use super::load::{farthest, turn};
 use super::packet::Packet;
-use super::screen::{Screen, Screened};
-use super::search::{bits, certify, cross_box, load3};
+use super::screen::{Screened, screen};
+use super::search::{bits, certify, cross_box};
 use super::single::Scene;
-use super::single_proof::{REACH, START_REACH};
 use super::single_ray::WIDENED;
-use super::target::{Ground, Target};
+use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
@@ -33,7 +32,7 @@ pub(super) fn search_leaf<S: Simd>(
 ) {
     // The boxes of most leaves are missed by most rays: their data are only touched when they
     // are needed.
-    let mut target = None;
+    let (mut target, mut closer) = (None, None);
     let mut found = false;
     let mut groups = groups;
     while groups != 0 {
@@ -73,110 +72,63 @@ pub(super) fn search_leaf<S: Simd>(
             continue;
         }
         work.distances.take(simd, target.leaf, packet, base);
+        let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
         let mut done = Done::default();
         if certain != 0 {
             let start = [crossing.x, crossing.y];
             let widened = f32x16::splat(simd, WIDENED as f32);
             let (near, step) = work.distances.newton(simd, start, [[-widened, widened]; 2]);
-            let farthest = step.to[0].abs().max(step.to[1].abs());
-            let outside = certain & !bits(farthest.simd_le(f32x16::splat(simd, 1.0)));
-            if target.pole.is_none() && (outside != 0 || packet.any) {
-                let screen = Screen {
-                    target,
-                    normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
-                    slope: crossing.slopes[2],
-                    error: magnitude * f32x16::splat(simd, rounding::f32_above(factor)),
-                };
-                let Screened { missed, met } = screen.ask(simd, &step);
-                certain &= !missed;
-                if packet.any && !target.leaf.is_trimmed() {
-                    let met = certain & met & packet.within_range(simd, base, &crossing);
-                    packet.meet(simd, base, met);
-                    certain &= !met;
-                    doubted &= !met;
-                    found |= met != 0;
-                }
+            let rays = (&*packet, base);
+            let asked = (certain, error);
+            let Screened { missed, met } = screen(simd, target, rays, (&crossing, &step), asked);
+            certain &= !(missed | met);
+            if met != 0 {
+                packet.meet(simd, base, met);
+                doubted &= !met;
+                found = true;
             }
-            let lanes = (certain, Ground::Certificate);
-            done = finish_all(simd, target, (&mut *packet, base), lanes, &near);
-            doubted |= done.open;
+            if certain != 0 {
+                let closer = closer.get_or_insert_with(|| target.closer());
+                let lanes = (certain, Ground::Certificate);
+                done = finish_all(simd, (target, closer), (&mut *packet, base), lanes, &near);
+                doubted |= done.open;
+            }
         }
         let mut rest = done.judged;
         if doubted != 0 {
-            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-            let lanes = (doubted, error);
-            let proof = (&work.distances, &mut work.parts);
-            let more = search_doubted(simd, target, (&mut *packet, base), proof, lanes);
-            rest |= more.judged | more.open;
-            done.found |= more.found;
-            done.steps += more.steps;
+            let lanes = (doubted, crossing.entry, error);
+            rest |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
         }
         found |= done.found;
         statistics.newton_iterations += u64::from(done.steps);
         work.leave(base, rest, index);
+        if work.doubts.are_many() {
+            settle(simd, scene, packet, work, statistics, false);
+        }
     }
     if found {
         packet.farthest = farthest(simd, packet);
     }
 }
 
-/// Sixteen rays against a leaf whose certificate does not speak of them, or whose one root was not
-/// found: part by part, as far as their own proofs go. `error` is how far a point may be from the
-/// ray. Lanes of which nothing is proved are open.
-#[simd]
-fn search_doubted<S: Simd>(
-    simd: S,
-    target: &Target<'_>,
-    (packet, base): (&mut Packet, usize),
-    (distances, parts): (&LaneDistances, &mut Parts),
-    (lanes, error): (u32, f32x16<S>),
-) -> Done {
-    let mut all = Done::default();
-    let rays = (&*packet, base);
-    let mut proof = LaneProof::new(simd, (distances, parts), target.leaf, rays, (lanes, error));
-    while let Some((part, lanes)) = proof.next() {
-        let mut lanes = lanes & !all.judged;
-        if packet.from_roots {
-            // The one root of these is the one they start on.
-            let start = part.widened(simd, START_REACH);
-            let start = [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
-            lanes &= !packet.starts_in(simd, base, target.leaf.piece, &start);
-        }
-        if lanes == 0 {
-            continue;
-        }
-        let domain = part.widened(simd, REACH);
-        let (near, _) = distances.newton(simd, part.middle, domain);
-        let done =
-            finish_all(simd, target, (&mut *packet, base), (lanes, Ground::Own(domain)), &near);
-        // What leads out of the part may be missed by its halves.
-        proof.go_on(&part, done.open);
-        all.judged |= done.judged;
-        all.found |= done.found;
-        all.steps += done.steps;
-    }
-    all.open = proof.undecided;
-    all
-}
-
 /// What became of sixteen rays.
 #[derive(Clone, Copy, Default)]
-struct Done {
+pub(super) struct Done {
     /// The lanes that did not converge.
-    open: u32,
+    pub(super) open: u32,
     /// The lanes whose root the scalar search must judge.
-    judged: u32,
+    pub(super) judged: u32,
     /// Whether some ray's nearest hit is new.
-    found: bool,
+    pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
-    steps: u32,
+    pub(super) steps: u32,
 }
 
 /// [`finish`] for both halves of sixteen rays.
 #[simd]
-fn finish_all<S: Simd>(
+pub(super) fn finish_all<S: Simd>(
     simd: S,
-    target: &Target<'_>,
+    target: (&Target<'_>, &Closer),
     (packet, base): (&mut Packet, usize),
     (lanes, ground): (u32, Ground<S>),
     near: &Approximate<f32x16<S>>,

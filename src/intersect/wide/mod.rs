@@ -5,11 +5,12 @@
 //! have little in common (`apart`); sixteen rays at once against a leaf
 //! (`leaf`, `search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
 //! iteration a start from which one or two steps on the true surface, in f64, reach the
-//! promised accuracy (`finish`).
+//! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
+//! hit will do, that it is (`screen`).
 //!
 //! Two proofs are added here, of a ray and a leaf that the certificate does not speak of: what the
-//! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays at a time in
-//! `lane_proof`; and that a ray which leaves a leaf does not come back to it (`departure`, asked in
+//! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays and leaves at a time
+//! in `lane_proof`, where packets put them together (`doubts`); and that a ray which leaves a leaf does not come back to it (`departure`, asked in
 //! `start`). What is not proved goes to the scalar search at last.
 //!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
@@ -29,8 +30,8 @@
 //! | rays | `frames`, `load`, `packet`, `outline` | `single_ray`, `box_ray` | `frames`, `box_ray` |
 //! | the tree | `traverse` | `single` | `stream` |
 //! | a leaf: box, certificate | `leaf`, `search` | `single` | `stream` |
-//! | its start in f32 | `distances` | `single_search` | `pairs` |
-//! | its own proof | `lane_proof` | `single_proof` | as a single ray |
+//! | its start in f32 | `distances`, `screen` | `single_search` | `pairs` |
+//! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
 //! All stand on the surface in lanes (`jets`, for leaves of one patch by `target`, of many by
@@ -42,6 +43,7 @@ mod box_ray;
 mod cubic;
 mod departure;
 mod distances;
+mod doubts;
 mod finish;
 mod frames;
 mod jets;

@@ -1,7 +1,8 @@
 //! Sixty-four rays, coordinate by coordinate, and what has been found for each.
 
 use fearless_simd::{
-    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8, mask64x8, u32x16,
+    Select, Simd, SimdBase, SimdFloat, SimdMask, SimdSplit, f32x8, f32x16, f64x8, mask32x8,
+    mask64x8, u32x16,
 };
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
@@ -207,31 +208,36 @@ impl Packet {
             return bits(within);
         }
         let scale = f64x8::splat(simd, self.scale);
-        let [low, high] = [base, base + 8].map(|base| {
-            let error = f64x8::from_slice(simd, &self.from_error[base..base + 8]);
-            let shift = f64x8::from_slice(simd, &self.shift[base..base + 8]);
-            (error - shift) * scale
-        });
-        let ahead = simd.narrow_f64x8(low, high) + spare;
+        let mut start = [scale; 2];
+        for half in 0..2 {
+            let eight = base + 8 * half..base + 8 * half + 8;
+            let error = f64x8::from_slice(simd, &self.from_error[eight.clone()]);
+            start[half] = (error - f64x8::from_slice(simd, &self.shift[eight])) * scale;
+        }
+        let ahead = simd.narrow_f64x8(start[0], start[1]) + spare;
         bits(within & crossing.entry.simd_gt(ahead))
     }
 
-    /// Notes of sixteen rays that ask for any hit those that have one.
+    /// Notes that of the sixteen rays from `base` on those whose bit is set have a hit: no more is
+    /// asked of them.
     #[simd]
-    pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, met: u32) {
-        self.met |= u64::from(met) << base;
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, hits: u32) {
         for half in 0..2 {
-            let base = base + 8 * half;
-            let hits = u64::from(met >> (8 * half)) & 0xff;
-            if hits == 0 {
-                continue;
+            let hits = u64::from(hits >> (8 * half) & 0xff);
+            if hits != 0 {
+                self.meet_eight(simd, base + 8 * half, hits);
             }
-            let lanes = &mut self.z[base..base + 8];
-            let old = f64x8::from_slice(simd, lanes);
-            let none = f64x8::splat(simd, f64::NEG_INFINITY);
-            mask64x8::from_bitmask(simd, hits).select(none, old).store_slice(lanes);
-            self.shorten(simd, base, hits);
         }
+    }
+
+    /// The same of eight rays.
+    #[inline(always)]
+    pub(super) fn meet_eight<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
+        self.met |= hits << base;
+        let lanes = &mut self.z[base..base + 8];
+        let (old, none) = (f64x8::from_slice(simd, lanes), f64x8::splat(simd, f64::NEG_INFINITY));
+        mask64x8::from_bitmask(simd, hits).select(none, old).store_slice(lanes);
+        self.shorten(simd, base, hits);
     }
 
     /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of

@@ -25,7 +25,8 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
 use super::distances::LastStep;
-use super::search::bits;
+use super::packet::Packet;
+use super::search::{Crossing, bits, load3};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
 use super::target::Target;
 use crate::intersect::newton::{CLEAR, SURELY};
@@ -47,30 +48,62 @@ const WORST: f32 = 8e4;
 /// Derivatives shorter than this are not trusted: products of two lose digits.
 const SHORTEST: f32 = 1e-12;
 
-/// Sixteen rays and the leaf's rows and certificate.
-pub(super) struct Screen<'a, S: Simd> {
-    pub(super) target: &'a Target<'a>,
-    /// The normals of the rays' planes.
-    pub(super) normals: [[f32x16<S>; 3]; 2],
-    /// What the third row of the leaf's box says of the rays' directions.
-    pub(super) slope: f32x16<S>,
-    /// How far a point may be from the ray.
-    pub(super) error: f32x16<S>,
-}
-
 /// What is proved of sixteen rays, a bit each.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Screened {
-    /// They miss the leaf, if its certificate speaks of them.
+    /// They miss the leaf.
     pub(super) missed: u32,
-    /// They meet the leaf.
+    /// They meet the leaf, and ask no more.
     pub(super) met: u32,
 }
 
+/// What the last step of the search in f32 proves of rays `base … base + 15` of the packet that the
+/// leaf's certificate speaks of: those that are `asked` for. `error` is how far a point may be from the
+/// ray.
+#[simd]
+pub(super) fn screen<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    (packet, base): (&Packet, usize),
+    (crossing, step): (&Crossing<S>, &LastStep<S>),
+    (asked, error): (u32, f32x16<S>),
+) -> Screened {
+    // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
+    let farthest = step.to[0].abs().max(step.to[1].abs());
+    let outside = asked & !bits(farthest.simd_le(splat(simd, INSIDE)));
+    if target.pole.is_some() || (outside == 0 && !packet.any) {
+        return Screened::default();
+    }
+    let screen = Screen {
+        target,
+        normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
+        slope: crossing.slopes[2],
+        error,
+    };
+    let Screened { missed, met } = screen.ask(simd, step);
+    let met = if packet.any && !target.leaf.is_trimmed() {
+        met & packet.within_range(simd, base, crossing)
+    } else {
+        0
+    };
+    Screened { missed: asked & missed, met: asked & met }
+}
+
+/// Sixteen rays and a leaf.
+struct Screen<'a, S: Simd> {
+    target: &'a Target<'a>,
+    /// The normals of the rays' planes.
+    normals: [[f32x16<S>; 3]; 2],
+    /// What the third row of the leaf's box says of the rays' directions.
+    slope: f32x16<S>,
+    /// How far a point may be from the ray.
+    error: f32x16<S>,
+}
+
 impl<S: Simd> Screen<'_, S> {
-    /// What the last step of the search says.
-    #[simd]
-    pub(super) fn ask(&self, simd: S, step: &LastStep<S>) -> Screened {
+    /// What the last step of the search says of them, whatever the part of the rays that counts.
+    #[inline(always)]
+    fn ask(&self, simd: S, step: &LastStep<S>) -> Screened {
         let LastStep { from, to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]], inverse } =
             *step;
         let [[xx, xy], [yx, yy]] = inverse;
@@ -104,7 +137,8 @@ impl<S: Simd> Screen<'_, S> {
         let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
         let within = (farthest + spare).simd_le(splat(simd, INSIDE));
         let mut missed = bits(known & in_domain & beyond);
-        let outside = [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
+        let outside =
+            [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
         if (outside[0] | outside[1]).any_true() {
             missed |= bits(self.away(simd, (from, outside), [f1, f2], off));
         }
@@ -115,7 +149,7 @@ impl<S: Simd> Screen<'_, S> {
     #[inline(always)]
     fn noise(&self, simd: S, [f1, f2]: [f32x16<S>; 2]) -> f32x16<S> {
         let mut terms = f1.abs().max(f2.abs());
-        let sizes = self.target.sizes();
+        let sizes = self.target.sizes(simd);
         let mut of_leaf = [splat(simd, 0.0); 2];
         for k in 0..2 {
             for i in 0..3 {
@@ -167,4 +201,111 @@ impl<S: Simd> Screen<'_, S> {
 #[inline(always)]
 fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
     f32x16::splat(simd, x)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use fearless_simd::{Level, dispatch};
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::wide::distances::LaneDistances;
+    use crate::intersect::wide::load::{load, turn};
+    use crate::intersect::wide::search::{certify, cross_box};
+    use crate::intersect::wide::single_ray::{WIDENED, Wanted};
+    use crate::intersect::{BuildOptions, Hit, Query, SurfaceBvh};
+    use crate::math::{Ray, rounding};
+    use crate::patch::Leaf;
+
+    /// What is said of sixteen lines and a leaf whose certificate speaks of those whose bits are
+    /// returned last.
+    fn said(bvh: &SurfaceBvh, index: u32, queries: &[Query]) -> (Screened, u32) {
+        let scene = bvh.scene();
+        let oriented = scene.tree.oriented(index);
+        let target = Target::new(&scene, &oriented, index);
+        let mut packet = Packet::new();
+        packet.ask(Wanted::Any);
+        dispatch!(Level::new(), simd => {
+            load(simd, &mut packet, queries, &scene);
+            turn(simd, &mut packet);
+            let crossing = cross_box(simd, &oriented, &packet, 0);
+            let factor = target.piece.patch.residual_factor();
+            let magnitude = f32x16::splat(simd, 1e2);
+            let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+            let certified = bits(crossing.met & certified);
+            let mut distances = LaneDistances::default();
+            distances.take(simd, target.leaf, &packet, 0);
+            let widened = f32x16::splat(simd, WIDENED as f32);
+            let start = [crossing.x, crossing.y];
+            let (_, step) = distances.newton(simd, start, [[-widened, widened]; 2]);
+            let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+            let asked = (certified, error);
+            let rays = (&packet, 0);
+            (screen(simd, &target, rays, (&crossing, &step), asked), certified)
+        })
+    }
+
+    /// Whether a line meets a leaf, as the exact solver finds it.
+    fn meets(bvh: &SurfaceBvh, leaf: &Leaf, query: &Query) -> bool {
+        let mut hits: Vec<Hit> = Vec::new();
+        bvh.tracer().all_hits(query, &mut hits);
+        let rect = leaf.rect();
+        let inside = |st: DVec2| (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1]);
+        hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
+    }
+
+    /// Lines past places of a leaf and just outside of it, at any angle that its certificate speaks of.
+    #[test]
+    fn what_is_said_of_a_leaf_is_so() {
+        let options = BuildOptions::default();
+        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4)]
+            .map(|body| SurfaceBvh::build(&[body.unwrap()], &options).unwrap());
+        let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
+        let config = ProptestConfig { cases: 1_500, ..ProptestConfig::default() };
+        let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
+        let line = (place(), place(), -1.0..1.0f64, 0.0..6.3f64);
+        let lines = (0usize.., prop::collection::vec(line, 16));
+        proptest!(config, |((k, lines) in lines)| {
+            for bvh in &bodies {
+                let index = k % bvh.leaves.len();
+                let leaf = &bvh.leaves[index];
+                let piece = &bvh.patches().pieces()[leaf.piece as usize];
+                let queries: Vec<Query> = lines
+                    .iter()
+                    .map(|&(x, y, height, turn)| {
+                        let place = |k: usize, x: f64| {
+                            let [from, to] = leaf.rect()[k];
+                            0.5 * ((from + to) + x * (to - from))
+                        };
+                        let point = piece.patch.point(DVec2::new(place(0, x), place(1, y)));
+                        let flat = (1.0 - height * height).sqrt();
+                        let along = DVec3::new(flat * turn.cos(), flat * turn.sin(), height);
+                        let (from, to) = (-6.0, 0.0);
+                        let ray = Ray::with_range(point + 3.0 * along, along, from, to);
+                        Query::primary(ray.unwrap())
+                    })
+                    .collect();
+                let (said, certified) = said(bvh, index as u32, &queries);
+                for (k, query) in queries.iter().enumerate() {
+                    let told = |lanes: u32| lanes >> k & 1 != 0;
+                    if told(said.missed) || told(said.met) {
+                        let meets = meets(bvh, leaf, query);
+                        prop_assert!(!(told(said.missed) && meets), "leaf {index}, line {k}");
+                        prop_assert!(!told(said.met) || meets, "leaf {index}, line {k}");
+                    }
+                }
+                asked.set(asked.get() + certified.count_ones());
+                missed.set(missed.get() + said.missed.count_ones());
+                met.set(met.get() + said.met.count_ones());
+            }
+        });
+        // Most is known: what is left is near the leaf's sides, or at a small angle.
+        let [asked, missed, met] = [asked.get(), missed.get(), met.get()];
+        assert!(asked > 10_000 && missed > asked / 5 && met > asked / 5, "{asked} {missed} {met}");
+        assert!(missed + met > 3 * asked / 4, "{asked} {missed} {met}");
+    }
 }

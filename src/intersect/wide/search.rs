@@ -38,7 +38,7 @@ pub(super) fn load3d<S: Simd>(simd: S, lanes: &Lanes3, base: usize) -> [f64x8<S>
 }
 
 /// The slab test of the oriented box for rays `base … base + 15`.
-#[simd]
+#[inline(always)] // in the innermost loop
 pub(super) fn cross_box<S: Simd>(
     simd: S,
     oriented: &OrientedBox,

@@ -26,6 +26,11 @@ pub(super) struct Target<'a> {
     domain: [[f64; 2]; 2],
     /// The point the leaf ends in, if it does.
     pub(super) pole: Option<DVec3>,
+}
+
+/// What is to be known of a leaf that roots are looked for in.
+#[derive(Clone, Copy)]
+pub(super) struct Closer {
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
     /// leaf is away from all borders.
     pub(super) reach: Option<[f64; 4]>,
@@ -33,7 +38,6 @@ pub(super) struct Target<'a> {
     bend: f64,
     /// See [`Leaf::higher_derivatives`].
     higher: [DVec3; 7],
-    sizes: [f32; 3],
 }
 
 impl<'a> Target<'a> {
@@ -42,21 +46,27 @@ impl<'a> Target<'a> {
         let piece = &scene.set.pieces()[leaf.piece as usize];
         let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
         let pole = leaf.pole(piece);
+        Self { leaf, piece, index, scene, oriented, rect, domain, pole }
+    }
+
+    pub(super) fn closer(&self) -> Closer {
         // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
-        let reach = match pole {
+        let reach = match self.pole {
             Some(_) => Some([f64::INFINITY; 4]),
-            None => border_reach(leaf, piece),
+            None => border_reach(self.leaf, self.piece),
         };
-        let higher = leaf.higher_derivatives();
-        let bend = f64::from(leaf.fit_bend());
-        let sizes = leaf.fit().map(|axis| axis.iter().map(|c| c.abs()).sum());
-        Self { leaf, piece, index, scene, oriented, rect, domain, pole, reach, bend, higher, sizes }
+        let bend = f64::from(self.leaf.fit_bend());
+        Closer { reach, bend, higher: self.leaf.higher_derivatives() }
     }
 
     /// The sums of the sizes of the approximation's coefficients, by coordinate.
     #[inline(always)]
-    pub(super) fn sizes(&self) -> [f32; 3] {
-        self.sizes
+    pub(super) fn sizes<S: Simd>(&self, simd: S) -> [f32; 3] {
+        let mut sizes = [0.0; 3];
+        for axis in 0..3 {
+            sizes[axis] = f32x16::from_slice(simd, &self.leaf.fit()[axis]).abs().reduce_sum();
+        }
+        sizes
     }
 
     /// See [`OrientedBox::unit_axes`].
@@ -124,6 +134,7 @@ impl<'a> Target<'a> {
 /// A leaf, and where in it eight rays have one root at most.
 pub(super) struct Ground8<'a, S: Simd> {
     pub(super) target: &'a Target<'a>,
+    pub(super) closer: &'a Closer,
     /// From and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
     /// Whether normals are asked for.
@@ -166,7 +177,7 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
 
     #[inline(always)]
     fn bend(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, self.target.bend)
+        f64x8::splat(simd, self.closer.bend)
     }
 
     #[inline(always)]
@@ -176,7 +187,7 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
 
     #[inline(always)]
     fn second(&self, simd: S, axis: usize, [x, y]: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
-        let h = &self.target.higher;
+        let h = &self.closer.higher;
         let xxy = f64x8::splat(simd, h[4][axis]);
         let xyy = f64x8::splat(simd, h[5][axis]);
         [

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::apart::{ALL, Apart};
 use super::distances::LaneDistances;
+use super::doubts::{Doubts, settle};
 use super::lane_proof::Parts;
 use super::leaf::search_leaf;
 use super::load::load;
@@ -33,7 +34,8 @@ pub(in crate::intersect) struct Work {
     apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
-    /// Parts of that leaf.
+    /// Rays and leaves to be looked at closer, and parts of such leaves.
+    pub(super) doubts: Box<Doubts>,
     pub(super) parts: Parts,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
@@ -78,6 +80,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
 ) {
     let tree = scene.tree;
     work.rest.clear();
+    work.doubts.clear();
     work.rest_rays = 0;
     work.touched = 0;
     // Where the packet before has met something, this one is likely to; rays that leave a hit meet the
@@ -119,6 +122,9 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
                 work.stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             }
         }
+    }
+    if !work.doubts.is_empty() {
+        settle(simd, scene, packet, work, statistics, true);
     }
 }
 

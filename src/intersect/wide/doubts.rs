@@ -1,0 +1,314 @@
+//! Rays and leaves whose certificates do not speak of them: put aside until there are sixteen to be
+//! looked at side by side.
+//!
+//! A leaf has few such rays at a time: at a silhouette, or among those that leave a surface at all
+//! angles. What a look at their proofs costs does not depend on how many lanes are filled. So the lanes
+//! hold pairs of any rays of the packet with any leaves.
+
+use fearless_simd::{Bytes, Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
+use fearless_simd_macros::simd;
+
+use super::LANES;
+use super::box_ray::SPARE;
+use super::distances::{Approximate, LaneDistances};
+use super::lane_proof::{Errors, LaneProof, Parts};
+use super::leaf::{Done, finish_all};
+use super::load::farthest;
+use super::packet::Packet;
+use super::search::bits;
+use super::single::Scene;
+use super::single_proof::{LARGEST, REACH, ROUNDING, START_REACH};
+use super::target::{Ground, Target};
+use super::traverse::Work;
+use crate::intersect::Statistics;
+
+/// Sixteen that are looked at, and as many that come too late.
+const ROOM: usize = 2 * LANES;
+
+/// A ray of the packet and a leaf, and where the ray enters the leaf's box.
+#[derive(Clone, Copy, Debug, Default)]
+struct Doubt {
+    ray: usize,
+    leaf: u32,
+    entry: f32,
+}
+
+/// Pairs of a ray and a leaf, number by number.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Doubts {
+    count: usize,
+    pairs: [Doubt; ROOM],
+    /// As in [`LaneDistances`].
+    distances: [[[f32; ROOM]; 16]; 2],
+    /// As in [`Errors`].
+    errors: [[f32; ROOM]; 3],
+    /// The lengths, about, of the leaves' half sides.
+    lengths: [[f32; ROOM]; 2],
+}
+
+impl Default for Doubts {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            pairs: [Doubt::default(); ROOM],
+            distances: [[[0.0; ROOM]; 16]; 2],
+            errors: [[0.0; ROOM]; 3],
+            lengths: [[0.0; ROOM]; 2],
+        }
+    }
+}
+
+/// Sixteen of them, or fewer.
+struct Taken<S: Simd> {
+    pairs: [Doubt; LANES],
+    count: usize,
+    distances: LaneDistances,
+    errors: Errors<S>,
+    lengths: [f32x16<S>; 2],
+}
+
+impl Doubts {
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether there are enough to be looked at.
+    #[inline(always)]
+    pub(super) fn are_many(&self) -> bool {
+        self.count >= LANES
+    }
+
+    /// Puts aside those of sixteen rays whose bit is set, with their distances from a leaf and where
+    /// they enter its box; `error` is how far a point may be from the ray. Returns those of which
+    /// nothing can be proved.
+    #[simd]
+    pub(super) fn put<S: Simd>(
+        &mut self,
+        simd: S,
+        (target, distances): (&Target<'_>, &LaneDistances),
+        (packet, base): (&Packet, usize),
+        (lanes, entry, error): (u32, f32x16<S>, f32x16<S>),
+    ) -> u32 {
+        let leaf = target.leaf;
+        let terms = distances.terms(simd, target.sizes(simd), packet, base);
+        // False for NaN.
+        let known = lanes & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+        let noise = terms * f32x16::splat(simd, ROUNDING);
+        let chosen = mask32x16::from_bitmask(simd, u64::from(known));
+        let at = self.count..self.count + LANES;
+        for k in 0..2 {
+            for m in 0..16 {
+                let row = f32x16::from_slice(simd, &distances.of[k][m]);
+                row.compress(chosen).store_slice(&mut self.distances[k][m][at.clone()]);
+            }
+            let length = f32x16::splat(simd, leaf.side_lengths()[k]);
+            length.store_slice(&mut self.lengths[k][at.clone()]);
+        }
+        let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
+        let slope_noise = noise + f32x16::splat(simd, leaf.slope_error());
+        error.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
+        off_ray.compress(chosen).store_slice(&mut self.errors[1][at.clone()]);
+        slope_noise.compress(chosen).store_slice(&mut self.errors[2][at]);
+        let mut left = known;
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            self.pairs[self.count] = Doubt { ray: base + k, leaf: target.index, entry: entry[k] };
+            self.count += 1;
+        }
+        lanes & !known
+    }
+
+    /// Takes out the first sixteen, or as many as there are.
+    #[simd]
+    fn take<S: Simd>(&mut self, simd: S) -> Taken<S> {
+        let count = self.count.min(LANES);
+        let mut distances = LaneDistances::default();
+        for k in 0..2 {
+            for m in 0..16 {
+                first(simd, &mut self.distances[k][m]).store_slice(&mut distances.of[k][m]);
+            }
+        }
+        let [error, off_ray, slope_noise] = &mut self.errors;
+        let errors = Errors {
+            error: first(simd, error),
+            off_ray: first(simd, off_ray),
+            slope_noise: first(simd, slope_noise),
+        };
+        let [x, y] = &mut self.lengths;
+        let lengths = [first(simd, x), first(simd, y)];
+        let mut pairs = [Doubt::default(); LANES];
+        pairs[..count].copy_from_slice(&self.pairs[..count]);
+        self.pairs.copy_within(count..self.count, 0);
+        self.count -= count;
+        Taken { pairs, count, distances, errors, lengths }
+    }
+}
+
+/// The first sixteen of the numbers, in whose place come the others.
+#[inline(always)]
+fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
+    let first = f32x16::from_slice(simd, &numbers[..LANES]);
+    f32x16::from_slice(simd, &numbers[LANES..]).store_slice(&mut numbers[..LANES]);
+    first
+}
+
+/// Looks at what was put aside: as long as there are sixteen at a time, or at `all` of it.
+#[simd]
+pub(super) fn settle<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    packet: &mut Packet,
+    work: &mut Work,
+    statistics: &mut Statistics,
+    all: bool,
+) {
+    let mut found = false;
+    while work.doubts.are_many() || all && work.doubts.count > 0 {
+        let taken = work.doubts.take(simd);
+        let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, &mut work.parts);
+        found |= done.found;
+        statistics.newton_iterations += u64::from(done.steps);
+        let mut rest = rest;
+        while rest != 0 {
+            let Doubt { ray, leaf, .. } = taken.pairs[rest.trailing_zeros() as usize];
+            rest &= rest - 1;
+            work.leave(ray, 1, leaf);
+        }
+    }
+    if found {
+        packet.farthest = farthest(simd, packet);
+    }
+}
+
+/// What became of sixteen pairs.
+struct Settled {
+    /// Those left to the scalar search.
+    rest: u32,
+    done: Done,
+}
+
+/// Part by part of the leaves, as far as the rays' own proofs go.
+#[simd]
+fn settle_sixteen<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    packet: &mut Packet,
+    taken: &Taken<S>,
+    parts: &mut Parts,
+) -> Settled {
+    let Taken { pairs, count, distances, errors, lengths } = taken;
+    let mut asked = 0;
+    for (lane, pair) in pairs[..*count].iter().enumerate() {
+        // Something nearer may have been found since.
+        let in_reach = pair.entry <= packet.far_f[pair.ray] + SPARE;
+        asked |= u32::from(in_reach) << lane;
+    }
+    let mut all = Done::default();
+    let mut proof = LaneProof::new(simd, (distances, parts), *lengths, *errors, asked);
+    while let Some((part, lanes)) = proof.next() {
+        let lanes = lanes & !all.judged;
+        if lanes == 0 {
+            continue;
+        }
+        let domain = part.widened(simd, REACH);
+        let start = part.widened(simd, START_REACH);
+        let (near, _) = distances.newton(simd, part.middle, domain);
+        // Those of one leaf, and of the same sixteen rays, are finished together.
+        let (mut left, mut open) = (lanes, 0);
+        while left != 0 {
+            let Doubt { ray, leaf, .. } = pairs[left.trailing_zeros() as usize];
+            let base = ray / LANES * LANES;
+            let group = Group::of(pairs, left, (leaf, base));
+            left &= !group.places;
+            let bytes = group.bytes(simd);
+            let oriented = scene.tree.oriented(leaf);
+            let target = Target::new(scene, &oriented, leaf);
+            let mut wanted = group.lanes;
+            if packet.from_roots {
+                // The one root of these is the one they start on.
+                let start = moved(start, bytes);
+                let start =
+                    [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
+                wanted &= !packet.starts_in(simd, base, target.leaf.piece, &start);
+                if wanted == 0 {
+                    continue;
+                }
+            }
+            let [inverse_x, inverse_y] = moved([near.inverse[0], near.inverse[1]], bytes);
+            let near = Approximate {
+                x: near.x.swizzle_dyn(bytes),
+                y: near.y.swizzle_dyn(bytes),
+                inverse: [inverse_x, inverse_y],
+            };
+            let ground = Ground::Own(moved(domain, bytes));
+            let about = (&target, &target.closer());
+            let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
+            all.found |= done.found;
+            all.steps += done.steps;
+            all.judged |= group.places_of(done.judged);
+            open |= group.places_of(done.open);
+        }
+        // What leads out of the part may be missed by its halves.
+        proof.go_on(&part, open);
+    }
+    Settled { rest: all.judged | proof.undecided, done: all }
+}
+
+/// Pairs of one leaf and the same sixteen rays.
+struct Group {
+    /// Their places among all pairs, a bit each.
+    places: u32,
+    /// Their rays, a bit each.
+    lanes: u32,
+    /// The place of each of these.
+    place: [u32; LANES],
+}
+
+impl Group {
+    /// Those among `places`.
+    fn of(pairs: &[Doubt; LANES], places: u32, (leaf, base): (u32, usize)) -> Self {
+        let mut group = Self { places: 0, lanes: 0, place: [0; LANES] };
+        let mut left = places;
+        while left != 0 {
+            let at = left.trailing_zeros();
+            left &= left - 1;
+            let pair = &pairs[at as usize];
+            if pair.leaf == leaf && pair.ray / LANES * LANES == base {
+                group.places |= 1 << at;
+                group.lanes |= 1 << (pair.ray - base);
+                group.place[pair.ray - base] = at;
+            }
+        }
+        group
+    }
+
+    /// The bytes of the pairs' numbers, in the order of their rays.
+    #[inline(always)]
+    fn bytes<S: Simd>(&self, simd: S) -> u8x64<S> {
+        let places = u32x16::from_slice(simd, &self.place);
+        (places * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
+    }
+
+    /// The places of some of their rays.
+    fn places_of(&self, lanes: u32) -> u32 {
+        let (mut left, mut places) = (lanes & self.lanes, 0);
+        while left != 0 {
+            places |= 1 << self.place[left.trailing_zeros() as usize];
+            left &= left - 1;
+        }
+        places
+    }
+}
+
+/// Numbers put elsewhere.
+#[inline(always)]
+fn moved<S: Simd>(of: [[f32x16<S>; 2]; 2], bytes: u8x64<S>) -> [[f32x16<S>; 2]; 2] {
+    let [[a, b], [c, d]] = of;
+    [[a.swizzle_dyn(bytes), b.swizzle_dyn(bytes)], [c.swizzle_dyn(bytes), d.swizzle_dyn(bytes)]]
+}
