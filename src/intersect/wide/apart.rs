@@ -9,7 +9,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
-use super::box_ray::{BLUR, BoxRay, Crossings, LEAST};
+use super::box_ray::{BLUR, LEAST, Slabs};
 use super::load::bounds;
 use super::packet::{Lanes3f, Packet, PacketBounds};
 use super::search::{bits, load3};
@@ -113,7 +113,7 @@ fn groups(rays: u64) -> u32 {
 }
 
 /// See [`Apart::meeting`]. The planes are moved outwards by more than rounding comes to, as in
-/// [`BoxRay`].
+/// [`BoxRay`](super::box_ray::BoxRay).
 #[simd]
 fn meeting_one_by_one<S: Simd>(
     simd: S,
@@ -167,17 +167,13 @@ fn leaves_of_rays<S: Simd>(
         }
         return apart;
     }
-    let mut crossings = Crossings::NONE;
+    let ([x, y, z], [dx, dy, dz]) = (&packet.origin_f, &packet.axis_f);
     let mut left = rays;
     while left != 0 {
         let k = left.trailing_zeros() as usize;
         left &= left - 1;
-        let [x, y, z] = &packet.origin_f;
-        let [dx, dy, dz] = &packet.axis_f;
-        let (origin, axis) = ([x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
-        let ray = BoxRay::new(origin, axis, [packet.near_f[k], packet.far_f[k]]);
-        ray.cross(simd, block, &mut crossings);
-        apart[k / LANES] |= met & crossings.met;
+        let slabs = Slabs::new(simd, block, [x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
+        apart[k / LANES] |= met & slabs.met(simd, [packet.near_f[k], packet.far_f[k]]);
     }
     apart
 }

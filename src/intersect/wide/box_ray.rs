@@ -112,47 +112,77 @@ impl BoxRay {
     /// The slab test of sixteen oriented boxes.
     #[simd]
     pub(super) fn cross<S: Simd>(&self, simd: S, block: &LeafBlock, crossings: &mut Crossings) {
-        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
-        let mut entry = f32x16::splat(simd, f32::MIN);
-        let mut exit = f32x16::splat(simd, f32::MAX);
-        let mut at = [one; 3];
-        let mut along = [one; 3];
-        let mut inverse = one;
-        for k in 0..3 {
-            let rx = f32x16::from_slice(simd, &block.rows[4 * k]);
-            let ry = f32x16::from_slice(simd, &block.rows[4 * k + 1]);
-            let rz = f32x16::from_slice(simd, &block.rows[4 * k + 2]);
-            let offset = f32x16::from_slice(simd, &block.rows[4 * k + 3]);
-            let [ox, oy, oz] = self.origin;
-            let from = rz.mul_add(f32x16::splat(simd, oz), -offset);
-            let from = ry.mul_add(f32x16::splat(simd, oy), from);
-            at[k] = rx.mul_add(f32x16::splat(simd, ox), from);
-            let [dx, dy, dz] = self.axis;
-            let slope = ry.mul_add(f32x16::splat(simd, dy), rz * f32x16::splat(simd, dz));
-            let slope = rx.mul_add(f32x16::splat(simd, dx), slope);
-            let steep = slope.abs().simd_gt(least);
-            along[k] = steep.select(slope, least.copysign(slope));
-            inverse = one / along[k];
-            let middle = -at[k] * inverse;
-            let half = inverse.abs();
-            entry = entry.max(middle - half);
-            exit = exit.min(middle + half);
-        }
-        let (near, far) = (f32x16::splat(simd, self.near), f32x16::splat(simd, self.far));
-        let met = entry.max(near).simd_le(exit.min(far) + f32x16::splat(simd, SPARE));
+        let one = f32x16::splat(simd, 1.0);
+        let slabs = Slabs::new(simd, block, self.origin, self.axis);
+        crossings.met = slabs.met(simd, [self.near, self.far]);
 
         // The middle plane, if it is crossed inside the box. What is known of the ray's end must
         // have no say in it: the start would depend on what was searched before.
-        let z = (-at[2] * inverse).max(entry).min(exit);
+        let Slabs { entry, exit, at, along, last_inverse } = slabs;
+        let z = (-at[2] * last_inverse).max(entry).min(exit);
         let x = z.mul_add(along[0], at[0]).max(-one).min(one);
         let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-        crossings.met = met.to_bitmask() as u32;
         entry.store_slice(&mut crossings.entry);
         x.store_slice(&mut crossings.x);
         y.store_slice(&mut crossings.y);
         for k in 0..3 {
             along[k].store_slice(&mut crossings.slopes[k]);
         }
+    }
+}
+
+/// A ray in the coordinates of sixteen oriented boxes.
+pub(super) struct Slabs<S: Simd> {
+    /// Where it enters them and leaves them.
+    entry: f32x16<S>,
+    exit: f32x16<S>,
+    /// The coordinates of its origin, and how they change along it.
+    at: [f32x16<S>; 3],
+    along: [f32x16<S>; 3],
+    /// One over the last change.
+    last_inverse: f32x16<S>,
+}
+
+impl<S: Simd> Slabs<S> {
+    #[inline(always)] // so that a block's rows are read once for many rays
+    pub(super) fn new(simd: S, block: &LeafBlock, origin: [f32; 3], axis: [f32; 3]) -> Self {
+        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
+        let mut slabs = Self {
+            entry: f32x16::splat(simd, f32::MIN),
+            exit: f32x16::splat(simd, f32::MAX),
+            at: [one; 3],
+            along: [one; 3],
+            last_inverse: one,
+        };
+        for k in 0..3 {
+            let rx = f32x16::from_slice(simd, &block.rows[4 * k]);
+            let ry = f32x16::from_slice(simd, &block.rows[4 * k + 1]);
+            let rz = f32x16::from_slice(simd, &block.rows[4 * k + 2]);
+            let offset = f32x16::from_slice(simd, &block.rows[4 * k + 3]);
+            let [ox, oy, oz] = origin;
+            let from = rz.mul_add(f32x16::splat(simd, oz), -offset);
+            let from = ry.mul_add(f32x16::splat(simd, oy), from);
+            let at = rx.mul_add(f32x16::splat(simd, ox), from);
+            let [dx, dy, dz] = axis;
+            let slope = ry.mul_add(f32x16::splat(simd, dy), rz * f32x16::splat(simd, dz));
+            let slope = rx.mul_add(f32x16::splat(simd, dx), slope);
+            let steep = slope.abs().simd_gt(least);
+            let along = steep.select(slope, least.copysign(slope));
+            let inverse = one / along;
+            let (middle, half) = (-at * inverse, inverse.abs());
+            slabs.entry = slabs.entry.max(middle - half);
+            slabs.exit = slabs.exit.min(middle + half);
+            (slabs.at[k], slabs.along[k], slabs.last_inverse) = (at, along, inverse);
+        }
+        slabs
+    }
+
+    /// The boxes that are met between two places along the ray, a bit each.
+    #[inline(always)]
+    pub(super) fn met(&self, simd: S, [near, far]: [f32; 2]) -> u32 {
+        let (near, far) = (f32x16::splat(simd, near), f32x16::splat(simd, far));
+        let spare = f32x16::splat(simd, SPARE);
+        self.entry.max(near).simd_le(self.exit.min(far) + spare).to_bitmask() as u32
     }
 }
 
