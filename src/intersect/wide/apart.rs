@@ -130,18 +130,23 @@ fn meeting_one_by_one<S: Simd>(
         }
         let near_f = f32x16::from_slice(simd, &packet.near_f[base..base + LANES]);
         let far_f = f32x16::from_slice(simd, &packet.far_f[base..base + LANES]);
-        let origin = load3(simd, &packet.origin_f, base);
         let inverse = load3(simd, inverse, base);
+        let (mut for_low, blur) = (load3(simd, &packet.origin_f, base), f32x16::splat(simd, BLUR));
+        let mut for_high = for_low;
+        for axis in 0..3 {
+            for_low[axis] += blur;
+            for_high[axis] -= blur;
+        }
         let mut children = met;
         while children != 0 {
             let child = children.trailing_zeros() as usize;
             children &= children - 1;
             let (mut near, mut far) = (near_f, far_f);
             for axis in 0..3 {
-                let low = f32x16::splat(simd, node.planes[2 * axis][child] - BLUR);
-                let high = f32x16::splat(simd, node.planes[2 * axis + 1][child] + BLUR);
-                let a = (low - origin[axis]) * inverse[axis];
-                let b = (high - origin[axis]) * inverse[axis];
+                let low = f32x16::splat(simd, node.planes[2 * axis][child]);
+                let high = f32x16::splat(simd, node.planes[2 * axis + 1][child]);
+                let a = (low - for_low[axis]) * inverse[axis];
+                let b = (high - for_high[axis]) * inverse[axis];
                 near = near.max(a.min(b));
                 far = far.min(a.max(b));
             }

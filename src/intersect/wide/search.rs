@@ -54,6 +54,7 @@ pub(super) fn cross_box<S: Simd>(
     let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_SLOPE));
     let mut at = [one; 3];
     let mut along = [one; 3];
+    let mut inverse = one;
     for k in 0..3 {
         let row = oriented.rows[k];
         let (rx, ry, rz) =
@@ -63,18 +64,17 @@ pub(super) fn cross_box<S: Simd>(
         let slope = rx.mul_add(axis[0], ry.mul_add(axis[1], rz * axis[2]));
         let steep = slope.abs().simd_gt(least);
         along[k] = steep.select(slope, least.copysign(slope));
-        let inverse = one / along[k];
-        let a = (-one - at[k]) * inverse;
-        let b = (one - at[k]) * inverse;
-        entry = entry.max(a.min(b));
-        exit = exit.min(a.max(b));
+        inverse = one / along[k];
+        let (middle, half) = (-at[k] * inverse, inverse.abs());
+        entry = entry.max(middle - half);
+        exit = exit.min(middle + half);
     }
     let spare = f32x16::splat(simd, SPARE);
     let met = entry.max(near).simd_le(exit.min(far) + spare);
 
     // The middle plane, if it is crossed inside the box. What is known of the ray's end must
     // have no say in it: the start would depend on what was searched before.
-    let z = (-at[2] / along[2]).max(entry).min(exit);
+    let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
     Crossing { met, x, y, entry, exit, slopes: along }
