@@ -101,6 +101,7 @@ impl Leaf {
 
     /// The leaf's rectangle with `part` of its sides added on each side, but for a side that
     /// is collapsed to a point.
+    #[inline(always)]
     pub fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
         let mut rect = self.rect().map(|[from, to]| {
             let more = part * (to - from);
@@ -113,11 +114,13 @@ impl Leaf {
     }
 
     /// Where the leaf ends at a collapsed side of its piece.
+    #[inline(always)]
     pub fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
-        collapsed_side(self.rect, piece)
+        if self.has_pole() { collapsed_side(self.rect, piece) } else { None }
     }
 
     /// Where the leaf ends in a point, if it does.
+    #[inline(always)]
     pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
         let side = self.collapsed(piece)?;
         piece.collapsed_sides().find(|&(other, _)| other == side).map(|(_, point)| point)
