@@ -281,6 +281,7 @@ fn accept(
     findings.meetings.push(Meeting {
         t,
         t_error,
+        z_error,
         surface,
         piece,
         st,

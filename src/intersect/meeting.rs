@@ -14,8 +14,9 @@ use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, SceneFrame}
 pub(super) struct Meeting {
     /// The ray parameter.
     pub(super) t: f64,
-    /// How far that may be off.
+    /// How far that may be off, and the place along the ray, in scene units.
     pub(super) t_error: f64,
+    pub(super) z_error: f64,
     pub(super) surface: u32,
     pub(super) piece: u32,
     pub(super) st: DVec2,

@@ -153,7 +153,7 @@ impl Tracer<'_> {
         let certain = packet.hit(k).map(|hit| meeting(set, &frame, &hit));
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
         let doubt = if work.rest_rays >> k & 1 == 0 { f64::INFINITY } else { doubt[k] };
-        let answer = answer_of(set, &frame, certain.iter().chain(others), doubt);
+        let answer = answer_of(set, certain.iter().chain(others), doubt);
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
@@ -191,6 +191,7 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     Meeting {
         t: hit.t,
         t_error: hit.z_error * frame.t_from_z,
+        z_error: hit.z_error,
         surface: piece.surface,
         piece: hit.piece,
         st: hit.st,

@@ -100,7 +100,7 @@ impl Tracer<'_> {
         let certain =
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
-        let answer = answer_of(&self.bvh.set, frame, meetings, self.findings.doubt);
+        let answer = answer_of(&self.bvh.set, meetings, self.findings.doubt);
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
@@ -221,6 +221,7 @@ impl<'a> Certain<'a> {
         Meeting {
             t: z * frame.t_from_z,
             t_error: z_error * frame.t_from_z,
+            z_error,
             surface: self.piece.surface,
             piece: self.index,
             st,

@@ -122,7 +122,7 @@ impl<'a> Tracer<'a> {
         self.collect(query, &frame, exactly, |_| f64::INFINITY);
         crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces());
         let set = &self.bvh.set;
-        hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, &frame, meeting)));
+        hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
         let doubtful = !certain || self.findings.doubt < f64::INFINITY;
         self.findings.statistics.doubtful += u64::from(doubtful);
@@ -181,7 +181,7 @@ impl<'a> Tracer<'a> {
             meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
         });
         let findings = &mut self.findings;
-        let answer = answer_of(&self.bvh.set, &frame, findings.meetings.iter(), findings.doubt);
+        let answer = answer_of(&self.bvh.set, findings.meetings.iter(), findings.doubt);
         findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
@@ -241,7 +241,6 @@ impl SurfaceBvh {
 /// The first of some meetings, and whether what was doubtful could have come before it.
 pub(super) fn answer_of<'m>(
     set: &PatchSet,
-    frame: &RayFrame,
     meetings: impl Iterator<Item = &'m Meeting>,
     doubt: f64,
 ) -> Answer {
@@ -255,7 +254,7 @@ pub(super) fn answer_of<'m>(
     };
     // A hit so far that `t` has no number for it lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
-    let mut hit = reachable.min_by(order).map(|meeting| hit(set, frame, meeting));
+    let mut hit = reachable.min_by(order).map(|meeting| hit(set, meeting));
     let open = doubt < f64::INFINITY && hit.is_none_or(|hit| doubt <= hit.t);
     let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
     let doubtful = flagged || open;
@@ -266,7 +265,7 @@ pub(super) fn answer_of<'m>(
 }
 
 /// The answer to give for a meeting.
-fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
+fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
     let normal = meeting.normal.filter(|_| !piece.is_tip(meeting.jet.point));
@@ -274,8 +273,7 @@ fn hit(set: &PatchSet, frame: &RayFrame, meeting: &Meeting) -> Hit {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
-    let error = meeting.t_error / frame.t_from_z;
-    let root = Root { piece: meeting.piece, st: meeting.st, error };
+    let root = Root { piece: meeting.piece, st: meeting.st, error: meeting.z_error };
     Hit {
         t: meeting.t,
         surface: meeting.surface,

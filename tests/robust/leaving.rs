@@ -1,8 +1,8 @@
 //! Rays that leave a hit: it is not met again, and no other hit is lost with it.
 
-use glam::DVec3;
-use nurbray::geometry::{KnotVector, NurbsSurface};
-use nurbray::intersect::{Coherence, Hit, Kernel, Query, Tracer};
+use glam::{DAffine3, DVec3};
+use nurbray::geometry::{KnotVector, NurbsSurface, Surface, shapes};
+use nurbray::intersect::{BuildOptions, Coherence, Hit, Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -338,5 +338,43 @@ fn where_a_surface_crosses_itself_the_other_sheet_is_doubtful() {
         assert!(tracer.all_hits(&onward, &mut hits) || !hits.is_empty(), "{onward:?}");
         let first = tracer.first_hit(&onward);
         assert!(first.hit.is_some() || first.doubtful, "{onward:?}: {first:?}");
+    }
+}
+
+/// Chords of spheres of any size, from a hit inwards, however flat: each meets the sphere again.
+#[test]
+fn no_chord_is_lost_however_small_the_sphere() {
+    let sphere: Surface = shapes::sphere(1.0).unwrap().into();
+    let options = BuildOptions::default();
+    for power in [0, -8, -10, -12, -13, -14, -16, -18, -19, -20, -21, -22, -30, 8, 14, 20] {
+        let scale = 10f64.powi(power);
+        let scaled = sphere.transformed(&DAffine3::from_scale(DVec3::splat(scale))).unwrap();
+        let bvh = SurfaceBvh::build(&[scaled], &options).unwrap();
+        let mut random = Random::new(75);
+        let mut scalar = bvh.tracer_with(Kernel::Scalar);
+        let queries: Vec<Query> = (0..400)
+            .map(|_| {
+                let from = random.direction();
+                let ray = Ray::new(3.0 * scale * from, -from).unwrap();
+                let seen = scalar.first_hit(&Query::primary(ray)).hit.unwrap();
+                let dip = random.power_of_ten(-4.0, 0.0);
+                let along = random.perpendicular(from) - dip * from;
+                Query::leaving(Ray::new(seen.point, along).unwrap(), &seen)
+            })
+            .collect();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let (mut first, mut any) = (Vec::new(), Vec::new());
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                tracer.first_hits(&queries, coherence, &mut first);
+                tracer.occlusions(&queries, coherence, &mut any);
+            }
+            first.extend(queries.iter().map(|query| tracer.first_hit(query)));
+            any.extend(queries.iter().map(|query| tracer.occluded(query)));
+            let lost = first.iter().filter(|answer| answer.hit.is_none() && !answer.doubtful);
+            let free = any.iter().filter(|answer| !answer.occluded && !answer.doubtful);
+            let lost = (lost.count(), free.count());
+            assert_eq!(lost, (0, 0), "of 1200, size 1e{power}, {kernel}");
+        }
     }
 }

@@ -55,6 +55,9 @@ const NORMAL_ROUNDING: f32 = 1.8e-5;
 /// Where the ray may start, in box coordinates: the approximation's bounds hold a little farther.
 pub(super) const NEARBY: f32 = 1.19;
 
+/// Nothing is said of leaves of other sizes: squares of lengths might be no numbers of f32.
+const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
+
 /// Rays as steep as this, by the sine, are not told from others by their direction.
 const STEEPEST: f32 = 0.1;
 
@@ -86,15 +89,16 @@ impl<S: Simd> Departure<S> {
     /// Which rays the leaf is proved not to lie ahead of again.
     #[simd]
     pub(super) fn is_final(&self, simd: S, leaf: &Leaf) -> Final {
-        let stretch = leaf.stretch();
-        if stretch == f32::INFINITY {
+        let (stretch, lengths) = (leaf.stretch(), leaf.side_lengths());
+        let in_range = lengths.iter().all(|length| LENGTHS.contains(length));
+        if stretch == f32::INFINITY || !in_range {
             return Final { surely: 0, if_near: 0 };
         }
-        let lengths = leaf.side_lengths();
         let [per_x, per_y] = lengths.map(|length| 1.0 / length);
         let per_side = per_x.hypot(per_y);
 
         let Tangents { off, along_x, along_y } = self.tangents(simd, leaf);
+        let (along_x, along_y) = (scaled(along_x, per_x), scaled(along_y, per_y));
         let normal = cross(along_x, along_y);
         let per_length = splat(simd, 1.0) / dot(normal, normal).sqrt();
         let normal = [normal[0] * per_length, normal[1] * per_length, normal[2] * per_length];
@@ -113,7 +117,7 @@ impl<S: Simd> Departure<S> {
         let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let half = splat(simd, 0.5);
         let rounding = ROUNDING * (lengths[0] + lengths[1]);
-        let flattened = splat(simd, NORMAL_ROUNDING * lengths[0] * lengths[1]) * per_length;
+        let flattened = splat(simd, NORMAL_ROUNDING) * per_length;
         let slopes = splat(simd, leaf.slope_error().mul_add(per_side, ROUNDING)) + flattened;
         let turned = splat(simd, stretch * per_side) / cosine;
         let most = splat(simd, ALMOST / stretch) * cosine - slopes;
@@ -127,8 +131,7 @@ impl<S: Simd> Departure<S> {
         let most_any = most - (half * largest * farthest).max(splat(simd, 0.0));
         // In that of the ray, and those that differ from it by a small angle.
         let ahead = {
-            let p = dot(across, along_x) * splat(simd, per_x);
-            let q = dot(across, along_y) * splat(simd, per_y);
+            let (p, q) = (dot(across, along_x), dot(across, along_y));
             let speed = p.mul_add(p, q * q).sqrt();
             let (x, y) = (q / speed, p / speed);
             let at = (x * y).mul_add(splat(simd, -2.0) * xy, x * x * xx + y * y * yy);
@@ -244,6 +247,12 @@ fn bends<S: Simd>(
 #[inline(always)]
 fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
     f32x16::splat(simd, x)
+}
+
+#[inline(always)]
+fn scaled<S: Simd>([x, y, z]: [f32x16<S>; 3], by: f32) -> [f32x16<S>; 3] {
+    let by = splat(x.simd, by);
+    [x * by, y * by, z * by]
 }
 
 #[inline(always)]

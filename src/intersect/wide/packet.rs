@@ -190,7 +190,7 @@ impl Packet {
     }
 
     /// One bit for each of sixteen rays whose crossing of a box lies in the part that hits count on, and
-    /// ahead of the root it starts on.
+    /// ahead of the root it starts on. The box was grown by more than its leaf, or the ray, may be off by.
     #[simd]
     pub(super) fn within_range<S: Simd>(
         &self,

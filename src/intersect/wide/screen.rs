@@ -10,7 +10,9 @@
 //! `x₂ = x₁ + h`. With the bounds of [`FitError`](crate::patch::FitError) `E`, `σ` and `M` the true
 //! distances are, at any `x` with `|x − x₁| ≤ r` (the larger component),
 //!
-//! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`.
+//! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`,
+//!
+//! but for what a point may be off by anyway, and rounding: both are added to `E`.
 //!
 //! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of `|A J − I|`.
 //! Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`. If this is less than
@@ -86,7 +88,7 @@ pub(super) fn screen<S: Simd>(
     } else {
         0
     };
-    Screened { missed: asked & missed, met: asked & met }
+    Screened { missed: outside & missed, met: asked & met }
 }
 
 /// Sixteen rays and a leaf.
@@ -112,7 +114,7 @@ impl<S: Simd> Screen<'_, S> {
         // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
         // three times the size.
         let noise = self.noise(simd, [f1, f2]);
-        let off = noise + splat(simd, leaf.fit_error());
+        let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
 
         let (move_x, move_y) = (to[0] - from[0], to[1] - from[1]);
