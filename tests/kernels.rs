@@ -201,11 +201,13 @@ fn leaving(answers: &[Answer], radius: f64, random: &mut Random) -> Vec<Query> {
         .collect()
 }
 
-/// Everything a hit says, as bits.
-fn bits(answer: &Answer) -> (Option<([u64; 5], u32, u8)>, bool) {
+/// Everything a hit says, as bits; of its root what it shows, which tells numbers apart.
+fn bits(answer: &Answer) -> (Option<(Vec<u64>, u32, u8, String)>, bool) {
     let hit = answer.hit.map(|hit| {
-        let values = [hit.t, hit.uv.x, hit.uv.y, hit.normal.x, hit.point.y];
-        (values.map(f64::to_bits), hit.surface, hit.flags.bits())
+        let places = [vec![hit.t], hit.uv.to_array().to_vec()].concat();
+        let vectors = [hit.point.to_array(), hit.normal.to_array()].concat();
+        let values = places.into_iter().chain(vectors).map(f64::to_bits).collect();
+        (values, hit.surface, hit.flags.bits(), format!("{:?}", hit.root))
     });
     (hit, answer.doubtful)
 }
