@@ -201,8 +201,12 @@ fn leaving(answers: &[Answer], radius: f64, random: &mut Random) -> Vec<Query> {
         .collect()
 }
 
-/// Everything a hit says, as bits; of its root what it shows, which tells numbers apart.
-fn bits(answer: &Answer) -> (Option<(Vec<u64>, u32, u8, String)>, bool) {
+/// Everything a hit says: its numbers as bits, its surface, its flags, and of its root what it shows,
+/// which tells numbers apart.
+type Said = (Vec<u64>, u32, u8, String);
+
+/// What an answer says, to the bit.
+fn bits(answer: &Answer) -> (Option<Said>, bool) {
     let hit = answer.hit.map(|hit| {
         let places = [vec![hit.t], hit.uv.to_array().to_vec()].concat();
         let vectors = [hit.point.to_array(), hit.normal.to_array()].concat();

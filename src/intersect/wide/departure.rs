@@ -7,9 +7,10 @@
 //!
 //! # Proof
 //! Let the ray leave the root `y₁` of the leaf or not far beside it on the same piece, and let `y` be
-//! another one, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any vector `N` with `N · d > 0`, of length one, the
-//! height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and `z = |S(y) − S(y₁)|`. So there is no such
-//! root where `h` stays below `(N · d) |S(y) − S(y₁)|` on the leaf.
+//! another one, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any vector
+//! `N` with `N · d > 0`, of length one, the height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and
+//! `z = |S(y) − S(y₁)|`. So there is no such root where `h` stays below `(N · d) |S(y) − S(y₁)|` on
+//! the leaf.
 //!
 //! `N` is the approximation's normal at the start. With `Δ = y − y₁`, each coordinate times the
 //! length of the leaf's half side in its direction:
@@ -122,13 +123,14 @@ impl<S: Simd> Departure<S> {
         let turned = splat(simd, stretch * per_side) / cosine;
         let most = splat(simd, ALMOST / stretch) * cosine - slopes;
 
-        // In any direction.
+        // In any direction; what rounding of the normal does to that is a part of the norm.
+        let norm = (xx.abs() + more[0]).max(yy.abs() + more[2]) + xy.abs() + more[1];
         let largest = {
             let (xx, xy, yy) = (xx + more[0], xy.abs() + more[1], yy + more[2]);
             let (apart, twice) = (xx - yy, xy + xy);
-            half * (xx + yy + apart.mul_add(apart, twice * twice).sqrt())
+            let largest = half * (xx + yy + apart.mul_add(apart, twice * twice).sqrt());
+            norm.mul_add(flattened, largest)
         };
-        let most_any = most - (half * largest * farthest).max(splat(simd, 0.0));
         // In that of the ray, and those that differ from it by a small angle.
         let ahead = {
             let (p, q) = (dot(across, along_x), dot(across, along_y));
@@ -139,21 +141,22 @@ impl<S: Simd> Departure<S> {
             let bent_aside = half * aside[0].mul_add(far_x, aside[2] * far_y);
             let bent_aside = aside[1].mul_add(far_x.min(far_y), bent_aside);
             let angle = (bent_aside + slopes + self.reach * turned) / speed;
-            let norm = (xx.abs() + more[0]).max(yy.abs() + more[2]) + xy.abs() + more[1];
             angle.mul_add(angle, angle).mul_add(norm + norm, at + off)
         };
         let flat = sine.simd_gt(splat(simd, STEEPEST));
-        let most_ahead = most - (half * ahead * farthest).max(splat(simd, 0.0));
+        let left = [most - half * largest * farthest, most - half * ahead * farthest];
 
-        // All are false for NaN.
+        // All are false for NaN. Where the leaf bends away, that is no help to what is left.
         let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, NEARBY));
         let known = self.reach * turned;
-        let if_near = inside & (known.simd_lt(most_any) | flat & known.simd_lt(most_ahead));
+        let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
+        let if_near = inside & known.simd_lt(most) & bends_less;
         // The origin is off by that in no coordinate, so by less than twice that.
         let fit_error = leaf.fit_error();
         let seen = self.reach + self.reach + splat(simd, 3.0 * (fit_error + rounding));
         let near = off.simd_le(self.reach + splat(simd, fit_error + rounding));
-        let surely = if_near & near & (seen * turned).simd_lt(most_any);
+        let seen = seen * turned;
+        let surely = if_near & near & seen.simd_lt(most) & seen.simd_lt(left[0]);
         Final { surely: bits(surely), if_near: bits(if_near) }
     }
 
