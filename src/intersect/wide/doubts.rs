@@ -5,12 +5,13 @@
 //! angles. What a look at their proofs costs does not depend on how many lanes are filled. So the lanes
 //! hold pairs of any rays of the packet with any leaves.
 
-use fearless_simd::{Bytes, Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::box_ray::SPARE;
 use super::distances::{Approximate, LaneDistances};
+use super::lane_parts::bytes_of;
 use super::lane_proof::{Errors, LaneProof, Parts};
 use super::leaf::{Done, finish_all};
 use super::load::farthest;
@@ -291,8 +292,7 @@ impl Group {
     /// The bytes of the pairs' numbers, in the order of their rays.
     #[inline(always)]
     fn bytes<S: Simd>(&self, simd: S) -> u8x64<S> {
-        let places = u32x16::from_slice(simd, &self.place);
-        (places * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
+        bytes_of(simd, u32x16::from_slice(simd, &self.place))
     }
 
     /// The places of some of their rays.

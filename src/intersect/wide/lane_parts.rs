@@ -70,9 +70,14 @@ impl<S: Simd> Sixteen<S> {
     /// The places of bytes of the parts' lanes in a vector of lanes.
     #[inline(always)]
     pub(super) fn bytes_of_lanes(&self, simd: S) -> u8x64<S> {
-        let lanes = self.tags & u32x16::splat(simd, LANES as u32 - 1);
-        (lanes * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
+        bytes_of(simd, self.tags & u32x16::splat(simd, LANES as u32 - 1))
     }
+}
+
+/// The places of bytes of the numbers of four bytes in these places of a vector.
+#[inline(always)]
+pub(super) fn bytes_of<S: Simd>(simd: S, places: u32x16<S>) -> u8x64<S> {
+    (places * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
 }
 
 /// A stack of parts.

@@ -80,11 +80,11 @@ pub(super) fn search_leaf<S: Simd>(
             let (near, step) = work.distances.newton(simd, start, [[-widened, widened]; 2]);
             let rays = (&*packet, base);
             let asked = (certain, error);
-            let Screened { missed, met } = screen(simd, target, rays, (&crossing, &step), asked);
+            let search = (&work.distances, &crossing, &step);
+            let Screened { missed, met } = screen(simd, target, rays, search, asked);
             certain &= !(missed | met);
             if met != 0 {
                 packet.meet(simd, base, met);
-                doubted &= !met;
                 found = true;
             }
             if certain != 0 {

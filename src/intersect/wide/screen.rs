@@ -26,7 +26,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::distances::LastStep;
+use super::distances::{LaneDistances, LastStep};
 use super::packet::Packet;
 use super::search::{Crossing, bits, load3};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
@@ -67,7 +67,7 @@ pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&Packet, usize),
-    (crossing, step): (&Crossing<S>, &LastStep<S>),
+    (distances, crossing, step): (&LaneDistances, &Crossing<S>, &LastStep<S>),
     (asked, error): (u32, f32x16<S>),
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
@@ -80,6 +80,7 @@ pub(super) fn screen<S: Simd>(
         target,
         normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
         slope: crossing.slopes[2],
+        terms: distances.terms(simd, target.sizes(simd), packet, base),
         error,
     };
     let Screened { missed, met } = screen.ask(simd, step);
@@ -98,6 +99,8 @@ struct Screen<'a, S: Simd> {
     normals: [[f32x16<S>; 3]; 2],
     /// What the third row of the leaf's box says of the rays' directions.
     slope: f32x16<S>,
+    /// What rounding of the distances is measured by.
+    terms: f32x16<S>,
     /// How far a point may be from the ray.
     error: f32x16<S>,
 }
@@ -113,7 +116,7 @@ impl<S: Simd> Screen<'_, S> {
 
         // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
         // three times the size.
-        let noise = self.noise(simd, [f1, f2]);
+        let noise = self.terms * splat(simd, ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
 
@@ -131,7 +134,7 @@ impl<S: Simd> Screen<'_, S> {
         let known = radius.simd_le(splat(simd, MOST_OFF))
             & (by_inverse * size).simd_le(splat(simd, WORST))
             & size.simd_ge(splat(simd, SHORTEST))
-            & noise.simd_le(splat(simd, LARGEST * ROUNDING));
+            & self.terms.simd_le(splat(simd, LARGEST));
 
         let (x, y) = (to[0].abs(), to[1].abs());
         let (farthest, spare) = (x.max(y), radius + splat(simd, 2.0 * f32::EPSILON));
@@ -145,21 +148,6 @@ impl<S: Simd> Screen<'_, S> {
             missed |= bits(self.away(simd, (from, outside), [f1, f2], off));
         }
         Screened { missed, met: bits(known & within) }
-    }
-
-    /// What rounding may have done to the distances.
-    #[inline(always)]
-    fn noise(&self, simd: S, [f1, f2]: [f32x16<S>; 2]) -> f32x16<S> {
-        let mut terms = f1.abs().max(f2.abs());
-        let sizes = self.target.sizes(simd);
-        let mut of_leaf = [splat(simd, 0.0); 2];
-        for k in 0..2 {
-            for i in 0..3 {
-                of_leaf[k] = self.normals[k][i].abs().mul_add(splat(simd, sizes[i]), of_leaf[k]);
-            }
-        }
-        terms += of_leaf[0].max(of_leaf[1]);
-        terms * f32x16::splat(simd, ROUNDING)
     }
 
     /// The lanes that are beyond the leaf on some side, and of which the certificate says that the leaf
@@ -215,7 +203,6 @@ mod tests {
 
     use super::*;
     use crate::geometry::shapes;
-    use crate::intersect::wide::distances::LaneDistances;
     use crate::intersect::wide::load::{load, turn};
     use crate::intersect::wide::search::{certify, cross_box};
     use crate::intersect::wide::single_ray::{WIDENED, Wanted};
@@ -247,7 +234,8 @@ mod tests {
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
             let asked = (certified, error);
             let rays = (&packet, 0);
-            (screen(simd, &target, rays, (&crossing, &step), asked), certified)
+            let search = (&distances, &crossing, &step);
+            (screen(simd, &target, rays, search, asked), certified)
         })
     }
 
