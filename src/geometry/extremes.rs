@@ -1,6 +1,6 @@
 //! Where a coordinate of a rational Bézier piece turns around.
 
-use crate::math::bernstein::{Row, binomial, restrict_row};
+use crate::math::bernstein::{binomial, restrict};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
@@ -89,12 +89,11 @@ impl Derivative {
     }
 
     fn halves(self) -> [Self; 2] {
-        let row = Row { start: 0, stride: 1, degree: self.coefficients.len() - 1 };
         let mut below = self.clone();
         let mut above = self;
         for (half, from, to) in [(&mut below, 0.0, 0.5), (&mut above, 0.5, 1.0)] {
-            restrict_row(&mut half.coefficients, row, from, to);
-            restrict_row(&mut half.noise, row, from, to);
+            restrict(&mut half.coefficients, from, to);
+            restrict(&mut half.noise, from, to);
         }
         [below, above]
     }

@@ -95,6 +95,33 @@ impl Insertions {
     }
 }
 
+impl Insertions {
+    /// The same for lines that lie side by side, as the columns of a net do: whole rows, of this
+    /// length, take the place of points.
+    pub(crate) fn apply_to_rows(&self, points: &[DVec4], length: usize) -> Vec<DVec4> {
+        let mut done = Vec::with_capacity(points.len() + self.steps.len() * length);
+        let (mut rest, mut alphas) = (points, &self.alphas[..]);
+        for &Insertion { taken, last, replaced } in &self.steps {
+            let (taken, others) = rest.split_at(taken * length);
+            done.extend_from_slice(taken);
+            rest = others;
+            let (from, end) = (last * length, done.len());
+            done.resize(end + length, DVec4::ZERO);
+            done.copy_within(from..end, from + length);
+            let (own, others) = alphas.split_at(replaced);
+            for (k, &alpha) in own.iter().enumerate() {
+                let (before, row) = done.split_at_mut((last - k) * length);
+                for (point, &before) in row.iter_mut().zip(&before[(last - k - 1) * length..]) {
+                    *point = mix(before, *point, alpha);
+                }
+            }
+            alphas = others;
+        }
+        done.extend_from_slice(rest);
+        done
+    }
+}
+
 /// Inserts the knots `new` into one line: see [`Insertions`].
 pub(crate) fn refine(knots: &KnotVector, points: &[DVec4], new: &[f64]) -> Vec<DVec4> {
     Insertions::new(knots, new).apply(points)

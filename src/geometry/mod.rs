@@ -26,6 +26,7 @@ mod any_surface;
 mod arrange;
 mod basis;
 mod bezier;
+mod bezier_form;
 mod cage;
 mod chart;
 pub mod construct;
@@ -60,6 +61,7 @@ pub use any_surface::Surface;
 pub(crate) use arrange::stretch;
 pub use basis::{BasisDerivatives, BasisValues};
 pub use bezier::{bernstein, de_casteljau, halves};
+pub(crate) use bezier_form::BezierForm;
 pub use cage::{
     BoundaryRule, Cage, CageError, CageParts, Corner, Crease, FaceSquare, Feature, LimitError,
     LimitPatch, LimitPoint, LimitSurface,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::elevate::elevate;
 use super::line::{Insertions, merged, restrict};
-use super::{Direction, KnotError, KnotVector, MAX_DEGREE, NurbsSurface, SurfaceError};
+use super::{BezierForm, Direction, KnotError, KnotVector, MAX_DEGREE, NurbsSurface, SurfaceError};
 
 impl NurbsSurface {
     /// The same surface with the knot `t` inserted `times` times in u.
@@ -46,12 +46,19 @@ impl NurbsSurface {
     }
 
     /// The same surface with valid new knots, in increasing order.
-    fn refined(&self, direction: Direction, new: &[f64]) -> Self {
+    pub(super) fn refined(&self, direction: Direction, new: &[f64]) -> Self {
         let knots = self.knots(direction);
         let values = merged(knots.values(), new);
         let to = KnotVector::derived(knots.degree(), values);
         let insertions = Insertions::new(knots, new);
-        self.with_lines(direction, to, |line| insertions.apply(line))
+        match direction {
+            Direction::U => {
+                let (_, length) = self.size();
+                let control = insertions.apply_to_rows(self.control(), length);
+                Self::assembled([to, self.knots_v().clone()], control)
+            }
+            Direction::V => self.with_lines(direction, to, |line| insertions.apply(line)),
+        }
     }
 
     /// The same surface with knots of multiplicity `p + 1` at the ends of both domains and
@@ -67,13 +74,11 @@ impl NurbsSurface {
     /// where a knot of multiplicity `p + 1` lets the surface jump.
     #[must_use]
     pub fn bezier_form(&self) -> Self {
-        if !(self.knots_u().is_clamped() && self.knots_v().is_clamped()) {
-            return self.clamped().bezier_form();
-        }
-        let clamped = self;
-        let missing_u = clamped.knots_u().missing_for_bezier();
-        let missing_v = clamped.knots_v().missing_for_bezier();
-        clamped.refined(Direction::U, &missing_u).refined(Direction::V, &missing_v)
+        let form = BezierForm::new(self);
+        let knots = form.knots().map(KnotVector::clone);
+        let rows = (0..knots[0].point_count()).into_par_iter();
+        let control = rows.flat_map_iter(|i| form.row(i)).collect();
+        Self::assembled(knots, control)
     }
 
     /// The two parts of the surface below and above `u = t`, each clamped in u.

@@ -136,11 +136,6 @@ impl NurbsSurface {
         (self.knots[0].point_count(), self.knots[1].point_count())
     }
 
-    /// The homogeneous control points, in the order of [`Self::control`], without a copy.
-    pub(crate) fn into_control(self) -> Vec<DVec4> {
-        self.control
-    }
-
     /// The homogeneous control net `(w x, w y, w z, w)`, v fastest.
     pub fn control(&self) -> &[DVec4] {
         &self.control

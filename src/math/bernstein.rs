@@ -87,120 +87,16 @@ pub fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) -> [f64; 
     values
 }
 
-/// The coefficients of one row of a net: where they start and how far apart they are.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Index of the first coefficient.
-    pub start: usize,
-    /// Distance between neighbours.
-    pub stride: usize,
-    /// The degree; there is one coefficient more.
-    pub degree: usize,
-}
-
 /// Replaces the coefficients of a polynomial on `[0, 1]` by those of the same polynomial
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
 /// `a` and `b` may lie outside `[0, 1]`. Each coefficient moves by at most `4 p u` times
 /// the largest one, for `[a, b]` within `[0, 1]`.
-pub fn restrict_row<T>(net: &mut [T], row: Row, a: f64, b: f64)
+pub fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
-    // The same for every degree; small ones in a row of known length, outside the net.
-    match row.degree {
-        1 => restrict_outside::<T, 2>(net, row, a, b),
-        2 => restrict_outside::<T, 3>(net, row, a, b),
-        3 => restrict_outside::<T, 4>(net, row, a, b),
-        _ if row.stride == 1 => {
-            let row = &mut net[row.start..=row.start + row.degree];
-            restrict_along(row, a, b);
-        }
-        degree => cut(degree, a, b, |here, other, [own, others]| {
-            let (here, other) = (row.start + here * row.stride, row.start + other * row.stride);
-            net[here] = net[here] * own + net[other] * others;
-        }),
-    }
-}
-
-/// Restricts a row of `N` coefficients outside the net.
-fn restrict_outside<T, const N: usize>(net: &mut [T], row: Row, a: f64, b: f64)
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
-    let mut coefficients = std::array::from_fn::<T, N, _>(|i| net[row.start + i * row.stride]);
-    restrict_along(&mut coefficients, a, b);
-    for (i, coefficient) in coefficients.into_iter().enumerate() {
-        net[row.start + i * row.stride] = coefficient;
-    }
-}
-
-/// Restricts all coefficients of a row.
-#[inline(always)]
-fn restrict_along<T>(row: &mut [T], a: f64, b: f64)
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
-    cut(row.len() - 1, a, b, |here, other, [own, others]| {
-        row[here] = row[here] * own + row[other] * others;
-    });
-}
-
-/// Restricts all columns of a net at once, given the length of its rows: what lies side by side
-/// is worked on side by side.
-fn restrict_columns<T>(net: &mut [T], length: usize, a: f64, b: f64)
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
-    cut(net.len() / length - 1, a, b, |here, other, [own, others]| {
-        let range = |row: usize| row * length..(row + 1) * length;
-        let Ok([here, other]) = net.get_disjoint_mut([range(here), range(other)]) else {
-            return; // two rows never overlap
-        };
-        for (here, &other) in here.iter_mut().zip(&*other) {
-            *here = *here * own + other * others;
-        }
-    });
-}
-
-/// De Casteljau's steps that cut a polynomial of this degree down to `[a, b]`. `mix` is to
-/// replace one coefficient, given first, by its mean with another; the weights are of both.
-#[inline(always)]
-fn cut(degree: usize, a: f64, b: f64, mut mix: impl FnMut(usize, usize, [f64; 2])) {
-    // Cutting first at the end that leaves the longer part keeps the second cut inside.
-    if 1.0 - a >= b {
-        keep_right(degree, a, &mut mix);
-        keep_left(degree, (b - a) / (1.0 - a), &mut mix);
-    } else {
-        keep_left(degree, b, &mut mix);
-        keep_right(degree, a / b, &mut mix);
-    }
-}
-
-/// De Casteljau at `t`, keeping the part on `[0, t]`.
-#[inline(always)]
-fn keep_left(degree: usize, t: f64, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
-    if t == 1.0 {
-        return;
-    }
-    for level in 1..=degree {
-        for i in (level..=degree).rev() {
-            mix(i, i - 1, [t, 1.0 - t]);
-        }
-    }
-}
-
-/// De Casteljau at `t`, keeping the part on `[t, 1]`.
-#[inline(always)]
-fn keep_right(degree: usize, t: f64, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
-    if t == 0.0 {
-        return;
-    }
-    for level in 1..=degree {
-        for i in 0..=degree - level {
-            mix(i, i + 1, [1.0 - t, t]);
-        }
-    }
+    Cuts::to(a, b).apply(coefficients);
 }
 
 /// Restricts a tensor-product net, second index fastest, to `[s0, s1] × [t0, t1]`.
@@ -209,17 +105,131 @@ where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
     let [p, q] = degree;
-    if s != [0.0, 1.0] && p > 3 {
-        restrict_columns(net, q + 1, s[0], s[1]);
-    } else if s != [0.0, 1.0] {
-        for j in 0..=q {
-            restrict_row(net, Row { start: j, stride: q + 1, degree: p }, s[0], s[1]);
+    if s != [0.0, 1.0] {
+        let cuts = Cuts::to(s[0], s[1]);
+        match p {
+            1 => cuts.apply_to_columns::<T, 2>(net, q + 1),
+            2 => cuts.apply_to_columns::<T, 3>(net, q + 1),
+            3 => cuts.apply_to_columns::<T, 4>(net, q + 1),
+            _ => cuts.apply_to_long_columns(net, q + 1),
         }
     }
     if t != [0.0, 1.0] {
-        for i in 0..=p {
-            restrict_row(net, Row { start: i * (q + 1), stride: 1, degree: q }, t[0], t[1]);
+        let cuts = Cuts::to(t[0], t[1]);
+        for row in net.chunks_exact_mut(q + 1) {
+            cuts.apply(row);
         }
+    }
+}
+
+/// De Casteljau's cuts that leave `[a, b]` of `[0, 1]`, worked out once for many polynomials.
+#[derive(Clone, Copy)]
+struct Cuts {
+    /// Where what is right of it is kept, as a parameter of what is there before.
+    left: f64,
+    /// Where what is left of it is kept.
+    right: f64,
+    left_first: bool,
+}
+
+impl Cuts {
+    fn to(a: f64, b: f64) -> Self {
+        // Cutting first at the end that leaves the longer part keeps the second cut inside.
+        if 1.0 - a >= b {
+            Self { left: a, right: (b - a) / (1.0 - a), left_first: true }
+        } else {
+            Self { left: a / b, right: b, left_first: false }
+        }
+    }
+
+    /// The steps that cut a polynomial of this degree. `mix` is to replace one coefficient, given
+    /// first, by its mean with another; the weights are of both.
+    #[inline(always)]
+    fn steps(&self, degree: usize, mut mix: impl FnMut(usize, usize, [f64; 2])) {
+        if self.left_first {
+            self.cut_left(degree, &mut mix);
+            self.cut_right(degree, &mut mix);
+        } else {
+            self.cut_right(degree, &mut mix);
+            self.cut_left(degree, &mut mix);
+        }
+    }
+
+    #[inline(always)]
+    fn cut_left(&self, degree: usize, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
+        let t = self.left;
+        if t == 0.0 {
+            return;
+        }
+        for level in 1..=degree {
+            for i in 0..=degree - level {
+                mix(i, i + 1, [1.0 - t, t]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn cut_right(&self, degree: usize, mix: &mut impl FnMut(usize, usize, [f64; 2])) {
+        let t = self.right;
+        if t == 1.0 {
+            return;
+        }
+        for level in 1..=degree {
+            for i in (level..=degree).rev() {
+                mix(i, i - 1, [t, 1.0 - t]);
+            }
+        }
+    }
+
+    /// Cuts one polynomial: the same for every degree, small ones with all steps laid out one after
+    /// the other.
+    #[inline(always)]
+    fn apply<T>(&self, coefficients: &mut [T])
+    where
+        T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        match coefficients.len() {
+            2 => self.apply_to_columns::<T, 2>(coefficients, 1),
+            3 => self.apply_to_columns::<T, 3>(coefficients, 1),
+            4 => self.apply_to_columns::<T, 4>(coefficients, 1),
+            length => self.steps(length - 1, |here, other, [own, others]| {
+                coefficients[here] = coefficients[here] * own + coefficients[other] * others;
+            }),
+        }
+    }
+
+    /// Cuts the columns of a net of `N` rows, each outside the net.
+    #[inline(always)]
+    fn apply_to_columns<T, const N: usize>(&self, net: &mut [T], length: usize)
+    where
+        T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        let net = &mut net[..N * length];
+        for j in 0..length {
+            let mut column = std::array::from_fn::<T, N, _>(|i| net[i * length + j]);
+            self.steps(N - 1, |here, other, [own, others]| {
+                column[here] = column[here] * own + column[other] * others;
+            });
+            for (i, coefficient) in column.into_iter().enumerate() {
+                net[i * length + j] = coefficient;
+            }
+        }
+    }
+
+    /// Cuts the columns of a net side by side, given the length of its rows.
+    fn apply_to_long_columns<T>(&self, net: &mut [T], length: usize)
+    where
+        T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        self.steps(net.len() / length - 1, |here, other, [own, others]| {
+            let range = |row: usize| row * length..(row + 1) * length;
+            let Ok([here, other]) = net.get_disjoint_mut([range(here), range(other)]) else {
+                return; // two rows never overlap
+            };
+            for (here, &other) in here.iter_mut().zip(&*other) {
+                *here = *here * own + other * others;
+            }
+        });
     }
 }
 

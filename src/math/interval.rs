@@ -17,6 +17,7 @@ impl Interval {
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
     /// The interval around nothing but `x`.
+    #[inline(always)]
     pub fn point(x: f64) -> Self {
         Self { lo: x, hi: x }
     }
@@ -29,38 +30,47 @@ impl Interval {
     /// The smallest interval that holds this one and `x`.
     #[must_use]
     pub fn with(self, x: f64) -> Self {
-        Self { lo: self.lo.min(x), hi: self.hi.max(x) }
+        self.union(Self::point(x))
     }
 
     /// The smallest interval that holds this one and the other.
     #[must_use]
+    #[inline(always)]
     pub fn union(self, other: Self) -> Self {
-        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+        Self {
+            lo: if other.lo < self.lo { other.lo } else { self.lo },
+            hi: if other.hi > self.hi { other.hi } else { self.hi },
+        }
     }
 
     /// Grown by `margin ≥ 0` at both ends.
     #[must_use]
+    #[inline(always)]
     pub fn grown(self, margin: f64) -> Self {
         Self { lo: self.lo - margin, hi: self.hi + margin }.outward()
     }
 
     /// The largest absolute value of a member.
+    #[inline(always)]
     pub fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// Division by an interval of positive numbers.
+    /// Division by an interval of positive numbers, its ends only rounded to nearest: whoever
+    /// collects many of these rounds outwards at the end.
     #[must_use]
-    pub fn over_positive(self, divisor: Self) -> Self {
+    #[inline(always)]
+    pub fn over_positive_to_nearest(self, divisor: Self) -> Self {
         // The least quotient is that by the larger divisor where it is positive.
         let lo = self.lo / if self.lo > 0.0 { divisor.hi } else { divisor.lo };
         let hi = self.hi / if self.hi > 0.0 { divisor.lo } else { divisor.hi };
-        Self { lo, hi }.outward()
+        Self { lo, hi }
     }
 
     /// Wider by one to two units in the last place at both ends, or by the least normal number.
-    #[inline]
-    fn outward(self) -> Self {
+    #[must_use]
+    #[inline(always)]
+    pub fn outward(self) -> Self {
         let more = |x: f64| f64::EPSILON * x.abs() + f64::MIN_POSITIVE;
         Self { lo: self.lo - more(self.lo), hi: self.hi + more(self.hi) }
     }
@@ -69,6 +79,7 @@ impl Interval {
 impl Add for Interval {
     type Output = Self;
 
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self { lo: self.lo + other.lo, hi: self.hi + other.hi }.outward()
     }
@@ -77,6 +88,7 @@ impl Add for Interval {
 impl Sub for Interval {
     type Output = Self;
 
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self { lo: self.lo - other.hi, hi: self.hi - other.lo }.outward()
     }
@@ -85,6 +97,7 @@ impl Sub for Interval {
 impl Mul for Interval {
     type Output = Self;
 
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let products =
             [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
@@ -104,11 +117,12 @@ mod tests {
             for j in 0..=10 {
                 let x = a.lo + (a.hi - a.lo) * f64::from(i) / 10.0;
                 let y = b.lo + (b.hi - b.lo) * f64::from(j) / 10.0;
-                let cases =
-                    [(a + b, x + y), (a - b, x - y), (a * b, x * y), (a.over_positive(b), x / y)];
+                let cases = [(a + b, x + y), (a - b, x - y), (a * b, x * y)];
                 for (interval, value) in cases {
                     assert!(interval.lo <= value && value <= interval.hi);
                 }
+                let quotient = a.over_positive_to_nearest(b).outward();
+                assert!(quotient.lo <= x / y && x / y <= quotient.hi);
             }
         }
         assert!((a * b).lo < -0.1 * 1.9 && (a * b).lo > -0.1901);

@@ -42,10 +42,10 @@ impl Approximation {
     fn exact(halving: &Halving, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
         let mut net = [[DVec3::ZERO; 4]; 4];
-        for (k, &control) in halving.net().iter().enumerate() {
-            net[k / (q + 1)][k % (q + 1)] = euclidean(control);
-        }
-        for row in &mut net[..=p] {
+        for (row, control) in net.iter_mut().zip(halving.net().chunks_exact(q + 1)) {
+            for (point, &control) in row.iter_mut().zip(control) {
+                *point = euclidean(control);
+            }
             *row = powers(q, *row);
         }
         let mut fit = [[0.0; 16]; 3];
@@ -58,9 +58,8 @@ impl Approximation {
         }
         let middle = std::mem::take(&mut coefficients[0]);
         for (k, coefficient) in coefficients.iter().enumerate() {
-            for axis in 0..3 {
-                fit[axis][k] = coefficient[axis] as f32;
-            }
+            let [x, y, z] = coefficient.to_array();
+            (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
         }
         let chord = |first: usize, third: usize| 2.0 * (coefficients[first] + coefficients[third]);
         let chords = [chord(4, 12), chord(1, 3)];
@@ -108,10 +107,9 @@ fn interpolated(map: impl Fn(f64, f64) -> DVec3) -> Fit {
     }
     let coefficients = in_both_directions(&INTERPOLATION, &values);
     let mut fit = [[0.0; 16]; 3];
-    for k in 0..16 {
-        for axis in 0..3 {
-            fit[axis][k] = coefficients[k / 4][k % 4][axis] as f32;
-        }
+    for (k, coefficient) in coefficients.as_flattened().iter().enumerate() {
+        let [x, y, z] = coefficient.to_array();
+        (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
     }
     fit
 }

@@ -202,6 +202,17 @@ impl Leaf {
     }
 }
 
+/// `REACHᵏ`.
+const POWERS_OF_REACH: [f64; 6] = {
+    let mut powers = [1.0; 6];
+    let mut k = 1;
+    while k < powers.len() {
+        powers[k] = powers[k - 1] * REACH;
+        k += 1;
+    }
+    powers
+};
+
 /// See [`Leaf::stretch`]; `slope_error` is that of [`FitError`](super::FitError).
 ///
 /// With the sides made unit vectors, the tangents in the middle take a vector to one that is not
@@ -217,7 +228,7 @@ fn stretch(fit: &Fit, slope_error: f64) -> f64 {
     let mut turning = [slope_error; 2];
     for i in 0..4 {
         for j in (0..4).filter(|j| i + j > 1) {
-            let size = term(i, j).length() * REACH.powi((i + j) as i32 - 1);
+            let size = term(i, j).length() * POWERS_OF_REACH[i + j - 1];
             turning[0] += i as f64 * size;
             turning[1] += j as f64 * size;
         }

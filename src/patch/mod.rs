@@ -38,6 +38,17 @@ use smallvec::SmallVec;
 /// The homogeneous control points of a part of a piece: those of a bicubic lie in place.
 type ControlNet = SmallVec<[DVec4; 16]>;
 
+/// A net made of another point by point. Copied at once and changed in place: collected from an
+/// iterator, points would come one by one, which takes as long as most of what is done to them.
+#[inline(always)]
+fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
+    let mut mapped = ControlNet::from_slice(net);
+    for point in &mut mapped {
+        *point = change(*point);
+    }
+    mapped
+}
+
 pub use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
 pub use fit::Fit;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
+use rayon::prelude::*;
 
 use crate::geometry::trim::Trims;
-use crate::geometry::{Chart, ChartMap, KnotVector};
+use crate::geometry::{BezierForm, Chart, ChartMap, KnotVector};
 
 /// The control points of a chart cut into Bézier pieces, and where the pieces lie.
 #[derive(Debug)]
@@ -35,18 +36,18 @@ pub(super) struct Control {
 }
 
 impl Control {
-    fn new(points: &[DVec4]) -> Self {
-        let first = points.first().map_or(1.0, |point| point.w);
-        if points.iter().all(|point| point.w == first) {
-            let mut numbers = Vec::with_capacity(3 * points.len() + 1);
-            numbers.extend(points.iter().flat_map(|point| point.truncate().to_array()));
-            numbers.push(0.0);
-            return Self { numbers, weight: Some(first) };
-        }
-        let mut numbers = Vec::with_capacity(4 * points.len() + 1);
-        numbers.extend(points.iter().flat_map(|point| point.to_array()));
-        numbers.push(0.0);
-        Self { numbers, weight: None }
+    fn new(form: &BezierForm<'_>) -> Self {
+        let weight = form.weight();
+        let [rows, stride] = form.knots().map(KnotVector::point_count);
+        let size = if weight.is_some() { 3 } else { 4 };
+        let mut numbers = vec![0.0; size * rows * stride + 1];
+        let to = numbers[..size * rows * stride].par_chunks_mut(size * stride);
+        to.enumerate().for_each(|(i, to)| {
+            for (to, point) in to.chunks_exact_mut(size).zip(form.row(i)) {
+                to.copy_from_slice(&point.to_array()[..size]);
+            }
+        });
+        Self { numbers, weight }
     }
 
     /// The weight of all points, if it is one.
@@ -97,8 +98,8 @@ pub(super) struct PieceSpan {
 impl BezierNet {
     /// The net of a chart; also returns the rows and the columns in which pieces begin.
     pub(super) fn new(chart: &Chart<'_>) -> (Self, [Vec<u32>; 2]) {
-        let bezier = chart.surface.bezier_form();
-        let knots = [bezier.knots_u(), bezier.knots_v()];
+        let form = BezierForm::new(&chart.surface);
+        let knots = form.knots();
         let degree = knots.map(KnotVector::degree);
         let firsts = knots
             .map(|knots| knots.spans().map(|span| (span.index - knots.degree()) as u32).collect());
@@ -107,8 +108,8 @@ impl BezierNet {
             piece_spans(knots[0], [b0, b1], chart.open_end[0]),
             piece_spans(knots[1], [b2, b3], chart.open_end[1]),
         ];
-        let (_, stride) = bezier.size();
-        let control = Control::new(&bezier.into_control());
+        let stride = knots[1].point_count();
+        let control = Control::new(&form);
         let (map, trims) = (chart.map, chart.trims.clone());
         (Self { degree, control, stride, spans, map, trims }, firsts)
     }
@@ -124,7 +125,11 @@ impl BezierNet {
     #[cfg(test)]
     pub(super) fn single(degree: [usize; 2], control: &[DVec4]) -> Self {
         let span = PieceSpan { domain: [0.0, 1.0], border: [true; 2], open_end: false };
-        let control = Control::new(control);
+        let knots = degree.map(|degree| KnotVector::bezier(degree).unwrap());
+        let [u, v] = knots;
+        let surface =
+            crate::geometry::NurbsSurface::from_homogeneous(u, v, control.to_vec()).unwrap();
+        let control = Control::new(&BezierForm::new(&surface));
         let spans = [vec![span], vec![span]];
         let map = ChartMap::Identity;
         Self { degree, control, stride: degree[1] + 1, spans, map, trims: None }

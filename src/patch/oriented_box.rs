@@ -47,12 +47,13 @@ impl OrientedBox {
     /// `noise` is how far the points may be from the true ones; no side is thinner.
     pub(super) fn around(net: &[DVec4], axes: &Axes, noise: f64, frame: &SceneFrame) -> Self {
         let Axes { axes, dual } = axes;
+        let [a, b, n] = *dual;
         let origin = euclidean(net[net.len() / 2]);
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         for &c in net {
             let from_origin = euclidean(c) - origin;
-            let local = DVec3::from_array(dual.map(|row| row.dot(from_origin)));
+            let local = DVec3::new(a.dot(from_origin), b.dot(from_origin), n.dot(from_origin));
             low = low.min(local);
             high = high.max(local);
         }

@@ -1,9 +1,8 @@
 //! Pieces halved until they are flat enough to search.
 
 use glam::{DVec2, DVec3, DVec4};
-use smallvec::SmallVec;
 
-use super::tensor::euclidean;
+use super::tensor::{euclidean, euclidean_net};
 use super::{CollapsedSide, ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
@@ -58,7 +57,7 @@ pub struct Part {
 }
 
 /// A part of a piece and the control points over it, while it is being halved.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Halving {
     rect: DyadicRect,
     net: ControlNet,
@@ -96,12 +95,12 @@ struct Bend {
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        Self { rect: DyadicRect::UNIT, net: copied(piece), cuts: 0, inside: false }
+        Self { rect: DyadicRect::UNIT, net: piece.patch.control_net(), cuts: 0, inside: false }
     }
 
     /// The part of a piece over a rectangle.
     pub(super) fn over(piece: &Piece, rect: DyadicRect) -> Self {
-        let mut net = copied(piece);
+        let mut net = piece.patch.control_net();
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         Self { rect, net, cuts: 0, inside: false }
@@ -194,7 +193,7 @@ impl Halving {
     fn bend(&self, piece: &Piece) -> Option<Bend> {
         let [p, q] = piece.patch.degree();
         let noise = piece.patch.noise();
-        let points: SmallVec<[DVec3; 16]> = self.net.iter().map(|&c| euclidean(c)).collect();
+        let points = euclidean_net(&self.net);
         if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
             return None;
         }
@@ -203,15 +202,18 @@ impl Halving {
         for (k, (degree, step, others, other_step)) in
             [(p, q + 1, q, 1), (q, 1, p, q + 1)].into_iter().enumerate()
         {
-            let row = |k: usize, i: usize| points[k * other_step + i * step];
-            let chord = (0..=others).map(|k| row(k, 0).distance(row(k, degree)));
-            sides[k] = chord.fold(noise, f64::max);
-            let turns = (0..=others).flat_map(|k| (1..degree).map(move |i| (k, i)));
-            let second = turns
-                .map(|(k, i)| (row(k, i - 1) - 2.0 * row(k, i) + row(k, i + 1)).length_squared())
-                .fold(0.0, f64::max)
-                .sqrt();
-            angles[k] = second * (degree * degree.saturating_sub(1)) as f64 / 2.0 / sides[k];
+            let (mut chord, mut second) = (0f64, 0f64);
+            for k in 0..=others {
+                let row = |i: usize| points[k * other_step + i * step];
+                chord = chord.max(row(0).distance_squared(row(degree)));
+                for i in 1..degree {
+                    let turn = row(i - 1) - 2.0 * row(i) + row(i + 1);
+                    second = second.max(turn.length_squared());
+                }
+            }
+            sides[k] = chord.sqrt().max(noise);
+            let factor = (degree * degree.saturating_sub(1)) as f64 / 2.0;
+            angles[k] = second.sqrt() * factor / sides[k];
         }
         let mut strained = angles;
         if piece.patch.is_rational() {
@@ -240,15 +242,12 @@ impl Halving {
     }
 
     fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
-        let degree = piece.patch.degree();
         let half = |side: u32| {
-            let mut part = self.clone();
-            part.rect = self.rect.half(direction, side);
             let from = 0.5 * f64::from(side);
             let mut ranges = [[0.0, 1.0]; 2];
             ranges[direction] = [from, from + 0.5];
-            bernstein::restrict_net(&mut part.net, degree, ranges[0], ranges[1]);
-            part
+            let net = self.grown(piece, ranges[0], ranges[1]);
+            Self { rect: self.rect.half(direction, side), net, ..*self }
         };
         [half(0), half(1)]
     }
@@ -289,7 +288,7 @@ impl Halving {
 
     /// The control points over a rectangle given in sides of the part.
     pub(super) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> ControlNet {
-        let mut net = self.net.clone();
+        let mut net = ControlNet::from_slice(&self.net);
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         net
     }
@@ -309,14 +308,4 @@ impl Halving {
 fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
     let order = angles[1].total_cmp(&angles[0]).then(sides[1].total_cmp(&sides[0]));
     usize::from(order.is_gt())
-}
-
-/// The control points of a piece.
-fn copied(piece: &Piece) -> ControlNet {
-    let [p, q] = piece.patch.degree();
-    let mut net = ControlNet::with_capacity((p + 1) * (q + 1));
-    for i in 0..=p {
-        net.extend(piece.patch.row(i));
-    }
-    net
 }

@@ -46,13 +46,13 @@ pub struct Piece {
 impl Piece {
     /// The piece that begins with the given row and column of a net.
     pub(super) fn new(net: &Arc<BezierNet>, surface: u32, first: [u32; 2]) -> Self {
-        let patch = TensorPatch::new(net, first);
+        let (patch, points) = TensorPatch::new(net, first);
         let [u, v] = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
         let bit = |k: usize, set: bool| u8::from(set) << k;
         let border = u.border.into_iter().chain(v.border).enumerate();
         let border = border.map(|(side, is_border)| bit(side, is_border)).sum();
         let open_end = bit(0, u.open_end) | bit(1, v.open_end);
-        let collapsed = collapsed_sides(&patch);
+        let collapsed = collapsed_sides(&patch, &points);
         Self { patch, surface, border, collapsed, open_end }
     }
 
@@ -265,15 +265,15 @@ fn inward(place: DVec2) -> DVec2 {
 
 /// The sides of a piece that are collapsed to a point, a bit each: all their control points
 /// agree with the first to a few roundings of their size.
-fn collapsed_sides(patch: &TensorPatch) -> u8 {
+fn collapsed_sides(patch: &TensorPatch, points: &[DVec3]) -> u8 {
     let [p, q] = patch.degree();
+    let at = |i: usize, j: usize| points[i * (q + 1) + j];
     let tolerance = 4.0 * patch.noise();
     let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
-        let first = euclidean(patch.control_point(i, j));
         // From the far end: sides that are not collapsed are told at once.
         (1..=degree).rev().all(|k| {
-            let point = euclidean(patch.control_point(i + k * di, j + k * dj));
-            (point - first).abs().max_element() <= tolerance
+            let distance = at(i + k * di, j + k * dj) - at(i, j);
+            distance.abs().max_element() <= tolerance
         })
     };
     let (along_s, along_t) = ((1, 0), (0, 1));

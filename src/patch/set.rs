@@ -52,7 +52,8 @@ impl PatchSet {
             surfaces.par_iter().map(|surface| nets(&surface.charts())).collect();
         let count = |(_, [u, v]): &(_, [Vec<u32>; 2])| u.len() * v.len();
         let counts = nets.iter().map(|charts| charts.iter().map(count).sum::<usize>());
-        check_count("Bézier pieces", counts.clone().sum())?;
+        let count_of_pieces = counts.clone().sum();
+        check_count("Bézier pieces", count_of_pieces)?;
         let net_bytes = nets.iter().flatten().map(|(net, _)| net.bytes()).sum();
         let mut end = 0;
         let pieces_of = counts.map(|count| {
@@ -61,9 +62,15 @@ impl PatchSet {
         });
         let pieces_of = pieces_of.collect();
         let charts = (0u32..).zip(nets).flat_map(|(k, nets)| nets.into_iter().map(move |n| (k, n)));
-        let pieces: Vec<Piece> = charts
-            .flat_map(|(surface, (net, firsts))| pieces(&Arc::new(net), firsts, surface))
-            .collect();
+        let mut pieces = Vec::with_capacity(count_of_pieces);
+        for (surface, (net, [rows, columns])) in charts {
+            let net = Arc::new(net);
+            let indices = (0..rows.len() * columns.len()).into_par_iter();
+            pieces.par_extend(indices.map(|k| {
+                let first = [rows[k / columns.len()], columns[k % columns.len()]];
+                Piece::new(&net, surface, first)
+            }));
+        }
         let parts = parts(&pieces);
         check_count("leaves", parts.len())?;
         let bounds = parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
@@ -104,14 +111,4 @@ fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
 /// The charts of a surface cut into pieces, and the rows and columns in which those begin.
 fn nets(charts: &[Chart<'_>]) -> Vec<(BezierNet, [Vec<u32>; 2])> {
     charts.par_iter().map(BezierNet::new).collect()
-}
-
-/// The Bézier pieces of a chart. Neighbours have the same control points on the edge they
-/// share.
-fn pieces(net: &Arc<BezierNet>, [rows, columns]: [Vec<u32>; 2], surface: u32) -> Vec<Piece> {
-    let row = |&i: &u32| {
-        let net = Arc::clone(net);
-        columns.iter().map(move |&j| Piece::new(&net, surface, [i, j])).collect::<Vec<_>>()
-    };
-    rows.par_iter().flat_map_iter(row).collect()
 }

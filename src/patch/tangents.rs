@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::oriented_box::Axes;
 use super::tensor::euclidean;
-use super::{CollapsedSide, ControlNet};
+use super::{CollapsedSide, ControlNet, mapped};
 use crate::math::Interval;
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
@@ -38,7 +38,7 @@ impl Proof {
     ) -> Option<Self> {
         let [a, b, _] = axes.axes;
         match collapsed {
-            None => Tangents::regular(net, net.middle())?.proof(None, [a, b]),
+            None => regular_proof(net, [a, b]),
             Some(side) => {
                 // A net whose collapsed side is `t = 0`: swap and mirror until it is.
                 let (degree, control) = net.with_collapsed_first(side);
@@ -48,14 +48,12 @@ impl Proof {
                     CollapsedSide::S(_) => [in_t, in_s],
                 };
                 let net = Net { degree, control: &control, spacing, ..*net };
-                let pole = euclidean(net.control[0]);
-                let tangents = Tangents::at_pole(&net, pole)?;
                 match side {
-                    CollapsedSide::T(0) => tangents.proof(Some(pole), [a, b]),
-                    CollapsedSide::T(_) => tangents.proof(Some(pole), [a, -b]),
+                    CollapsedSide::T(0) => pole_proof(&net, [a, b]),
+                    CollapsedSide::T(_) => pole_proof(&net, [a, -b]),
                     CollapsedSide::S(end) => {
                         let a = if end == 0 { a } else { -a };
-                        let mut proof = tangents.proof(Some(pole), [b, a])?;
+                        let mut proof = pole_proof(&net, [b, a])?;
                         proof.turning.reverse();
                         proof.bend.reverse();
                         Some(proof)
@@ -112,19 +110,19 @@ struct Field {
 impl Field {
     fn derivative_s(&self) -> Self {
         let [p, q] = self.degree;
-        let mut values = ControlNet::with_capacity(p * (q + 1));
-        for (here, after) in self.values.iter().zip(&self.values[q + 1..]) {
-            values.push((*after - *here) * p as f64);
+        let mut values = ControlNet::from_slice(&self.values[q + 1..]);
+        for (after, here) in values.iter_mut().zip(&self.values) {
+            *after = (*after - *here) * p as f64;
         }
         Self { degree: [p - 1, q], values }
     }
 
     fn derivative_t(&self) -> Self {
         let [p, q] = self.degree;
-        let mut values = ControlNet::with_capacity((p + 1) * q);
-        for row in self.values.chunks_exact(q + 1) {
-            for (here, after) in row.iter().zip(&row[1..]) {
-                values.push((*after - *here) * q as f64);
+        let mut values = ControlNet::from_elem(DVec4::ZERO, (p + 1) * q);
+        for (to, row) in values.chunks_exact_mut(q).zip(self.values.chunks_exact(q + 1)) {
+            for j in 0..q {
+                to[j] = (row[j + 1] - row[j]) * q as f64;
             }
         }
         Self { degree: [p, q - 1], values }
@@ -137,6 +135,12 @@ impl Field {
         let factor = |j: usize| q as f64 / (j + 1) as f64;
         let values = pairs.map(|(i, j)| self.values[i * (q + 1) + j + 1] * factor(j));
         Self { degree: [p, q - 1], values: values.collect() }
+    }
+
+    /// The points less the centre.
+    fn offsets(&self) -> Self {
+        let values = mapped(&self.values, |x| (x.truncate() / x.w).extend(1.0));
+        Self { degree: self.degree, values }
     }
 
     fn weights(&self) -> Interval {
@@ -154,13 +158,12 @@ impl Field {
 }
 
 /// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of.
-struct Tangents {
-    along_s: Field,
-    along_t: Field,
-    /// What is multiplied with `W_s`: `S − c`, or `X̃ / W` at a pole; nothing where `W` is
-    /// constant.
-    factor_s: Option<Field>,
-    factor_t: Option<Field>,
+struct Tangents<'a> {
+    /// `X_s`, and `X_t`.
+    along: [&'a Field; 2],
+    /// What is multiplied with `W_s`, and with `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where
+    /// `W` is constant.
+    factors: [Option<&'a Field>; 2],
     /// Range of the weights by which each factor is divided; one where it is a point.
     weights: Interval,
     weight_slopes: [Interval; 2],
@@ -169,87 +172,101 @@ struct Tangents {
     longest: [f64; 2],
 }
 
-impl Tangents {
-    fn regular(net: &Net<'_>, center: DVec3) -> Option<Self> {
-        let field = recentred(net, center);
+/// What is proved of a net in the frame of `a₀` and `b₀`.
+fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
+    let field = recentred(net, net.middle());
+    let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
+    let offsets = net.rational.then(|| field.offsets());
+    let factors = [offsets.as_ref(); 2];
+    Tangents::new(net, &field, [&along_s, &along_t], factors)?.proof(None, axes)
+}
+
+/// The same of a net whose side `t = 0` is collapsed to a point.
+fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
+    let pole = euclidean(net.control[0]);
+    let field = recentred(net, pole);
+    let (along_s, along_t, over_t) = (field.derivative_s(), field.derivative_t(), field.over_t());
+    let (offsets, scaled);
+    let mut factors = [None; 2];
+    if net.rational {
+        // X̃ / W lies between 0 and the hull of X̃ / min W, component by component.
+        let lowest = field.weights().lo;
+        let mut values = mapped(&over_t.values, |x| (x.truncate() / lowest).extend(1.0));
+        values.push(DVec4::ZERO);
+        scaled = Field { degree: over_t.degree, values };
+        offsets = field.offsets();
+        factors = [Some(&scaled), Some(&offsets)];
+    }
+    let mut tangents = Tangents::new(net, &field, [&along_s, &along_t], factors)?;
+    let along_s = over_t.derivative_s();
+    tangents.along[0] = &along_s;
+    tangents.noise *= net.degree[1] as f64;
+    tangents.proof(Some(pole), axes)
+}
+
+impl<'a> Tangents<'a> {
+    /// What follows of a field and its derivatives; `None` where weights are not known to be positive.
+    fn new(
+        net: &Net<'_>,
+        field: &Field,
+        along: [&'a Field; 2],
+        factors: [Option<&'a Field>; 2],
+    ) -> Option<Self> {
         let weights = field.weights();
         let positive = weights.lo > 0.0; // false for NaN
         if !positive {
             return None;
         }
-        let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
         let noise = net.noise * weights.hi;
         let longest = net.spacing.map(|spacing| 0.25 * net.noise / spacing);
-        if !net.rational {
+        let weight_slopes = if net.rational {
+            along.map(Field::weights)
+        } else {
             // The differences of equal weights are rounding, and part of the noise.
-            let weight_slopes = [Interval::point(0.0); 2];
-            let (factor_s, factor_t) = (None, None);
-            return Some(Self {
-                along_s,
-                along_t,
-                factor_s,
-                factor_t,
-                weights,
-                weight_slopes,
-                noise,
-                longest,
-            });
-        }
-        let weight_slopes = [along_s.weights(), along_t.weights()];
-        let offsets = || {
-            let values = field.values.iter().map(|x| (x.truncate() / x.w).extend(1.0)).collect();
-            Some(Field { degree: field.degree, values })
+            [Interval::point(0.0); 2]
         };
-        let (factor_s, factor_t) = (offsets(), offsets());
-        Some(Self { along_s, along_t, factor_s, factor_t, weights, weight_slopes, noise, longest })
-    }
-
-    fn at_pole(net: &Net<'_>, pole: DVec3) -> Option<Self> {
-        let mut tangents = Self::regular(net, pole)?;
-        let over_t = recentred(net, pole).over_t();
-        tangents.along_s = over_t.derivative_s();
-        tangents.noise *= net.degree[1] as f64;
-        if !net.rational {
-            return Some(tangents);
-        }
-        let lowest = tangents.weights.lo;
-        let scaled = over_t.values.iter().map(|x| (x.truncate() / lowest).extend(1.0));
-        // X̃ / W lies between 0 and the hull of X̃ / min W, component by component.
-        let values = scaled.chain([DVec4::ZERO]).collect();
-        tangents.factor_s = Some(Field { degree: over_t.degree, values });
-        Some(tangents)
+        Some(Self { along, factors, weights, weight_slopes, noise, longest })
     }
 
     /// How one tangent turns: `which` of the directions' components it is measured by, and the
     /// ranges of the quotients of the other two by it. `None` if that one may vanish.
+    #[inline(always)]
     fn turns(&self, which: usize, directions: &[DVec3; 3]) -> Option<Turns> {
-        let (along, factor) = match which {
-            0 => (&self.along_s, &self.factor_s),
-            _ => (&self.along_t, &self.factor_t),
-        };
+        let (along, factor) = (self.along[which], self.factors[which]);
         let degree = along.degree[which] as f64 + 1.0;
-        let boxes = directions.map(|direction| {
+        let mut boxes = [Interval::point(0.0); 3];
+        for (interval, &direction) in boxes.iter_mut().zip(directions) {
             let noise = 4.0 * degree * self.noise * direction.length();
-            let product = factor.as_ref().map_or(Interval::point(0.0), |factor| {
-                factor.component(direction) * self.weight_slopes[which]
-            });
-            product.grown(noise)
-        });
+            if let Some(factor) = factor {
+                *interval = factor.component(direction) * self.weight_slopes[which];
+            }
+            *interval = interval.grown(noise);
+        }
+        // What rounding does to each of these is done to all at the end.
         let mut turns =
             Turns { least: f64::INFINITY, other: Interval::EMPTY, normal: Interval::EMPTY };
         for value in &along.values {
-            let component =
-                |k: usize| Interval::point(directions[k].dot(value.truncate())) - boxes[k];
+            let component = |k: usize| {
+                let x = directions[k].dot(value.truncate());
+                Interval { lo: x - boxes[k].hi, hi: x - boxes[k].lo }
+            };
             let speed = component(which);
             let forward = speed.lo > 0.0; // false for NaN
             if !forward {
                 return None;
             }
             turns.least = turns.least.min(speed.lo);
-            turns.other = turns.other.union(component(1 - which).over_positive(speed));
-            turns.normal = turns.normal.union(component(2).over_positive(speed));
+            let over_speed = |k: usize| component(k).over_positive_to_nearest(speed);
+            turns.other = turns.other.union(over_speed(1 - which));
+            turns.normal = turns.normal.union(over_speed(2));
         }
-        Some(turns)
+        // Three roundings: of both differences, and of the quotient.
+        let twice = |interval: Interval| interval.outward().outward();
+        Some(Turns {
+            least: Interval::point(turns.least).outward().lo,
+            other: twice(turns.other),
+            normal: twice(turns.normal),
+        })
     }
 
     /// What is proved in the frame of `a₀` and `b₀`.
@@ -283,12 +300,11 @@ impl Tangents {
 
         // How far from the root a point with a small residual may be.
         let determinant = (1.0 - 1.0 / MARGIN) * area * m * a.least * b.least;
-        let more = |which: usize, factor: &Option<Field>| {
-            let length = factor.as_ref().map_or(0.0, Field::length);
-            self.weight_slopes[which].magnitude() * length
+        let longest = |which: usize| {
+            let factor = self.factors[which].map_or(0.0, Field::length);
+            self.along[which].length() + self.weight_slopes[which].magnitude() * factor
         };
-        let longest_s = self.along_s.length() + more(0, &self.factor_s);
-        let longest_t = self.along_t.length() + more(1, &self.factor_t);
+        let (longest_s, longest_t) = (longest(0), longest(1));
         // `S_s = (X_s − (S − c) W_s) / W`; at a pole its quotient by `t`, which is one at most.
         let [most_s, most_t] = self.longest.map(|longest| longest * self.weights.lo);
         if longest_s > most_s || longest_t > most_t {
@@ -318,7 +334,8 @@ struct Turns {
 }
 
 /// The coefficients `(w (P − c), w)`.
+#[inline(always)]
 fn recentred(net: &Net<'_>, center: DVec3) -> Field {
-    let values = net.control.iter().map(|c| (c.truncate() - c.w * center).extend(c.w)).collect();
+    let values = mapped(net.control, |c| (c.truncate() - c.w * center).extend(c.w));
     Field { degree: net.degree, values }
 }

@@ -4,11 +4,16 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4};
+use smallvec::SmallVec;
 
+use super::ControlNet;
 use super::net::{BezierNet, Coarse};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, rounding};
+
+/// The points that the control points of a net stand for: those of a bicubic lie in place.
+pub(super) type Points = SmallVec<[DVec3; 16]>;
 
 /// A rational Bézier piece of a surface,
 /// `S(s, t) = Σ B_i(s) B_j(t) w_ij P_ij / Σ B_i(s) B_j(t) w_ij` on the unit square.
@@ -40,14 +45,16 @@ pub struct Jet {
 
 impl TensorPatch {
     /// A piece of a surface in Bézier form, from the row and the column of its first point. The
-    /// caller has checked the invariants: only surfaces that hold them can be built.
-    pub(super) fn new(net: &Arc<BezierNet>, first: [u32; 2]) -> Self {
+    /// caller has checked the invariants: only surfaces that hold them can be built. Also returns the
+    /// points that its control points stand for.
+    pub(super) fn new(net: &Arc<BezierNet>, first: [u32; 2]) -> (Self, Points) {
         let zero = Coarse::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
-        let bounds = Aabb::around(patch.control().map(euclidean));
+        let points = euclidean_net(&patch.control_net());
+        let bounds = Aabb::around(points.iter().copied());
         patch.magnitude = Coarse::above(bounds.magnitude());
         patch.size = Coarse::above(bounds.size().max_element());
-        patch
+        (patch, points)
     }
 
     /// The degrees in `s` and `t`.
@@ -70,6 +77,28 @@ impl TensorPatch {
     #[inline]
     pub fn row(&self, i: usize) -> impl Iterator<Item = DVec4> + '_ {
         self.net.control.points(self.row_start(i), self.degree()[1] + 1)
+    }
+
+    /// All of them, to work on.
+    pub(super) fn control_net(&self) -> ControlNet {
+        let [p, q] = self.degree();
+        let mut net = ControlNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
+        for (i, row) in net.chunks_exact_mut(q + 1).enumerate() {
+            let numbers = self.row_numbers(i);
+            match self.weight() {
+                Some(weight) => {
+                    for (point, &numbers) in row.iter_mut().zip(numbers.as_chunks::<3>().0) {
+                        *point = DVec3::from_array(numbers).extend(weight);
+                    }
+                }
+                None => {
+                    for (point, &numbers) in row.iter_mut().zip(numbers.as_chunks::<4>().0) {
+                        *point = DVec4::from_array(numbers);
+                    }
+                }
+            }
+        }
+        net
     }
 
     /// The numbers of a row: four for each point, or three where all weights are the same, and
@@ -252,6 +281,16 @@ pub(super) fn euclidean(control: DVec4) -> DVec3 {
     if control.w == 1.0 { control.truncate() } else { control.truncate() / control.w }
 }
 
+/// The points that the control points of a net stand for.
+#[inline]
+pub(super) fn euclidean_net(net: &[DVec4]) -> Points {
+    let mut points = Points::from_elem(DVec3::ZERO, net.len());
+    for (point, &control) in points.iter_mut().zip(net) {
+        *point = euclidean(control);
+    }
+    points
+}
+
 /// Basis functions with their first and second derivatives.
 fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
     let lower: Basis = bernstein::basis(degree - 1, t);
@@ -284,7 +323,7 @@ mod tests {
                     })
                     .collect();
                 let net = Arc::new(BezierNet::single(degree, &net));
-                let patch = TensorPatch::new(&net, [0, 0]);
+                let (patch, _) = TensorPatch::new(&net, [0, 0]);
                 assert_eq!(patch.is_rational(), rational);
                 for st in [DVec2::new(0.3, 0.7), DVec2::new(0.0, 1.0), DVec2::new(-0.01, 1.02)] {
                     assert_eq!(patch.point(st), patch.jet(st).point, "{degree:?} at {st}");

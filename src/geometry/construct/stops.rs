@@ -10,7 +10,7 @@ use super::ConstructError;
 use super::path::{SAME_PLACE, pieces};
 use crate::geometry::extremes::add_extremes;
 use crate::geometry::{KnotVector, NurbsCurve};
-use crate::math::bernstein::{Row, restrict_row};
+use crate::math::bernstein::restrict;
 
 /// A curve stands still where the control points next to a place are no farther from it than
 /// this share of the largest coordinate: what rounding leaves of a derivative that vanishes at a
@@ -83,11 +83,10 @@ fn stands_still(piece: &NurbsCurve) -> bool {
 fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
     let (start, end) = piece.domain();
     let degree = piece.knots().degree();
-    let row = Row { start: 0, stride: 1, degree };
     let part = |from: f64, to: f64| {
         let mut control = piece.control().to_vec();
         if (from, to) != (0.0, 1.0) {
-            restrict_row(&mut control, row, from, to);
+            restrict(&mut control, from, to);
         }
         control
     };

@@ -7,7 +7,7 @@ use super::curve::euclidean;
 use super::segment::Segment;
 use super::trim_loop::LoopPiece;
 use crate::geometry::extremes::{FINEST, add_extremes};
-use crate::math::bernstein::{Row, restrict_row};
+use crate::math::bernstein::restrict;
 
 /// A monotone stretch is halved at most so often: a cusp never becomes flat.
 const MOST_HALVINGS: u32 = 6;
@@ -70,8 +70,7 @@ impl Part<'_> {
     fn add_flat(&self, from: DVec2, last: Option<DVec2>, found: &mut Vec<Segment>) -> DVec2 {
         let degree = self.control.len() - 1;
         let mut part = self.control.to_vec();
-        let row = Row { start: 0, stride: 1, degree };
-        restrict_row(&mut part, row, self.range[0], self.range[1]);
+        restrict(&mut part, self.range[0], self.range[1]);
         let to = last.unwrap_or_else(|| euclidean(part[degree]));
         let segment = Segment::new([from, to], &part, self.magnitude);
         let flat = segment.as_ref().is_none_or(Segment::is_flat);

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::curve::euclidean;
 use super::segment::Segment;
 use super::{TrimError, Trims};
-use crate::math::bernstein::{Row, restrict_row};
+use crate::math::bernstein::restrict;
 
 /// The most points the outlines of all loops may have together.
 const MAX_OUTLINE_POINTS: usize = 1 << 20;
@@ -59,11 +59,10 @@ fn sample(segment: &Segment, tolerance: f64, most: usize, outline: &mut Vec<DVec
             outline.push(euclidean(part[part.len() - 1]));
             continue;
         }
-        let row = Row { start: 0, stride: 1, degree: part.len() - 1 };
         let mut below = part.clone();
         let mut above = part;
-        restrict_row(&mut below, row, 0.0, 0.5);
-        restrict_row(&mut above, row, 0.5, 1.0);
+        restrict(&mut below, 0.0, 0.5);
+        restrict(&mut above, 0.5, 1.0);
         waiting.push(above);
         waiting.push(below);
     }

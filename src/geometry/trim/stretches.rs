@@ -6,7 +6,7 @@ use super::curve::euclidean;
 use super::segment::Segment;
 use super::{Side, Trims};
 use crate::geometry::Direction;
-use crate::math::bernstein::{Row, restrict_row};
+use crate::math::bernstein::restrict;
 
 /// A piece of a trim edge that crosses no line it should be cut at.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,8 +127,7 @@ impl Trims {
                     let inside = edge && bounds.holds(middle);
                     pieces.push(inside.then(|| {
                         let mut part = control.clone();
-                        let row = Row { start: 0, stride: 1, degree };
-                        restrict_row(&mut part, row, pair[0], pair[1]);
+                        restrict(&mut part, pair[0], pair[1]);
                         EdgePiece { control: part }
                     }));
                 }
@@ -196,8 +195,7 @@ impl EdgePiece {
     /// The point in the middle of its parameter, which lies between all lines it was cut at.
     pub(in crate::geometry) fn middle(&self) -> DVec2 {
         let mut half = self.control.clone();
-        let row = Row { start: 0, stride: 1, degree: half.len() - 1 };
-        restrict_row(&mut half, row, 0.5, 1.0);
+        restrict(&mut half, 0.5, 1.0);
         euclidean(half[0])
     }
 

@@ -1,0 +1,55 @@
+//! Surfaces as nets of Bézier pieces, row by row.
+
+use std::borrow::Cow;
+
+use glam::DVec4;
+
+use super::line::{Insertions, merged};
+use super::{Direction, KnotVector, NurbsSurface};
+
+/// A surface cut into Bézier pieces: clamped, with every inner knot at least `p` times.
+///
+/// It is refined along u only; what it is along v is made when a row is asked for. The net of a dense
+/// surface is nine times as large as the surface, and whoever keeps it in a form of their own
+/// need not have it twice.
+pub(crate) struct BezierForm<'a> {
+    along_u: Cow<'a, NurbsSurface>,
+    insertions_v: Insertions,
+    knots_v: KnotVector,
+}
+
+impl<'a> BezierForm<'a> {
+    pub(crate) fn new(surface: &'a NurbsSurface) -> Self {
+        let mut surface = Cow::Borrowed(surface);
+        if !(surface.knots_u().is_clamped() && surface.knots_v().is_clamped()) {
+            surface = Cow::Owned(surface.clamped());
+        }
+        let missing_u = surface.knots_u().missing_for_bezier();
+        if !missing_u.is_empty() {
+            surface = Cow::Owned(surface.refined(Direction::U, &missing_u));
+        }
+        let knots_v = surface.knots_v();
+        let missing_v = knots_v.missing_for_bezier();
+        let insertions_v = Insertions::new(knots_v, &missing_v);
+        let values = merged(knots_v.values(), &missing_v);
+        let knots_v = KnotVector::derived(knots_v.degree(), values);
+        Self { along_u: surface, insertions_v, knots_v }
+    }
+
+    /// The knot vectors in u and v.
+    pub(crate) fn knots(&self) -> [&KnotVector; 2] {
+        [self.along_u.knots_u(), &self.knots_v]
+    }
+
+    /// The weight of all control points; `None` where they differ.
+    pub(crate) fn weight(&self) -> Option<f64> {
+        let first = self.along_u.control().first().map_or(1.0, |point| point.w);
+        (!self.along_u.is_rational()).then_some(first)
+    }
+
+    /// The homogeneous control points of a row, v growing.
+    pub(crate) fn row(&self, i: usize) -> Vec<DVec4> {
+        let length = self.along_u.knots_v().point_count();
+        self.insertions_v.apply(&self.along_u.control()[i * length..(i + 1) * length])
+    }
+}
