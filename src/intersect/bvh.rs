@@ -9,7 +9,7 @@ use super::tree::Tree;
 use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
-use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, ScaledBox, SceneFrame};
+use crate::patch::{Leaf, OrientedBox, Parts, PatchSet, PatchSetError, ScaledBox, SceneFrame};
 
 /// How surfaces are prepared.
 #[derive(Clone, Debug, Default)]
@@ -47,11 +47,11 @@ impl SurfaceBvh {
         surfaces: &[S],
         _options: &BuildOptions,
     ) -> Result<Self, BuildError> {
-        let (set, parts) = PatchSet::new(surfaces)?;
+        let (set, Parts { parts, groups }) = PatchSet::new(surfaces)?;
         let frame = SceneFrame::around(&set.bounds());
         let boxes: Vec<ScaledBox> =
             parts.par_iter().map(|part| frame.scaled_box(&part.bounds)).collect();
-        let (mut tree, order) = Tree::new(frame, &boxes);
+        let (mut tree, order) = Tree::new(frame, &boxes, &groups);
         let leaves = order.par_iter().map(|&k| {
             let part = &parts[k as usize];
             Leaf::new(part, &set.pieces()[part.piece as usize], &frame)

@@ -151,7 +151,7 @@ fn half_area(node: &BinaryNode) -> f32 {
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::patch::{PatchSet, ScaledBox, SceneFrame};
+    use crate::patch::{Parts, PatchSet, ScaledBox, SceneFrame};
 
     #[test]
     fn every_leaf_has_one_place() {
@@ -161,11 +161,11 @@ mod tests {
         let crowd = vec![plane; 300];
         let many = vec![shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.5).unwrap()];
         for surfaces in [one, crowd, many] {
-            let (set, parts) = PatchSet::new(&surfaces).unwrap();
+            let (set, Parts { parts, groups }) = PatchSet::new(&surfaces).unwrap();
             let frame = SceneFrame::around(&set.bounds());
             let boxes: Vec<ScaledBox> =
                 parts.iter().map(|part| frame.scaled_box(&part.bounds)).collect();
-            let binary = Hierarchy::new(&boxes);
+            let binary = Hierarchy::new(&boxes, &groups);
             let tree = Collapse::of(&binary);
             let mut order = tree.order.clone();
             order.sort_unstable();

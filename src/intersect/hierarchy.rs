@@ -40,37 +40,54 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// The tree over leaves with the given boxes.
-    pub(super) fn new(leaves: &[ScaledBox]) -> Self {
+    /// The tree over leaves with the given boxes, of which groups, one after the other, of so many
+    /// are kept together.
+    pub(super) fn new(leaves: &[ScaledBox], groups: &[u32]) -> Self {
         if leaves.is_empty() {
             return Self::default();
         }
-        // Leaves with equal boxes become one primitive.
+        let mut end = 0;
+        let members = groups.iter().map(|&count| {
+            end += count;
+            end - count..end
+        });
+        let members: Vec<Range<u32>> = members.collect();
+        let boxes: Vec<ScaledBox> = members
+            .par_iter()
+            .map(|members| ScaledBox::around(&leaves[as_indices(members)]))
+            .collect();
+        // Groups with equal boxes become one primitive.
         let mut keyed: Vec<(u64, u32)> =
-            leaves.par_iter().zip(0..leaves.len() as u32).map(|(b, k)| (sort_key(b), k)).collect();
+            boxes.par_iter().zip(0..boxes.len() as u32).map(|(b, k)| (sort_key(b), k)).collect();
         keyed.par_sort_unstable();
         for alike in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
-            alike.sort_unstable_by_key(|&(_, k)| (rest_of_key(&leaves[k as usize]), k));
+            alike.sort_unstable_by_key(|&(_, k)| (rest_of_key(&boxes[k as usize]), k));
         }
-        let order: Vec<u32> = keyed.into_iter().map(|(_, k)| k).collect();
-        let mut primitives: Vec<Range<u32>> = Vec::with_capacity(leaves.len());
-        for (at, k) in (0u32..).zip(&order) {
-            let same = |last: &Range<u32>| {
-                let first = order[last.start as usize];
-                leaves[first as usize] == leaves[*k as usize]
-            };
-            match primitives.last_mut() {
-                Some(last) if same(last) => last.end = at + 1,
-                _ => primitives.push(at..at + 1),
+        let mut order: Vec<u32> = Vec::with_capacity(leaves.len());
+        let mut primitives: Vec<Range<u32>> = Vec::with_capacity(keyed.len());
+        let mut of_primitives: Vec<&ScaledBox> = Vec::with_capacity(keyed.len());
+        for (_, k) in keyed {
+            let from = order.len() as u32;
+            order.extend(members[k as usize].clone());
+            let (bounds, to) = (&boxes[k as usize], order.len() as u32);
+            match (primitives.last_mut(), of_primitives.last()) {
+                (Some(primitive), Some(&last)) if last == bounds => primitive.end = to,
+                _ => {
+                    primitives.push(from..to);
+                    of_primitives.push(bounds);
+                }
             }
         }
-        let boxes: Vec<BuilderBox> = primitives
+        let boxes: Vec<BuilderBox> = of_primitives
             .iter()
-            .map(|range| &leaves[order[range.start as usize] as usize])
             .map(|b| BuilderBox::new(Vec3A::from(b.min), Vec3A::from(b.max)))
             .collect();
         Self { nodes: build(&boxes, &primitives), order }
     }
+}
+
+fn as_indices(range: &Range<u32>) -> Range<usize> {
+    range.start as usize..range.end as usize
 }
 
 /// The tree over primitives: PLOC, then reinsertion, one primitive to a leaf.

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 
 use super::collapse::Collapse;
 use super::hierarchy::Hierarchy;
-use crate::patch::{OrientedBox, ScaledBox, SceneFrame};
+use crate::patch::{MOST_TOGETHER, OrientedBox, ScaledBox, SceneFrame};
 
 /// Children of a node, and leaves in a block, at most: lanes of a vector of f32.
 pub(super) const LANES: usize = 16;
+const _: () = assert!(MOST_TOGETHER <= LANES, "leaves that are kept together fit into a block");
 
 /// Marks a child that is a block of leaves: the rest of the number is its index.
 const BLOCK: u32 = 1 << 31;
@@ -117,10 +118,10 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The tree over parts with the given boxes, without oriented boxes so far, and the order in
+    /// The tree over [`Parts`](crate::patch::Parts) with the given boxes, without oriented boxes so far, and the order in
     /// which the parts are to become leaves.
-    pub(super) fn new(frame: SceneFrame, boxes: &[ScaledBox]) -> (Self, Vec<u32>) {
-        let binary = Hierarchy::new(boxes);
+    pub(super) fn new(frame: SceneFrame, boxes: &[ScaledBox], groups: &[u32]) -> (Self, Vec<u32>) {
+        let binary = Hierarchy::new(boxes, groups);
         let Collapse { nodes, starts, order, root, .. } = Collapse::of(&binary);
         (Self { nodes, blocks: Vec::new(), starts, root, frame }, order)
     }

@@ -268,7 +268,7 @@ mod tests {
     fn bounds_hold_on_the_widened_leaves() {
         for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
             let (set, parts) = PatchSet::new(&[surface]).unwrap();
-            for leaf in leaves(&set, &parts).iter().step_by(7) {
+            for leaf in leaves(&set, &parts.parts).iter().step_by(7) {
                 let patch = &set.pieces()[leaf.piece as usize].patch;
                 let half = leaf.rect().map(|[from, to]| 0.5 * (to - from));
                 let middle = leaf.rect().map(|[from, to]| 0.5 * (from + to));
@@ -298,7 +298,7 @@ mod tests {
     fn bounds_are_of_the_size_of_what_they_bound() {
         // A leaf of the sphere differs from a bicubic by some 1e-6 of the radius.
         let (set, parts) = PatchSet::new(&[shapes::sphere(1.0).unwrap()]).unwrap();
-        let mut errors: Vec<f32> = leaves(&set, &parts).iter().map(Leaf::fit_error).collect();
+        let mut errors: Vec<f32> = leaves(&set, &parts.parts).iter().map(Leaf::fit_error).collect();
         errors.sort_by(f32::total_cmp);
         assert!((1e-8..1e-5).contains(&errors[errors.len() / 2]), "{errors:?}");
     }

@@ -27,6 +27,17 @@ pub struct ScaledBox {
     pub max: Vec3,
 }
 
+impl ScaledBox {
+    /// The smallest box that holds all of some boxes.
+    pub fn around(boxes: &[Self]) -> Self {
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for each in boxes {
+            (min, max) = (min.min(each.min), max.max(each.max));
+        }
+        Self { min, max }
+    }
+}
+
 impl SceneFrame {
     /// The frame of a scene inside a box; that of an empty scene does not matter.
     pub fn around(bounds: &Aabb) -> Self {

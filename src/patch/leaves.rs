@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
-use super::{DyadicRect, Leaf, OrientedBox, Part, Piece};
+use super::tiles::Grid;
+use super::{DyadicRect, Leaf, OrientedBox, Parts, Piece};
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
 /// take that are off by 1e-5 of the teapot.
@@ -32,14 +33,14 @@ fn worthwhile(pieces: &[Piece], coarse: usize) -> usize {
     (coarse + coarse / 2).clamp(worthwhile, MOST)
 }
 
-/// The parts of all pieces that are to be leaves, piece by piece, and none where trims have cut all of
+/// The parts of all pieces that are to be leaves, and none where trims have cut all of
 /// it off.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
 /// long as there is room. Halves that are not flat enough by themselves may take a little more.
-pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
+pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> Parts {
     if pieces.len() > MOST {
-        return coarse_parts(pieces);
+        return Parts::coarse(pieces, grids);
     }
     let coarse: Vec<SmallVec<[Flat; 1]>> = pieces
         .par_iter()
@@ -69,19 +70,7 @@ pub(super) fn parts(pieces: &[Piece]) -> Vec<Part> {
     done.extend(open);
     done.par_sort_unstable_by_key(Flat::place);
     let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
-    done.par_iter().map(part).collect()
-}
-
-/// The coarsest parts of many pieces: of each the control points are needed for a moment only.
-fn coarse_parts(pieces: &[Piece]) -> Vec<Part> {
-    let parts = pieces.par_iter().enumerate().flat_map_iter(|(k, piece)| {
-        let mut parts = SmallVec::<[Part; 1]>::new();
-        Halving::whole(piece).coarse_parts(piece, &mut |halving| {
-            parts.push(halving.part(k as u32, piece));
-        });
-        parts
-    });
-    parts.collect()
+    Parts::single(done.par_iter().map(part).collect())
 }
 
 /// A part that is to be a leaf, as long as there is no room for its halves.

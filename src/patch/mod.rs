@@ -30,6 +30,7 @@ mod rect;
 mod set;
 mod tangents;
 mod tensor;
+mod tiles;
 mod up16;
 
 use glam::DVec4;
@@ -61,3 +62,4 @@ pub use piece::Piece;
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};
+pub use tiles::{MOST_TOGETHER, Parts};

@@ -1,6 +1,6 @@
 //! Pieces halved until they are flat enough to search.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 
 use super::tensor::{euclidean, euclidean_net};
 use super::{CollapsedSide, ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
@@ -172,17 +172,9 @@ impl Halving {
         if trims.classify(&middle) != Coverage::Mixed {
             return None;
         }
-        let chords = self.chords(piece).map(DVec3::length);
+        let chords = piece.patch.chords(self.rect.ranges()).map(DVec3::length);
         let longer = usize::from(chords[1] > chords[0]);
         [longer, 1 - longer].into_iter().find(|&k| self.rect.halvings(k) < MOST_HALVINGS)
-    }
-
-    /// The vectors across the middle of the part, in `s` and in `t`.
-    fn chords(&self, piece: &Piece) -> [DVec3; 2] {
-        let [s, t] = self.rect.ranges();
-        let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
-        let at = |s: f64, t: f64| piece.patch.point(DVec2::new(s, t));
-        [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
     }
 
     /// How much the part bends; `None` where rounding is all there is left to see.

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::leaves::parts;
 use super::net::BezierNet;
-use super::{Part, Piece, leaves::parts};
+use super::tiles::Grid;
+use super::{Parts, Piece};
 use crate::geometry::{Chart, Charts};
 use crate::math::Aabb;
 
@@ -41,12 +43,11 @@ pub struct PatchSet {
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves, piece by
-    /// piece.
+    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves.
     ///
     /// # Errors
     /// When there are more than 32-bit indices can count.
-    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Vec<Part>), PatchSetError> {
+    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Parts), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
         let nets: Vec<Vec<_>> =
             surfaces.par_iter().map(|surface| nets(&surface.charts())).collect();
@@ -63,17 +64,19 @@ impl PatchSet {
         let pieces_of = pieces_of.collect();
         let charts = (0u32..).zip(nets).flat_map(|(k, nets)| nets.into_iter().map(move |n| (k, n)));
         let mut pieces = Vec::with_capacity(count_of_pieces);
+        let mut grids = Vec::new();
         for (surface, (net, [rows, columns])) in charts {
             let net = Arc::new(net);
+            grids.push(Grid { first: pieces.len(), rows: rows.len(), columns: columns.len() });
             let indices = (0..rows.len() * columns.len()).into_par_iter();
             pieces.par_extend(indices.map(|k| {
                 let first = [rows[k / columns.len()], columns[k % columns.len()]];
                 Piece::new(&net, surface, first)
             }));
         }
-        let parts = parts(&pieces);
-        check_count("leaves", parts.len())?;
-        let bounds = parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
+        let parts = parts(&pieces, &grids);
+        check_count("leaves", parts.parts.len())?;
+        let bounds = parts.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
         Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
     }
 

@@ -246,6 +246,13 @@ impl TensorPatch {
         value.truncate() / self.weight().unwrap_or(value.w)
     }
 
+    /// The vectors across the middle of a rectangle of the unit square, in `s` and in `t`.
+    pub(super) fn chords(&self, [s, t]: [[f64; 2]; 2]) -> [DVec3; 2] {
+        let (ms, mt) = (0.5 * (s[0] + s[1]), 0.5 * (t[0] + t[1]));
+        let at = |s: f64, t: f64| self.point(DVec2::new(s, t));
+        [at(s[1], mt) - at(s[0], mt), at(ms, t[1]) - at(ms, t[0])]
+    }
+
     /// The point, first and second derivatives at `(s, t)`; `u` and `v` stand for `s` and
     /// `t` in the names.
     pub fn derivatives(&self, st: DVec2) -> SurfaceDerivatives {
