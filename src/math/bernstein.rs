@@ -161,8 +161,8 @@ impl Cuts {
         if t == 0.0 {
             return;
         }
-        for level in 1..=degree {
-            for i in 0..=degree - level {
+        for others in (0..degree).rev() {
+            for i in 0..others + 1 {
                 mix(i, i + 1, [1.0 - t, t]);
             }
         }
@@ -174,9 +174,9 @@ impl Cuts {
         if t == 1.0 {
             return;
         }
-        for level in 1..=degree {
-            for i in (level..=degree).rev() {
-                mix(i, i - 1, [t, 1.0 - t]);
+        for others in 0..degree {
+            for i in (others..degree).rev() {
+                mix(i + 1, i, [t, 1.0 - t]);
             }
         }
     }

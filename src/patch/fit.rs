@@ -1,18 +1,19 @@
 //! Bicubic approximations of leaves.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec3, DVec4};
 
+use super::Piece;
 use super::fit_error::FitError;
 use super::part::Halving;
 use super::tensor::euclidean;
-use super::{DyadicRect, Piece};
+use crate::math::bernstein;
 
 /// Coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
 pub type Fit = [[f32; 16]; 3];
 
 /// A leaf's bicubic approximation, and what is known of it.
 pub(super) struct Approximation {
-    /// What it is relative to: the surface's point in the middle.
+    /// What it is relative to: its own value in the middle.
     pub(super) middle: DVec3,
     pub(super) fit: Fit,
     /// The vectors across the middle of the leaf, in `s` and in `t`.
@@ -21,19 +22,24 @@ pub(super) struct Approximation {
 }
 
 impl Approximation {
-    pub(super) fn new(halving: &Halving, piece: &Piece, rect: DyadicRect) -> Self {
+    pub(super) fn new(halving: &Halving, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
         if p.max(q) <= 3 && !piece.patch.is_rational() {
             return Self::exact(halving, piece);
         }
-        let place = |x: f64, y: f64| {
-            let at = |[from, to]: [f64; 2], x: f64| 0.5 * ((from + to) + x * (to - from));
-            let [s, t] = rect.ranges();
-            piece.patch.point(DVec2::new(at(s, x), at(t, y)))
+        let net = halving.net();
+        // The same sums with as much room for basis functions as the degrees need.
+        let mut values = match p.max(q) {
+            0..=3 => at_nodes::<4>([p, q], net),
+            4..=7 => at_nodes::<8>([p, q], net),
+            _ => at_nodes::<{ bernstein::MAX_DEGREE + 1 }>([p, q], net),
         };
-        let middle = place(0.0, 0.0);
-        let fit = interpolated(|x, y| place(x, y) - middle);
-        let chords = [place(1.0, 0.0) - place(-1.0, 0.0), place(0.0, 1.0) - place(0.0, -1.0)];
+        let some = values[1][1];
+        for value in values.as_flattened_mut() {
+            *value -= some;
+        }
+        let (from_some, fit, chords) = in_powers(in_both_directions(&INTERPOLATION, &values));
+        let middle = some + from_some;
         let error = FitError::new(halving, piece, middle, &fit);
         Self { middle, fit, chords, error }
     }
@@ -48,24 +54,31 @@ impl Approximation {
             }
             *row = powers(q, *row);
         }
-        let mut fit = [[0.0; 16]; 3];
-        let mut coefficients = [DVec3::ZERO; 16];
+        let mut coefficients = [[DVec3::ZERO; 4]; 4];
         for j in 0..=q {
             let column = powers(p, [net[0][j], net[1][j], net[2][j], net[3][j]]);
             for i in 0..=p {
-                coefficients[4 * i + j] = column[i];
+                coefficients[i][j] = column[i];
             }
         }
-        let middle = std::mem::take(&mut coefficients[0]);
-        for (k, coefficient) in coefficients.iter().enumerate() {
-            let [x, y, z] = coefficient.to_array();
-            (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
-        }
-        let chord = |first: usize, third: usize| 2.0 * (coefficients[first] + coefficients[third]);
-        let chords = [chord(4, 12), chord(1, 3)];
-        let error = FitError::of_polynomial(&coefficients, piece);
+        let (middle, fit, chords) = in_powers(coefficients);
+        coefficients[0][0] = DVec3::ZERO;
+        let error = FitError::of_polynomial(coefficients.as_flattened(), piece);
         Self { middle, fit, chords, error }
     }
+}
+
+/// The middle of a polynomial with these coefficients of `xⁱ yʲ`, what it is relative to that, and the
+/// vectors across the middle in `x` and in `y`.
+fn in_powers(coefficients: [[DVec3; 4]; 4]) -> (DVec3, Fit, [DVec3; 2]) {
+    let mut fit = [[0.0; 16]; 3];
+    for (k, coefficient) in coefficients.as_flattened().iter().enumerate().skip(1) {
+        let [x, y, z] = coefficient.to_array();
+        (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
+    }
+    let [along_y, along_x] = [coefficients[0], [0, 1, 2, 3].map(|i| coefficients[i][0])];
+    let across = |row: [DVec3; 4]| 2.0 * (row[1] + row[3]);
+    (coefficients[0][0], fit, [across(along_x), across(along_y)])
 }
 
 /// From Bernstein coefficients of degree up to three on `[−1, 1]` to those of powers.
@@ -96,22 +109,29 @@ const NODES: [f64; 4] = {
 /// Takes values at the nodes to power coefficients.
 const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
 
-/// The bicubic polynomial through a map's values at 4 × 4 Chebyshev points of `[−1, 1]²`,
+/// The points of a net's surface at 4 × 4 Chebyshev points: the bicubic polynomial through them is
 /// near the best approximation there is (Trefethen 2013, ch. 16).
-fn interpolated(map: impl Fn(f64, f64) -> DVec3) -> Fit {
+fn at_nodes<const N: usize>([p, q]: [usize; 2], net: &[DVec4]) -> [[DVec3; 4]; 4] {
+    let bases = |degree: usize| NODES.map(|node| bernstein::basis(degree, 0.5 * (1.0 + node)));
+    let in_s: [[f64; N]; 4] = bases(p);
+    let in_t = if p == q { in_s } else { bases(q) };
     let mut values = [[DVec3::ZERO; 4]; 4];
-    for a in 0..4 {
-        for b in 0..4 {
-            values[a][b] = map(NODES[a], NODES[b]);
+    for (values, in_s) in values.iter_mut().zip(&in_s) {
+        let mut sums = [DVec4::ZERO; 4];
+        for j in 0..=q {
+            let mut row = DVec4::ZERO;
+            for i in 0..=p {
+                row += in_s[i] * net[i * (q + 1) + j];
+            }
+            for (sum, in_t) in sums.iter_mut().zip(&in_t) {
+                *sum += in_t[j] * row;
+            }
+        }
+        for (value, sum) in values.iter_mut().zip(sums) {
+            *value = sum.truncate() / sum.w;
         }
     }
-    let coefficients = in_both_directions(&INTERPOLATION, &values);
-    let mut fit = [[0.0; 16]; 3];
-    for (k, coefficient) in coefficients.as_flattened().iter().enumerate() {
-        let [x, y, z] = coefficient.to_array();
-        (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
-    }
-    fit
+    values
 }
 
 /// A linear map of four numbers applied to the columns of a net, then to its rows.
@@ -185,12 +205,40 @@ mod tests {
     #[test]
     fn bicubic_maps_are_fitted_exactly() {
         let map = |x: f64, y: f64| DVec3::new(x * x * x * y, 1.0 - y * y * y, x - 2.0 * x * x * y);
-        let fit = interpolated(map);
-        let expected = [(0, 13, 1.0), (1, 0, 1.0), (1, 3, -1.0), (2, 4, 1.0), (2, 9, -2.0)];
+        let values = NODES.map(|x| NODES.map(|y| map(x, y)));
+        let (middle, fit, [across_x, across_y]) =
+            in_powers(in_both_directions(&INTERPOLATION, &values));
+        assert!(middle.distance(DVec3::Y) < 1e-14);
+        assert!(across_x.distance(map(1.0, 0.0) - map(-1.0, 0.0)) < 1e-14);
+        assert!(across_y.distance(map(0.0, 1.0) - map(0.0, -1.0)) < 1e-14);
+        let expected = [(0, 13, 1.0), (1, 3, -1.0), (2, 4, 1.0), (2, 9, -2.0)];
         for axis in 0..3 {
             for k in 0..16 {
                 let wanted = expected.iter().find(|e| (e.0, e.1) == (axis, k)).map_or(0.0, |e| e.2);
                 assert!((fit[axis][k] - wanted).abs() < 1e-6, "{axis} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_at_nodes_are_points_of_the_surface() {
+        for degree in [[3, 3], [2, 5], [4, 1]] {
+            let count = (degree[0] + 1) * (degree[1] + 1);
+            let control = |k: usize| {
+                let x = k as f64;
+                let w = 1.0 + 0.4 * x.sin();
+                w * DVec3::new((3.0 * x).cos(), x, 0.1 * x * x).extend(1.0)
+            };
+            let net: Vec<DVec4> = (0..count).map(control).collect();
+            let values = at_nodes::<8>(degree, &net);
+            for (a, b) in [(0, 0), (1, 3), (2, 1)] {
+                let [s, t] = [a, b].map(|k| 0.5 * (1.0 + NODES[k]));
+                let (in_s, in_t): ([f64; 8], [f64; 8]) =
+                    (bernstein::basis(degree[0], s), bernstein::basis(degree[1], t));
+                let sum: DVec4 = (0..count)
+                    .map(|k| in_s[k / (degree[1] + 1)] * in_t[k % (degree[1] + 1)] * net[k])
+                    .sum();
+                assert!(values[a][b].distance(sum.truncate() / sum.w) < 1e-13);
             }
         }
     }

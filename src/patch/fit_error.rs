@@ -21,6 +21,7 @@ use smallvec::SmallVec;
 use super::Piece;
 use super::fit::{Fit, in_both_directions};
 use super::part::Halving;
+use crate::math::bernstein;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
 pub const REACH: f64 = 1.2;
@@ -70,7 +71,7 @@ impl FitError {
 impl FitError {
     /// The bounds for a polynomial that only differs from its approximation by rounding each
     /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32.
-    pub(super) fn of_polynomial(coefficients: &[DVec3; 16], piece: &Piece) -> Self {
+    pub(super) fn of_polynomial(coefficients: &[DVec3], piece: &Piece) -> Self {
         let (mut sum, mut slopes, mut bound) = (0.0, 0.0, 0.0);
         let mut weight_x = [1.0, 0.0, 0.0];
         for i in 0..4 {
@@ -119,39 +120,63 @@ const BLOSSOM: [[f64; 4]; 4] = {
 };
 
 /// Bounds of `X − W Q` and of its derivatives by box coordinates.
-fn difference([p, q]: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64; 2] {
-    let (along_s, along_t) = (product_weights(p), product_weights(q));
-    let (rows, columns) = (p + 4, q + 4);
-    let mut difference = SmallVec::<[DVec3; 64]>::from_elem(DVec3::ZERO, rows * columns);
-    for i in 0..=p {
-        for j in 0..=q {
-            let control = net[i * (q + 1) + j];
-            let x = control.truncate();
-            for k in 0..4 {
-                for l in 0..4 {
-                    let weight = along_s[i][k] * along_t[j][l];
-                    difference[(i + k) * columns + j + l] += weight * (x - control.w * fit[k][l]);
+fn difference(degree: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64; 2] {
+    let (difference, columns) = difference_net(degree, net, fit);
+    let [mut value, mut down, mut across] = [0f64; 3];
+    for here in &difference {
+        value = value.max(here.length_squared());
+    }
+    for (here, &below) in difference.iter().zip(&difference[columns..]) {
+        down = down.max((below - here).length_squared());
+    }
+    for row in difference.chunks_exact(columns) {
+        for (here, &next) in row.iter().zip(&row[1..]) {
+            across = across.max((next - here).length_squared());
+        }
+    }
+    let [p, q] = degree.map(|degree| (degree + 3) as f64);
+    let slope = (p * down.sqrt()).max(q * across.sqrt());
+    [value.sqrt(), slope / SIDE]
+}
+
+/// The Bernstein coefficients of `X − W Q`, and how many there are in a row.
+///
+/// With binomial factors in all coefficients those of a product are sums of products (Farouki and
+/// Rajan 1988, "Algorithms for polynomials in Bernstein form").
+fn difference_net(
+    [p, q]: [usize; 2],
+    net: &[DVec4],
+    fit: &[[DVec3; 4]; 4],
+) -> (SmallVec<[DVec3; 64]>, usize) {
+    const CUBIC: [f64; 4] = [1.0, 3.0, 3.0, 1.0];
+    let (down, across) = (binomials(p), binomials(q));
+    let (sum_down, sum_across) = (binomials(p + 3), binomials(q + 3));
+    let mut scaled_fit = *fit;
+    for (k, row) in scaled_fit.iter_mut().enumerate() {
+        for (l, point) in row.iter_mut().enumerate() {
+            *point *= CUBIC[k] * CUBIC[l];
+        }
+    }
+    let columns = q + 4;
+    let mut difference = SmallVec::from_elem(DVec3::ZERO, (p + 4) * columns);
+    for (i, row) in net.chunks_exact(q + 1).enumerate() {
+        for (j, &control) in row.iter().enumerate() {
+            let control = down[i] * across[j] * control;
+            for (k, fit) in scaled_fit.iter().enumerate() {
+                let x = CUBIC[k] * control.truncate();
+                let from = (i + k) * columns + j;
+                for (l, sum) in difference[from..from + 4].iter_mut().enumerate() {
+                    *sum += CUBIC[l] * x - control.w * fit[l];
                 }
             }
         }
     }
-    let value = difference.iter().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
-    let (mut down, mut across) = (0f64, 0f64);
-    for i in 0..rows {
-        for j in 0..columns {
-            let here = difference[i * columns + j];
-            if i + 1 < rows {
-                let step = difference[(i + 1) * columns + j] - here;
-                down = down.max(step.length_squared());
-            }
-            if j + 1 < columns {
-                let step = difference[i * columns + j + 1] - here;
-                across = across.max(step.length_squared());
-            }
+    for (m, row) in difference.chunks_exact_mut(columns).enumerate() {
+        for (n, coefficient) in row.iter_mut().enumerate() {
+            *coefficient *= 1.0 / (sum_down[m] * sum_across[n]);
         }
     }
-    let slope = ((rows - 1) as f64 * down.sqrt()).max((columns - 1) as f64 * across.sqrt());
-    [value, slope / SIDE]
+    (difference, columns)
 }
 
 /// A bound of the weight's derivatives by box coordinates.
@@ -171,19 +196,13 @@ fn weight_slope([p, q]: [usize; 2], net: &[DVec4]) -> f64 {
     slope / SIDE
 }
 
-/// The factors of products of coefficients in the product of a polynomial of degree `p` and a
-/// cubic: `C(p, i) C(3, k) / C(p + 3, i + k)`.
-fn product_weights(p: usize) -> SmallVec<[[f64; 4]; 4]> {
-    let row = |n: usize| {
-        let mut row = SmallVec::<[f64; 8]>::from_elem(1.0, n + 1);
-        for k in 0..n {
-            row[k + 1] = row[k] * (n - k) as f64 / (k + 1) as f64;
-        }
-        row
-    };
-    let (low, three, product) = (row(p), row(3), row(p + 3));
-    let weights = |i: usize| [0, 1, 2, 3].map(|k| low[i] * three[k] / product[i + k]);
-    (0..=p).map(weights).collect()
+/// `n` choose `k` for `k = 0 … n`, a few more than [`bernstein::binomials`] knows.
+fn binomials(n: usize) -> [f64; bernstein::MAX_DEGREE + 4] {
+    let mut row = [1.0; bernstein::MAX_DEGREE + 4];
+    for k in 0..n {
+        row[k + 1] = row[k] * (n - k) as f64 / (k + 1) as f64;
+    }
+    row
 }
 
 /// The bound `M` of a net of `(w (P − c), w)`.

@@ -52,8 +52,7 @@ impl Leaf {
     pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, OrientedBox) {
         let halving = Halving::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);
-        let Approximation { middle, fit, chords, error } =
-            Approximation::new(&halving, piece, part.rect);
+        let Approximation { middle, fit, chords, error } = Approximation::new(&halving, piece);
         let axes = Axes::along(chords);
         let noise = piece.patch.noise();
         let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);

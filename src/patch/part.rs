@@ -65,6 +65,8 @@ pub(super) struct Halving {
     cuts: u32,
     /// Whether it is known that trims have cut off nothing of it; asked of each that is handed over.
     inside: bool,
+    /// How much it bends, of each that is handed over; nothing where rounding is all that is left to see.
+    bend: Option<Bend>,
 }
 
 /// A way to halve a part.
@@ -83,6 +85,7 @@ pub(super) struct Way {
 }
 
 /// How much a part bends.
+#[derive(Clone, Copy, Debug)]
 struct Bend {
     /// In `s` and in `t`: half the angle by which rows turn.
     angles: [f64; 2],
@@ -95,7 +98,13 @@ struct Bend {
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
-        Self { rect: DyadicRect::UNIT, net: piece.patch.control_net(), cuts: 0, inside: false }
+        Self {
+            rect: DyadicRect::UNIT,
+            net: piece.patch.control_net(),
+            cuts: 0,
+            inside: false,
+            bend: None,
+        }
     }
 
     /// The part of a piece over a rectangle.
@@ -103,7 +112,7 @@ impl Halving {
         let mut net = piece.patch.control_net();
         let [s, t] = rect.ranges();
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
-        Self { rect, net, cuts: 0, inside: false }
+        Self { rect, net, cuts: 0, inside: false, bend: None }
     }
 
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
@@ -119,18 +128,20 @@ impl Halving {
         self.inside = coverage == Coverage::Inside;
         let rational = piece.patch.is_rational();
         let coarsest = if rational { RATIONAL } else { COARSEST };
-        let bend = self.bend(piece).filter(|bend| bend.strained.iter().any(|&b| b > coarsest));
-        let Some(Bend { strained, sides, .. }) = bend else {
-            return done(self);
-        };
-        let [first, second] = self.halves(piece, larger(strained, sides));
-        second.coarse_parts(piece, done);
-        first.coarse_parts(piece, done);
+        self.bend = self.found_bend(piece);
+        match self.bend {
+            Some(Bend { strained, sides, .. }) if strained.iter().any(|&b| b > coarsest) => {
+                let [first, second] = self.halves(piece, larger(strained, sides));
+                second.coarse_parts(piece, done);
+                first.coarse_parts(piece, done);
+            }
+            _ => done(self),
+        }
     }
 
     /// The best way to halve this part further, if that is worth anything.
     pub(super) fn way(&self, piece: &Piece) -> Option<Way> {
-        let Bend { angles, sides, .. } = self.bend(piece)?;
+        let Bend { angles, sides, .. } = self.bend?;
         let mut direction = larger(angles, sides);
         let mut angle = angles[direction];
         let mut at_trims = false;
@@ -182,7 +193,7 @@ impl Halving {
     /// The measure of a direction is the largest second difference of the control points
     /// along it, times the second derivative's factor, over the longest row's chord: half
     /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
-    fn bend(&self, piece: &Piece) -> Option<Bend> {
+    fn found_bend(&self, piece: &Piece) -> Option<Bend> {
         let [p, q] = piece.patch.degree();
         let noise = piece.patch.noise();
         let points = euclidean_net(&self.net);
@@ -239,7 +250,7 @@ impl Halving {
             let mut ranges = [[0.0, 1.0]; 2];
             ranges[direction] = [from, from + 0.5];
             let net = self.grown(piece, ranges[0], ranges[1]);
-            Self { rect: self.rect.half(direction, side), net, ..*self }
+            Self { rect: self.rect.half(direction, side), net, bend: None, ..*self }
         };
         [half(0), half(1)]
     }
