@@ -32,7 +32,7 @@ Ray sets; N is --size:
   ao                 any hit of ambient-occlusion rays: from each exact hit of
                      the primary rays one ray in a random direction around the
                      normal (cosine), 1/5 of the model's diagonal long; in
-                     packets if leaves are wider than eight pixels, else in
+                     packets if leaves are wider than 1.5 pixels, else in
                      batches
   shadow             any hit on the way from those hits to the scene's first
                      lamp, in packets if leaves are wider than two pixels, else
