@@ -37,8 +37,7 @@ impl BoundingSphere {
     pub(super) fn of<'a>(surfaces: impl ExactSizeIterator<Item = &'a Surface>) -> Option<Self> {
         let across = (ALL_SAMPLES / surfaces.len() as f64).sqrt() as usize;
         let across = across.min(MOST_SAMPLES);
-        let points = surfaces.flat_map(|surface| all_samples(surface, across));
-        let points: Vec<DVec3> = points.collect();
+        let points = appended(surfaces.map(|surface| all_samples(surface, across)));
         let low = points.iter().copied().reduce(DVec3::min)?;
         let high = points.iter().copied().reduce(DVec3::max)?;
         let center = 0.5 * low + 0.5 * high;
@@ -51,13 +50,22 @@ impl BoundingSphere {
 fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
     let charts = surface.charts();
     let across = (across as f64 / (charts.len() as f64).sqrt()).ceil() as usize;
-    let kept: Vec<DVec3> = charts.iter().flat_map(|chart| samples(chart, across)).collect();
+    let kept = appended(charts.iter().map(|chart| samples(chart, across)));
     if kept.is_empty() {
         // What trims keep may lie between the samples.
         let whole = charts.into_iter().map(|chart| Chart { trims: None, ..chart });
-        return whole.flat_map(|chart| samples(&chart, across)).collect();
+        return appended(whole.map(|chart| samples(&chart, across)));
     }
     kept
+}
+
+/// All points, list by list: many times as fast as point by point.
+fn appended(lists: impl Iterator<Item = Vec<DVec3>>) -> Vec<DVec3> {
+    let mut all = Vec::new();
+    for mut list in lists {
+        all.append(&mut list);
+    }
+    all
 }
 
 /// Points on a chart: those of a grid with every knot in it that its trims keep.
