@@ -10,7 +10,7 @@ use super::{Direction, KnotVector, NurbsSurface};
 /// A surface cut into Bézier pieces: clamped, with every inner knot at least `p` times.
 ///
 /// It is refined along u only; what it is along v is made when a row is asked for. The net of a dense
-/// surface is nine times as large as the surface, and whoever keeps it in a form of their own
+/// bicubic surface is nine times as large as the surface, and whoever keeps it in a form of their own
 /// need not have it twice.
 pub(crate) struct BezierForm<'a> {
     along_u: Cow<'a, NurbsSurface>,
@@ -41,7 +41,8 @@ impl<'a> BezierForm<'a> {
         [self.along_u.knots_u(), &self.knots_v]
     }
 
-    /// The weight of all control points; `None` where they differ.
+    /// The weight of all control points; `None` where they differ. Refining along v keeps equal weights
+    /// equal, so what is refined along u tells.
     pub(crate) fn weight(&self) -> Option<f64> {
         let first = self.along_u.control().first().map_or(1.0, |point| point.w);
         (!self.along_u.is_rational()).then_some(first)

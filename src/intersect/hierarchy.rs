@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::patch::ScaledBox;
 
-/// Of trees over more boxes than this only the worst nodes are inserted again: it takes long, and
+/// Of trees over more primitives than this only the worst nodes are inserted again: it takes long, and
 /// gains little where boxes are many, small and alike.
 const MANY: usize = 1 << 17;
 
@@ -35,13 +35,13 @@ pub(super) struct BinaryNode {
 pub(super) struct Hierarchy {
     /// The root first; none if there are no leaves.
     pub(super) nodes: Vec<BinaryNode>,
-    /// Leaf indices, those of leaves with the same box side by side.
+    /// Leaf indices; those of a group, and of groups with the same box, side by side.
     pub(super) order: Vec<u32>,
 }
 
 impl Hierarchy {
-    /// The tree over leaves with the given boxes, of which groups, one after the other, of so many
-    /// are kept together.
+    /// The tree over leaves with the given boxes. `groups` are the numbers of leaves, one after the
+    /// other, that are to be kept together: each at least 1, their sum the number of leaves.
     pub(super) fn new(leaves: &[ScaledBox], groups: &[u32]) -> Self {
         if leaves.is_empty() {
             return Self::default();
@@ -52,33 +52,37 @@ impl Hierarchy {
             end - count..end
         });
         let members: Vec<Range<u32>> = members.collect();
-        let boxes: Vec<ScaledBox> = members
+        debug_assert!(end as usize == leaves.len() && !groups.contains(&0));
+        let group_boxes: Vec<ScaledBox> = members
             .par_iter()
             .map(|members| ScaledBox::around(&leaves[as_indices(members)]))
             .collect();
         // Groups with equal boxes become one primitive.
-        let mut keyed: Vec<(u64, u32)> =
-            boxes.par_iter().zip(0..boxes.len() as u32).map(|(b, k)| (sort_key(b), k)).collect();
+        let mut keyed: Vec<(u64, u32)> = group_boxes
+            .par_iter()
+            .zip(0..groups.len() as u32)
+            .map(|(b, k)| (sort_key(b), k))
+            .collect();
         keyed.par_sort_unstable();
         for alike in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
-            alike.sort_unstable_by_key(|&(_, k)| (rest_of_key(&boxes[k as usize]), k));
+            alike.sort_unstable_by_key(|&(_, k)| (rest_of_key(&group_boxes[k as usize]), k));
         }
         let mut order: Vec<u32> = Vec::with_capacity(leaves.len());
         let mut primitives: Vec<Range<u32>> = Vec::with_capacity(keyed.len());
-        let mut of_primitives: Vec<&ScaledBox> = Vec::with_capacity(keyed.len());
+        let mut primitive_boxes: Vec<&ScaledBox> = Vec::with_capacity(keyed.len());
         for (_, k) in keyed {
             let from = order.len() as u32;
             order.extend(members[k as usize].clone());
-            let (bounds, to) = (&boxes[k as usize], order.len() as u32);
-            match (primitives.last_mut(), of_primitives.last()) {
+            let (bounds, to) = (&group_boxes[k as usize], order.len() as u32);
+            match (primitives.last_mut(), primitive_boxes.last()) {
                 (Some(primitive), Some(&last)) if last == bounds => primitive.end = to,
                 _ => {
                     primitives.push(from..to);
-                    of_primitives.push(bounds);
+                    primitive_boxes.push(bounds);
                 }
             }
         }
-        let boxes: Vec<BuilderBox> = of_primitives
+        let boxes: Vec<BuilderBox> = primitive_boxes
             .iter()
             .map(|b| BuilderBox::new(Vec3A::from(b.min), Vec3A::from(b.max)))
             .collect();

@@ -40,17 +40,17 @@ pub fn binomial(n: usize, k: usize) -> f64 {
 }
 
 /// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
-/// [`MAX_DEGREE`]. Looked up: worked out one from another they take a division each, and longer
+/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met. Looked up: worked out one from another they take a division each, and longer
 /// than all the rest of a sum over them.
 #[inline(always)]
-pub(crate) fn binomials(n: usize) -> &'static Basis {
+pub(crate) fn binomials(n: usize) -> &'static [f64; MAX_DEGREE + 4] {
     &BINOMIALS[n]
 }
 
-const BINOMIALS: [Basis; MAX_DEGREE + 1] = {
-    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+const BINOMIALS: [[f64; MAX_DEGREE + 4]; MAX_DEGREE + 4] = {
+    let mut rows = [[0.0; MAX_DEGREE + 4]; MAX_DEGREE + 4];
     let mut n = 0;
-    while n <= MAX_DEGREE {
+    while n < rows.len() {
         rows[n][0] = 1.0;
         let mut k = 1;
         while k <= n {
@@ -90,8 +90,9 @@ pub fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) -> [f64; 
 /// Replaces the coefficients of a polynomial on `[0, 1]` by those of the same polynomial
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
-/// `a` and `b` may lie outside `[0, 1]`. Each coefficient moves by at most `4 p u` times
-/// the largest one, for `[a, b]` within `[0, 1]`.
+/// There are `p + 1` coefficients, one at least. `a` and `b` may lie outside `[0, 1]`. Each
+/// coefficient moves by at most `4 p u` times the largest one, for `[a, b]` within `[0, 1]`; beyond, what
+/// is off grows as polynomials do: `e` outside at both ends, by up to `(1 + 2 e)ᵖ`.
 pub fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -99,12 +100,14 @@ where
     Cuts::to(a, b).apply(coefficients);
 }
 
-/// Restricts a tensor-product net, second index fastest, to `[s0, s1] × [t0, t1]`.
+/// Restricts a tensor-product net of `(p + 1)(q + 1)` coefficients, second index fastest, to
+/// `[s0, s1] × [t0, t1]`, as [`restrict`] does.
 pub fn restrict_net<T>(net: &mut [T], degree: [usize; 2], s: [f64; 2], t: [f64; 2])
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
     let [p, q] = degree;
+    debug_assert_eq!(net.len(), (p + 1) * (q + 1));
     if s != [0.0, 1.0] {
         let cuts = Cuts::to(s[0], s[1]);
         match p {
@@ -125,9 +128,9 @@ where
 /// De Casteljau's cuts that leave `[a, b]` of `[0, 1]`, worked out once for many polynomials.
 #[derive(Clone, Copy)]
 struct Cuts {
-    /// Where what is right of it is kept, as a parameter of what is there before.
+    /// What is right of it is kept: a parameter of `[0, 1]`, or of `[0, right]` if that is cut first.
     left: f64,
-    /// Where what is left of it is kept.
+    /// What is left of it is kept: a parameter of `[0, 1]`, or of `[left, 1]`.
     right: f64,
     left_first: bool,
 }
@@ -161,8 +164,9 @@ impl Cuts {
         if t == 0.0 {
             return;
         }
-        for others in (0..degree).rev() {
-            for i in 0..others + 1 {
+        // Ranges without their ends: loops over them are laid out where the degree is known.
+        for last in (0..degree).rev() {
+            for i in 0..last + 1 {
                 mix(i, i + 1, [1.0 - t, t]);
             }
         }
@@ -174,8 +178,8 @@ impl Cuts {
         if t == 1.0 {
             return;
         }
-        for others in 0..degree {
-            for i in (others..degree).rev() {
+        for first in 0..degree {
+            for i in (first..degree).rev() {
                 mix(i + 1, i, [t, 1.0 - t]);
             }
         }
@@ -264,20 +268,23 @@ mod tests {
 
     #[test]
     fn a_restricted_net_is_the_same_polynomial() {
-        let degree = [4, 3];
-        let net: Vec<f64> = (0..20).map(|k| ((k * k) as f64 * 0.37).sin()).collect();
-        let value = |net: &[f64], s: f64, t: f64| {
-            let (bs, bt): (Basis, Basis) = (basis(4, s), basis(3, t));
-            (0..20).map(|k| net[k] * bs[k / 4] * bt[k % 4]).sum::<f64>()
-        };
-        for (s, t) in
-            [([0.2, 0.7], [0.9, 1.0]), ([-0.05, 1.05], [0.0, 0.25]), ([0.5, 0.6], [0.1, 0.9])]
-        {
-            let mut part = net.clone();
-            restrict_net(&mut part, degree, s, t);
-            for (a, b) in [(0.0, 0.0), (0.3, 0.8), (1.0, 0.5)] {
-                let whole = value(&net, s[0] + a * (s[1] - s[0]), t[0] + b * (t[1] - t[0]));
-                assert!((value(&part, a, b) - whole).abs() < 1e-14);
+        for degree in (1..=5).flat_map(|p| (1..=5).map(move |q| [p, q])) {
+            let [p, q] = degree;
+            let count = (p + 1) * (q + 1);
+            let net: Vec<f64> = (0..count).map(|k| ((k * k) as f64 * 0.37).sin()).collect();
+            let value = |net: &[f64], s: f64, t: f64| {
+                let (bs, bt): (Basis, Basis) = (basis(p, s), basis(q, t));
+                (0..count).map(|k| net[k] * bs[k / (q + 1)] * bt[k % (q + 1)]).sum::<f64>()
+            };
+            for (s, t) in
+                [([0.2, 0.7], [0.9, 1.0]), ([-0.05, 1.05], [0.0, 0.25]), ([0.5, 0.6], [0.1, 0.9])]
+            {
+                let mut part = net.clone();
+                restrict_net(&mut part, degree, s, t);
+                for (a, b) in [(0.0, 0.0), (0.3, 0.8), (1.0, 0.5)] {
+                    let whole = value(&net, s[0] + a * (s[1] - s[0]), t[0] + b * (t[1] - t[0]));
+                    assert!((value(&part, a, b) - whole).abs() < 1e-14, "{degree:?}");
+                }
             }
         }
     }

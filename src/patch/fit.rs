@@ -16,7 +16,7 @@ pub(super) struct Approximation {
     /// What it is relative to: its own value in the middle.
     pub(super) middle: DVec3,
     pub(super) fit: Fit,
-    /// The vectors across the middle of the leaf, in `s` and in `t`.
+    /// Its vectors across the middle of the leaf, in `s` and in `t`.
     pub(super) chords: [DVec3; 2],
     pub(super) error: FitError,
 }
@@ -63,7 +63,7 @@ impl Approximation {
         }
         let (middle, fit, chords) = in_powers(coefficients);
         coefficients[0][0] = DVec3::ZERO;
-        let error = FitError::of_polynomial(coefficients.as_flattened(), piece);
+        let error = FitError::of_polynomial(&coefficients, piece);
         Self { middle, fit, chords, error }
     }
 }

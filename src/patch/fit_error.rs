@@ -21,7 +21,7 @@ use smallvec::SmallVec;
 use super::Piece;
 use super::fit::{Fit, in_both_directions};
 use super::part::Halving;
-use crate::math::bernstein;
+use crate::math::bernstein::binomials;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
 pub const REACH: f64 = 1.2;
@@ -57,7 +57,10 @@ impl FitError {
             return unknown;
         }
 
-        let noise = 4.0 * patch.noise();
+        // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u; making it
+        // larger multiplies what they are off by up to `REACHᵖ⁺q`.
+        let grown = 0.25 * REACH.powi((degree[0] + degree[1]) as i32);
+        let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
         let bend = bend(degree, &net, least) + noise;
@@ -71,14 +74,14 @@ impl FitError {
 impl FitError {
     /// The bounds for a polynomial that only differs from its approximation by rounding each
     /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32.
-    pub(super) fn of_polynomial(coefficients: &[DVec3], piece: &Piece) -> Self {
+    pub(super) fn of_polynomial(coefficients: &[[DVec3; 4]; 4], piece: &Piece) -> Self {
         let (mut sum, mut slopes, mut bound) = (0.0, 0.0, 0.0);
         let mut weight_x = [1.0, 0.0, 0.0];
         for i in 0..4 {
             let mut weight = weight_x;
             for j in 0..4 {
                 let power = (i + j) as f64;
-                let length = coefficients[4 * i + j].length();
+                let length = coefficients[i][j].length();
                 sum += length * weight[0];
                 slopes += length * power * weight[1];
                 bound += 0.5 * length * power * (power - 1.0) * weight[2];
@@ -141,16 +144,17 @@ fn difference(degree: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64;
 
 /// The Bernstein coefficients of `X − W Q`, and how many there are in a row.
 ///
-/// With binomial factors in all coefficients those of a product are sums of products (Farouki and
-/// Rajan 1988, "Algorithms for polynomials in Bernstein form").
+/// Times binomials, Bernstein coefficients multiply like those of powers (Farouki and Rajan 1988,
+/// "Algorithms for polynomials in Bernstein form"): those of a product with a cubic are
+/// `C(p + 3, m) rₘ = Σ C(p, i) xᵢ C(3, m − i) q₍ₘ₋ᵢ₎`.
 fn difference_net(
     [p, q]: [usize; 2],
     net: &[DVec4],
     fit: &[[DVec3; 4]; 4],
 ) -> (SmallVec<[DVec3; 64]>, usize) {
     const CUBIC: [f64; 4] = [1.0, 3.0, 3.0, 1.0];
-    let (down, across) = (binomials(p), binomials(q));
-    let (sum_down, sum_across) = (binomials(p + 3), binomials(q + 3));
+    let (in_s, in_t) = (binomials(p), binomials(q));
+    let (of_s, of_t) = (binomials(p + 3), binomials(q + 3));
     let mut scaled_fit = *fit;
     for (k, row) in scaled_fit.iter_mut().enumerate() {
         for (l, point) in row.iter_mut().enumerate() {
@@ -161,7 +165,7 @@ fn difference_net(
     let mut difference = SmallVec::from_elem(DVec3::ZERO, (p + 4) * columns);
     for (i, row) in net.chunks_exact(q + 1).enumerate() {
         for (j, &control) in row.iter().enumerate() {
-            let control = down[i] * across[j] * control;
+            let control = in_s[i] * in_t[j] * control;
             for (k, fit) in scaled_fit.iter().enumerate() {
                 let x = CUBIC[k] * control.truncate();
                 let from = (i + k) * columns + j;
@@ -173,7 +177,7 @@ fn difference_net(
     }
     for (m, row) in difference.chunks_exact_mut(columns).enumerate() {
         for (n, coefficient) in row.iter_mut().enumerate() {
-            *coefficient *= 1.0 / (sum_down[m] * sum_across[n]);
+            *coefficient *= 1.0 / (of_s[m] * of_t[n]);
         }
     }
     (difference, columns)
@@ -194,15 +198,6 @@ fn weight_slope([p, q]: [usize; 2], net: &[DVec4]) -> f64 {
         }
     }
     slope / SIDE
-}
-
-/// `n` choose `k` for `k = 0 … n`, a few more than [`bernstein::binomials`] knows.
-fn binomials(n: usize) -> [f64; bernstein::MAX_DEGREE + 4] {
-    let mut row = [1.0; bernstein::MAX_DEGREE + 4];
-    for k in 0..n {
-        row[k + 1] = row[k] * (n - k) as f64 / (k + 1) as f64;
-    }
-    row
 }
 
 /// The bound `M` of a net of `(w (P − c), w)`.
@@ -258,7 +253,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::geometry::shapes;
+    use crate::geometry::{KnotVector, shapes};
     use crate::patch::{Jet, Leaf, PatchSet, SceneFrame};
 
     /// The leaves of a set.
@@ -285,29 +280,68 @@ mod tests {
 
     #[test]
     fn bounds_hold_on_the_widened_leaves() {
-        for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
-            let (set, parts) = PatchSet::new(&[surface]).unwrap();
-            for leaf in leaves(&set, &parts.parts).iter().step_by(7) {
-                let patch = &set.pieces()[leaf.piece as usize].patch;
-                let half = leaf.rect().map(|[from, to]| 0.5 * (to - from));
-                let middle = leaf.rect().map(|[from, to]| 0.5 * (from + to));
-                let true_jet = |x: f64, y: f64| {
-                    let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
-                    let jet = patch.jet(st);
-                    let point = jet.point - leaf.middle;
-                    Jet { point, ds: jet.ds * half[0], dt: jet.dt * half[1] }
-                };
-                let bound = |value: f32| f64::from(value) + 1e-15;
-                for (x, y) in [(0.0, 0.0), (-1.2, 1.2), (1.1, 0.3), (0.4, -0.9)] {
-                    let (s, q) = (true_jet(x, y), approximation(leaf, x, y));
-                    assert!(s.point.distance(q.point) <= bound(leaf.fit_error()));
-                    assert!(s.ds.distance(q.ds) <= bound(leaf.slope_error()));
-                    assert!(s.dt.distance(q.dt) <= bound(leaf.slope_error()));
-                    for step in [1.0, 0.1, 0.01] {
-                        let (dx, dy) = (-step * x.signum(), 0.5 * step * y.signum());
-                        let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
-                        assert!(left.length() <= bound(leaf.fit_bend()) * step * step);
-                    }
+        check(shapes::sphere(1.0).unwrap());
+        check(shapes::torus(1.0, 0.4).unwrap());
+    }
+
+    #[test]
+    fn bounds_hold_for_other_degrees() {
+        for degree in [[2, 5], [5, 2], [1, 4], [3, 8], [12, 3]] {
+            check(one_piece(degree, |k, x, y| {
+                let k = k as f64;
+                let weight = 1.0 + 0.3 * k.sin();
+                weight * DVec3::new(x, y, 0.1 * (3.0 * k).cos()).extend(1.0)
+            }));
+        }
+    }
+
+    /// What rounding does to a net that is made larger than it is grows with the degree.
+    #[test]
+    fn bounds_hold_for_large_degrees() {
+        for degree in [[24, 24], [28, 28], [32, 24], [32, 32]] {
+            for bend in [0.0, 1e-11, 1e-3] {
+                check(one_piece(degree, |_, x, y| DVec4::new(x, y, bend * x * x, 1.0)));
+            }
+        }
+    }
+
+    /// A piece of these degrees: its control points from their number and places in a unit square.
+    fn one_piece(
+        degree: [usize; 2],
+        point: impl Fn(usize, f64, f64) -> DVec4,
+    ) -> crate::geometry::NurbsSurface {
+        let [p, q] = degree;
+        let place = |k: usize| {
+            let (i, j) = (k / (q + 1), k % (q + 1));
+            point(k, i as f64 / p as f64, j as f64 / q as f64)
+        };
+        let net = (0..(p + 1) * (q + 1)).map(place).collect();
+        let [u, v] = degree.map(|degree| KnotVector::bezier(degree).unwrap());
+        crate::geometry::NurbsSurface::from_homogeneous(u, v, net).unwrap()
+    }
+
+    fn check(surface: crate::geometry::NurbsSurface) {
+        let (set, parts) = PatchSet::new(&[surface]).unwrap();
+        for leaf in leaves(&set, parts.all()).iter().step_by(7) {
+            let patch = &set.pieces()[leaf.piece as usize].patch;
+            let half = leaf.rect().map(|[from, to]| 0.5 * (to - from));
+            let middle = leaf.rect().map(|[from, to]| 0.5 * (from + to));
+            let true_jet = |x: f64, y: f64| {
+                let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
+                let jet = patch.jet(st);
+                let point = jet.point - leaf.middle;
+                Jet { point, ds: jet.ds * half[0], dt: jet.dt * half[1] }
+            };
+            let bound = |value: f32| f64::from(value) + 1e-15;
+            for (x, y) in [(0.0, 0.0), (-1.2, 1.2), (1.1, 0.3), (0.4, -0.9)] {
+                let (s, q) = (true_jet(x, y), approximation(leaf, x, y));
+                assert!(s.point.distance(q.point) <= bound(leaf.fit_error()));
+                assert!(s.ds.distance(q.ds) <= bound(leaf.slope_error()));
+                assert!(s.dt.distance(q.dt) <= bound(leaf.slope_error()));
+                for step in [1.0, 0.1, 0.01] {
+                    let (dx, dy) = (-step * x.signum(), 0.5 * step * y.signum());
+                    let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
+                    assert!(left.length() <= bound(leaf.fit_bend()) * step * step);
                 }
             }
         }
@@ -317,7 +351,7 @@ mod tests {
     fn bounds_are_of_the_size_of_what_they_bound() {
         // A leaf of the sphere differs from a bicubic by some 1e-6 of the radius.
         let (set, parts) = PatchSet::new(&[shapes::sphere(1.0).unwrap()]).unwrap();
-        let mut errors: Vec<f32> = leaves(&set, &parts.parts).iter().map(Leaf::fit_error).collect();
+        let mut errors: Vec<f32> = leaves(&set, parts.all()).iter().map(Leaf::fit_error).collect();
         errors.sort_by(f32::total_cmp);
         assert!((1e-8..1e-5).contains(&errors[errors.len() / 2]), "{errors:?}");
     }

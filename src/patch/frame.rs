@@ -28,8 +28,8 @@ pub struct ScaledBox {
 }
 
 impl ScaledBox {
-    /// The smallest box that holds all of some boxes.
-    pub fn around(boxes: &[Self]) -> Self {
+    /// The smallest box that holds all of some boxes; of none, from +∞ to −∞.
+    pub(crate) fn around(boxes: &[Self]) -> Self {
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for each in boxes {
             (min, max) = (min.min(each.min), max.max(each.max));

@@ -33,7 +33,8 @@ pub const WIDENING: f64 = 0.02;
 #[repr(align(64))]
 pub struct Leaf {
     fit: Fit,
-    /// The middle of the leaf.
+    /// What the approximation is relative to: its own value in the middle, off the surface by
+    /// [`fit_error`](Self::fit_error) at most.
     pub middle: DVec3,
     rect: DyadicRect,
     /// Which piece.

@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
 use super::tiles::Grid;
-use super::{DyadicRect, Leaf, OrientedBox, Parts, Piece};
+use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Piece};
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
 /// take that are off by 1e-5 of the teapot.
@@ -33,14 +33,15 @@ fn worthwhile(pieces: &[Piece], coarse: usize) -> usize {
     (coarse + coarse / 2).clamp(worthwhile, MOST)
 }
 
-/// The parts of all pieces that are to be leaves, and none where trims have cut all of
+/// The parts of all pieces that are to be leaves, of more than [`MOST`] pieces the coarsest, tile by
+/// tile; and none where trims have cut all of
 /// it off.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
 /// long as there is room. Halves that are not flat enough by themselves may take a little more.
-pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> Parts {
+pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     if pieces.len() > MOST {
-        return Parts::coarse(pieces, grids);
+        return GroupedParts::coarse(pieces, grids);
     }
     let coarse: Vec<SmallVec<[Flat; 1]>> = pieces
         .par_iter()
@@ -70,7 +71,7 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> Parts {
     done.extend(open);
     done.par_sort_unstable_by_key(Flat::place);
     let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
-    Parts::single(done.par_iter().map(part).collect())
+    GroupedParts::single(done.par_iter().map(part).collect())
 }
 
 /// A part that is to be a leaf, as long as there is no room for its halves.

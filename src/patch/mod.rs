@@ -6,7 +6,8 @@
 //! a patch with its place: which surface, which rectangle of its knot domain, which sides
 //! are borders, which are collapsed to a point.
 //!
-//! A piece is halved until it is flat: that gives [`Part`]s. A [`Leaf`] is what is kept of a part
+//! A piece is halved until it is flat: that gives [`Part`]s. Of dense surfaces those of neighbouring
+//! pieces are to be kept together ([`GroupedParts`]), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part
 //! to search it: an approximation, and a [`Certificate`]: the proof, made once, that every ray
 //! steep enough to its mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`])
 //! are proved to hold all its points. Leaves are for searching only. Points are always computed
@@ -62,4 +63,5 @@ pub use piece::Piece;
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};
-pub use tiles::{MOST_TOGETHER, Parts};
+pub use tiles::GroupedParts;
+pub(crate) use tiles::MOST_TOGETHER;

@@ -43,7 +43,9 @@ impl Control {
         let mut numbers = vec![0.0; size * rows * stride + 1];
         let to = numbers[..size * rows * stride].par_chunks_mut(size * stride);
         to.enumerate().for_each(|(i, to)| {
-            for (to, point) in to.chunks_exact_mut(size).zip(form.row(i)) {
+            let row = form.row(i);
+            debug_assert_eq!(row.len(), stride);
+            for (to, point) in to.chunks_exact_mut(size).zip(row) {
                 to.copy_from_slice(&point.to_array()[..size]);
             }
         });

@@ -65,7 +65,8 @@ pub(super) struct Halving {
     cuts: u32,
     /// Whether it is known that trims have cut off nothing of it; asked of each that is handed over.
     inside: bool,
-    /// How much it bends, of each that is handed over; nothing where rounding is all that is left to see.
+    /// How much it bends, set before it is handed over; nothing where rounding is all that is left to
+    /// see.
     bend: Option<Bend>,
 }
 
@@ -128,7 +129,7 @@ impl Halving {
         self.inside = coverage == Coverage::Inside;
         let rational = piece.patch.is_rational();
         let coarsest = if rational { RATIONAL } else { COARSEST };
-        self.bend = self.found_bend(piece);
+        self.bend = self.measured_bend(piece);
         match self.bend {
             Some(Bend { strained, sides, .. }) if strained.iter().any(|&b| b > coarsest) => {
                 let [first, second] = self.halves(piece, larger(strained, sides));
@@ -193,7 +194,7 @@ impl Halving {
     /// The measure of a direction is the largest second difference of the control points
     /// along it, times the second derivative's factor, over the longest row's chord: half
     /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
-    fn found_bend(&self, piece: &Piece) -> Option<Bend> {
+    fn measured_bend(&self, piece: &Piece) -> Option<Bend> {
         let [p, q] = piece.patch.degree();
         let noise = piece.patch.noise();
         let points = euclidean_net(&self.net);

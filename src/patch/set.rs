@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::leaves::parts;
 use super::net::BezierNet;
 use super::tiles::Grid;
-use super::{Parts, Piece};
+use super::{GroupedParts, Piece};
 use crate::geometry::{Chart, Charts};
 use crate::math::Aabb;
 
@@ -43,11 +43,11 @@ pub struct PatchSet {
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves.
+    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves, group by group.
     ///
     /// # Errors
     /// When there are more than 32-bit indices can count.
-    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, Parts), PatchSetError> {
+    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, GroupedParts), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
         let nets: Vec<Vec<_>> =
             surfaces.par_iter().map(|surface| nets(&surface.charts())).collect();
@@ -75,8 +75,8 @@ impl PatchSet {
             }));
         }
         let parts = parts(&pieces, &grids);
-        check_count("leaves", parts.parts.len())?;
-        let bounds = parts.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
+        check_count("leaves", parts.all().len())?;
+        let bounds = parts.all().iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
         Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
     }
 

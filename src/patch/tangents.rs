@@ -185,7 +185,8 @@ fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
 fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
     let pole = euclidean(net.control[0]);
     let field = recentred(net, pole);
-    let (along_s, along_t, over_t) = (field.derivative_s(), field.derivative_t(), field.over_t());
+    let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
+    let over_t = field.over_t();
     let (offsets, scaled);
     let mut factors = [None; 2];
     if net.rational {
@@ -198,8 +199,10 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
         factors = [Some(&scaled), Some(&offsets)];
     }
     let mut tangents = Tangents::new(net, &field, [&along_s, &along_t], factors)?;
-    let along_s = over_t.derivative_s();
-    tangents.along[0] = &along_s;
+    // X̃_s takes the place of X_s, while the weights' slopes stay those of W. Dividing by t multiplies
+    // coefficients, and what they are off, by up to q.
+    let scaled_along_s = over_t.derivative_s();
+    tangents.along[0] = &scaled_along_s;
     tangents.noise *= net.degree[1] as f64;
     tangents.proof(Some(pole), axes)
 }
@@ -213,7 +216,7 @@ impl<'a> Tangents<'a> {
         factors: [Option<&'a Field>; 2],
     ) -> Option<Self> {
         let weights = field.weights();
-        let positive = weights.lo > 0.0; // false for NaN
+        let positive = weights.lo > 0.0; // false if none is a number
         if !positive {
             return None;
         }
@@ -242,7 +245,7 @@ impl<'a> Tangents<'a> {
             }
             *interval = interval.grown(noise);
         }
-        // What rounding does to each of these is done to all at the end.
+        // Rounded to nearest here; the hulls are rounded outwards at the end.
         let mut turns =
             Turns { least: f64::INFINITY, other: Interval::EMPTY, normal: Interval::EMPTY };
         for value in &along.values {
@@ -256,17 +259,15 @@ impl<'a> Tangents<'a> {
                 return None;
             }
             turns.least = turns.least.min(speed.lo);
-            let over_speed = |k: usize| component(k).over_positive_to_nearest(speed);
+            let over_speed = |k: usize| over_positive_to_nearest(component(k), speed);
             turns.other = turns.other.union(over_speed(1 - which));
             turns.normal = turns.normal.union(over_speed(2));
         }
-        // Three roundings: of both differences, and of the quotient.
-        let twice = |interval: Interval| interval.outward().outward();
-        Some(Turns {
-            least: Interval::point(turns.least).outward().lo,
-            other: twice(turns.other),
-            normal: twice(turns.normal),
-        })
+        // Three roundings, of both differences and of the quotient: wider by more than one each time.
+        let thrice = |interval: Interval| interval.outward().outward().outward();
+        turns.least = Interval::point(turns.least).outward().lo;
+        (turns.other, turns.normal) = (thrice(turns.other), thrice(turns.normal));
+        (turns.least > 0.0).then_some(turns)
     }
 
     /// What is proved in the frame of `a₀` and `b₀`.
@@ -321,6 +322,15 @@ impl<'a> Tangents<'a> {
         let proof = Proof { turning, bend, spread, pole_spread };
         (turning[0] + turning[1] <= MOST_TURNING && spread.is_finite()).then_some(proof)
     }
+}
+
+/// Division by an interval of positive numbers, its ends only rounded to nearest.
+#[inline(always)]
+fn over_positive_to_nearest(interval: Interval, divisor: Interval) -> Interval {
+    // The least quotient is that by the larger divisor where it is positive.
+    let lo = interval.lo / if interval.lo > 0.0 { divisor.hi } else { divisor.lo };
+    let hi = interval.hi / if interval.hi > 0.0 { divisor.lo } else { divisor.hi };
+    Interval { lo, hi }
 }
 
 /// How a tangent turns over a leaf.

@@ -13,18 +13,17 @@ use rayon::prelude::*;
 use super::part::Halving;
 use super::{Part, Piece};
 
-/// The parts of pieces that are to be leaves.
+/// The parts of pieces that are to be leaves, and which of them are to be kept together: groups, one
+/// after the other, of neighbours on a surface, at least one part each, and no more than sixteen.
 #[derive(Clone, Debug, Default)]
-pub struct Parts {
-    /// Group by group.
-    pub parts: Vec<Part>,
-    /// How many parts there are in each group, [`MOST_TOGETHER`] at most: those of neighbours on a surface,
-    /// to be kept together.
-    pub groups: Vec<u32>,
+pub struct GroupedParts {
+    parts: Vec<Part>,
+    groups: Vec<u32>,
 }
 
 /// How many parts are kept together, at most.
-pub const MOST_TOGETHER: usize = 16;
+pub(crate) const MOST_TOGETHER: usize = 16;
+const _: () = assert!(MOST_TOGETHER.is_power_of_two());
 
 /// The pieces of a chart: row by row, so many rows and columns, from one of all pieces on.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +40,17 @@ struct Tile {
     columns: Range<usize>,
 }
 
-impl Parts {
+impl GroupedParts {
+    /// All parts, group by group.
+    pub fn all(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// The number of parts in each group.
+    pub fn groups(&self) -> &[u32] {
+        &self.groups
+    }
+
     /// Parts that are not kept together with others.
     pub(super) fn single(parts: Vec<Part>) -> Self {
         let groups = vec![1; parts.len()];
@@ -123,7 +132,7 @@ impl Tile {
 
     /// How many rows its tiles are to have: a power of two, by how long the sides of some pieces are.
     fn rows_of_a_tile(&self, pieces: &[Piece]) -> usize {
-        // Every so many, which is odd, so that they are not all in one column.
+        // A prime above all numbers of columns, so that they are in all of those.
         const LOOKED_AT: usize = 17;
         let mut lengths = [0.0; 2];
         for k in self.pieces().step_by(LOOKED_AT) {
@@ -133,8 +142,9 @@ impl Tile {
         // As long as wide: r rows of the first length, 16 / r columns of the second.
         let ratio = lengths[1] / lengths[0];
         let rows = (0.5 * (MOST_TOGETHER as f64 * ratio).log2()).round();
-        // What is no number becomes 0.
-        1 << (rows as u32).min(MOST_TOGETHER.ilog2())
+        // What is negative, or no number, becomes 0.
+        let rows = 1 << (rows as u32).min(MOST_TOGETHER.ilog2());
+        rows.min(self.rows.len().next_power_of_two())
     }
 }
 
@@ -193,11 +203,34 @@ mod tests {
     fn groups_are_of_all_parts() {
         let set = sheet([61, 79], [1.0, 1.0]);
         let grid = Grid { first: 0, rows: 61, columns: 79 };
-        let Parts { parts, groups } = Parts::coarse(set.pieces(), &[grid]);
+        let GroupedParts { parts, groups } = GroupedParts::coarse(set.pieces(), &[grid]);
         assert_eq!(groups.iter().sum::<u32>() as usize, parts.len());
         assert_eq!(groups.len(), 61usize.div_ceil(4) * 79usize.div_ceil(4));
         let mut pieces: Vec<_> = parts.iter().map(|part| part.piece).collect();
         pieces.sort_unstable();
         assert!(pieces.into_iter().eq(0..61 * 79));
+    }
+
+    #[test]
+    fn tiles_of_many_parts_are_not_kept_together() {
+        let set = bent(4);
+        let grid = Grid { first: 0, rows: 4, columns: 4 };
+        let many = GroupedParts::coarse(set.pieces(), &[grid]);
+        assert!(many.all().len() > MOST_TOGETHER);
+        assert!(many.groups().iter().all(|&count| count == 1));
+        assert_eq!(many.groups().len(), many.all().len());
+    }
+
+    /// A wave of so many pieces each way, each of which bends by half a turn.
+    fn bent(pieces: usize) -> PatchSet {
+        let points = pieces + 2;
+        let knots = KnotVector::clamped_uniform(2, points).unwrap();
+        let point = |k: usize| {
+            let [i, j] = [k / points, k % points];
+            DVec4::new(i as f64, j as f64, if i % 2 == 0 { 3.0 } else { -3.0 }, 1.0)
+        };
+        let net = (0..points * points).map(point).collect();
+        let surface = NurbsSurface::from_homogeneous(knots.clone(), knots, net).unwrap();
+        PatchSet::new(&[surface]).unwrap().0
     }
 }
