@@ -76,28 +76,12 @@ impl Insertions {
 
     /// The control points of the same spline over the knots it had and the new ones.
     pub(crate) fn apply(&self, points: &[DVec4]) -> Vec<DVec4> {
-        let mut done = Vec::with_capacity(points.len() + self.steps.len());
-        let (mut rest, mut alphas) = (points, &self.alphas[..]);
-        for &Insertion { taken, last, replaced } in &self.steps {
-            let (taken, others) = rest.split_at(taken);
-            done.extend_from_slice(taken);
-            rest = others;
-            // From the right, so that the old points are still there to be combined.
-            done.insert(last + 1, done[last]);
-            let (own, others) = alphas.split_at(replaced);
-            for (k, &alpha) in own.iter().enumerate() {
-                done[last - k] = mix(done[last - k - 1], done[last - k], alpha);
-            }
-            alphas = others;
-        }
-        done.extend_from_slice(rest);
-        done
+        self.apply_to_rows(points, 1)
     }
-}
 
-impl Insertions {
     /// The same for lines that lie side by side, as the columns of a net do: whole rows, of this
     /// length, take the place of points.
+    #[inline(always)] // for rows of one point it is another code
     pub(crate) fn apply_to_rows(&self, points: &[DVec4], length: usize) -> Vec<DVec4> {
         let mut done = Vec::with_capacity(points.len() + self.steps.len() * length);
         let (mut rest, mut alphas) = (points, &self.alphas[..]);
@@ -105,13 +89,16 @@ impl Insertions {
             let (taken, others) = rest.split_at(taken * length);
             done.extend_from_slice(taken);
             rest = others;
+            // The last row that is replaced is repeated as it was.
             let (from, end) = (last * length, done.len());
             done.resize(end + length, DVec4::ZERO);
             done.copy_within(from..end, from + length);
+            // From the right, so that the old points are still there to be combined.
             let (own, others) = alphas.split_at(replaced);
             for (k, &alpha) in own.iter().enumerate() {
                 let (before, row) = done.split_at_mut((last - k) * length);
-                for (point, &before) in row.iter_mut().zip(&before[(last - k - 1) * length..]) {
+                let before = &before[(last - k - 1) * length..];
+                for (point, &before) in row.iter_mut().zip(before) {
                     *point = mix(before, *point, alpha);
                 }
             }
