@@ -41,9 +41,11 @@ pub struct FitError {
 }
 
 impl FitError {
+    /// Nothing is known.
+    const UNKNOWN: Self = Self { value: f64::INFINITY, slope: f64::INFINITY, bend: f64::INFINITY };
+
     /// The bounds for a part of a piece and its approximation; infinite where nothing is known.
     pub(super) fn new(halving: &Halving, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
-        let unknown = Self { value: f64::INFINITY, slope: f64::INFINITY, bend: f64::INFINITY };
         let patch = &piece.patch;
         let degree = patch.degree();
         let more = 0.5 * (REACH - 1.0);
@@ -54,7 +56,7 @@ impl FitError {
         let least = net.iter().map(|c| c.w).fold(f64::INFINITY, f64::min);
         let positive = least > 0.0; // false for NaN
         if !positive {
-            return unknown;
+            return Self::UNKNOWN;
         }
 
         // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u; making it
@@ -67,7 +69,11 @@ impl FitError {
         // Differences of coefficients that rounding has moved by `noise` each.
         let rounding = 2.0 * (degree[0].max(degree[1]) + 3) as f64 * noise;
         let slope = (steepest + value * weight_slope(degree, &net)) / least + rounding;
-        if value.is_finite() && slope.is_finite() { Self { value, slope, bend } } else { unknown }
+        if value.is_finite() && slope.is_finite() {
+            Self { value, slope, bend }
+        } else {
+            Self::UNKNOWN
+        }
     }
 }
 
@@ -88,6 +94,11 @@ impl FitError {
                 weight = [weight[0] * REACH, weight[0], weight[1]];
             }
             weight_x = [weight_x[0] * REACH, weight_x[0], weight_x[1]];
+        }
+        // Larger coefficients are infinite in f32.
+        let in_range = sum <= f64::from(f32::MAX); // false for NaN
+        if !in_range {
+            return Self::UNKNOWN;
         }
         // The sum of `REACHⁱ⁺ʲ` is 29, that of `(i + j) REACHⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
         let least = f64::from(f32::MIN_POSITIVE);

@@ -196,8 +196,9 @@ impl Leaf {
     /// The lengths, about, of the half sides in `x` and `y`.
     pub fn side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {
-            let [x, y, z] = [self.fit[0][k], self.fit[1][k], self.fit[2][k]];
-            (x * x + y * y + z * z).sqrt()
+            // In f64: squares of tiny leaves vanish in f32.
+            let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.fit[axis][k]));
+            (x * x + y * y + z * z).sqrt() as f32
         })
     }
 }
