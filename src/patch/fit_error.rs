@@ -65,7 +65,10 @@ impl FitError {
         let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        let bend = bend(degree, &net, least) + noise;
+        // Second differences are off by four times that, and have factors p(p − 1), q(q − 1) and 2pq:
+        // half of all, over the square of a side, is less than this.
+        let sum = (degree[0] + degree[1]) as f64;
+        let bend = bend(degree, &net, least) + noise * (0.35 * sum * sum).max(1.0);
         // Differences of coefficients that rounding has moved by `noise` each.
         let rounding = 2.0 * (degree[0].max(degree[1]) + 3) as f64 * noise;
         let slope = (steepest + value * weight_slope(degree, &net)) / least + rounding;

@@ -41,7 +41,7 @@ use smallvec::SmallVec;
 type ControlNet = SmallVec<[DVec4; 16]>;
 
 /// A net made of another point by point. Copied at once and changed in place: collected from an
-/// iterator, points would come one by one, which takes as long as most of what is done to them.
+/// iterator, points would come one by one, each after a look at the room that is left.
 #[inline(always)]
 fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
     let mut mapped = ControlNet::from_slice(net);
