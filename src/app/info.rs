@@ -41,14 +41,14 @@ With --json one object:
   input, build_seconds
   surfaces       a list, in the order hits count them: index, name, material,
                  degree [p, q], rational, size [nu, nv] (control points), domain
-                 [[u0, u1], [v0, v1]], pieces, leaves, bytes (of its pieces and
-                 leaves), bounds [min, max], collapsed_edges (a list: edge,
-                 point), deviation (how far it may be from what the scene asks
-                 for, in units of the scene: 0, or measured where a sweep is
-                 approximated, or proved where a subdivision surface is),
-                 patches (null, or of a subdivision surface all, exact), trims
-                 (null, or keep, loops, segments, bytes, mixed_leaves: those at
-                 an edge)
+                 [[u0, u1], [v0, v1]], pieces, leaves, bytes (of its control
+                 points, trims, pieces and leaves), bounds [min, max],
+                 collapsed_edges (a list: edge, point), deviation (how far it
+                 may be from what the scene asks for, in units of the scene: 0,
+                 or measured where a sweep is approximated, or proved where a
+                 subdivision surface is), patches (null, or of a subdivision
+                 surface all, exact), trims (null, or keep, loops, segments,
+                 bytes, mixed_leaves: those at an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,

@@ -20,10 +20,7 @@ pub(crate) struct BezierForm<'a> {
 
 impl<'a> BezierForm<'a> {
     pub(crate) fn new(surface: &'a NurbsSurface) -> Self {
-        let mut surface = Cow::Borrowed(surface);
-        if !(surface.knots_u().is_clamped() && surface.knots_v().is_clamped()) {
-            surface = Cow::Owned(surface.clamped());
-        }
+        let mut surface = surface.in_clamped_form();
         let missing_u = surface.knots_u().missing_for_bezier();
         if !missing_u.is_empty() {
             surface = Cow::Owned(surface.refined(Direction::U, &missing_u));

@@ -11,9 +11,21 @@ use super::knots::KnotVector;
 
 /// `(1 − α) a + α b` for `0 ≤ α ≤ 1`, coordinates that are equal kept as they are.
 pub(crate) fn mix(a: DVec4, b: DVec4, alpha: f64) -> DVec4 {
-    let beta = 1.0 - alpha;
-    let one = |a: f64, b: f64| if a == b { a } else { beta * a + alpha * b };
-    DVec4::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z), one(a.w, b.w))
+    mix_by(a, b, [1.0 - alpha, alpha])
+}
+
+/// The same with `1 − α` and `α`.
+#[inline]
+pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
+    // Worked out even where they are equal: branches would take more time.
+    let mixed = beta * a + alpha * b;
+    let one = |a: f64, b: f64, mixed: f64| if a == b { a } else { mixed };
+    DVec4::new(
+        one(a.x, b.x, mixed.x),
+        one(a.y, b.y, mixed.y),
+        one(a.z, b.z, mixed.z),
+        one(a.w, b.w, mixed.w),
+    )
 }
 
 /// Knots to be inserted into lines of control points that share one knot vector: what depends on

@@ -1,6 +1,8 @@
 //! Other control nets for the same surface, and for its parts: knot insertion, clamping,
 //! splitting, degree elevation.
 
+use std::borrow::Cow;
+
 use glam::DVec4;
 use rayon::prelude::*;
 
@@ -67,6 +69,12 @@ impl NurbsSurface {
     pub fn clamped(&self) -> Self {
         let [domain_u, domain_v] = self.domain();
         self.restricted(Direction::U, domain_u).restricted(Direction::V, domain_v)
+    }
+
+    /// The surface itself if it is clamped, else [`Self::clamped`].
+    pub(crate) fn in_clamped_form(&self) -> Cow<'_, Self> {
+        let is_clamped = self.knots_u().is_clamped() && self.knots_v().is_clamped();
+        if is_clamped { Cow::Borrowed(self) } else { Cow::Owned(self.clamped()) }
     }
 
     /// The same surface as a net of Bézier pieces: clamped, with every inner knot at least

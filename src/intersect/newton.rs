@@ -96,10 +96,12 @@ pub(super) fn newton(
     let mut escapes = 0;
     let mut best: Option<(f64, Newton)> = None;
 
+    let mut room = None;
+    let net = patch.net(&mut room);
     let mut steps = 0;
     while steps < MOST_STEPS {
         steps += 1;
-        let jet = patch.jet(st);
+        let jet = patch.jet_of(net, st);
         let at = ray.coordinates(jet.point);
         let (f, residual) = (at.truncate(), at.truncate().length());
 

@@ -2,7 +2,8 @@
 //!
 //! A surface is clamped and its knots are inserted to full multiplicity; what lies between
 //! two neighbouring knots of each direction is then a [`TensorPatch`], a rational Bézier
-//! piece, and neighbours share their edge's control points bit for bit. A [`Piece`] is such
+//! piece, and neighbours share their edge's control points bit for bit. Of dense surfaces the Bézier
+//! points are not kept, but made of the surface's own where they are wanted. A [`Piece`] is such
 //! a patch with its place: which surface, which rectangle of its knot domain, which sides
 //! are borders, which are collapsed to a point.
 //!
@@ -27,6 +28,7 @@ mod net;
 mod oriented_box;
 mod part;
 mod piece;
+mod piece_net;
 mod rect;
 mod set;
 mod tangents;
@@ -60,6 +62,7 @@ pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
 pub use part::Part;
 pub use piece::Piece;
+pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, Spline};
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};

@@ -1,21 +1,62 @@
-//! A chart of a surface in Bézier form: what all its pieces share.
+//! A chart of a surface: what all its pieces share.
 
 use std::sync::Arc;
 
-use glam::{DVec3, DVec4};
+use glam::DVec4;
 use rayon::prelude::*;
 
+use super::piece_net::LONGEST;
+use super::{NetSource, PieceNet, Spline};
 use crate::geometry::trim::Trims;
-use crate::geometry::{BezierForm, Chart, ChartMap, KnotVector};
+use crate::geometry::{BezierForm, Chart, ChartMap, Extraction, KnotVector, NurbsSurface};
 
-/// The control points of a chart cut into Bézier pieces, and where the pieces lie.
+/// How the control points of charts are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keeping {
+    /// All Bézier points, ready to be used.
+    Bezier,
+    /// Where it is possible and saves much, those of the B-spline, from which pieces make theirs.
+    Spline,
+}
+
+/// Bézier points are kept as long as there are no more of them, in bytes, than find a place in a
+/// core's own cache beside all else: there they are at hand sooner than they are made.
+const MOST_BEZIER_BYTES: usize = 1 << 18;
+
+/// As often as that there must be more Bézier points than control points to do without them.
+const LEAST_SAVING: usize = 2;
+
+impl Keeping {
+    /// That of some charts.
+    pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
+        let bytes: usize = charts
+            .map(|chart| {
+                let size = if chart.surface.is_rational() { 4 } else { 3 };
+                size_of::<f64>() * size * bezier_point_count(&chart.surface)
+            })
+            .sum();
+        if bytes > MOST_BEZIER_BYTES { Self::Spline } else { Self::Bezier }
+    }
+}
+
+/// How many Bézier points a surface has where it jumps nowhere.
+fn bezier_point_count(surface: &NurbsSurface) -> usize {
+    let counts = [surface.knots_u(), surface.knots_v()]
+        .map(|knots| knots.spans().count() * knots.degree() + 1);
+    counts[0] * counts[1]
+}
+
+/// The control points of a chart, and where its pieces lie.
 #[derive(Debug)]
-pub(super) struct BezierNet {
+pub(super) struct ChartNet {
     pub(super) degree: [usize; 2],
     /// Row by row.
-    pub(super) control: Control,
+    control: Control,
     /// The length of a row.
-    pub(super) stride: usize,
+    stride: usize,
+    /// How pieces make their nets of these points, by the row and the column in which they begin;
+    /// `None` where these are the Bézier points.
+    extraction: Option<[Vec<Extraction>; 2]>,
     /// For each direction and each row, or column: what is to be known of the pieces that
     /// begin there.
     pub(super) spans: [Vec<PieceSpan>; 2],
@@ -29,57 +70,34 @@ pub(super) struct BezierNet {
 /// kept once.
 #[derive(Debug)]
 pub(super) struct Control {
-    /// Four numbers a point, or three, and one more: so that four can be read at any point.
+    /// Four numbers a point, or three, and some more: so that as many as a row of a net may have can be
+    /// read at any point.
     numbers: Vec<f64>,
     /// The weight of all points, if it is one.
     weight: Option<f64>,
 }
 
 impl Control {
-    fn new(form: &BezierForm<'_>) -> Self {
-        let weight = form.weight();
-        let [rows, stride] = form.knots().map(KnotVector::point_count);
+    /// So many rows of so many points.
+    fn new<R>(
+        weight: Option<f64>,
+        [rows, stride]: [usize; 2],
+        row: impl Fn(usize) -> R + Sync,
+    ) -> Self
+    where
+        R: AsRef<[DVec4]>,
+    {
         let size = if weight.is_some() { 3 } else { 4 };
-        let mut numbers = vec![0.0; size * rows * stride + 1];
+        let mut numbers = vec![0.0; size * rows * stride + LONGEST];
         let to = numbers[..size * rows * stride].par_chunks_mut(size * stride);
         to.enumerate().for_each(|(i, to)| {
-            let row = form.row(i);
-            debug_assert_eq!(row.len(), stride);
-            for (to, point) in to.chunks_exact_mut(size).zip(row) {
+            let row = row(i);
+            debug_assert_eq!(row.as_ref().len(), stride);
+            for (to, point) in to.chunks_exact_mut(size).zip(row.as_ref()) {
                 to.copy_from_slice(&point.to_array()[..size]);
             }
         });
         Self { numbers, weight }
-    }
-
-    /// The weight of all points, if it is one.
-    #[inline(always)]
-    pub(super) fn weight(&self) -> Option<f64> {
-        self.weight
-    }
-
-    /// How many numbers a point has: three, or four where weights differ.
-    #[inline(always)]
-    pub(super) fn components(&self) -> usize {
-        if self.weight.is_some() { 3 } else { 4 }
-    }
-
-    /// Points from the `first` on, so many.
-    #[inline]
-    pub(super) fn points(&self, first: usize, count: usize) -> impl Iterator<Item = DVec4> + '_ {
-        let (size, weight) = (self.components(), self.weight);
-        let numbers = &self.numbers[size * first..size * (first + count)];
-        numbers.chunks_exact(size).map(move |point| match weight {
-            Some(weight) => DVec3::from_slice(point).extend(weight),
-            None => DVec4::from_slice(point),
-        })
-    }
-
-    /// The numbers of points from the `first` on, so many, and one more.
-    #[inline(always)]
-    pub(super) fn numbers(&self, first: usize, count: usize) -> &[f64] {
-        let size = self.components();
-        &self.numbers[size * first..=size * (first + count)]
     }
 
     fn bytes(&self) -> usize {
@@ -97,11 +115,48 @@ pub(super) struct PieceSpan {
     pub(super) open_end: bool,
 }
 
-impl BezierNet {
+impl ChartNet {
     /// The net of a chart; also returns the rows and the columns in which pieces begin.
-    pub(super) fn new(chart: &Chart<'_>) -> (Self, [Vec<u32>; 2]) {
-        let form = BezierForm::new(&chart.surface);
-        let knots = form.knots();
+    pub(super) fn new(chart: &Chart<'_>, keeping: Keeping) -> (Self, [Vec<u32>; 2]) {
+        let surface = &*chart.surface;
+        let degree = [surface.knots_u().degree(), surface.knots_v().degree()];
+        let saves = bezier_point_count(surface) >= LEAST_SAVING * surface.control().len();
+        let can_be_made = degree.iter().all(|&degree| degree <= Extraction::MOST_DEGREE);
+        if keeping == Keeping::Spline && saves && can_be_made {
+            Self::of_spline(chart, surface)
+        } else {
+            let form = BezierForm::new(surface);
+            let knots = form.knots();
+            let control =
+                Control::new(form.weight(), knots.map(KnotVector::point_count), |i| form.row(i));
+            Self::over(chart, knots, control, None)
+        }
+    }
+
+    /// The net of a chart by its own control points.
+    fn of_spline(chart: &Chart<'_>, surface: &NurbsSurface) -> (Self, [Vec<u32>; 2]) {
+        let surface = surface.in_clamped_form();
+        let knots = [surface.knots_u(), surface.knots_v()];
+        let first = surface.control().first().map_or(1.0, |point| point.w);
+        let weight = (!surface.is_rational()).then_some(first);
+        let counts @ [_, length] = knots.map(KnotVector::point_count);
+        let row = |i: usize| &surface.control()[i * length..(i + 1) * length];
+        let extraction = knots.map(|knots| {
+            let mut extraction = vec![Extraction::default(); knots.point_count()];
+            for span in knots.spans() {
+                extraction[span.index - knots.degree()] = Extraction::of(knots, span.index);
+            }
+            extraction
+        });
+        Self::over(chart, knots, Control::new(weight, counts, row), Some(extraction))
+    }
+
+    fn over(
+        chart: &Chart<'_>,
+        knots: [&KnotVector; 2],
+        control: Control,
+        extraction: Option<[Vec<Extraction>; 2]>,
+    ) -> (Self, [Vec<u32>; 2]) {
         let degree = knots.map(KnotVector::degree);
         let firsts = knots
             .map(|knots| knots.spans().map(|span| (span.index - knots.degree()) as u32).collect());
@@ -111,30 +166,58 @@ impl BezierNet {
             piece_spans(knots[1], [b2, b3], chart.open_end[1]),
         ];
         let stride = knots[1].point_count();
-        let control = Control::new(&form);
         let (map, trims) = (chart.map, chart.trims.clone());
-        (Self { degree, control, stride, spans, map, trims }, firsts)
+        (Self { degree, control, stride, extraction, spans, map, trims }, firsts)
+    }
+
+    /// The net of the piece that begins with a row and a column.
+    #[inline(always)]
+    pub(super) fn source(&self, first: [u32; 2]) -> NetSource<'_> {
+        let [row, column] = first.map(|first| first as usize);
+        let size = self.components();
+        let numbers = &self.control.numbers[size * (row * self.stride + column)..];
+        let length = size * (self.degree[1] + 1);
+        let points = PieceNet::new(numbers, size * self.stride, length, self.control.weight);
+        match &self.extraction {
+            None => NetSource::Kept(points),
+            Some([along_s, along_t]) => {
+                let extraction = [&along_s[row], &along_t[column]];
+                NetSource::Spline(Spline { degree: self.degree, points, extraction })
+            }
+        }
+    }
+
+    /// The weight of all points, if it is one.
+    #[inline(always)]
+    pub(super) fn weight(&self) -> Option<f64> {
+        self.control.weight
+    }
+
+    /// How many numbers a point has: three, or four where weights differ.
+    #[inline(always)]
+    pub(super) fn components(&self) -> usize {
+        if self.control.weight.is_some() { 3 } else { 4 }
     }
 
     /// The memory held, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
+        let extraction = self.extraction.iter().flatten().map(|made| size_of_val(&made[..]));
         let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
-        size_of::<Self>() + self.control.bytes() + spans.sum::<usize>() + trims
+        size_of::<Self>()
+            + self.control.bytes()
+            + spans.sum::<usize>()
+            + extraction.sum::<usize>()
+            + trims
     }
 
     /// A net of one piece, on the unit square.
     #[cfg(test)]
     pub(super) fn single(degree: [usize; 2], control: &[DVec4]) -> Self {
-        let span = PieceSpan { domain: [0.0, 1.0], border: [true; 2], open_end: false };
         let knots = degree.map(|degree| KnotVector::bezier(degree).unwrap());
         let [u, v] = knots;
-        let surface =
-            crate::geometry::NurbsSurface::from_homogeneous(u, v, control.to_vec()).unwrap();
-        let control = Control::new(&BezierForm::new(&surface));
-        let spans = [vec![span], vec![span]];
-        let map = ChartMap::Identity;
-        Self { degree, control, stride: degree[1] + 1, spans, map, trims: None }
+        let surface = NurbsSurface::from_homogeneous(u, v, control.to_vec()).unwrap();
+        Self::new(&Chart::whole(&surface), Keeping::Bezier).0
     }
 }
 

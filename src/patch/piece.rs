@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use super::net::BezierNet;
+use super::net::ChartNet;
 use super::tensor::euclidean;
 use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
@@ -45,7 +45,7 @@ pub struct Piece {
 
 impl Piece {
     /// The piece that begins with the given row and column of a net.
-    pub(super) fn new(net: &Arc<BezierNet>, surface: u32, first: [u32; 2]) -> Self {
+    pub(super) fn new(net: &Arc<ChartNet>, surface: u32, first: [u32; 2]) -> Self {
         let (patch, points) = TensorPatch::new(net, first);
         let [u, v] = [0, 1].map(|k| &net.spans[k][first[k] as usize]);
         let bit = |k: usize, set: bool| u8::from(set) << k;

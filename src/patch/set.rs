@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::leaves::parts;
-use super::net::BezierNet;
+use super::net::{ChartNet, Keeping};
 use super::tiles::Grid;
 use super::{GroupedParts, Piece};
 use crate::geometry::{Chart, Charts};
@@ -36,8 +36,8 @@ pub struct PatchSet {
     pieces: Vec<Piece>,
     /// Holds every surface, but for rounding.
     bounds: Aabb,
-    /// The memory held by the surfaces' nets, in bytes.
-    net_bytes: usize,
+    /// The memory held by the nets of each surface, in bytes.
+    net_bytes: Vec<usize>,
     /// Where the pieces of each surface are.
     pieces_of: Vec<Range<usize>>,
 }
@@ -49,13 +49,16 @@ impl PatchSet {
     /// When there are more than 32-bit indices can count.
     pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, GroupedParts), PatchSetError> {
         check_count("surfaces", surfaces.len())?;
+        let charts: Vec<Vec<Chart<'_>>> = surfaces.par_iter().map(Charts::charts).collect();
+        let keeping = Keeping::of(charts.iter().flatten());
         let nets: Vec<Vec<_>> =
-            surfaces.par_iter().map(|surface| nets(&surface.charts())).collect();
+            charts.into_par_iter().map(|charts| nets(&charts, keeping)).collect();
         let count = |(_, [u, v]): &(_, [Vec<u32>; 2])| u.len() * v.len();
         let counts = nets.iter().map(|charts| charts.iter().map(count).sum::<usize>());
         let count_of_pieces = counts.clone().sum();
         check_count("Bézier pieces", count_of_pieces)?;
-        let net_bytes = nets.iter().flatten().map(|(net, _)| net.bytes()).sum();
+        let bytes = |charts: &Vec<(ChartNet, _)>| charts.iter().map(|(net, _)| net.bytes()).sum();
+        let net_bytes = nets.iter().map(bytes).collect();
         let mut end = 0;
         let pieces_of = counts.map(|count| {
             end += count;
@@ -102,7 +105,15 @@ impl PatchSet {
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.pieces[..]) + self.net_bytes + size_of_val(&self.pieces_of[..])
+        let surfaces = (0..self.surface_count()).map(|surface| self.bytes_of(surface));
+        surfaces.sum::<usize>()
+            + size_of_val(&self.pieces_of[..])
+            + size_of_val(&self.net_bytes[..])
+    }
+
+    /// The part of it that a surface takes: its control points, trims and pieces.
+    pub fn bytes_of(&self, surface: usize) -> usize {
+        self.net_bytes[surface] + size_of_val(&self.pieces[self.pieces_of(surface)])
     }
 }
 
@@ -112,6 +123,6 @@ fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
 }
 
 /// The charts of a surface cut into pieces, and the rows and columns in which those begin.
-fn nets(charts: &[Chart<'_>]) -> Vec<(BezierNet, [Vec<u32>; 2])> {
-    charts.par_iter().map(BezierNet::new).collect()
+fn nets(charts: &[Chart<'_>], keeping: Keeping) -> Vec<(ChartNet, [Vec<u32>; 2])> {
+    charts.par_iter().map(|chart| ChartNet::new(chart, keeping)).collect()
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
-use super::ControlNet;
-use super::net::{BezierNet, Coarse};
+use super::net::{ChartNet, Coarse};
+use super::{ControlNet, NetRoom, NetSource, PieceNet, Spline};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, rounding};
@@ -25,7 +25,7 @@ pub(super) type Points = SmallVec<[DVec3; 16]>;
 #[derive(Clone, Debug)]
 pub struct TensorPatch {
     /// The net of the whole surface: neighbouring pieces share the points of their common edge.
-    pub(super) net: Arc<BezierNet>,
+    pub(super) net: Arc<ChartNet>,
     /// The row and the column of the piece's first point.
     pub(super) first: [u32; 2],
     magnitude: Coarse,
@@ -44,10 +44,10 @@ pub struct Jet {
 }
 
 impl TensorPatch {
-    /// A piece of a surface in Bézier form, from the row and the column of its first point. The
+    /// A piece of a surface, from the row and the column of its first point. The
     /// caller has checked the invariants: only surfaces that hold them can be built. Also returns the
     /// points that its control points stand for.
-    pub(super) fn new(net: &Arc<BezierNet>, first: [u32; 2]) -> (Self, Points) {
+    pub(super) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
         let zero = Coarse::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
         let points = euclidean_net(&patch.control_net());
@@ -63,37 +63,39 @@ impl TensorPatch {
     }
 
     /// The homogeneous control points `(w x, w y, w z, w)`, second index fastest.
-    pub fn control(&self) -> impl Iterator<Item = DVec4> + '_ {
-        (0..=self.degree()[0]).flat_map(|i| self.row(i))
+    pub fn control(&self) -> impl Iterator<Item = DVec4> + use<> {
+        self.control_net().into_iter()
     }
 
     /// One of them.
     pub fn control_point(&self, i: usize, j: usize) -> DVec4 {
-        let at = self.row_start(i) + j;
-        self.net.control.points(at, 1).next().unwrap_or(DVec4::NAN) // there is one
-    }
-
-    /// One row of them, of `q + 1` points, for the `i`-th Bernstein function of `s`.
-    #[inline]
-    pub fn row(&self, i: usize) -> impl Iterator<Item = DVec4> + '_ {
-        self.net.control.points(self.row_start(i), self.degree()[1] + 1)
+        self.net(&mut None).points(i).nth(j).unwrap_or(DVec4::NAN) // there is one
     }
 
     /// All of them, to work on.
     pub(super) fn control_net(&self) -> ControlNet {
         let [p, q] = self.degree();
         let mut net = ControlNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
-        for (i, row) in net.chunks_exact_mut(q + 1).enumerate() {
-            let numbers = self.row_numbers(i);
-            match self.weight() {
-                Some(weight) => {
-                    for (point, &numbers) in row.iter_mut().zip(numbers.as_chunks::<3>().0) {
+        let rows = net.chunks_exact_mut(q + 1).enumerate();
+        match (self.net_source(), self.weight()) {
+            (NetSource::Kept(kept), Some(weight)) => {
+                for (i, row) in rows {
+                    for (point, &numbers) in row.iter_mut().zip(kept.row(i).as_chunks::<3>().0) {
                         *point = DVec3::from_array(numbers).extend(weight);
                     }
                 }
-                None => {
-                    for (point, &numbers) in row.iter_mut().zip(numbers.as_chunks::<4>().0) {
+            }
+            (NetSource::Kept(kept), None) => {
+                for (i, row) in rows {
+                    for (point, &numbers) in row.iter_mut().zip(kept.row(i).as_chunks::<4>().0) {
                         *point = DVec4::from_array(numbers);
+                    }
+                }
+            }
+            (NetSource::Spline(spline), weight) => {
+                for ((_, row), made) in rows.zip(spline.made()) {
+                    for (point, made) in row.iter_mut().zip(made) {
+                        *point = made.truncate().extend(weight.unwrap_or(made.w));
                     }
                 }
             }
@@ -101,43 +103,47 @@ impl TensorPatch {
         net
     }
 
-    /// The numbers of a row: four for each point, or three where all weights are the same, and
-    /// one more, so that four can be read at every point.
+    /// Where they are.
     #[inline(always)]
-    pub fn row_numbers(&self, i: usize) -> &[f64] {
-        self.net.control.numbers(self.row_start(i), self.degree()[1] + 1)
+    pub(crate) fn net_source(&self) -> NetSource<'_> {
+        self.net.source(self.first)
     }
 
-    /// Reads something of each row of control points, for those who will want them soon.
+    /// The control net, to be read row by row; made in the room if it is not kept, unless it is there
+    /// already: a room is for one piece.
     #[inline(always)]
-    pub fn touch(&self) {
-        for i in 0..=self.degree()[0] {
-            let row = self.row_numbers(i);
-            black_box((row[0], row[row.len() - 1]));
+    pub(crate) fn net<'n>(&'n self, room: &'n mut Option<NetRoom>) -> PieceNet<'n> {
+        match self.net_source() {
+            NetSource::Kept(net) => net,
+            NetSource::Spline(spline) => {
+                let is_made = room.is_some();
+                let room = room.get_or_insert_with(NetRoom::new);
+                if is_made { spline.net(room) } else { spline.make(room) }
+            }
         }
     }
 
-    /// The place of a row's first point in the net.
+    /// Reads something of each row of the points that are kept, for those who will want them soon.
     #[inline(always)]
-    fn row_start(&self, i: usize) -> usize {
-        (self.first[0] as usize + i) * self.net.stride + self.first[1] as usize
+    pub fn touch(&self) {
+        let (NetSource::Kept(net) | NetSource::Spline(Spline { points: net, .. })) =
+            self.net_source();
+        for i in 0..=self.degree()[0] {
+            let row = net.row(i);
+            black_box((row[0], row[row.len() - 1]));
+        }
     }
 
     /// The weight of all points of the surface; `None` where they differ.
     #[inline(always)]
     pub fn weight(&self) -> Option<f64> {
-        self.net.control.weight()
+        self.net.weight()
     }
 
     /// Whether the weights of the surface differ.
     #[inline(always)]
     pub fn is_rational(&self) -> bool {
         self.weight().is_none()
-    }
-
-    /// The memory a control point takes.
-    pub fn bytes_a_point(&self) -> usize {
-        self.net.control.components() * size_of::<f64>()
     }
 
     /// The largest absolute coordinate of the control points, rounded up to six digits.
@@ -173,15 +179,20 @@ impl TensorPatch {
     ///
     /// The order of operations is fixed, so that every caller gets the same bits.
     pub fn jet(&self, st: DVec2) -> Jet {
+        self.jet_of(self.net(&mut None), st)
+    }
+
+    /// The same of its [`net`](Self::net), for those who ask often.
+    pub(crate) fn jet_of(&self, net: PieceNet<'_>, st: DVec2) -> Jet {
         // The same sums with as much room for basis functions as the degrees need.
         match self.degree()[0].max(self.degree()[1]) {
-            0..=3 => self.jet_in::<4>(st),
-            4..=7 => self.jet_in::<8>(st),
-            _ => self.jet_in::<{ bernstein::MAX_DEGREE + 1 }>(st),
+            0..=3 => self.jet_in::<4>(net, st),
+            4..=7 => self.jet_in::<8>(net, st),
+            _ => self.jet_in::<{ bernstein::MAX_DEGREE + 1 }>(net, st),
         }
     }
 
-    fn jet_in<const N: usize>(&self, st: DVec2) -> Jet {
+    fn jet_in<const N: usize>(&self, net: PieceNet<'_>, st: DVec2) -> Jet {
         let [p, q] = self.degree();
         let (lower_s, lower_t) =
             (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
@@ -196,7 +207,7 @@ impl TensorPatch {
         let mut along_t = DVec4::ZERO;
         for i in 0..=p {
             let (mut sum, mut slope) = (DVec4::ZERO, DVec4::ZERO);
-            for (j, c) in self.row(i).enumerate() {
+            for (j, c) in net.points(i).enumerate() {
                 sum += bt[j] * c;
                 slope += dt[j] * c;
             }
@@ -231,6 +242,8 @@ impl TensorPatch {
     }
 
     fn point_in<const N: usize>(&self, st: DVec2) -> DVec3 {
+        let mut room = None;
+        let net = self.net(&mut room);
         let [p, q] = self.degree();
         let (lower_s, lower_t) =
             (bernstein::basis::<N>(p - 1, st.x), bernstein::basis::<N>(q - 1, st.y));
@@ -238,7 +251,7 @@ impl TensorPatch {
         let mut value = DVec4::ZERO;
         for i in 0..=p {
             let mut sum = DVec4::ZERO;
-            for (j, c) in self.row(i).enumerate() {
+            for (j, c) in net.points(i).enumerate() {
                 sum += bt[j] * c;
             }
             value += bs[i] * sum;
@@ -258,8 +271,10 @@ impl TensorPatch {
     pub fn derivatives(&self, st: DVec2) -> SurfaceDerivatives {
         let [p, q] = self.degree();
         let (bs, bt) = (derivative_table(p, st.x), derivative_table(q, st.y));
+        let net = self.control_net();
         let sum = |order_s: usize, order_t: usize| -> DVec4 {
-            let row = |i: usize| self.row(i).zip(&bt[order_t]).map(|(c, &b)| b * c).sum::<DVec4>();
+            let points = |i: usize| net[i * (q + 1)..(i + 1) * (q + 1)].iter();
+            let row = |i: usize| points(i).zip(&bt[order_t]).map(|(&c, &b)| b * c).sum::<DVec4>();
             (0..=p).map(|i| bs[order_s][i] * row(i)).sum()
         };
         let (value, a, b) = (sum(0, 0), sum(1, 0), sum(0, 1));
@@ -329,7 +344,7 @@ mod tests {
                         w * DVec3::new((3.0 * x).cos(), x.sin(), 0.1 * x).extend(1.0)
                     })
                     .collect();
-                let net = Arc::new(BezierNet::single(degree, &net));
+                let net = Arc::new(ChartNet::single(degree, &net));
                 let (patch, _) = TensorPatch::new(&net, [0, 0]);
                 assert_eq!(patch.is_rational(), rational);
                 for st in [DVec2::new(0.3, 0.7), DVec2::new(0.0, 1.0), DVec2::new(-0.01, 1.02)] {

@@ -37,7 +37,7 @@ pub(super) struct SurfaceFacts {
     pub(super) domain: [(f64, f64); 2],
     pub(super) pieces: usize,
     pub(super) leaves: usize,
-    /// Memory of its pieces and leaves.
+    /// Memory of its control points, trims, pieces and leaves.
     pub(super) bytes: usize,
     /// The box it just fits in.
     pub(super) bounds: Aabb,
@@ -74,8 +74,9 @@ impl Facts {
         for piece in patches.pieces() {
             let surface = &mut surfaces[piece.surface as usize];
             surface.pieces += 1;
-            surface.bytes +=
-                size_of::<Piece>() + piece.patch.control().count() * piece.patch.bytes_a_point();
+        }
+        for surface in &mut surfaces {
+            surface.bytes = patches.bytes_of(surface.index);
         }
         for leaf in world.bvh.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];

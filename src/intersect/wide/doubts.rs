@@ -19,6 +19,7 @@ use super::packet::Packet;
 use super::search::bits;
 use super::single::Scene;
 use super::single_proof::{LARGEST, REACH, ROUNDING, START_REACH};
+use super::spline_net::net_of;
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use crate::intersect::Statistics;
@@ -248,7 +249,9 @@ fn settle_sixteen<S: Simd>(
                 inverse: [inverse_x, inverse_y],
             };
             let ground = Ground::Own(moved(domain, bytes));
-            let about = (&target, &target.closer());
+            let mut room = None;
+            let net = net_of(simd, &target.piece.patch, &mut room);
+            let about = (&target, &target.closer(), net);
             let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
             all.found |= done.found;
             all.steps += done.steps;

@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::distances::Approximate;
+use super::jets::OneNet;
 use super::newton::{Converged, Ends, RayLanes, Verdict, newton};
 use super::packet::{Lanes3, Packet};
 use super::search::load3d;
@@ -13,7 +14,7 @@ use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
-use crate::patch::Piece;
+use crate::patch::{Piece, PieceNet};
 
 /// What became of eight rays.
 #[derive(Clone, Copy)]
@@ -37,7 +38,7 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    (target, closer): (&Target<'_>, &Closer),
+    (target, closer, net): (&Target<'_>, &Closer, PieceNet<'_>),
     packet: &mut Packet,
     base: usize,
     (wanted, ground): (mask64x8<S>, &Ground<S>),
@@ -47,7 +48,8 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { target, closer, domain, normals: !packet.any };
+    let surface = OneNet { patch: &target.piece.patch, net };
+    let leaves = Ground8 { target, closer, surface, domain, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);
     let patch = &target.piece.patch;
     let error = f64x8::splat(simd, patch.residual_factor())

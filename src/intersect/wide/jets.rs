@@ -5,7 +5,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
 use crate::math::bernstein::{MAX_DEGREE, binomials};
-use crate::patch::TensorPatch;
+use crate::patch::{PieceNet, TensorPatch};
 
 /// The control net of a patch in every lane.
 pub(super) trait Net<S: Simd> {
@@ -24,30 +24,44 @@ pub(super) trait Net<S: Simd> {
     fn row(&self, i: usize) -> Self::Row<'_>;
 
     /// One of its control points, of `C` numbers.
-    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C];
+    fn control<'a, const C: usize>(simd: S, row: &Self::Row<'a>, j: usize) -> [f64x8<S>; C]
+    where
+        Self: 'a;
 }
 
-/// One patch for all lanes.
-impl<S: Simd> Net<S> for TensorPatch {
-    type Row<'a> = &'a [f64];
+/// One patch for all lanes, and its net.
+#[derive(Clone, Copy)]
+pub(super) struct OneNet<'a> {
+    pub(super) patch: &'a TensorPatch,
+    pub(super) net: PieceNet<'a>,
+}
+
+impl<S: Simd> Net<S> for OneNet<'_> {
+    type Row<'a>
+        = &'a [f64]
+    where
+        Self: 'a;
 
     #[inline(always)]
     fn form(&self) -> ([usize; 2], bool) {
-        (self.degree(), self.is_rational())
+        (self.patch.degree(), self.patch.is_rational())
     }
 
     #[inline(always)]
     fn weight(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, TensorPatch::weight(self).unwrap_or(1.0))
+        f64x8::splat(simd, self.patch.weight().unwrap_or(1.0))
     }
 
     #[inline(always)]
     fn row(&self, i: usize) -> Self::Row<'_> {
-        self.row_numbers(i)
+        self.net.row(i)
     }
 
     #[inline(always)]
-    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C] {
+    fn control<'a, const C: usize>(simd: S, row: &Self::Row<'a>, j: usize) -> [f64x8<S>; C]
+    where
+        Self: 'a,
+    {
         let numbers = &row[C * j..C * (j + 1)];
         let mut control = [f64x8::splat(simd, 0.0); C];
         for c in 0..C {

@@ -6,7 +6,8 @@ use fearless_simd_macros::simd;
 use super::LANES;
 use super::frames::transposed;
 use super::jets::Net;
-use crate::patch::{Piece, TensorPatch};
+use super::spline_net::make;
+use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch};
 
 /// Pieces of higher degrees have too large nets to hold eight of them side by side.
 const MOST_DEGREE: usize = 7;
@@ -51,12 +52,15 @@ pub(super) struct LaneNet {
     pub(super) form: Form,
     weight: [f64; 8],
     numbers: [[f64; 8]; MOST_NUMBERS],
+    /// Room for nets that are not kept.
+    rooms: [NetRoom; 8],
 }
 
 impl Default for LaneNet {
     fn default() -> Self {
         let form = Form { degree: [1, 1], rational: false };
-        Self { form, weight: [0.0; 8], numbers: [[0.0; 8]; MOST_NUMBERS] }
+        let rooms = std::array::from_fn(|_| NetRoom::new());
+        Self { form, weight: [0.0; 8], numbers: [[0.0; 8]; MOST_NUMBERS], rooms }
     }
 }
 
@@ -72,8 +76,14 @@ impl LaneNet {
     ) {
         self.form = form;
         let length = form.row_length();
-        for lane in 0..8 {
-            self.weight[lane] = pieces[first + lane].patch.weight().unwrap_or(1.0);
+        let mut nets = [PieceNet::EMPTY; 8];
+        for (lane, room) in self.rooms.iter_mut().enumerate() {
+            let patch = &pieces[first + lane].patch;
+            self.weight[lane] = patch.weight().unwrap_or(1.0);
+            nets[lane] = match patch.net_source() {
+                NetSource::Kept(net) => net,
+                NetSource::Spline(spline) => make(simd, &spline, room),
+            };
         }
         for i in 0..=form.degree()[0] {
             let mut at = 0;
@@ -82,7 +92,7 @@ impl LaneNet {
                 let from = at.min(length.saturating_sub(8));
                 let mut rows = [f64x8::splat(simd, 0.0); 8];
                 for lane in 0..8 {
-                    let row = pieces[first + lane].patch.row_numbers(i);
+                    let row = nets[lane].row(i);
                     rows[lane] = match row.get(from..from + 8) {
                         Some(numbers) => f64x8::from_slice(simd, numbers),
                         None => {
@@ -122,7 +132,10 @@ impl<S: Simd> Net<S> for LaneNet {
     }
 
     #[inline(always)]
-    fn control<const C: usize>(simd: S, row: &Self::Row<'_>, j: usize) -> [f64x8<S>; C] {
+    fn control<'a, const C: usize>(simd: S, row: &Self::Row<'a>, j: usize) -> [f64x8<S>; C]
+    where
+        Self: 'a,
+    {
         let numbers = &row[C * j..C * (j + 1)];
         let mut control = [f64x8::splat(simd, 0.0); C];
         for c in 0..C {

@@ -12,12 +12,13 @@ use super::screen::{Screened, screen};
 use super::search::{bits, certify, cross_box};
 use super::single::Scene;
 use super::single_ray::WIDENED;
+use super::spline_net::net_of;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::math::rounding;
-use crate::patch::OrientedBox;
+use crate::patch::{OrientedBox, PieceNet};
 
 /// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
 /// set in `groups`.
@@ -32,7 +33,7 @@ pub(super) fn search_leaf<S: Simd>(
 ) {
     // The boxes of most leaves are missed by most rays: their data are only touched when they
     // are needed.
-    let (mut target, mut closer) = (None, None);
+    let (mut target, mut closer, mut room) = (None, None, None);
     let mut found = false;
     let mut groups = groups;
     while groups != 0 {
@@ -90,7 +91,8 @@ pub(super) fn search_leaf<S: Simd>(
             if certain != 0 {
                 let closer = closer.get_or_insert_with(|| target.closer());
                 let lanes = (certain, Ground::Certificate);
-                done = finish_all(simd, (target, closer), (&mut *packet, base), lanes, &near);
+                let net = net_of(simd, patch, &mut room);
+                done = finish_all(simd, (target, closer, net), (&mut *packet, base), lanes, &near);
                 doubted |= done.open;
             }
         }
@@ -128,7 +130,7 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish_all<S: Simd>(
     simd: S,
-    target: (&Target<'_>, &Closer),
+    target: (&Target<'_>, &Closer, PieceNet<'_>),
     (packet, base): (&mut Packet, usize),
     (lanes, ground): (u32, Ground<S>),
     near: &Approximate<f32x16<S>>,

@@ -35,7 +35,7 @@
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
 //! All stand on the surface in lanes (`jets`, for leaves of one patch by `target`, of many by
-//! `lane_net`), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
+//! `lane_net`, their nets made by `spline_net` if they are not kept), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
 //! `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;
@@ -64,6 +64,7 @@ mod single_finish;
 mod single_proof;
 mod single_ray;
 mod single_search;
+mod spline_net;
 mod start;
 mod stream;
 mod target;

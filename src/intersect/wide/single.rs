@@ -19,10 +19,12 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 use super::box_ray::{Crossings, SPARE, Stack};
+use super::jets::OneNet;
 use super::single_finish::{Outcome, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Place, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
+use super::spline_net::net_of;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
@@ -205,14 +207,17 @@ pub(super) fn search_ahead<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    let piece = &scene.set.pieces()[leaf.piece as usize];
+    let patch = &scene.set.pieces()[leaf.piece as usize].patch;
+    // Most will want it; made now, it is ready when the search in f32 is.
+    let mut room = None;
+    let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
     let distances = Distances::new(simd, leaf, ray);
     if let Some(start) = start {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let (outcome, steps) =
-                finish(simd, leaf, &piece.patch, ray, (near, [[-WIDENED, WIDENED]; 2], error));
+                finish(simd, leaf, surface, ray, (near, [[-WIDENED, WIDENED]; 2], error));
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -232,7 +237,7 @@ pub(super) fn search_ahead<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let (outcome, steps) = finish(simd, leaf, &piece.patch, ray, (near, domain, error));
+        let (outcome, steps) = finish(simd, leaf, surface, ray, (near, domain, error));
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -10,11 +10,12 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
 use super::single_ray::{REACH, SingleHit, SingleRay};
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::math::rounding::UNIT_ROUNDOFF;
-use crate::patch::{Leaf, TensorPatch};
+use crate::patch::Leaf;
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: u64 = 4;
@@ -48,23 +49,27 @@ pub(super) enum Outcome {
 pub(super) fn finish<S: Simd>(
     simd: S,
     leaf: &Leaf,
-    patch: &TensorPatch,
+    surface: OneNet<'_>,
     ray: &SingleRay<'_>,
     task: ([f32; 2], [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
-    match (patch.degree(), patch.is_rational()) {
-        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, patch, ray, task),
-        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, patch, ray, task),
-        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, patch, ray, task),
-        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, patch, ray, task),
-        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, patch, ray, task),
-        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, patch, ray, task),
-        ([p, q], true) if p.max(q) < 8 => finish_of::<S, 0, 0, 8, 4>(simd, leaf, patch, ray, task),
-        ([p, q], false) if p.max(q) < 8 => finish_of::<S, 0, 0, 8, 3>(simd, leaf, patch, ray, task),
-        (_, true) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, patch, ray, task),
-        (_, false) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, patch, ray, task),
+    match (surface.patch.degree(), surface.patch.is_rational()) {
+        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, surface, ray, task),
+        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, surface, ray, task),
+        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, surface, ray, task),
+        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, surface, ray, task),
+        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, surface, ray, task),
+        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, surface, ray, task),
+        ([p, q], true) if p.max(q) < 8 => {
+            finish_of::<S, 0, 0, 8, 4>(simd, leaf, surface, ray, task)
+        }
+        ([p, q], false) if p.max(q) < 8 => {
+            finish_of::<S, 0, 0, 8, 3>(simd, leaf, surface, ray, task)
+        }
+        (_, true) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, surface, ray, task),
+        (_, false) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, surface, ray, task),
     }
 }
 
@@ -74,7 +79,7 @@ pub(super) fn finish<S: Simd>(
 fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     leaf: &Leaf,
-    patch: &TensorPatch,
+    surface: OneNet<'_>,
     ray: &SingleRay<'_>,
     (near, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
 ) -> (Outcome, u64) {
@@ -89,7 +94,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     let mut y = within(f64::from(near[1]), domain[1]);
     for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
-        let sums = sums::<S, P, Q, N, C>(simd, patch, s, t);
+        let sums = sums::<S, P, Q, N, C>(simd, surface, s, t);
         // In the ray's coordinates, by box coordinate.
         let along_x = sums[1] * f64x4::splat(simd, half_s);
         let along_y = sums[2] * f64x4::splat(simd, half_t);
@@ -119,7 +124,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
                 let [value, along_s, along_t] =
-                    self::sums::<S, P, Q, N, C>(simd, patch, st.x, st.y);
+                    self::sums::<S, P, Q, N, C>(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
@@ -247,7 +252,7 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
 #[inline(always)]
 fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
-    patch: &TensorPatch,
+    OneNet { patch, net }: OneNet<'_>,
     s: f64,
     t: f64,
 ) -> [f64x4<S>; 3] {
@@ -260,7 +265,7 @@ fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>
     let zero = f64x4::splat(simd, 0.0);
     let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
     for i in 0..=p {
-        let row = patch.row_numbers(i);
+        let row = net.row(i);
         let (mut sum, mut slope) = (zero, zero);
         for j in 0..=q {
             let control = load::<S, C>(simd, row, j);

@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::distances::widened;
-use super::jets::{Jets, jets, points};
+use super::jets::{Jets, OneNet, jets, points};
 use super::newton::{Leaves, RayLanes, Step};
 use super::search::dot_d;
 use super::single::Scene;
@@ -135,6 +135,8 @@ impl<'a> Target<'a> {
 pub(super) struct Ground8<'a, S: Simd> {
     pub(super) target: &'a Target<'a>,
     pub(super) closer: &'a Closer,
+    /// The piece and its control net.
+    pub(super) surface: OneNet<'a>,
     /// From and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
     /// Whether normals are asked for.
@@ -144,12 +146,12 @@ pub(super) struct Ground8<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-        jets(simd, &self.target.piece.patch, s, t)
+        jets(simd, &self.surface, s, t)
     }
 
     #[inline(always)]
     fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
-        points(simd, &self.target.piece.patch, s, t)
+        points(simd, &self.surface, s, t)
     }
 
     #[inline(always)]
