@@ -377,6 +377,44 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
     }
 }
 
+/// Of dense surfaces the Bézier points are not kept; of the same surfaces given in Bézier form they are.
+#[test]
+fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
+    let mut random = Random(17);
+    let build = |surface: Surface| SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+    let sheets = [((3, 3), 40, false), ((3, 3), 40, true), ((3, 2), 60, false), ((2, 2), 60, true)];
+    for (k, (degree, points, rational)) in sheets.into_iter().enumerate() {
+        let own = sheet(degree, points, rational);
+        let bezier = own.bezier_form();
+        let [own, bezier] = [own, bezier].map(|surface| {
+            if k == 1 { Surface::from(trimmed(surface)) } else { Surface::from(surface) }
+        });
+        let queries = rays(std::slice::from_ref(&own), DVec3::ZERO, 1.5, &mut random);
+        let [made, kept] = [own, bezier].map(build);
+        let hits = |answers: &[Answer]| answers.iter().filter(|a| a.hit.is_some()).count();
+        assert!(made.bytes() + 200_000 < kept.bytes(), "{} of {}", made.bytes(), kept.bytes());
+        assert_eq!(made.leaves().len(), kept.leaves().len());
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let same = |queries: &[Query], what: &str| {
+                let answers = [&made, &kept].map(|bvh| {
+                    let mut answers = one_by_one(bvh, kernel, queries);
+                    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                        answers.extend(trace(bvh, kernel, coherence, queries));
+                    }
+                    answers
+                });
+                let [a, b] = answers.each_ref().map(|some| some.iter().map(bits));
+                assert!(a.eq(b), "{degree:?}, {kernel}: {what}");
+                assert_eq!(occlusions(&made, kernel, queries), occlusions(&kept, kernel, queries));
+                answers
+            };
+            let [answers, _] = same(&queries, "rays from outside");
+            assert!(hits(&answers) > 1000);
+            same(&leaving(&answers[..queries.len()], 1.5, &mut random), "rays that leave a hit");
+        }
+    }
+}
+
 #[test]
 fn an_answer_does_not_depend_on_the_company() {
     for (name, surfaces) in models() {

@@ -41,8 +41,7 @@ impl<'a> BezierForm<'a> {
     /// The weight of all control points; `None` where they differ. Refining along v keeps equal weights
     /// equal, so what is refined along u tells.
     pub(crate) fn weight(&self) -> Option<f64> {
-        let first = self.along_u.control().first().map_or(1.0, |point| point.w);
-        (!self.along_u.is_rational()).then_some(first)
+        self.along_u.common_weight()
     }
 
     /// The homogeneous control points of a row, v growing.

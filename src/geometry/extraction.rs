@@ -24,9 +24,10 @@ impl Mix for DVec4 {
 /// less that govern it.
 ///
 /// Bézier extraction (Borden, Scott, Evans and Hughes 2011), not by a matrix but by the steps of knot
-/// insertion: every point comes from the same numbers by the same operations as if all knots were
-/// inserted from left to right, as [`Insertions`](super::line::Insertions) does. So it is the same bit
-/// for bit, and neighbouring spans share the point between them.
+/// insertion: every point comes from the same numbers by the same operations as if all knots of the
+/// clamped spline were inserted from left to right, as [`Insertions`](super::line::Insertions) does. So
+/// it is the same to the last bit, but for the sign of zeros, and neighbouring spans share the point
+/// between them.
 ///
 /// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄` about
 /// its span `t₁ … t₂`, the control points are `f(t₋₁,t₀,t₁)`, `f(t₀,t₁,t₂)`, `f(t₁,t₂,t₃)` and
@@ -48,7 +49,7 @@ impl Extraction {
 
     /// That of the span that begins with the knot of an index, in a clamped knot vector.
     pub(crate) fn of(knots: &KnotVector, index: usize) -> Self {
-        // A clamped vector has as many knots beyond either end as its degree asks for.
+        // Of lower degrees a clamped vector may end sooner; what is made of other knots then has no use.
         let values = knots.values();
         let knot = |k: isize| values[index.saturating_add_signed(k).min(values.len() - 1)];
         let [before, t0, t1, t2, t3, t4] = [-2, -1, 0, 1, 2, 3].map(knot);

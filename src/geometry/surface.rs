@@ -161,6 +161,11 @@ impl NurbsSurface {
         self.rational
     }
 
+    /// The weight of all control points; `None` where they differ.
+    pub(crate) fn common_weight(&self) -> Option<f64> {
+        self.control.first().filter(|_| !self.rational).map(|point| point.w)
+    }
+
     /// The domain in u and in v.
     pub fn domain(&self) -> [(f64, f64); 2] {
         [self.knots[0].domain(), self.knots[1].domain()]

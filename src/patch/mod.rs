@@ -62,7 +62,7 @@ pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
 pub use part::Part;
 pub use piece::Piece;
-pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, Spline};
+pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, SplineNet};
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};

@@ -6,7 +6,7 @@ use glam::DVec4;
 use rayon::prelude::*;
 
 use super::piece_net::LONGEST;
-use super::{NetSource, PieceNet, Spline};
+use super::{NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extraction, KnotVector, NurbsSurface};
 
@@ -19,15 +19,16 @@ pub(super) enum Keeping {
     Spline,
 }
 
-/// Bézier points are kept as long as there are no more of them, in bytes, than find a place in a
-/// core's own cache beside all else: there they are at hand sooner than they are made.
+/// Bézier points of all charts together are kept as long as they are no more than this: beside all else
+/// they fit into a core's own cache, of 1 or 2 MB, and memory is not what a small model lacks. Made anew
+/// for each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.95 to 1.0 times as fast.
 const MOST_BEZIER_BYTES: usize = 1 << 18;
 
-/// As often as that there must be more Bézier points than control points to do without them.
+/// Charts with fewer than so many times as many Bézier points as control points keep them all the same.
 const LEAST_SAVING: usize = 2;
 
 impl Keeping {
-    /// That of some charts.
+    /// That of all charts, which share the cache.
     pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
         let bytes: usize = charts
             .map(|chart| {
@@ -56,7 +57,7 @@ pub(super) struct ChartNet {
     stride: usize,
     /// How pieces make their nets of these points, by the row and the column in which they begin;
     /// `None` where these are the Bézier points.
-    extraction: Option<[Vec<Extraction>; 2]>,
+    extraction: Option<Box<[Vec<Extraction>; 2]>>,
     /// For each direction and each row, or column: what is to be known of the pieces that
     /// begin there.
     pub(super) spans: [Vec<PieceSpan>; 2],
@@ -70,25 +71,25 @@ pub(super) struct ChartNet {
 /// kept once.
 #[derive(Debug)]
 pub(super) struct Control {
-    /// Four numbers a point, or three, and some more: so that as many as a row of a net may have can be
-    /// read at any point.
+    /// Four numbers a point, or three, and some more that may be read but mean nothing.
     numbers: Vec<f64>,
     /// The weight of all points, if it is one.
     weight: Option<f64>,
 }
 
 impl Control {
-    /// So many rows of so many points.
+    /// So many rows of so many points, and `more` numbers.
     fn new<R>(
         weight: Option<f64>,
         [rows, stride]: [usize; 2],
+        more: usize,
         row: impl Fn(usize) -> R + Sync,
     ) -> Self
     where
         R: AsRef<[DVec4]>,
     {
         let size = if weight.is_some() { 3 } else { 4 };
-        let mut numbers = vec![0.0; size * rows * stride + LONGEST];
+        let mut numbers = vec![0.0; size * rows * stride + more];
         let to = numbers[..size * rows * stride].par_chunks_mut(size * stride);
         to.enumerate().for_each(|(i, to)| {
             let row = row(i);
@@ -127,8 +128,9 @@ impl ChartNet {
         } else {
             let form = BezierForm::new(surface);
             let knots = form.knots();
-            let control =
-                Control::new(form.weight(), knots.map(KnotVector::point_count), |i| form.row(i));
+            let counts = knots.map(KnotVector::point_count);
+            // One more number: so that four can be read at any point.
+            let control = Control::new(form.weight(), counts, 1, |i| form.row(i));
             Self::over(chart, knots, control, None)
         }
     }
@@ -137,8 +139,6 @@ impl ChartNet {
     fn of_spline(chart: &Chart<'_>, surface: &NurbsSurface) -> (Self, [Vec<u32>; 2]) {
         let surface = surface.in_clamped_form();
         let knots = [surface.knots_u(), surface.knots_v()];
-        let first = surface.control().first().map_or(1.0, |point| point.w);
-        let weight = (!surface.is_rational()).then_some(first);
         let counts @ [_, length] = knots.map(KnotVector::point_count);
         let row = |i: usize| &surface.control()[i * length..(i + 1) * length];
         let extraction = knots.map(|knots| {
@@ -148,14 +148,15 @@ impl ChartNet {
             }
             extraction
         });
-        Self::over(chart, knots, Control::new(weight, counts, row), Some(extraction))
+        let control = Control::new(surface.common_weight(), counts, LONGEST, row);
+        Self::over(chart, knots, control, Some(Box::new(extraction)))
     }
 
     fn over(
         chart: &Chart<'_>,
         knots: [&KnotVector; 2],
         control: Control,
-        extraction: Option<[Vec<Extraction>; 2]>,
+        extraction: Option<Box<[Vec<Extraction>; 2]>>,
     ) -> (Self, [Vec<u32>; 2]) {
         let degree = knots.map(KnotVector::degree);
         let firsts = knots
@@ -178,11 +179,11 @@ impl ChartNet {
         let numbers = &self.control.numbers[size * (row * self.stride + column)..];
         let length = size * (self.degree[1] + 1);
         let points = PieceNet::new(numbers, size * self.stride, length, self.control.weight);
-        match &self.extraction {
+        match self.extraction.as_deref() {
             None => NetSource::Kept(points),
             Some([along_s, along_t]) => {
                 let extraction = [&along_s[row], &along_t[column]];
-                NetSource::Spline(Spline { degree: self.degree, points, extraction })
+                NetSource::Spline(SplineNet { degree: self.degree, points, extraction })
             }
         }
     }
@@ -202,7 +203,8 @@ impl ChartNet {
     /// The memory held, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
-        let extraction = self.extraction.iter().flatten().map(|made| size_of_val(&made[..]));
+        let extraction = self.extraction.iter().flat_map(|both| both.iter());
+        let extraction = extraction.map(|some| size_of_val(some) + size_of_val(&some[..]));
         let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
         size_of::<Self>()
             + self.control.bytes()

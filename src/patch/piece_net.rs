@@ -1,7 +1,7 @@
 //! The control net of a piece: as it is kept, or made where it is wanted.
 //!
 //! Of a dense B-spline surface the Bézier points are up to nine times as many as its own control points.
-//! So those are kept, and a piece's net is made of them when the piece is searched ([`Spline`]): always
+//! So those are kept, and a piece's net is made of them when the piece is searched ([`SplineNet`]): always
 //! by the same operations, so that whoever makes it has the same numbers.
 
 use glam::{DVec3, DVec4};
@@ -35,8 +35,9 @@ impl<'a> PieceNet<'a> {
         Self { numbers, stride, length, weight }
     }
 
-    /// The numbers of a row, for the `i`-th Bernstein function of `s`: four for each point, or three
-    /// where all weights are the same, and one more, so that four can be read at every point.
+    /// The numbers of a row, which in a Bézier net is that of the `i`-th Bernstein function of `s`: four for
+    /// each point, or three where all weights are the same, and one more, so that four can be read at
+    /// every point.
     #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> &'a [f64] {
         &self.numbers[i * self.stride..=i * self.stride + self.length]
@@ -60,12 +61,13 @@ pub(crate) enum NetSource<'a> {
     /// Kept.
     Kept(PieceNet<'a>),
     /// To be made.
-    Spline(Spline<'a>),
+    Spline(SplineNet<'a>),
 }
 
-/// The control points of a B-spline that govern a piece, of degree 3 or less in both directions.
+/// The control points of a B-spline that govern a piece, of degree 3 or less in both directions, and how
+/// its Bézier points come from them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spline<'a> {
+pub(crate) struct SplineNet<'a> {
     pub(super) degree: [usize; 2],
     pub(super) points: PieceNet<'a>,
     pub(super) extraction: [&'a Extraction; 2],
@@ -92,13 +94,7 @@ impl NetRoom {
     }
 }
 
-impl Default for NetRoom {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<'a> Spline<'a> {
+impl<'a> SplineNet<'a> {
     /// The degrees in `s` and `t`.
     #[inline(always)]
     pub(crate) fn degree(&self) -> [usize; 2] {
@@ -115,7 +111,8 @@ impl<'a> Spline<'a> {
     #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> &'a [f64; LONGEST] {
         let from = &self.points.numbers[i * self.points.stride..];
-        from.first_chunk().unwrap_or(&[0.0; LONGEST]) // there are as many
+        debug_assert!(from.len() >= LONGEST, "a chart keeps as many behind its last row");
+        from.first_chunk().unwrap_or(&[0.0; LONGEST])
     }
 
     /// What makes Bézier points of them, along `s` (0) or `t` (1).
@@ -124,47 +121,42 @@ impl<'a> Spline<'a> {
         self.extraction[direction]
     }
 
-    /// The net that was put there.
+    /// The net that was made there.
     #[inline(always)]
-    pub(crate) fn net<'r>(&self, room: &'r NetRoom) -> PieceNet<'r> {
+    pub(crate) fn made<'r>(&self, room: &'r NetRoom) -> PieceNet<'r> {
         PieceNet::new(room.0.as_flattened(), LONGEST, self.points.length, self.points.weight)
     }
 
-    /// Makes the net, with room for that of degree 3: what every other way to make it must agree with,
-    /// bit for bit. Where points have three numbers, the fourth is any number.
-    pub(super) fn made(&self) -> [[DVec4; 4]; 4] {
-        // For each degree an own loop, without branches.
+    /// The Bézier points, with room for those of degree 3: what every other way to make them must agree
+    /// with, bit for bit. Where points have three numbers, the fourth is any number.
+    pub(super) fn bezier_points(&self) -> [[DVec4; 4]; 4] {
+        // Degrees known in advance need no branches.
         match self.degree {
-            [3, 3] => self.made_of::<3, 3>(),
-            [3, 2] => self.made_of::<3, 2>(),
-            [2, 3] => self.made_of::<2, 3>(),
-            [2, 2] => self.made_of::<2, 2>(),
-            [3, _] => self.made_of::<3, 1>(),
-            [_, 3] => self.made_of::<1, 3>(),
-            [2, _] => self.made_of::<2, 1>(),
-            [_, 2] => self.made_of::<1, 2>(),
-            _ => self.made_of::<1, 1>(),
+            [3, 3] => self.bezier_points_of([3, 3]),
+            [2, 2] => self.bezier_points_of([2, 2]),
+            degree => self.bezier_points_of(degree),
         }
     }
 
-    fn made_of<const P: usize, const Q: usize>(&self) -> [[DVec4; 4]; 4] {
-        let mut net = [[DVec4::ZERO; 4]; 4];
+    #[inline(always)]
+    fn bezier_points_of(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
         let size = self.size();
-        for i in 0..=P {
+        let mut net = [[DVec4::ZERO; 4]; 4];
+        for (i, to) in net[..=p].iter_mut().enumerate() {
             let row = self.row(i);
-            for j in 0..=Q {
-                net[i][j] = DVec4::from_slice(&row[size * j..size * j + 4]);
+            for (j, to) in to[..=q].iter_mut().enumerate() {
+                *to = DVec4::from_slice(&row[size * j..size * j + 4]);
             }
         }
-        for j in 0..=Q {
+        for j in 0..=q {
             let column = [net[0][j], net[1][j], net[2][j], net[3][j]];
-            let column = self.extraction[0].apply(P, column);
-            for i in 0..=P {
+            let column = self.extraction[0].apply(p, column);
+            for i in 0..=p {
                 net[i][j] = column[i];
             }
         }
-        for row in &mut net[..=P] {
-            *row = self.extraction[1].apply(Q, *row);
+        for row in &mut net[..=p] {
+            *row = self.extraction[1].apply(q, *row);
         }
         net
     }
@@ -172,12 +164,12 @@ impl<'a> Spline<'a> {
     /// Makes the net where it has room.
     pub(crate) fn make<'r>(&self, room: &'r mut NetRoom) -> PieceNet<'r> {
         let ([p, q], size) = (self.degree, self.size());
-        for (i, row) in self.made()[..=p].iter().enumerate() {
+        for (i, row) in self.bezier_points()[..=p].iter().enumerate() {
             // The last numbers of points of three are those of the next ones.
             for (j, point) in row[..=q].iter().enumerate() {
                 room.row(i)[size * j..size * j + 4].copy_from_slice(&point.to_array());
             }
         }
-        self.net(room)
+        self.made(room)
     }
 }

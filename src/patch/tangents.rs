@@ -349,3 +349,73 @@ fn recentred(net: &Net<'_>, center: DVec3) -> Field {
     let values = mapped(net.control, |c| (c.truncate() - c.w * center).extend(c.w));
     Field { degree: net.degree, values }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec2;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::patch::TensorPatch;
+    use crate::patch::net::ChartNet;
+
+    /// Nets of gently bent patches; weights differ or do not.
+    fn nets() -> impl Strategy<Value = ([usize; 2], Vec<DVec4>, bool)> {
+        (1usize..=4, 1usize..=4, any::<bool>()).prop_flat_map(|(p, q, rational)| {
+            let point = (-0.1..0.1f64, -0.1..0.1f64, -0.3..0.3f64, 0.7..1.4f64);
+            let points = prop::collection::vec(point, (p + 1) * (q + 1));
+            points.prop_map(move |points| {
+                let control = points.into_iter().enumerate().map(|(k, (x, y, z, w))| {
+                    let (i, j) = (k / (q + 1), k % (q + 1));
+                    let even = DVec3::new(i as f64 / p as f64, j as f64 / q as f64, 0.0);
+                    let w = if rational { w } else { 0.8 };
+                    (w * (even + DVec3::new(x, y, z))).extend(w)
+                });
+                ([p, q], control.collect(), rational)
+            })
+        })
+    }
+
+    proptest! {
+        /// What is said of how a tangent turns holds at every place, and is not said of much more.
+        #[test]
+        fn tangents_turn_no_farther((degree, control, rational) in nets()) {
+            let (patch, _) = TensorPatch::new(&Arc::new(ChartNet::single(degree, &control)), [0, 0]);
+            let noise = patch.noise();
+            let net = Net { degree, control: &control, noise, rational, spacing: [1e-16; 2] };
+            let field = recentred(&net, net.middle());
+            let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
+            let offsets = rational.then(|| field.offsets());
+            let factors = [offsets.as_ref(); 2];
+            let tangents = Tangents::new(&net, &field, [&along_s, &along_t], factors).unwrap();
+            let directions = [DVec3::X, DVec3::Y, DVec3::Z];
+            let heaviest = control.iter().map(|point| point.w).fold(0.0, f64::max);
+            for which in 0..2 {
+                let Some(turns) = tangents.turns(which, &directions) else { continue };
+                let mut seen = [Interval::EMPTY; 2];
+                for k in 0..11 * 11 {
+                    let st = DVec2::new(f64::from(k % 11), f64::from(k / 11)) / 10.0;
+                    let jet = patch.jet(st);
+                    let tangent = [jet.ds, jet.dt][which];
+                    prop_assert!(turns.least <= heaviest * tangent[which], "at {st}");
+                    let other = tangent[1 - which] / tangent[which];
+                    let normal = tangent.z / tangent[which];
+                    for (seen, (told, x)) in
+                        seen.iter_mut().zip([(turns.other, other), (turns.normal, normal)])
+                    {
+                        prop_assert!(told.lo <= x && x <= told.hi, "{x} at {st}, not in {told:?}");
+                        *seen = seen.union(Interval::point(x));
+                    }
+                }
+                if degree == [1, 1] && !rational {
+                    // The tangents themselves are the coefficients.
+                    for (seen, told) in seen.iter().zip([turns.other, turns.normal]) {
+                        prop_assert!((seen.lo - told.lo).abs() + (seen.hi - told.hi).abs() < 1e-10);
+                    }
+                }
+            }
+        }
+    }
+}

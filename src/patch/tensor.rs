@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::net::{ChartNet, Coarse};
-use super::{ControlNet, NetRoom, NetSource, PieceNet, Spline};
+use super::{ControlNet, NetRoom, NetSource, PieceNet, SplineNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, rounding};
@@ -24,7 +24,7 @@ pub(super) type Points = SmallVec<[DVec3; 16]>;
 ///   index fastest, all finite, all weights positive.
 #[derive(Clone, Debug)]
 pub struct TensorPatch {
-    /// The net of the whole surface: neighbouring pieces share the points of their common edge.
+    /// The control points of the whole chart, which all its pieces share.
     pub(super) net: Arc<ChartNet>,
     /// The row and the column of the piece's first point.
     pub(super) first: [u32; 2],
@@ -93,7 +93,7 @@ impl TensorPatch {
                 }
             }
             (NetSource::Spline(spline), weight) => {
-                for ((_, row), made) in rows.zip(spline.made()) {
+                for ((_, row), made) in rows.zip(spline.bezier_points()) {
                     for (point, made) in row.iter_mut().zip(made) {
                         *point = made.truncate().extend(weight.unwrap_or(made.w));
                     }
@@ -103,7 +103,7 @@ impl TensorPatch {
         net
     }
 
-    /// Where they are.
+    /// Where the control net is: kept, or to be made.
     #[inline(always)]
     pub(crate) fn net_source(&self) -> NetSource<'_> {
         self.net.source(self.first)
@@ -118,7 +118,7 @@ impl TensorPatch {
             NetSource::Spline(spline) => {
                 let is_made = room.is_some();
                 let room = room.get_or_insert_with(NetRoom::new);
-                if is_made { spline.net(room) } else { spline.make(room) }
+                if is_made { spline.made(room) } else { spline.make(room) }
             }
         }
     }
@@ -126,7 +126,7 @@ impl TensorPatch {
     /// Reads something of each row of the points that are kept, for those who will want them soon.
     #[inline(always)]
     pub fn touch(&self) {
-        let (NetSource::Kept(net) | NetSource::Spline(Spline { points: net, .. })) =
+        let (NetSource::Kept(net) | NetSource::Spline(SplineNet { points: net, .. })) =
             self.net_source();
         for i in 0..=self.degree()[0] {
             let row = net.row(i);

@@ -71,11 +71,8 @@ impl Facts {
         let mut surfaces: Vec<SurfaceFacts> =
             (0..world.surfaces.len()).map(|index| authored(world, index)).collect();
         let patches = world.bvh.patches();
-        for piece in patches.pieces() {
-            let surface = &mut surfaces[piece.surface as usize];
-            surface.pieces += 1;
-        }
         for surface in &mut surfaces {
+            surface.pieces = patches.pieces_of(surface.index).len();
             surface.bytes = patches.bytes_of(surface.index);
         }
         for leaf in world.bvh.leaves() {
