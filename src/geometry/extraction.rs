@@ -35,8 +35,8 @@ impl Mix for DVec4 {
 /// `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α is 0 or 1.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Extraction {
-    /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁` between `t₀` and `t₃`; `t₂`
-    /// between `t₁` and `t₃`; `t₂` between `t₁` and `t₄`. Those of lower degrees need fewer.
+    /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁` between
+    /// `t₀` and `t₃`; `t₂` between `t₁` and `t₃`; `t₂` between `t₁` and `t₄`. Lower degrees need fewer.
     by: [[f64; 2]; 5],
 }
 
@@ -117,7 +117,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn points_are_those_of_knot_insertion_bit_for_bit((knots, points) in splines()) {
+        fn points_are_those_of_knot_insertion((knots, points) in splines()) {
             let p = knots.degree();
             let missing = knots.missing_for_bezier();
             let all = refine(&knots, &points, &missing);

@@ -118,8 +118,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The tree over [`GroupedParts`](crate::patch::GroupedParts) with the given boxes, without oriented boxes so far, and the order in
-    /// which the parts are to become leaves.
+    /// The tree over [`GroupedParts`](crate::patch::GroupedParts) with the given boxes, without oriented
+    /// boxes so far, and the order in which the parts are to become leaves.
     pub(super) fn new(frame: SceneFrame, boxes: &[ScaledBox], groups: &[u32]) -> (Self, Vec<u32>) {
         let binary = Hierarchy::new(boxes, groups);
         let Collapse { nodes, starts, order, root, .. } = Collapse::of(&binary);

@@ -8,6 +8,12 @@ use glam::{DVec3, DVec4};
 
 use crate::geometry::Extraction;
 
+/// How many numbers are kept of a control point: its weight, too, where not all have the same.
+#[inline(always)]
+pub(super) fn numbers_a_point(common_weight: Option<f64>) -> usize {
+    if common_weight.is_some() { 3 } else { 4 }
+}
+
 /// Rows of control points, as they lie in memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PieceNet<'a> {
@@ -48,7 +54,7 @@ impl<'a> PieceNet<'a> {
     pub(super) fn points(&self, i: usize) -> impl Iterator<Item = DVec4> + 'a {
         let weight = self.weight;
         let numbers = &self.row(i)[..self.length];
-        numbers.chunks_exact(if weight.is_some() { 3 } else { 4 }).map(move |point| match weight {
+        numbers.chunks_exact(numbers_a_point(weight)).map(move |point| match weight {
             Some(weight) => DVec3::from_slice(point).extend(weight),
             None => DVec4::from_slice(point),
         })
@@ -104,7 +110,7 @@ impl<'a> SplineNet<'a> {
     /// How many numbers a point has.
     #[inline(always)]
     pub(crate) fn size(&self) -> usize {
-        if self.points.weight.is_some() { 3 } else { 4 }
+        numbers_a_point(self.points.weight)
     }
 
     /// The numbers of a row of control points, and those that follow in memory.

@@ -35,8 +35,8 @@
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
 //! All stand on the surface in lanes (`jets`, for leaves of one patch by `target`, of many by
-//! `lane_net`, their nets made by `spline_net` if they are not kept), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
-//! `departure`), and on what trims say of a hit (`trimmed`).
+//! `lane_net`, their nets made by `spline_net` if they are not kept), on bicubic polynomials (`cubic`),
+//! on what becomes of a ray that leaves a root (`start`, `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;
 mod box_ray;
