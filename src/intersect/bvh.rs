@@ -5,11 +5,13 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::coherence::leaf_width;
+use super::regions::tree_over;
 use super::tree::Tree;
 use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
-use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, ScaledBox, SceneFrame};
+use crate::math::rounding;
+use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame};
 
 /// How surfaces are prepared.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +36,7 @@ pub struct SurfaceBvh {
     pub(super) tree: Tree,
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
-    /// See [`reach_of_f32`].
+    /// See [`ReachOfF32::of_tree`].
     pub(super) reach_of_f32: f64,
 }
 
@@ -50,16 +52,16 @@ impl SurfaceBvh {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
         let frame = SceneFrame::around(&set.bounds());
-        let boxes: Vec<ScaledBox> =
-            parts.par_iter().map(|part| frame.scaled_box(&part.bounds)).collect();
-        let (mut tree, order) = Tree::new(frame, &boxes, grouped.groups());
-        let leaves = order.par_iter().map(|&k| {
+        let reach = ReachOfF32::of(&set);
+        let (mut tree, order) = tree_over(parts, grouped.groups(), frame, reach.most_scale());
+        let leaves = order.par_iter().enumerate().map(|(leaf, &k)| {
             let part = &parts[k as usize];
-            Leaf::new(part, &set.pieces()[part.piece as usize], &frame)
+            let frame = tree.frame_of(leaf as u32);
+            Leaf::new(part, &set.pieces()[part.piece as usize], frame)
         });
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
-        tree.fill(&boxes);
-        let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach_of_f32(&set, &frame));
+        tree.fill(&leaves, &boxes);
+        let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
         Ok(Self { set, leaves, tree, leaf_width, reach_of_f32 })
     }
 
@@ -117,17 +119,39 @@ impl SurfaceBvh {
 /// by.
 const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 
-/// The largest coordinate an origin may have for the work in f32.
+/// Where origins of rays may be for the work in f32.
 ///
 /// A point may be as far from a ray as its residual is promised to be; that grows with the origin's
 /// coordinates, and what boxes in f32 are grown by does not. The noise of the surfaces themselves is
 /// part of their boxes.
-fn reach_of_f32(set: &PatchSet, frame: &SceneFrame) -> f64 {
-    let patches = set.pieces().iter().map(|piece| &piece.patch);
-    let (factor, magnitude) = patches.fold((0f64, 0f64), |(factor, magnitude), patch| {
-        (factor.max(patch.residual_factor()), magnitude.max(patch.magnitude()))
-    });
-    (BLUR_OF_F32 / (factor * frame.scale)).max(2.0 * magnitude)
+struct ReachOfF32 {
+    /// How far a point may be from a ray, per unit of the largest coordinate.
+    factor: f64,
+    /// The largest coordinate of the surfaces.
+    magnitude: f64,
+}
+
+impl ReachOfF32 {
+    fn of(set: &PatchSet) -> Self {
+        let patches = set.pieces().iter().map(|piece| &piece.patch);
+        let (factor, magnitude) = patches.fold((0f64, 0f64), |(factor, magnitude), patch| {
+            (factor.max(patch.residual_factor()), magnitude.max(patch.magnitude()))
+        });
+        Self { factor, magnitude }
+    }
+
+    /// How far coordinates may be scaled up: origins so many times as far away as anything in the
+    /// scene must be near enough.
+    fn most_scale(&self) -> f64 {
+        const TIMES: f64 = 1024.0;
+        rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))
+    }
+
+    /// The largest coordinate an origin may have.
+    fn of_tree(&self, tree: &Tree) -> f64 {
+        let scale = tree.regions.iter().map(|region| region.frame.scale).fold(0.0, f64::max);
+        (BLUR_OF_F32 / (self.factor * scale)).max(2.0 * self.magnitude)
+    }
 }
 
 #[cfg(test)]

@@ -90,6 +90,52 @@ impl Hierarchy {
     }
 }
 
+impl Hierarchy {
+    /// The sum of something over the leaves below each node; `of` is given those of nodes that have
+    /// some.
+    pub(super) fn totals<T: Copy + Default + std::ops::Add<Output = T>>(
+        &self,
+        of: impl Fn(&[u32]) -> T,
+    ) -> Vec<T> {
+        let nodes = &self.nodes;
+        let mut parents_first = Vec::with_capacity(nodes.len());
+        let mut waiting: Vec<u32> = (!nodes.is_empty()).then_some(0).into_iter().collect();
+        while let Some(index) = waiting.pop() {
+            parents_first.push(index);
+            let node = &nodes[index as usize];
+            if node.leaves == 0 {
+                waiting.extend([node.first, node.first + 1]);
+            }
+        }
+        let mut totals = vec![T::default(); nodes.len()];
+        for &index in parents_first.iter().rev() {
+            let node = &nodes[index as usize];
+            let first = node.first as usize;
+            totals[index as usize] = if node.leaves == 0 {
+                totals[first] + totals[first + 1]
+            } else {
+                of(&self.order[first..first + node.leaves as usize])
+            };
+        }
+        totals
+    }
+
+    /// The leaves below a node.
+    pub(super) fn leaves_below(&self, node: u32) -> Vec<u32> {
+        let (mut leaves, mut waiting) = (Vec::new(), vec![node]);
+        while let Some(index) = waiting.pop() {
+            let node = &self.nodes[index as usize];
+            let first = node.first as usize;
+            if node.leaves == 0 {
+                waiting.extend([node.first, node.first + 1]);
+            } else {
+                leaves.extend_from_slice(&self.order[first..first + node.leaves as usize]);
+            }
+        }
+        leaves
+    }
+}
+
 fn as_indices(range: &Range<u32>) -> Range<usize> {
     range.start as usize..range.end as usize
 }

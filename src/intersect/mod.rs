@@ -83,6 +83,7 @@ mod leaf_search;
 mod meeting;
 mod newton;
 mod packets;
+mod regions;
 mod singles;
 mod statistics;
 mod streams;

@@ -16,9 +16,8 @@ use crate::patch::{Jet, Leaf, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
-        let Self { tree, leaves, set, reach_of_f32, leaf_width } = self;
-        let leaf_width = (leaf_width * tree.frame.scale) as f32;
-        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32, leaf_width }
+        let Self { tree, leaves, set, reach_of_f32, .. } = self;
+        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32 }
     }
 }
 
@@ -63,7 +62,7 @@ impl Tracer<'_> {
         for &index in &self.single.rest {
             let oriented = bvh.tree.oriented(index);
             let place = bvh.place(index, &oriented);
-            let passage = place.passage(frame, &bvh.tree.frame, limit);
+            let passage = place.passage(frame, bvh.tree.frame_of(index), limit);
             let Some(passage) = passage else { continue };
             let slack = error_bound(place.piece, frame);
             let before = self.findings.meetings.len();
@@ -162,7 +161,7 @@ fn search<S: Simd>(
 ) -> RayFrame {
     let bvh = tracer.bvh;
     let frame = RayFrame::new(ray);
-    let mut single = SingleRay::new(&frame, from, wanted, &bvh.tree.frame);
+    let mut single = SingleRay::new(&frame, from, wanted, bvh.tree.frame());
     let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
     statistics.rays += 1;
     trace_single(simd, &bvh.scene(), &mut single, (&mut *work, &mut *statistics));

@@ -203,9 +203,9 @@ impl<'a> Tracer<'a> {
         findings.effort = 0;
         findings.statistics.rays += 1;
         let mut limit = frame.z_range[1];
-        let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, oriented| {
+        let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, (oriented, region)| {
             let place = bvh.place(index, oriented);
-            let passage = place.passage(frame, &bvh.tree.frame, limit);
+            let passage = place.passage(frame, region, limit);
             let Some(passage) = passage else { return limit };
             let before = findings.meetings.len();
             search(&question, &place, &passage, limit, findings);

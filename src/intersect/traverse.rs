@@ -5,26 +5,26 @@ use glam::DVec3;
 use super::tree::{Child, ChildCode, Node, Tree};
 use crate::geometry::MAX_DEGREE;
 use crate::math::{RayFrame, rounding};
-use crate::patch::OrientedBox;
+use crate::patch::{OrientedBox, SceneFrame};
 
 impl Tree {
     /// Visits the leaves whose boxes the ray may meet, nearer boxes first.
     ///
-    /// `visit` is given a leaf and its oriented box, and returns how far along the ray, in scene
-    /// units, anything is still of interest. Every leaf is visited whose node begins before
+    /// `visit` is given a leaf, its oriented box and the coordinates this is in, and returns how far
+    /// along the ray, in scene units, anything is still of interest. Every leaf is visited whose node begins before
     /// that, and no node is entered later than the ray really does: so a result that is the
     /// least of all does not depend on the tree. Returns the number of nodes looked at.
     pub(super) fn traverse(
         &self,
         ray: &RayFrame,
         stack: &mut Vec<(f64, ChildCode)>,
-        mut visit: impl FnMut(u32, &OrientedBox) -> f64,
+        mut visit: impl FnMut(u32, (&OrientedBox, &SceneFrame)) -> f64,
     ) -> u64 {
-        let slabs = Slabs::new(self, ray);
+        let (mut frame, mut slabs) = (self.frame(), Slabs::new(self.frame(), ray));
         let mut limit = ray.z_range[1];
         let mut visited = 0;
         stack.clear();
-        stack.extend(self.root.map(|root| (f64::NEG_INFINITY, root)));
+        stack.extend(self.root().map(|root| (f64::NEG_INFINITY, root)));
         while let Some((entry, code)) = stack.pop() {
             if entry > limit {
                 continue;
@@ -46,8 +46,13 @@ impl Tree {
                     let (first, count) = self.leaves(index);
                     for lane in 0..count {
                         let oriented = self.blocks[index as usize].oriented(lane);
-                        limit = limit.min(visit(first + lane as u32, &oriented));
+                        limit = limit.min(visit(first + lane as u32, (&oriented, frame)));
                     }
+                }
+                Child::Region(index, way) => {
+                    let (region, next) = self.enter(index, way);
+                    stack.extend(next.map(|code| (f64::NEG_INFINITY, code)));
+                    (frame, slabs) = (&region.frame, Slabs::new(&region.frame, ray));
                 }
             }
         }
@@ -74,8 +79,7 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn new(tree: &Tree, ray: &RayFrame) -> Self {
-        let frame = &tree.frame;
+    fn new(frame: &SceneFrame, ray: &RayFrame) -> Self {
         let origin = frame.scaled(ray.origin);
         // Rounding of the subtraction, and of the surface's own points for this origin.
         let center = frame.center.abs().max_element();

@@ -1,40 +1,64 @@
 //! The hierarchy of boxes around leaves, for all kernels: nodes of sixteen children, and blocks
 //! of up to sixteen leaves' oriented boxes.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use super::collapse::Collapse;
-use super::hierarchy::Hierarchy;
-use crate::patch::{MOST_TOGETHER, OrientedBox, ScaledBox, SceneFrame};
+use super::coherence::leaf_width;
+use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, SceneFrame};
 
 /// Children of a node, and leaves in a block, at most: lanes of a vector of f32.
 pub(super) const LANES: usize = 16;
 const _: () = assert!(MOST_TOGETHER <= LANES, "leaves that are kept together fit into a block");
 
-/// Marks a child that is a block of leaves: the rest of the number is its index.
-const BLOCK: u32 = 1 << 31;
+/// The number's highest two bits say what it counts.
+const NODE: u32 = 0;
+const REGION: u32 = 1 << 30;
+const BLOCK: u32 = 2 << 30;
+const BACK: u32 = 3 << 30;
 
-/// What a child of a node is.
+/// What a ray comes to next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Child {
     Node(u32),
     Block(u32),
+    /// A [`Region`] of the scene, in whose coordinates the search goes on.
+    Region(u32, Way),
 }
 
-/// A child as a number: a node's index, or a block's with [`BLOCK`] set.
+/// How a ray comes to a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// From the one around it.
+    In,
+    /// From one inside it that is done.
+    Back,
+}
+
+/// A child as a number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ChildCode(u32);
 
 impl ChildCode {
     pub(super) fn new(child: Child) -> Self {
         match child {
-            Child::Node(index) => Self(index),
+            Child::Node(index) => Self(index | NODE),
             Child::Block(index) => Self(index | BLOCK),
+            Child::Region(index, Way::In) => Self(index | REGION),
+            Child::Region(index, Way::Back) => Self(index | BACK),
         }
     }
 
+    #[inline(always)]
     pub(super) fn child(self) -> Child {
-        if self.0 & BLOCK == 0 { Child::Node(self.0) } else { Child::Block(self.0 & !BLOCK) }
+        let index = self.0 & (REGION - 1);
+        match self.0 & BACK {
+            NODE => Child::Node(index),
+            BLOCK => Child::Block(index),
+            REGION => Child::Region(index, Way::In),
+            _ => Child::Region(index, Way::Back),
+        }
     }
 }
 
@@ -105,32 +129,85 @@ impl LeafBlock {
     }
 }
 
+/// A part of the scene with scaled coordinates of its own: all of it, or something small in it (see
+/// [`regions`](super::regions)).
+#[derive(Clone, Debug)]
+pub(super) struct Region {
+    pub(super) frame: SceneFrame,
+    /// Where rays begin in it; nowhere if there are no leaves.
+    pub(super) root: Option<ChildCode>,
+    /// The region it is a part of; of the first, itself.
+    pub(super) around: u32,
+    /// The first of its leaves, but for those of regions in it: they are as many as come before the
+    /// next region's.
+    pub(super) first_leaf: u32,
+    /// The width of those leaves, in scaled coordinates.
+    pub(super) leaf_width: f32,
+}
+
 /// Nodes over blocks of leaves. Leaves are numbered in the order of the blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<LeafBlock>,
     /// The first leaf of each block, and the end of the last.
-    starts: Vec<u32>,
-    /// Where every ray begins; nowhere if there are no leaves.
-    pub(super) root: Option<ChildCode>,
-    pub(super) frame: SceneFrame,
+    pub(super) starts: Vec<u32>,
+    /// The whole scene first.
+    pub(super) regions: Vec<Region>,
 }
 
 impl Tree {
-    /// The tree over [`GroupedParts`](crate::patch::GroupedParts) with the given boxes, without oriented
-    /// boxes so far, and the order in which the parts are to become leaves.
-    pub(super) fn new(frame: SceneFrame, boxes: &[ScaledBox], groups: &[u32]) -> (Self, Vec<u32>) {
-        let binary = Hierarchy::new(boxes, groups);
-        let Collapse { nodes, starts, order, root, .. } = Collapse::of(&binary);
-        (Self { nodes, blocks: Vec::new(), starts, root, frame }, order)
-    }
-
-    /// Takes in the leaves' oriented boxes.
-    pub(super) fn fill(&mut self, boxes: &[OrientedBox]) {
+    /// Takes in the leaves, and their oriented boxes.
+    pub(super) fn fill(&mut self, leaves: &[Leaf], boxes: &[OrientedBox]) {
         let blocks = self.starts.par_windows(2);
         let blocks = blocks.map(|ends| LeafBlock::new(&boxes[ends[0] as usize..ends[1] as usize]));
         self.blocks = blocks.collect();
+        for k in 0..self.regions.len() {
+            let own = &leaves[self.leaves_of(k)];
+            let region = &mut self.regions[k];
+            region.leaf_width = (leaf_width(own) * region.frame.scale) as f32;
+        }
+    }
+
+    /// The coordinates of the whole scene.
+    pub(super) fn frame(&self) -> &SceneFrame {
+        &self.regions[0].frame
+    }
+
+    /// Where rays begin.
+    pub(super) fn root(&self) -> Option<ChildCode> {
+        self.regions[0].root
+    }
+
+    /// A region that is come to, and what is to be put on the stack then.
+    pub(super) fn enter(
+        &self,
+        region: u32,
+        way: Way,
+    ) -> (&Region, impl Iterator<Item = ChildCode>) {
+        let region = &self.regions[region as usize];
+        let next = match way {
+            Way::In => {
+                let back = Child::Region(region.around, Way::Back);
+                [Some(ChildCode::new(back)), region.root]
+            }
+            Way::Back => [None; 2],
+        };
+        (region, next.into_iter().flatten())
+    }
+
+    /// The coordinates in which a leaf's box is given.
+    pub(super) fn frame_of(&self, leaf: u32) -> &SceneFrame {
+        // The last that begins there: one without leaves begins where the next does.
+        let after = self.regions.partition_point(|region| region.first_leaf <= leaf);
+        &self.regions[after - 1].frame
+    }
+
+    /// A region's own leaves.
+    fn leaves_of(&self, region: usize) -> Range<usize> {
+        let end = self.regions.get(region + 1).map(|next| next.first_leaf);
+        let end = end.or(self.starts.last().copied()).unwrap_or(0);
+        self.regions[region].first_leaf as usize..end as usize
     }
 
     /// The first leaf of a block, and how many there are.
@@ -147,6 +224,9 @@ impl Tree {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + size_of_val(&self.starts[..])
+        size_of_val(&self.nodes[..])
+            + size_of_val(&self.blocks[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.regions[..])
     }
 }

@@ -118,7 +118,7 @@ impl PatchSet {
 }
 
 fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
-    let limit = u32::MAX as usize / 2;
+    let limit = u32::MAX as usize / 4; // two bits say what a number counts
     if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 

@@ -40,7 +40,7 @@ pub(super) struct Apart {
 }
 
 impl Apart {
-    /// For a packet's rays; `leaf_width` is in scaled coordinates.
+    /// For a packet's rays, in the scaled coordinates in which leaves are so wide.
     #[simd]
     pub(super) fn set<S: Simd>(&mut self, simd: S, packet: &Packet, leaf_width: f32) {
         self.groups = None;

@@ -2,11 +2,11 @@
 //! rays at once, and the same in f32.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
-use glam::DVec3;
 
 use super::search::dot_d;
 use crate::intersect::Shot;
 use crate::math::Ray;
+use crate::patch::SceneFrame;
 
 /// Origins farther than this from the scene, in its half sizes, are moved nearer for the
 /// work in f32: it would otherwise lose digits to the distance.
@@ -111,15 +111,10 @@ pub(super) struct Narrow<S: Simd> {
 }
 
 impl<S: Simd> Narrow<S> {
-    /// The f32 coordinates of sixteen rays, in a scene with this center and scale.
+    /// The f32 coordinates of sixteen rays.
     #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        low: &Frames<S>,
-        high: &Frames<S>,
-        center: DVec3,
-        scale: f64,
-    ) -> Self {
+    pub(super) fn new(simd: S, low: &Frames<S>, high: &Frames<S>, frame: &SceneFrame) -> Self {
+        let SceneFrame { center, scale } = *frame;
         let unscale = f64x8::splat(simd, 1.0 / scale); // of a power of two, so exact
         let scale = f64x8::splat(simd, scale);
         let zero = f64x8::splat(simd, 0.0);

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, f64x8};
 use fearless_simd_macros::simd;
-use glam::DVec3;
 
 use super::box_ray::BLUR;
 use super::frames::{Frames, Narrow, perpendicular};
@@ -18,47 +17,87 @@ use crate::patch::SceneFrame;
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
 pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], scene: &Scene<'_>) {
-    let SceneFrame { center, scale } = scene.tree.frame;
-    packet.scale = scale;
+    let frame = scene.tree.frame();
     packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
         let high = frames(simd, packet, shots, base + 8);
-        narrow(simd, packet, base, (&low, &high), center);
+        narrow(simd, packet, base, (&low, &high), frame);
     }
+    packet.scale = frame.scale;
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
-    leave_out(simd, packet, scene.reach_of_f32);
+    let far_off = beyond(simd, packet, scene.reach_of_f32);
+    if far_off != 0 {
+        for k in lanes_of(far_off) {
+            packet.z[k] = f64::NEG_INFINITY;
+        }
+        packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
+        leave_out(packet, far_off);
+    }
     packet.turned = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
 }
 
-/// Leaves out the rays that come from too far away: in their lanes, and in idle ones that repeat such a
-/// ray, there may be no numbers of f32, which would spoil what is said of all lanes.
+/// Brings the rays of a packet, as far as their nearest hits, into other scaled coordinates.
+#[cold]
 #[simd]
-fn leave_out<S: Simd>(simd: S, packet: &mut Packet, reach_of_f32: f64) {
+pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFrame, reach: f64) {
+    for base in (0..PACKET).step_by(LANES) {
+        let halves = [base, base + 8].map(|base| {
+            let eight = base..base + 8;
+            let of = |lanes: &[f64; PACKET]| f64x8::from_slice(simd, &lanes[eight.clone()]);
+            Frames {
+                origin: load3d(simd, &packet.origin, base),
+                axis: load3d(simd, &packet.axis, base),
+                t_from_z: of(&packet.t_from_z),
+                ends: [of(&packet.z_min), of(&packet.z)],
+                magnitude: of(&packet.magnitude),
+            }
+        });
+        narrow(simd, packet, base, (&halves[0], &halves[1]), frame);
+    }
+    packet.scale = frame.scale;
+    let far_off = beyond(simd, packet, reach);
+    if far_off != 0 {
+        leave_out(packet, far_off);
+    }
+    packet.bounds = bounds(simd, packet, 0..PACKET);
+    packet.farthest = farthest(simd, packet);
+}
+
+/// The places of the bits that are set.
+fn lanes_of(bits: u64) -> impl Iterator<Item = usize> {
+    (0..PACKET).filter(move |k| bits >> k & 1 != 0)
+}
+
+/// The lanes, idle ones too, whose rays come from too far away.
+#[simd]
+fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
     let reach = f64x8::splat(simd, reach_of_f32);
     let mut far_off = 0;
     for base in (0..PACKET).step_by(8) {
         let magnitude = f64x8::from_slice(simd, &packet.magnitude[base..base + 8]);
         far_off |= magnitude.simd_gt(reach).to_bitmask() << base;
     }
-    if far_off == 0 {
-        return;
-    }
+    far_off
+}
+
+/// Leaves out the rays that come from too far away: in their lanes, and in idle ones that repeat such a
+/// ray, there may be no numbers of f32, which would spoil what is said of all lanes.
+fn leave_out(packet: &mut Packet, far_off: u64) {
     let other = (!far_off).trailing_zeros() as usize % PACKET;
-    for k in (0..PACKET).filter(|k| far_off >> k & 1 != 0) {
-        (packet.z[k], packet.far_f[k]) = (f64::NEG_INFINITY, f32::NEG_INFINITY);
+    for k in lanes_of(far_off) {
+        packet.far_f[k] = f32::NEG_INFINITY;
         packet.near_f[k] = packet.near_f[other];
         for i in 0..3 {
             packet.origin_f[i][k] = packet.origin_f[i][other];
             packet.axis_f[i][k] = packet.axis_f[i][other];
         }
     }
-    packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
 }
 
 /// The frames of eight rays.
@@ -116,9 +155,9 @@ fn narrow<S: Simd>(
     packet: &mut Packet,
     base: usize,
     (low, high): (&Frames<S>, &Frames<S>),
-    center: DVec3,
+    frame: &SceneFrame,
 ) {
-    let narrow = Narrow::new(simd, low, high, center, packet.scale);
+    let narrow = Narrow::new(simd, low, high, frame);
     let sixteen = base..base + LANES;
     for half in 0..2 {
         store(simd, &mut packet.shift, base + 8 * half, narrow.shift[half]);

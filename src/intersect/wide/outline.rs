@@ -43,7 +43,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     let (shortest, longest) = (least.sqrt(), most.sqrt());
     let (per_shortest, per_longest) = (1.0 / shortest, 1.0 / longest);
 
-    let frame = &scene.tree.frame;
+    let frame = scene.tree.frame();
     let mut middle = [0.0; 3];
     let mut square = 0.0;
     for k in 0..3 {

@@ -39,8 +39,6 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub(in crate::intersect) reach_of_f32: f64,
-    /// The width of leaves, in scaled coordinates.
-    pub(in crate::intersect) leaf_width: f32,
 }
 
 /// Scenes of more leaves than this do not fit into the memory near the processor.
@@ -117,7 +115,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
     work.clear();
-    let Some(mut next) = scene.tree.root else { return };
+    let Some(mut next) = scene.tree.root() else { return };
     loop {
         match next.child() {
             Child::Node(index) => {
@@ -133,6 +131,11 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
                 if ray.is_done() {
                     return;
                 }
+            }
+            Child::Region(index, way) => {
+                let (region, next) = scene.tree.enter(index, way);
+                work.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
+                ray.change_to(&region.frame, work.hit.as_ref());
             }
         }
         next = loop {

@@ -82,17 +82,17 @@ impl<'a> SingleRay<'a> {
         wanted: Wanted,
         scene: &SceneFrame,
     ) -> Self {
-        let scale = scene.scale;
-        let scaled = scene.scaled(frame.origin);
-        let square = scaled.length_squared();
-        let shift = shift_to_scene(square, scaled.dot(frame.axis));
-        let origin = (scaled + shift * frame.axis).as_vec3();
-        let axis = frame.axis.as_vec3();
-        let near = (frame.z_range[0] * scale - shift - SPARE) as f32;
-        let far = (frame.z_range[1] * scale - shift + SPARE) as f32;
-        let boxes = BoxRay::new(origin.to_array(), axis.to_array(), [near, far]);
+        let (boxes, shift) = boxes_in(scene, frame, frame.z_range[1]);
         let start = Start { from, origin: frame.origin, ahead: frame.z_range[0] >= 0.0 };
-        Self { frame, start, wanted, boxes, shift: shift / scale, scale }
+        Self { frame, start, wanted, boxes, shift, scale: scene.scale }
+    }
+
+    /// Brings the ray, as far as its nearest hit if there is one, into other scaled coordinates.
+    #[cold]
+    pub(super) fn change_to(&mut self, scene: &SceneFrame, hit: Option<&SingleHit>) {
+        let end = hit.map_or(self.frame.z_range[1], |hit| hit.z);
+        (self.boxes, self.shift) = boxes_in(scene, self.frame, end);
+        self.scale = scene.scale;
     }
 
     /// The largest coordinate magnitude of the origin.
@@ -121,6 +121,20 @@ impl<'a> SingleRay<'a> {
     pub(super) fn is_done(&self) -> bool {
         self.boxes.far == f32::NEG_INFINITY
     }
+}
+
+/// A ray in scaled coordinates, as far as `end`, and the distance by which its origin was moved.
+#[inline(always)]
+pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRay, f64) {
+    let scale = scene.scale;
+    let scaled = scene.scaled(frame.origin);
+    let square = scaled.length_squared();
+    let shift = shift_to_scene(square, scaled.dot(frame.axis));
+    let origin = (scaled + shift * frame.axis).as_vec3();
+    let axis = frame.axis.as_vec3();
+    let near = (frame.z_range[0] * scale - shift - SPARE) as f32;
+    let far = (end * scale - shift + SPARE) as f32;
+    (BoxRay::new(origin.to_array(), axis.to_array(), [near, far]), shift / scale)
 }
 
 /// How far certificates speak of a leaf, in half sides.

@@ -14,11 +14,12 @@ use super::frames::{Frames, Narrow};
 use super::lane_net::Form;
 use super::pairs::{Pair, PairLanes};
 use super::single::{Kept, Scene, SingleWork, is_certified, keep, search_ahead};
-use super::single_ray::{Place, SingleHit, SingleRay, Wanted};
+use super::single_ray::{Place, SingleHit, SingleRay, Wanted, boxes_in};
 use super::start::Start;
-use crate::intersect::tree::{Child, ChildCode};
+use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
 use crate::math::{Ray, RayFrame};
+use crate::patch::SceneFrame;
 
 /// Rays in flight at a time: enough to fill the lanes with pairs, few enough to stay near the
 /// processor.
@@ -32,6 +33,7 @@ struct Flight {
     stack: Stack,
     /// As in [`SingleRay`].
     shift: f64,
+    scale: f64,
     magnitude: f64,
     t_from_z: f64,
     /// The nearest hit so far, if there is one.
@@ -50,6 +52,7 @@ pub(in crate::intersect) struct Stream {
     waiting: Vec<u32>,
     nodes: Vec<Visit>,
     blocks: Vec<Visit>,
+    regions: Vec<(u32, (u32, Way))>,
     pairs: Vec<Pair>,
     lanes: Box<PairLanes>,
     single: SingleWork,
@@ -112,7 +115,7 @@ fn walk<S: Simd, Q: Shot>(
     statistics: &mut Statistics,
 ) {
     let tree = scene.tree;
-    let Stream { flights, walking, waiting, nodes, blocks, pairs, single, .. } = stream;
+    let Stream { flights, walking, waiting, nodes, blocks, regions, pairs, single, .. } = stream;
     let mut entries = [Entries { entry: [0.0; LANES], met: 0 }; AT_ONCE];
     let mut crossings = [Crossings::NONE; AT_ONCE];
     waiting.clear();
@@ -123,13 +126,21 @@ fn walk<S: Simd, Q: Shot>(
             match flights[k as usize].next().map(ChildCode::child) {
                 Some(Child::Node(index)) => nodes.push((k, index)),
                 Some(Child::Block(index)) => blocks.push((k, index)),
+                Some(Child::Region(index, way)) => regions.push((k, (index, way))),
                 None => {}
             }
         }
-        if nodes.is_empty() && blocks.is_empty() {
+        if nodes.is_empty() && blocks.is_empty() && regions.is_empty() {
             break;
         }
         walking.clear();
+        for (k, (index, way)) in regions.drain(..) {
+            let (region, next) = tree.enter(index, way);
+            let flight = &mut flights[k as usize];
+            flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
+            flight.change_to(&region.frame, shots[k as usize].ray());
+            walking.push(k);
+        }
         statistics.nodes += nodes.len() as u64;
         for visits in nodes.chunks(AT_ONCE) {
             for (&(k, index), entries) in visits.iter().zip(&mut entries) {
@@ -192,10 +203,10 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
 fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
     stream.walking.clear();
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
-    let (center, scale) = (scene.tree.frame.center, scene.tree.frame.scale);
+    let frame = scene.tree.frame();
     for base in (0..shots.len()).step_by(LANES) {
         let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
-        let narrow = Narrow::new(simd, &halves[0], &halves[1], center, scale);
+        let narrow = Narrow::new(simd, &halves[0], &halves[1], frame);
         let mut numbers = [[0f32; LANES]; 8];
         let [ox, oy, oz] = narrow.origin;
         let [dx, dy, dz] = narrow.axis;
@@ -217,13 +228,13 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
             let axis = [dx[lane], dy[lane], dz[lane]];
             flight.boxes.set(origin, axis, [near[lane], far[lane]]);
             let [shift, magnitude, t_from_z] = &wide[lane / 8];
-            flight.shift = shift[lane % 8];
+            (flight.shift, flight.scale) = (shift[lane % 8], frame.scale);
             flight.magnitude = magnitude[lane % 8];
             flight.t_from_z = t_from_z[lane % 8];
             flight.met = false;
             flight.alone = scene.is_beyond_f32(flight.magnitude);
             flight.stack.clear();
-            if let Some(root) = scene.tree.root
+            if let Some(root) = scene.tree.root()
                 && !flight.alone
             {
                 flight.stack.push((f32::NEG_INFINITY, root));
@@ -298,7 +309,7 @@ impl Task<'_> {
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray =
-            SingleRay::new(&frame, self.start.from, Wanted::First, &self.scene.tree.frame);
+            SingleRay::new(&frame, self.start.from, Wanted::First, self.scene.tree.frame());
         single.clear();
         search_ahead(simd, self.scene, leaf, (start, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
@@ -323,13 +334,22 @@ impl Flight {
         None
     }
 
+    /// Goes on in other scaled coordinates.
+    #[cold]
+    fn change_to(&mut self, scene: &SceneFrame, ray: &Ray) {
+        let frame = RayFrame::new(ray);
+        let end = if self.met { self.hit.z } else { frame.z_range[1] };
+        (self.boxes, self.shift) = boxes_in(scene, &frame, end);
+        self.scale = scene.scale;
+    }
+
     /// Whether a hit is the nearest so far: then the ray ends there.
     #[inline(always)]
     fn takes(&mut self, scene: &Scene<'_>, hit: &Place) -> bool {
         let known = self.hit.place();
         match keep(hit, scene, self.met.then_some(&known)) {
             Kept::Nearer => {
-                self.boxes.far = Wanted::First.far(hit.z, self.shift, scene.tree.frame.scale);
+                self.boxes.far = Wanted::First.far(hit.z, self.shift, self.scale);
                 self.met = true;
                 return true;
             }

@@ -9,13 +9,13 @@ use super::distances::LaneDistances;
 use super::doubts::{Doubts, settle};
 use super::lane_proof::Parts;
 use super::leaf::search_leaf;
-use super::load::load;
+use super::load::{change_to, load};
 use super::outline::outline;
 use super::packet::{Packet, PacketBounds};
 use super::search::bits;
 use super::single::Scene;
 use super::{LANES, PACKET};
-use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node};
+use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
 /// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
@@ -93,9 +93,9 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         return packet.clear(shots.len());
     }
     load(simd, packet, shots, scene);
-    work.apart.set(simd, packet, scene.leaf_width);
+    work.apart.set(simd, packet, tree.regions[0].leaf_width);
     work.stack.clear();
-    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root, ALL)));
+    work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((entry, code, rays)) = work.stack.pop() {
         if entry > packet.farthest {
             continue;
@@ -121,11 +121,32 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
                 // The nearest child is popped first.
                 work.stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
             }
+            Child::Region(index, way) => {
+                let (region, next) = tree.enter(index, way);
+                work.stack.extend(next.map(|code| (f32::NEG_INFINITY, code, rays)));
+                change_region(simd, scene, region, packet, work, statistics);
+            }
         }
     }
     if !work.doubts.is_empty() {
         settle(simd, scene, packet, work, statistics, true);
     }
+}
+
+/// Goes on in the coordinates of another region; what was put aside is in those of the last.
+#[cold]
+#[simd]
+fn change_region<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    region: &Region,
+    packet: &mut Packet,
+    work: &mut Work,
+    statistics: &mut Statistics,
+) {
+    settle(simd, scene, packet, work, statistics, true);
+    change_to(simd, packet, &region.frame, scene.reach_of_f32);
+    work.apart.set(simd, packet, region.leaf_width);
 }
 
 /// Whether the outline of some rays is enough to see that they meet no leaf.
@@ -139,7 +160,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
     let tree = scene.tree;
     let Some((bounds, farthest)) = outline(simd, shots, scene) else { return false };
     work.stack.clear();
-    work.stack.extend(tree.root.map(|root| (f32::NEG_INFINITY, root, ALL)));
+    work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((_, code, _)) = work.stack.pop() {
         work.touch(ahead);
         match code.child() {
@@ -160,6 +181,8 @@ fn meets_nothing<S: Simd, Q: Shot>(
                     met &= met - 1;
                 }
             }
+            // A closer look is due.
+            Child::Region(..) => return false,
         }
     }
     true
