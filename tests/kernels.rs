@@ -116,6 +116,19 @@ fn models() -> Vec<(String, Vec<Surface>)> {
     models
 }
 
+/// The size of the smallest body of [`small_in_large`].
+const SMALL: f64 = 1e-7;
+
+/// A floor, a sphere of 1e-4 of its size on it, and beside that a torus of 1e-7.
+fn small_in_large() -> Vec<Surface> {
+    let at = |z: f64, x: f64| DAffine3::from_translation(DVec3::new(0.3 + x, 0.2, z));
+    let floor = shapes::plane(2.0, 2.0).unwrap();
+    let sphere = shapes::sphere(1e-4).unwrap().transformed(&at(1e-4, 0.0)).unwrap();
+    let torus = shapes::torus(SMALL, 0.4 * SMALL).unwrap();
+    let torus = torus.transformed(&at(SMALL, 1.1e-4)).unwrap();
+    [floor, sphere, torus].map(Surface::from).into()
+}
+
 /// Rays from one eye through a grid, rays from everywhere, and rays at corners, knot lines,
 /// poles and along axes.
 fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -> Vec<Query> {
@@ -260,7 +273,12 @@ fn everywhere(check: Check) {
     for (scale, shift) in
         [(1.0, DVec3::ZERO), (1e-8, DVec3::ZERO), (1.0, DVec3::new(1e6, 2e6, -1e6))]
     {
-        for (name, surfaces) in models() {
+        let mut models: Vec<_> = models().into_iter().map(|(n, s)| (n, s, scale)).collect();
+        if shift == DVec3::ZERO {
+            // Elsewhere there are not enough numbers for something so small.
+            models.push(("small in large".into(), small_in_large(), SMALL * scale));
+        }
+        for (name, surfaces, scale_of_least) in models {
             let placed =
                 DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
             let surfaces: Vec<_> =
@@ -271,7 +289,8 @@ fn everywhere(check: Check) {
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
             let queries = rays(&surfaces, center, radius, &mut random);
             let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
-            check(&name, scale, &bvh, &queries, &leaving(&hits, radius, &mut random));
+            let leaving = leaving(&hits, radius, &mut random);
+            check(&name, scale_of_least, &bvh, &queries, &leaving);
         }
     }
 }
@@ -495,6 +514,50 @@ fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
             let off = hit.normal.distance(hit.point.normalize());
             let parallel = hit.point.truncate().length();
             assert!(off < 1e-15 + 1e-15 / parallel, "{kernel}: {off}: {hit:?}");
+        }
+    }
+}
+
+/// Leaves looked at by all kernels for rays that are aimed at a body.
+fn leaf_tests(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<u64> {
+    let count = |kernel: Kernel, coherence: Option<Coherence>| {
+        let (mut tracer, mut answers) = (bvh.tracer_with(kernel), Vec::new());
+        match coherence {
+            Some(coherence) => tracer.first_hits(queries, coherence, &mut answers),
+            None => answers.extend(queries.iter().map(|query| tracer.first_hit(query))),
+        }
+        assert!(answers.iter().all(|answer| answer.hit.is_some() && !answer.doubtful));
+        tracer.statistics().leaf_tests
+    };
+    let company = [None, Some(Coherence::Coherent), Some(Coherence::Incoherent)];
+    let asked = wide_kernels().flat_map(|kernel| company.map(|c| count(kernel, c)));
+    asked.collect()
+}
+
+#[test]
+fn small_bodies_cost_what_they_cost_alone() {
+    let built =
+        |surfaces: &[NurbsSurface]| SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap();
+    let ball = shapes::sphere(1.0).unwrap();
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    // Seen from near by, through a square of pixels.
+    let eye = 4.0 * random.direction();
+    let right = eye.any_orthonormal_vector();
+    let up = eye.cross(right).normalize();
+    let rays = (0..1024).map(|k| {
+        let (x, y) = ((k % 32) as f64 / 32.0 - 0.5, (k / 32) as f64 / 32.0 - 0.5);
+        Query::primary(Ray::new(eye, x * right + y * up - eye).unwrap())
+    });
+    let queries: Vec<Query> = rays.collect();
+    let alone = leaf_tests(&built(&[ball.clone()]), &queries);
+    for size in [1e4, 1e6, 1e8] {
+        let floor = shapes::plane(size, size).unwrap();
+        let below = DAffine3::from_translation(DVec3::new(0.3 * size, 0.2 * size, -20.0));
+        let scene = built(&[ball.clone(), floor.transformed(&below).unwrap()]);
+        for (with, alone) in leaf_tests(&scene, &queries).iter().zip(&alone) {
+            // The floor is looked at, too.
+            let most = 2 * alone + queries.len() as u64;
+            assert!(with <= &most, "{size}: {with} leaf tests instead of {alone}");
         }
     }
 }
