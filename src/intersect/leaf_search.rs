@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec4};
 
-use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
+use super::borders::{Known, at_border, error_bound, on_piece, rounding_at, trim_side};
 use super::exact::{AT_POLE, END, Proof, Rect, STRETCH, Solution, Task};
 use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
@@ -209,10 +209,14 @@ fn accept(
     // What trims cut off is not there; their edges are. In a pole is what any kept parameter
     // leads to.
     let (mut piece, mut piece_index) = (piece, leaf.piece);
-    match trim_side(leaf, piece, st, &jet, z_error) {
+    let known = Known { ray, error, along: z_error };
+    match trim_side(leaf, piece, (st, &jet), &known) {
         Side::Inside => {}
         Side::Edge { inside, .. } => {
             flags.insert(HitFlags::TRIM_EDGE);
+            if z_error > UNSEEN * error {
+                flags.insert(HitFlags::DOUBTFUL);
+            }
             let spot = Spot { index: piece_index, piece, st, jet };
             let pole = leaf.collapsed(piece).filter(|_| !inside);
             let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
@@ -304,6 +308,10 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
+
+/// Where a ray meets a trim edge at so small an angle that the root is known to this many errors only,
+/// its side of the edge is said to be doubtful: what is shown may be off the edge by as much.
+const UNSEEN: f64 = 1e5;
 
 /// How far off a root may be along the ray, for how far a point may be from it.
 fn error_along(proof: Proof, error: f64, cosine: f64) -> f64 {
