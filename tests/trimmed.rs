@@ -526,3 +526,47 @@ fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
         }
     }
 }
+
+#[test]
+fn a_ray_at_a_small_angle_meets_no_edge_beside_its_way() {
+    // A disc of radius 0.5 in the plane z = 0; rays cross the plane somewhere, at all small angles.
+    let disc = [circle(0.5, 0.5, 0.25)];
+    let bvh = build(&[trimmed(shapes::plane(2.0, 2.0).unwrap(), Kept::Odd, &disc).into()]);
+    let mut random = Random::new(15);
+    let rays = (0..12_000).map(|_| {
+        let along = DVec2::from_angle(random.between(0.0, TAU));
+        let slope = random.power_of_ten(-14.0, -2.0) * random.sign();
+        let at = DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        (at, along.extend(slope))
+    });
+    let rays: Vec<(DVec2, DVec3)> = rays.collect();
+    let ray = |(at, along): &(DVec2, DVec3)| {
+        Query::primary(Ray::new(at.extend(0.0) - 3.0 * along, *along).unwrap())
+    };
+    let queries: Vec<Query> = rays.iter().map(ray).collect();
+    for (who, hits) in asked(&bvh, &queries) {
+        let mut told = [0; 2];
+        for ((at, along), hit) in rays.iter().zip(&hits) {
+            let Some(hit) = hit else {
+                // Only at angles at which rounding moves the crossing by some 1e-10 and more.
+                assert!(along.z.abs() < 1e-4, "{who}: {at} {along} is in doubt");
+                continue;
+            };
+            told[usize::from(hit.is_some())] += 1;
+            // The ray is known, and so is the place where it crosses the plane, to some roundings.
+            let rounding = 1e-14;
+            let reach = rounding / along.z.abs();
+            let (middle, off_way) = (-at.dot(along.truncate()), at.perp_dot(along.truncate()));
+            let half_way = (0.25 - off_way * off_way).max(0.0).sqrt();
+            let to_disc = middle.abs() - half_way; // along the ray, from the crossing
+            if hit.is_some() {
+                let way = off_way.abs() <= 0.5 + rounding;
+                assert!(way && to_disc <= reach, "{who}: {at} {along} hits, off by {to_disc}");
+            } else {
+                let out = off_way.abs() >= 0.5 - rounding || to_disc >= -reach;
+                assert!(out, "{who}: {at} {along} is missed, inside by {to_disc}");
+            }
+        }
+        assert!(told.iter().all(|&count| count > 1500), "{who}: {told:?} of {}", rays.len());
+    }
+}
