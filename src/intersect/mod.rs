@@ -32,7 +32,8 @@
 //! It is made fast in `wide`. The other kernels take coherent batches ([`Coherence`]) in packets and
 //! search sixteen rays at a time in f32. For first hits of other batches they search sixteen pairs of
 //! a ray and a leaf; for one ray, or for the occlusion of such batches, they test sixteen boxes at a
-//! time. Each hit is finished in f64 on the true surface. What neither the certificate nor those
+//! time. What is small against the scene is searched in coordinates of its own (`regions`), as f32 would
+//! not see it else. Each hit is finished in f64 on the true surface. What neither the certificate nor those
 //! proofs decide goes the scalar way. What a ray is answered does not depend on its neighbours.
 //!
 //! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the

@@ -8,8 +8,8 @@ use crate::math::{Aabb, rounding};
 /// more than any rounding of f64.
 const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Coordinates moved and scaled, by a power of two, so that a scene lies within `[−1, 1]³`:
-/// f32 is then as fine at 1e6 as at the origin.
+/// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is searched
+/// by itself, lies within `[−1, 1]³`: f32 is then as fine at 1e6 as at the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneFrame {
     /// The middle of the scene.
