@@ -50,7 +50,7 @@
 //! [[object]]
 //! shape = { torus = { major = 1, minor = 0.25 } }
 //! material = "clay"
-//! reverse = false                        # true turns its surfaces inside out
+//! reverse = false                        # true turns its surfaces inside out: they run backwards in u
 //! transform = [                          # the first one first
 //!     { scale = 0.8 },                   # or [x, y, z]
 //!     { rotate = { axis = "x", degrees = 60 } },
