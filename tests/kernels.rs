@@ -157,6 +157,15 @@ fn rays(surfaces: &[Surface], center: DVec3, radius: f64, random: &mut Random) -
         rays.push((origin, target - origin));
     }
     for k in 0..150 {
+        // From as far away as rays may be that small things in large scenes are still seen by in f32.
+        let surface = &charts[k * 7919 % charts.len()].surface;
+        let [(u0, u1), (v0, v1)] = surface.domain();
+        let (a, b) = (random.next(), random.next());
+        let target = surface.point_at(u0 + a * (u1 - u0), v0 + b * (v1 - v0));
+        let origin = target + random.next() * 800.0 * radius * random.direction();
+        rays.push((origin, target - origin));
+    }
+    for k in 0..150 {
         let axis = [DVec3::X, DVec3::Y, -DVec3::Z][k % 3];
         let at = (4.0 * random.direction()).round() / 4.0 * radius;
         rays.push((center + at - 3.0 * radius * axis, axis));
@@ -549,7 +558,7 @@ fn small_bodies_cost_what_they_cost_alone() {
         Query::primary(Ray::new(eye, x * right + y * up - eye).unwrap())
     });
     let queries: Vec<Query> = rays.collect();
-    let alone = leaf_tests(&built(&[ball.clone()]), &queries);
+    let alone = leaf_tests(&built(std::slice::from_ref(&ball)), &queries);
     for size in [1e4, 1e6, 1e8] {
         let floor = shapes::plane(size, size).unwrap();
         let below = DAffine3::from_translation(DVec3::new(0.3 * size, 0.2 * size, -20.0));

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
-use nurbray::geometry::{NurbsSurface, Surface, TrimmedSurface, shapes};
+use nurbray::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
 use nurbray::intersect::{BuildOptions, Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
@@ -527,13 +527,16 @@ fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
     }
 }
 
-#[test]
-fn a_ray_at_a_small_angle_meets_no_edge_beside_its_way() {
-    // A disc of radius 0.5 in the plane z = 0; rays cross the plane somewhere, at all small angles.
-    let disc = [circle(0.5, 0.5, 0.25)];
-    let bvh = build(&[trimmed(shapes::plane(2.0, 2.0).unwrap(), Kept::Odd, &disc).into()]);
+/// Rays across what is left of the plane z = 0, at all small angles, are met where they cross it, or
+/// doubtful. `way` says from where to where a line in the plane passes over that, grown by a length.
+fn check_small_angles(
+    name: &str,
+    surface: TrimmedSurface,
+    way: impl Fn(DVec2, DVec2, f64) -> Option<[f64; 2]>,
+) {
+    let bvh = build(&[surface.into()]);
     let mut random = Random::new(15);
-    let rays = (0..12_000).map(|_| {
+    let rays = (0..8000).map(|_| {
         let along = DVec2::from_angle(random.between(0.0, TAU));
         let slope = random.power_of_ten(-14.0, -2.0) * random.sign();
         let at = DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
@@ -546,27 +549,95 @@ fn a_ray_at_a_small_angle_meets_no_edge_beside_its_way() {
     let queries: Vec<Query> = rays.iter().map(ray).collect();
     for (who, hits) in asked(&bvh, &queries) {
         let mut told = [0; 2];
-        for ((at, along), hit) in rays.iter().zip(&hits) {
+        for (&(at, along), hit) in rays.iter().zip(&hits) {
+            let context = || format!("{name}, {who}: {at} {along} {hit:?}");
             let Some(hit) = hit else {
-                // Only at angles at which rounding moves the crossing by some 1e-10 and more.
-                assert!(along.z.abs() < 1e-4, "{who}: {at} {along} is in doubt");
+                // Only at angles at which rounding moves the crossing by some 1e-10 and more; the
+                // exact solver, that has nothing but boxes, may doubt some others.
+                let by_boxes = who == "exact" || who == "all hits";
+                assert!(by_boxes || along.z.abs() < 2e-5, "{}", context());
                 continue;
             };
             told[usize::from(hit.is_some())] += 1;
             // The ray is known, and so is the place where it crosses the plane, to some roundings.
             let rounding = 1e-14;
             let reach = rounding / along.z.abs();
-            let (middle, off_way) = (-at.dot(along.truncate()), at.perp_dot(along.truncate()));
-            let half_way = (0.25 - off_way * off_way).max(0.0).sqrt();
-            let to_disc = middle.abs() - half_way; // along the ray, from the crossing
             if hit.is_some() {
-                let way = off_way.abs() <= 0.5 + rounding;
-                assert!(way && to_disc <= reach, "{who}: {at} {along} hits, off by {to_disc}");
+                let near = way(at, along.truncate(), rounding)
+                    .is_some_and(|[from, to]| from <= reach && to >= -reach);
+                assert!(near, "{}", context());
             } else {
-                let out = off_way.abs() >= 0.5 - rounding || to_disc >= -reach;
-                assert!(out, "{who}: {at} {along} is missed, inside by {to_disc}");
+                let inside = way(at, along.truncate(), -rounding)
+                    .is_some_and(|[from, to]| from < -reach && to > reach);
+                assert!(!inside, "{}", context());
             }
         }
-        assert!(told.iter().all(|&count| count > 1500), "{who}: {told:?} of {}", rays.len());
+        assert!(told.iter().all(|&count| count > 1000), "{name}, {who}: {told:?} told");
+    }
+}
+
+#[test]
+fn rays_at_small_angles_meet_no_edge_beside_their_way() {
+    let disc = [circle(0.5, 0.5, 0.25)];
+    let plane = shapes::plane(2.0, 2.0).unwrap();
+    check_small_angles("disc", trimmed(plane, Kept::Odd, &disc), |at, along, grown| {
+        let (middle, off) = (-at.dot(along), at.perp_dot(along));
+        let square = (0.5 + grown).powi(2) - off * off;
+        (square >= 0.0).then(|| [middle - square.sqrt(), middle + square.sqrt()])
+    });
+
+    // A rectangle in the parameters is one in space, however these run: evenly in one piece; in
+    // several, with edges on knots; or as the square of something.
+    let rectangle = [polygon(&[(0.25, 0.3), (0.75, 0.3), (0.75, 0.7), (0.25, 0.7)])];
+    let flat = |degree: usize, x: &[f64]| {
+        let knots = KnotVector::clamped_uniform(degree, x.len()).unwrap();
+        let points = x.iter().flat_map(|&x| x_and_each(x)).collect();
+        let linear = KnotVector::clamped_uniform(1, 2).unwrap();
+        NurbsSurface::new(knots, linear, points, None).unwrap()
+    };
+    let pieces = flat(1, &[-1.0, -0.5, 0.0, 0.5, 1.0]);
+    let smooth = flat(2, &[-1.0, -0.75, -0.25, 0.25, 0.75, 1.0]);
+    let uneven = flat(2, &[-1.0, -0.9, 1.0]);
+    let x_of_uneven = |u: f64| -(1.0 - u).powi(2) - 0.9 * 2.0 * u * (1.0 - u) + u * u;
+    let even = [-0.5, 0.5];
+    for (name, surface, [x0, x1]) in [
+        ("pieces", pieces, even),
+        ("smooth", smooth, even),
+        ("uneven", uneven, [0.25, 0.75].map(x_of_uneven)),
+    ] {
+        let (low, high) = (DVec2::new(x0, -0.4), DVec2::new(x1, 0.4));
+        let surface = trimmed(surface, Kept::Odd, &rectangle);
+        check_small_angles(name, surface, |at, along, grown| {
+            let (a, b) = ((low - grown - at) / along, (high + grown - at) / along);
+            let (from, to) = (a.min(b).max_element(), a.max(b).min_element());
+            (from <= to).then_some([from, to])
+        });
+    }
+}
+
+/// Points of the plane z = 0 at y = −1 and y = 1.
+fn x_and_each(x: f64) -> [DVec3; 2] {
+    [-1.0, 1.0].map(|y| DVec3::new(x, y, 0.0))
+}
+
+#[test]
+fn a_ray_that_leaves_an_edge_at_a_small_angle_does_not_meet_it_again() {
+    let disc = [circle(0.5, 0.5, 0.25)];
+    let bvh = build(&[trimmed(shapes::plane(2.0, 2.0).unwrap(), Kept::Odd, &disc).into()]);
+    let mut random = Random::new(16);
+    for _ in 0..2000 {
+        let out = DVec2::from_angle(random.between(0.0, TAU));
+        let down = Ray::new((0.5 * out).extend(1.0), DVec3::NEG_Z).unwrap();
+        let hit = bvh.tracer().first_hit(&Query::primary(down)).hit.expect("the edge");
+        assert!(hit.flags.contains(HitFlags::TRIM_EDGE));
+        // Outwards, so that the disc lies behind.
+        let slope = random.power_of_ten(-12.0, -1.0) * random.sign();
+        let turned = DVec2::from_angle(random.between(-1.0, 1.0)).rotate(out);
+        let away = Ray::with_range(hit.point, turned.extend(slope), 0.0, f64::INFINITY).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let answer = tracer.first_hit(&Query::leaving(away, &hit));
+            assert!(answer.hit.is_none(), "{kernel}: {away:?} {answer:?}");
+        }
     }
 }

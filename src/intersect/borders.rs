@@ -3,6 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::grazing::Known;
 use super::leaf_search::holds;
 use super::newton::project;
 use crate::geometry::trim::Side;
@@ -76,14 +77,6 @@ const AT_RAY: f64 = 0.25;
 /// edge itself is on a surface known to rounding, and the edge it is shared with on another.
 pub(super) const TRIM_REACH: f64 = 4.0;
 
-/// What may be wrong about a root: it is within `error` of the ray, and `along` it by no more than that.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known<'a> {
-    pub(super) ray: &'a RayFrame,
-    pub(super) error: f64,
-    pub(super) along: f64,
-}
-
 /// Whether a root of a leaf is kept by the trims of its surface.
 pub(super) fn trim_side(
     leaf: &Leaf,
@@ -98,86 +91,11 @@ pub(super) fn trim_side(
     }
     let side = piece.side(st, trim_reach(jet, known.along));
     match side {
-        Side::Edge { .. } if known.along > BLURRED * known.error => {
-            side_along(piece, (st, jet), known).unwrap_or(side)
+        Side::Edge { .. } if known.is_long() && !leaf.has_pole() => {
+            known.side(piece, st, jet).unwrap_or(side)
         }
         _ => side,
     }
-}
-
-/// Roots that are known along the ray so many times worse than across it are taken for a stretch of it,
-/// not for a square.
-const BLURRED: f64 = 4.0;
-
-/// The side of what the ray passes over where a root may be: `None` where it may be either.
-///
-/// A ray at a small angle passes within rounding of the surface for a long way, but of a narrow strip of
-/// it only: an edge beside that strip is none. The strip is covered by squares, which are halved as long as
-/// they reach an edge and are longer than wide.
-fn side_along(piece: &Piece, (st, jet): (DVec2, &Jet), known: &Known<'_>) -> Option<Side> {
-    let width = TRIM_REACH * known.error;
-    let mut waiting = vec![strip_on_piece(st, jet, known)];
-    let mut only = None;
-    for _ in 0..MOST_SQUARES {
-        let Some([from, to]) = waiting.pop() else { return only };
-        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let target = jet.point + middle * known.ray.axis;
-        let (at, jet) = foot(piece, (st, *jet), target);
-        let side = piece.side(at, trim_reach(&jet, half / TRIM_REACH + known.error));
-        if let Side::Edge { .. } = side {
-            if half <= width {
-                return None;
-            }
-            waiting.extend([[middle, to], [from, middle]]);
-        } else if *only.get_or_insert(side) != side {
-            return None;
-        }
-    }
-    None // it may run along an edge
-}
-
-/// As many squares are looked at: some for each halving of a long strip beside an edge.
-const MOST_SQUARES: usize = 256;
-
-/// The part of the ray, from its root on, that passes over the piece, to first order and with some to
-/// spare, of what is near enough to the root.
-fn strip_on_piece(st: DVec2, jet: &Jet, known: &Known<'_>) -> [f64; 2] {
-    let reach = TRIM_REACH * known.along;
-    let step = step_towards(jet, known.ray.axis);
-    let [mut from, mut to] = [-reach, reach];
-    for k in 0..2 {
-        if step[k] != 0.0 {
-            let (a, b) =
-                ((-BESIDE_PIECE - st[k]) / step[k], (1.0 + BESIDE_PIECE - st[k]) / step[k]);
-            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
-        }
-    }
-    [from.min(0.0), to.max(0.0)]
-}
-
-/// How far beyond the piece it is still looked at, in sides.
-const BESIDE_PIECE: f64 = 0.125;
-
-/// The place of the piece that is nearest to a point, from one near it (Gauss and Newton's steps).
-fn foot(piece: &Piece, (st, jet): (DVec2, Jet), target: DVec3) -> (DVec2, Jet) {
-    let (mut st, mut jet) = (st, jet);
-    for _ in 0..3 {
-        let step = step_towards(&jet, target - jet.point);
-        if !step.is_finite() {
-            break;
-        }
-        st = (st + step).clamp(DVec2::ZERO, DVec2::ONE);
-        jet = piece.patch.jet(st);
-    }
-    (st, jet)
-}
-
-/// The step in parameters that leads, to first order, as far as the part of a vector in the tangent
-/// plane.
-fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
-    let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());
-    let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));
-    DVec2::new(tt * s - st * t, ss * t - st * s) / (ss * tt - st * st)
 }
 
 /// How near a trim edge must be, in each parameter, for a root that may be off by `error` in

@@ -140,8 +140,9 @@ impl ReachOfF32 {
         Self { factor, magnitude }
     }
 
-    /// How far coordinates may be scaled up: origins so many times as far away as anything in the
-    /// scene must be near enough.
+    /// How far coordinates may be scaled up. The more they are, the smaller things are well seen, and the
+    /// nearer rays must begin: from so many times as far away as anything in the scene they may, and
+    /// things of 1e-6 of the scene fill the coordinates.
     fn most_scale(&self) -> f64 {
         const TIMES: f64 = 1024.0;
         rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))

@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec4};
 
-use super::borders::{Known, at_border, error_bound, on_piece, rounding_at, trim_side};
+use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
 use super::exact::{AT_POLE, END, Proof, Rect, STRETCH, Solution, Task};
+use super::grazing::Known;
 use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::newton::{Grounds, Newton, newton};
@@ -214,9 +215,6 @@ fn accept(
         Side::Inside => {}
         Side::Edge { inside, .. } => {
             flags.insert(HitFlags::TRIM_EDGE);
-            if z_error > UNSEEN * error {
-                flags.insert(HitFlags::DOUBTFUL);
-            }
             let spot = Spot { index: piece_index, piece, st, jet };
             let pole = leaf.collapsed(piece).filter(|_| !inside);
             let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
@@ -270,7 +268,8 @@ fn accept(
         }
         return;
     }
-    if undecided {
+    let edge_in_doubt = flags.contains(HitFlags::TRIM_EDGE) && z_error > EDGE_IN_DOUBT * error;
+    if undecided || edge_in_doubt {
         flags.insert(HitFlags::DOUBTFUL);
     }
     if border {
@@ -309,9 +308,9 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
 
-/// Where a ray meets a trim edge at so small an angle that the root is known to this many errors only,
-/// its side of the edge is said to be doubtful: what is shown may be off the edge by as much.
-const UNSEEN: f64 = 1e5;
+/// Where a ray meets a trim edge at so small an angle that its root is known along the ray to this many
+/// errors only, at 1e-5 from the tangent plane, it is doubtful: what is shown may be off the edge by as much.
+const EDGE_IN_DOUBT: f64 = 1e5;
 
 /// How far off a root may be along the ray, for how far a point may be from it.
 fn error_along(proof: Proof, error: f64, cosine: f64) -> f64 {

@@ -76,6 +76,7 @@ mod coherence;
 mod collapse;
 mod crossings;
 mod exact;
+mod grazing;
 mod hierarchy;
 mod hit;
 mod kept_pole;

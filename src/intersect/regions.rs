@@ -23,7 +23,7 @@ const SMALL: f32 = 1.0 / 32.0;
 /// Its parts are no wider than this on average: some thirty times what their boxes are grown by.
 const FINE: f64 = 1.0 / 8192.0;
 
-/// Coordinates that gain less are not changed.
+/// Coordinates that gain less are not changed: they may be scaled up no more, and deeper ones neither.
 const GAIN: f64 = 8.0;
 
 /// What is to become a region.

@@ -42,12 +42,14 @@ pub(super) struct ChildCode(u32);
 
 impl ChildCode {
     pub(super) fn new(child: Child) -> Self {
-        match child {
-            Child::Node(index) => Self(index | NODE),
-            Child::Block(index) => Self(index | BLOCK),
-            Child::Region(index, Way::In) => Self(index | REGION),
-            Child::Region(index, Way::Back) => Self(index | BACK),
-        }
+        let (index, what) = match child {
+            Child::Node(index) => (index, NODE),
+            Child::Block(index) => (index, BLOCK),
+            Child::Region(index, Way::In) => (index, REGION),
+            Child::Region(index, Way::Back) => (index, BACK),
+        };
+        debug_assert!(index < REGION, "there are not so many parts");
+        Self(index | what)
     }
 
     #[inline(always)]
@@ -62,7 +64,7 @@ impl ChildCode {
     }
 }
 
-/// Sixteen children's axis-parallel boxes in scaled coordinates.
+/// Sixteen children's axis-parallel boxes in the scaled coordinates of their region.
 ///
 /// Boxes of children that are not there lie from +∞ to −∞: with the nearer plane chosen by
 /// the sign of the direction, every ray enters them after it has left them.
@@ -179,7 +181,8 @@ impl Tree {
         self.regions[0].root
     }
 
-    /// A region that is come to, and what is to be put on the stack then.
+    /// A region that is come to, and what is to be put on the stack then: the way back lies below all
+    /// of the region, so everything is taken off the stack in the coordinates it was put there in.
     pub(super) fn enter(
         &self,
         region: u32,

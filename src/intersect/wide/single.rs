@@ -5,6 +5,9 @@
 //!   outwards by more than rounding comes to, oriented boxes were grown when they were made.
 //!   So every leaf that is met before the nearest hit is searched, in whatever order, and of
 //!   the hits the least counts: the answer does not depend on the tree.
+//! - In small parts of the scene it is the same in other coordinates (see
+//!   [`regions`](crate::intersect::regions)), into which the ray is brought anew from f64. A ray that passes
+//!   far beside such a part has poor coordinates there, but nothing to meet.
 //! - A leaf is left as missed where the certificate, or the ray's own proof, leaves one root at
 //!   most in the widened leaf or a part of it, and Newton's iteration on the true surface finds
 //!   it outside the leaf, outside the ray's range, or to be the one the ray starts on; or where
@@ -133,8 +136,8 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
                 }
             }
             Child::Region(index, way) => {
-                let (region, next) = scene.tree.enter(index, way);
-                work.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
+                let (region, inside) = scene.tree.enter(index, way);
+                work.stack.extend(inside.map(|code| (f32::NEG_INFINITY, code)));
                 ray.change_to(&region.frame, work.hit.as_ref());
             }
         }

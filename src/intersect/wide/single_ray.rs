@@ -89,10 +89,10 @@ impl<'a> SingleRay<'a> {
 
     /// Brings the ray, as far as its nearest hit if there is one, into other scaled coordinates.
     #[cold]
-    pub(super) fn change_to(&mut self, scene: &SceneFrame, hit: Option<&SingleHit>) {
+    pub(super) fn change_to(&mut self, region: &SceneFrame, hit: Option<&SingleHit>) {
         let end = hit.map_or(self.frame.z_range[1], |hit| hit.z);
-        (self.boxes, self.shift) = boxes_in(scene, self.frame, end);
-        self.scale = scene.scale;
+        (self.boxes, self.shift) = boxes_in(region, self.frame, end);
+        self.scale = region.scale;
     }
 
     /// The largest coordinate magnitude of the origin.

@@ -334,7 +334,8 @@ impl Flight {
         None
     }
 
-    /// Goes on in other scaled coordinates.
+    /// Goes on in other scaled coordinates. (Back in the first, these may be rounded otherwise than in
+    /// [`start`], but the same way for every such ray.)
     #[cold]
     fn change_to(&mut self, scene: &SceneFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);

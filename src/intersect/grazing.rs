@@ -1,0 +1,148 @@
+//! Trim edges on the way of a ray at a small angle.
+//!
+//! Where a root may be off by much along the ray, it may be on either side of any edge that the ray
+//! passes over there. But the ray passes within rounding over a narrow strip of the surface only: an
+//! edge beside that strip has no say. Where it is not sure what the strip looks like, all edges near it
+//! have.
+
+use glam::{DVec2, DVec3};
+
+use super::borders::{TRIM_REACH, trim_reach};
+use crate::geometry::trim::Side;
+use crate::math::RayFrame;
+use crate::patch::{Jet, Piece};
+
+/// How well a root is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known<'a> {
+    pub(super) ray: &'a RayFrame,
+    /// How far its point may be from the ray.
+    pub(super) error: f64,
+    /// How far it may be off along the ray.
+    pub(super) along: f64,
+}
+
+/// Roots that are known so many times worse along the ray than across it are taken for a stretch of it, not
+/// for a square.
+const LONG: f64 = 4.0;
+
+/// As many squares are looked at: some for each halving of a long strip beside an edge.
+const MOST_SQUARES: usize = 256;
+
+/// Gauss and Newton's steps to the place under a point of the ray, from one near it.
+const STEPS: usize = 3;
+
+impl Known<'_> {
+    /// Whether edges beside the strip are to be told from those on it.
+    pub(super) fn is_long(&self) -> bool {
+        self.along > LONG * self.error
+    }
+
+    /// The side of all that the ray passes over where the root may be, of a piece without a pole nearby;
+    /// `None` where it may be either.
+    ///
+    /// The strip is covered by squares, which are halved as long as they reach an edge and are longer
+    /// than wide.
+    pub(super) fn side(&self, piece: &Piece, st: DVec2, jet: &Jet) -> Option<Side> {
+        let width = TRIM_REACH * self.error;
+        let (mut waiting, mut only) = (vec![self.over_piece(piece, jet.point)], None);
+        for _ in 0..MOST_SQUARES {
+            let Some(part) = waiting.pop() else { return only };
+            match self.side_of(piece, (st, jet), part) {
+                Part::Beyond => {}
+                Part::Of(side) if *only.get_or_insert(side) == side => {}
+                Part::Open if part[1] - part[0] > 2.0 * width => {
+                    let middle = 0.5 * (part[0] + part[1]);
+                    waiting.extend([[middle, part[1]], [part[0], middle]]);
+                }
+                Part::Of(_) | Part::Open | Part::Unknown => return None,
+            }
+        }
+        None // it may run along an edge
+    }
+
+    /// How far from a root, along the ray, something near enough to it may be over the piece: the piece
+    /// lies between its control points.
+    fn over_piece(&self, piece: &Piece, root: DVec3) -> [f64; 2] {
+        let reach = TRIM_REACH * self.along;
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for point in piece.patch.control() {
+            let along = self.ray.axis.dot(point.truncate() / point.w - root);
+            (least, most) = (least.min(along), most.max(along));
+        }
+        let spare = TRIM_REACH * self.error;
+        [(least - spare).max(-reach), (most + spare).min(reach)]
+    }
+
+    /// The side of what lies under a part of the ray, from and to as lengths from a root.
+    fn side_of(&self, piece: &Piece, root: (DVec2, &Jet), [from, to]: [f64; 2]) -> Part {
+        let half = 0.5 * (to - from);
+        let under = |along: f64| Foot::new(piece, root, root.1.point + along * self.ray.axis);
+        let feet = [from, 0.5 * (from + to), to].map(under);
+        // Beyond a border there is nothing; beyond another side other parameters, of which nothing is
+        // known here.
+        let beyond = |foot: &Foot| foot.beyond.filter(|&side| !piece.is_border(side));
+        if feet.iter().any(|foot| beyond(foot).is_some()) {
+            return Part::Unknown;
+        }
+        let [a, middle, b] = &feet;
+        if a.beyond.is_some() && a.beyond == middle.beyond && a.beyond == b.beyond {
+            return Part::Beyond;
+        }
+        let found = |foot: &Foot| foot.beyond.is_some() || foot.off <= self.error + 0.25 * half;
+        if !feet.iter().all(found) {
+            return Part::Open; // also for NaN
+        }
+        // With as much again to spare, and the ends surely in it.
+        let reach = trim_reach(&middle.jet, 2.0 * half / TRIM_REACH + self.error);
+        let holds = |foot: &Foot| (foot.st - middle.st).abs().cmple(reach).all();
+        match piece.side(middle.st, reach) {
+            side @ (Side::Inside | Side::Outside) if holds(a) && holds(b) => Part::Of(side),
+            _ => Part::Open,
+        }
+    }
+}
+
+/// What is known of a part of the strip.
+enum Part {
+    /// It lies beyond the surface's border.
+    Beyond,
+    /// It lies on one side of all edges.
+    Of(Side),
+    /// It may do that part by part.
+    Open,
+    Unknown,
+}
+
+/// The place of a piece under a point.
+struct Foot {
+    st: DVec2,
+    jet: Jet,
+    /// The side beyond which the point lies, if it does.
+    beyond: Option<usize>,
+    /// How far the place is off in the tangent plane.
+    off: f64,
+}
+
+impl Foot {
+    fn new(piece: &Piece, (mut st, jet): (DVec2, &Jet), point: DVec3) -> Self {
+        let mut jet = *jet;
+        for _ in 0..STEPS {
+            st = (st + step_towards(&jet, point - jet.point)).clamp(DVec2::ZERO, DVec2::ONE);
+            jet = piece.patch.jet(st);
+        }
+        let step = step_towards(&jet, point - jet.point);
+        let next = st + step;
+        let outside = [next.x < 0.0, next.x > 1.0, next.y < 0.0, next.y > 1.0];
+        let beyond = outside.iter().position(|&outside| outside);
+        Self { st, jet, beyond, off: (step.x * jet.ds + step.y * jet.dt).length() }
+    }
+}
+
+/// The step in parameters that leads, to first order, as far as the part of a vector in the tangent
+/// plane.
+fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
+    let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());
+    let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));
+    DVec2::new(tt * s - st * t, ss * t - st * s) / (ss * tt - st * st)
+}
