@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::math::{Aabb, rounding};
 
-/// Boxes are grown by this part of the scene's half size: some roundings of f32, and far
+/// Boxes are grown by this part of the half size of what is scaled: some roundings of f32, and far
 /// more than any rounding of f64.
 const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 

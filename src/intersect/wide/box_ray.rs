@@ -5,9 +5,9 @@ use fearless_simd_macros::simd;
 
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 
-/// How far the ray in f32 may be from the true one where it meets the scene, in scaled
-/// coordinates, and box entries along it: coordinates of up to 5 and distances of up to 8,
-/// and four roundings of each.
+/// How far the ray in f32 may be from the true one where it meets the scene, or the small part of it whose
+/// coordinates these are, in scaled coordinates, and box entries along it: coordinates of up to 5 and
+/// distances of up to 8, and four roundings of each.
 pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than
@@ -19,7 +19,7 @@ pub(super) const LEAST: f32 = 1e-12;
 pub(super) const LEAST_SLOPE: f32 = 1e-12;
 
 /// Box entries and exits are compared with this to spare, in scaled coordinates: some
-/// roundings of f32 at the distances a ray has inside the scene.
+/// roundings of f32 at the distances a ray has inside it.
 pub(super) const SPARE: f32 = 4e-6;
 
 /// Boxes still to be entered, and where.

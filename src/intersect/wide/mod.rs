@@ -13,6 +13,9 @@
 //! in `lane_proof`, where packets put them together (`doubts`); and that a ray which leaves a leaf does not come back to it (`departure`, asked in
 //! `start`). What is not proved goes to the scalar search at last.
 //!
+//! What is small against the scene is searched in coordinates of its own (see
+//! [`regions`](super::regions)): all three ways lead rays there and back.
+//!
 //! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
 //! other rays of the packet.
 //!
