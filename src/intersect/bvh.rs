@@ -141,8 +141,8 @@ impl ReachOfF32 {
     }
 
     /// How far coordinates may be scaled up. The more they are, the smaller things are well seen, and the
-    /// nearer rays must begin: from so many times as far away as anything in the scene they may, and
-    /// things of 1e-6 of the scene fill the coordinates.
+    /// nearer rays must begin: so many times as far away as anything in the scene they still may. Of bicubic
+    /// surfaces things of some 5e-6 of that still fill the coordinates.
     fn most_scale(&self) -> f64 {
         const TIMES: f64 = 1024.0;
         rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))
