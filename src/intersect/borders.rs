@@ -111,25 +111,20 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
-/// For each side of the piece that is a border of the surface and near the leaf: how far
-/// from it, in the parameter, a hit may be within rounding of it.
+/// Each side of the piece that is a border of the surface and near the leaf, and how far from it,
+/// in the parameter, a hit may be within rounding of it.
 ///
 /// The leaf is certified for the ray, so rounding moves a root by less than half of the
 /// leaf's slack: what is farther from the side than a few times that is not at the border.
-pub(super) fn border_reach(leaf: &Leaf, piece: &Piece) -> Option<[f64; 4]> {
-    let mut reach = [f64::NEG_INFINITY; 4];
-    let mut any = false;
+#[inline(always)]
+pub(super) fn near_borders(leaf: &Leaf, piece: &Piece) -> impl Iterator<Item = (usize, f64)> {
     let rect = leaf.rect();
-    for side in (0..4).filter(|&side| piece.is_border(side)) {
+    (0..4).filter(|&side| piece.is_border(side)).filter_map(move |side| {
         let [from, to] = rect[side / 2];
-        let more = 4.0 * LEAF_SLACK * (to - from);
+        let reach = 4.0 * LEAF_SLACK * (to - from);
         let distance = if side % 2 == 0 { from } else { 1.0 - to };
-        if distance <= more {
-            reach[side] = more;
-            any = true;
-        }
-    }
-    any.then_some(reach)
+        (distance <= reach).then_some((side, reach))
+    })
 }
 
 /// Whether a point lies within rounding of a side that is a border of the surface.

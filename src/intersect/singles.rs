@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::borders::{at_border, border_reach, error_bound};
+use super::borders::{at_border, error_bound, near_borders};
 use super::hit::Root;
 use super::leaf_search;
 use super::meeting::{Meeting, Question};
@@ -92,7 +92,7 @@ impl Tracer<'_> {
 
     /// The first of what the fast search has found and of what it has left.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
-        let known = self.single.hit;
+        let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
         self.findings.effort = 0;
         self.search_left(query, frame, limit, Wanted::First);
@@ -111,14 +111,8 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
     if !tracer.single.rest.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
-    let hit = tracer
-        .single
-        .hit
-        .as_ref()
-        .map(|hit| Certain::new(&tracer.bvh.scene(), shot.ray(), hit).hit(frame.t_from_z));
-    // A hit so far that `t` has no number for it lies beyond every range.
-    let hit = hit.filter(|hit| hit.t < f64::INFINITY);
-    Answer { hit, doubtful: false }
+    let Some(hit) = tracer.single.hit() else { return Answer::default() };
+    Certain::new(&tracer.bvh.scene(), shot.ray(), hit).answer(frame.t_from_z)
 }
 
 #[simd]
@@ -140,7 +134,7 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
         return tracer.scalar_any(query);
     }
     let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
-    if tracer.single.hit.is_some() {
+    if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
     if tracer.single.rest.is_empty() {
@@ -206,12 +200,19 @@ impl<'a> Certain<'a> {
 
     /// As an answer.
     #[inline(always)]
-    pub(super) fn hit(&self, t_from_z: f64) -> Hit {
+    pub(super) fn answer(&self, t_from_z: f64) -> Answer {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
+        let t = z * t_from_z;
+        // A hit so far that `t` has no number for it lies beyond every range.
+        let within = t < f64::INFINITY;
+        if !within {
+            return Answer::default();
+        }
         let root = Root { piece: self.index, st, error: z_error };
-        let (t, uv) = (z * t_from_z, self.piece.uv(st));
+        let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
-        Hit { t, surface: self.piece.surface, uv, point, normal, flags, root }
+        let hit = Some(Hit { t, surface, uv, point, normal, flags, root });
+        Answer { hit, doubtful: false }
     }
 
     /// As the scalar search would have found it.
@@ -238,5 +239,5 @@ impl<'a> Certain<'a> {
 /// Whether a hit may lie within rounding of a border of its surface.
 fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
     let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    border_reach(leaf, piece).is_some_and(|reach| (0..4).any(|side| distance[side] <= reach[side]))
+    near_borders(leaf, piece).any(|(side, reach)| distance[side] <= reach)
 }

@@ -22,10 +22,7 @@ impl Tracer<'_> {
             let (scene, stream) = (self.bvh.scene(), &self.stream);
             answers.extend(shots.iter().enumerate().map(|(k, shot)| {
                 let Some((hit, t_from_z)) = stream.hit(k) else { return Answer::default() };
-                let hit = Certain::new(&scene, shot.ray(), hit).hit(t_from_z);
-                // A hit so far that `t` has no number for it lies beyond every range.
-                let within = hit.t < f64::INFINITY;
-                Answer { hit: if within { Some(hit) } else { None }, doubtful: false }
+                Certain::new(&scene, shot.ray(), hit).answer(t_from_z)
             }));
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {

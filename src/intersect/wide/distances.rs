@@ -36,7 +36,14 @@ pub(super) struct Approximate<V> {
     pub(super) inverse: [[V; 2]; 2],
 }
 
-/// The last step of that search.
+/// What the search in f32 has found, and its last step.
+#[derive(Clone, Copy)]
+pub(super) struct Searched<S: Simd> {
+    pub(super) near: Approximate<f32x16<S>>,
+    pub(super) last: LastStep<S>,
+}
+
+/// A step of that search; the matrix it took is that of [`Approximate`].
 #[derive(Clone, Copy)]
 pub(super) struct LastStep<S: Simd> {
     /// From where, and where it leads without the bounds of the domain.
@@ -45,7 +52,6 @@ pub(super) struct LastStep<S: Simd> {
     /// The distances where it starts, and their derivatives by `x` and by `y`.
     pub(super) distances: [f32x16<S>; 2],
     pub(super) slopes: [[f32x16<S>; 2]; 2],
-    pub(super) inverse: [[f32x16<S>; 2]; 2],
 }
 
 impl LaneDistances {
@@ -56,13 +62,15 @@ impl LaneDistances {
     #[simd]
     pub(super) fn take<S: Simd>(&mut self, simd: S, leaf: &Leaf, packet: &Packet, base: usize) {
         let middle = middle_distances(simd, leaf, packet, base);
-        for k in 0..2 {
-            let n = load3(simd, &packet.normals_f[k], base);
-            let [x, y, z] = leaf.fit();
-            for m in 0..16 {
-                let x = n[0] * f32x16::splat(simd, x[m]);
-                let y = n[1].mul_add(f32x16::splat(simd, y[m]), x);
-                let mut c = n[2].mul_add(f32x16::splat(simd, z[m]), y);
+        let normals =
+            [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)];
+        let [x, y, z] = leaf.fit();
+        for m in 0..16 {
+            let (x, y, z) =
+                (f32x16::splat(simd, x[m]), f32x16::splat(simd, y[m]), f32x16::splat(simd, z[m]));
+            for k in 0..2 {
+                let n = normals[k];
+                let mut c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
                 if m == 0 {
                     c += middle[k];
                 }
@@ -100,34 +108,23 @@ impl LaneDistances {
         simd: S,
         start: [f32x16<S>; 2],
         [[low_x, high_x], [low_y, high_y]]: [[f32x16<S>; 2]; 2],
-    ) -> (Approximate<f32x16<S>>, LastStep<S>) {
+    ) -> Searched<S> {
         let [mut x, mut y] = start;
-        let mut last = LastStep {
-            from: start,
-            to: start,
-            distances: start,
-            slopes: [start; 2],
-            inverse: [start; 2],
-        };
+        let mut inverse = [start; 2];
+        let mut last = LastStep { from: start, to: start, distances: start, slopes: [start; 2] };
         for _ in 0..STEPS {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
             let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
-            let inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
+            inverse = [[b2 * d, -b1 * d], [-a2 * d, a1 * d]];
             let [[xx, xy], [yx, yy]] = inverse;
             let to = [x - xx.mul_add(f1, xy * f2), y - yx.mul_add(f1, yy * f2)];
-            last = LastStep {
-                from: [x, y],
-                to,
-                distances: [f1, f2],
-                slopes: [[a1, a2], [b1, b2]],
-                inverse,
-            };
+            last = LastStep { from: [x, y], to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]] };
             // `max` and `min` with the bound first turn a NaN into a bound.
             x = to[0].max(low_x).min(high_x);
             y = to[1].max(low_y).min(high_y);
         }
-        (Approximate { x, y, inverse: last.inverse }, last)
+        Searched { near: Approximate { x, y, inverse }, last }
     }
 }
 

@@ -10,7 +10,8 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::box_ray::SPARE;
-use super::distances::{Approximate, LaneDistances};
+use super::distances::{Approximate, LaneDistances, Searched};
+use super::jets::OneNet;
 use super::lane_parts::bytes_of;
 use super::lane_proof::{Errors, LaneProof, Parts};
 use super::leaf::{Done, finish_all};
@@ -220,7 +221,7 @@ fn settle_sixteen<S: Simd>(
         }
         let domain = part.widened(simd, REACH);
         let start = part.widened(simd, START_REACH);
-        let (near, _) = distances.newton(simd, part.middle, domain);
+        let Searched { near, .. } = distances.newton(simd, part.middle, domain);
         // Those of one leaf, and of the same sixteen rays, are finished together.
         let (mut left, mut open) = (lanes, 0);
         while left != 0 {
@@ -250,8 +251,9 @@ fn settle_sixteen<S: Simd>(
             };
             let ground = Ground::Own(moved(domain, bytes));
             let mut room = None;
-            let net = net_of(simd, &target.piece.patch, &mut room);
-            let about = (&target, &target.closer(), net);
+            let patch = &target.piece.patch;
+            let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
+            let about = (&target, &target.closer(), &surface);
             let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
             all.found |= done.found;
             all.steps += done.steps;

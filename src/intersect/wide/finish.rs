@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::distances::Approximate;
 use super::jets::OneNet;
-use super::newton::{Converged, Ends, RayLanes, Verdict, newton};
+use super::newton::{Converged, Ends, Rays, Verdict, newton};
 use super::packet::{Lanes3, Packet};
 use super::search::load3d;
 use super::single::comes_first;
@@ -14,7 +14,7 @@ use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
-use crate::patch::{Piece, PieceNet};
+use crate::patch::Piece;
 
 /// What became of eight rays.
 #[derive(Clone, Copy)]
@@ -38,7 +38,7 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    (target, closer, net): (&Target<'_>, &Closer, PieceNet<'_>),
+    (target, closer, surface): (&Target<'_>, &Closer, &OneNet<'_>),
     packet: &mut Packet,
     base: usize,
     (wanted, ground): (mask64x8<S>, &Ground<S>),
@@ -48,18 +48,11 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let surface = OneNet { patch: &target.piece.patch, net };
     let leaves = Ground8 { target, closer, surface, domain, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);
-    let patch = &target.piece.patch;
-    let error = f64x8::splat(simd, patch.residual_factor())
-        * magnitude.max(f64x8::splat(simd, patch.magnitude()));
-    let rays = RayLanes {
-        origin: load3d(simd, &packet.origin, base),
-        axis: load3d(simd, &packet.axis, base),
-        normals: [load3d(simd, &packet.normals[0], base), load3d(simd, &packet.normals[1], base)],
-        error,
-    };
+    let error = f64x8::splat(simd, closer.residual_factor)
+        * magnitude.max(f64x8::splat(simd, closer.magnitude));
+    let rays = EightRays { packet, base, error };
     let mut near_pole = simd.splat_mask64x8(false);
     if let (Some(pole), true) = (target.pole, certified) {
         near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
@@ -110,7 +103,7 @@ pub(super) fn finish<S: Simd>(
             }
         }
         let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
-        let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
+        let uv = surface_parameters(simd, (target.piece, closer), [root_s, root_t]);
         put(simd, hit, &mut packet.z, base, z);
         put(simd, hit, &mut packet.ray_t, base, ray_t);
         put(simd, hit, &mut packet.z_error, base, z_error);
@@ -130,6 +123,36 @@ pub(super) fn finish<S: Simd>(
         packet.shorten(simd, base, hits);
     }
     Done { open, judged: judged.to_bitmask(), found: any, steps }
+}
+
+/// Eight rays of a packet.
+struct EightRays<'a, S: Simd> {
+    packet: &'a Packet,
+    base: usize,
+    error: f64x8<S>,
+}
+
+impl<S: Simd> Rays<S> for EightRays<'_, S> {
+    #[inline(always)]
+    fn origin(&self, simd: S) -> [f64x8<S>; 3] {
+        load3d(simd, &self.packet.origin, self.base)
+    }
+
+    #[inline(always)]
+    fn axis(&self, simd: S) -> [f64x8<S>; 3] {
+        load3d(simd, &self.packet.axis, self.base)
+    }
+
+    #[inline(always)]
+    fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2] {
+        let [first, second] = &self.packet.normals;
+        [load3d(simd, first, self.base), load3d(simd, second, self.base)]
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f64x8<S> {
+        self.error
+    }
 }
 
 #[inline(always)]
@@ -189,8 +212,12 @@ fn earlier<S: Simd>(
 }
 
 /// [`Piece::uv`] for eight places.
-#[simd]
-fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f64x8<S>; 2] {
+#[inline(always)]
+fn surface_parameters<S: Simd>(
+    simd: S,
+    (piece, closer): (&Piece, &Closer),
+    st: [f64x8<S>; 2],
+) -> [f64x8<S>; 2] {
     let mut uv = st;
     if piece.is_placed() {
         for lane in 0..8 {
@@ -199,13 +226,12 @@ fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f6
         }
         return uv;
     }
-    let domain = piece.domain();
     for k in 0..2 {
-        let [from, to] = domain[k];
+        let [from, to] = closer.domain[k];
         let (from, to) = (f64x8::splat(simd, from), f64x8::splat(simd, to));
         let end = st[k].simd_eq(f64x8::splat(simd, 1.0));
         uv[k] = end.select(to, from + st[k] * (to - from));
-        if let Some(end) = piece.open_end(k) {
+        if let Some(end) = closer.open_end[k] {
             let last = f64x8::splat(simd, end.next_down());
             uv[k] = uv[k].simd_ge(to).select(last, uv[k]);
         }

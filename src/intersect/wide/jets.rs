@@ -17,11 +17,11 @@ pub(super) trait Net<S: Simd> {
     /// The degrees, and whether a control point has four numbers, its weight last, or three.
     fn form(&self) -> ([usize; 2], bool);
 
-    /// The weight of all control points, where they have three numbers.
-    fn weight(&self, simd: S) -> f64x8<S>;
+    /// The weight of all control points, where they have three numbers; `None` if it is one.
+    fn weight(&self, simd: S) -> Option<f64x8<S>>;
 
-    /// The row of the `i`-th Bernstein function of `s`.
-    fn row(&self, i: usize) -> Self::Row<'_>;
+    /// The first numbers, so many, of the row of the `i`-th Bernstein function of `s`.
+    fn row(&self, i: usize, length: usize) -> Self::Row<'_>;
 
     /// One of its control points, of `C` numbers.
     fn control<'a, const C: usize>(simd: S, row: &Self::Row<'a>, j: usize) -> [f64x8<S>; C]
@@ -48,13 +48,14 @@ impl<S: Simd> Net<S> for OneNet<'_> {
     }
 
     #[inline(always)]
-    fn weight(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, self.patch.weight().unwrap_or(1.0))
+    fn weight(&self, simd: S) -> Option<f64x8<S>> {
+        let weight = self.patch.weight().filter(|&weight| weight != 1.0)?;
+        Some(f64x8::splat(simd, weight))
     }
 
     #[inline(always)]
-    fn row(&self, i: usize) -> Self::Row<'_> {
-        self.net.row(i)
+    fn row(&self, i: usize, length: usize) -> Self::Row<'_> {
+        &self.net.row(i)[..length]
     }
 
     #[inline(always)]
@@ -82,18 +83,18 @@ pub(super) struct Jets<S: Simd> {
 /// [`TensorPatch::jet`], with unrolled loops and little scratch memory for the degrees met
 /// most.
 #[simd]
-pub(super) fn jets<S: Simd, T: Net<S>>(simd: S, net: &T, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
+pub(super) fn jets<S: Simd, T: Net<S>>(simd: S, net: &T, st: &[f64x8<S>; 2]) -> Jets<S> {
     match net.form() {
-        ([3, 3], true) => jets_of::<S, T, 3, 3, 4, 4>(simd, net, s, t),
-        ([3, 3], false) => jets_of::<S, T, 3, 3, 4, 3>(simd, net, s, t),
-        ([2, 2], true) => jets_of::<S, T, 2, 2, 4, 4>(simd, net, s, t),
-        ([2, 1], true) => jets_of::<S, T, 2, 1, 4, 4>(simd, net, s, t),
-        ([1, 2], true) => jets_of::<S, T, 1, 2, 4, 4>(simd, net, s, t),
-        ([1, 1], false) => jets_of::<S, T, 1, 1, 4, 3>(simd, net, s, t),
-        ([p, q], true) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 4>(simd, net, s, t),
-        ([p, q], false) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 3>(simd, net, s, t),
-        (_, true) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, s, t),
-        (_, false) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, s, t),
+        ([3, 3], true) => jets_of::<S, T, 3, 3, 4, 4>(simd, net, st),
+        ([3, 3], false) => jets_of::<S, T, 3, 3, 4, 3>(simd, net, st),
+        ([2, 2], true) => jets_of::<S, T, 2, 2, 4, 4>(simd, net, st),
+        ([2, 1], true) => jets_of::<S, T, 2, 1, 4, 4>(simd, net, st),
+        ([1, 2], true) => jets_of::<S, T, 1, 2, 4, 4>(simd, net, st),
+        ([1, 1], false) => jets_of::<S, T, 1, 1, 4, 3>(simd, net, st),
+        ([p, q], true) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 4>(simd, net, st),
+        ([p, q], false) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 3>(simd, net, st),
+        (_, true) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, st),
+        (_, false) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, st),
     }
 }
 
@@ -103,18 +104,17 @@ pub(super) fn jets<S: Simd, T: Net<S>>(simd: S, net: &T, s: f64x8<S>, t: f64x8<S
 fn jets_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     net: &T,
-    s: f64x8<S>,
-    t: f64x8<S>,
+    st: &[f64x8<S>; 2],
 ) -> Jets<S> {
     let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
-    let (bs, ds) = basis::<S, N>(simd, p, s);
-    let (bt, dt) = basis::<S, N>(simd, q, t);
+    let (bs, ds) = basis::<S, N>(simd, p, st[0]);
+    let (bt, dt) = basis::<S, N>(simd, q, st[1]);
     let zero = f64x8::splat(simd, 0.0);
     let mut value = [zero; C];
     let mut along_s = [zero; C];
     let mut along_t = [zero; C];
     for i in 0..=p {
-        let row = net.row(i);
+        let row = net.row(i, C * (q + 1));
         let (mut sum, mut slope) = ([zero; C], [zero; C]);
         for j in 0..=q {
             let control = T::control::<C>(simd, &row, j);
@@ -129,9 +129,15 @@ fn jets_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, c
             along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
         }
     }
-    let weight = if C == 3 { net.weight(simd) } else { value[C - 1] };
-    let inverse = f64x8::splat(simd, 1.0) / weight;
     let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
+    let weight = if C == 3 { net.weight(simd) } else { Some(value[C - 1]) };
+    let Some(weight) = weight else {
+        for i in 0..3 {
+            (jets.point[i], jets.ds[i], jets.dt[i]) = (value[i], along_s[i], along_t[i]);
+        }
+        return jets;
+    };
+    let inverse = f64x8::splat(simd, 1.0) / weight;
     for i in 0..3 {
         jets.point[i] = value[i] * inverse;
         if C == 4 {
@@ -146,23 +152,18 @@ fn jets_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, c
 
 /// The true surface at eight places: the point of [`jets`], but for rounding.
 #[simd]
-pub(super) fn points<S: Simd, T: Net<S>>(
-    simd: S,
-    net: &T,
-    s: f64x8<S>,
-    t: f64x8<S>,
-) -> [f64x8<S>; 3] {
+pub(super) fn points<S: Simd, T: Net<S>>(simd: S, net: &T, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
     match net.form() {
-        ([3, 3], true) => points_of::<S, T, 3, 3, 4, 4>(simd, net, s, t),
-        ([3, 3], false) => points_of::<S, T, 3, 3, 4, 3>(simd, net, s, t),
-        ([2, 2], true) => points_of::<S, T, 2, 2, 4, 4>(simd, net, s, t),
-        ([2, 1], true) => points_of::<S, T, 2, 1, 4, 4>(simd, net, s, t),
-        ([1, 2], true) => points_of::<S, T, 1, 2, 4, 4>(simd, net, s, t),
-        ([1, 1], false) => points_of::<S, T, 1, 1, 4, 3>(simd, net, s, t),
-        ([p, q], true) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 4>(simd, net, s, t),
-        ([p, q], false) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 3>(simd, net, s, t),
-        (_, true) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, s, t),
-        (_, false) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, s, t),
+        ([3, 3], true) => points_of::<S, T, 3, 3, 4, 4>(simd, net, st),
+        ([3, 3], false) => points_of::<S, T, 3, 3, 4, 3>(simd, net, st),
+        ([2, 2], true) => points_of::<S, T, 2, 2, 4, 4>(simd, net, st),
+        ([2, 1], true) => points_of::<S, T, 2, 1, 4, 4>(simd, net, st),
+        ([1, 2], true) => points_of::<S, T, 1, 2, 4, 4>(simd, net, st),
+        ([1, 1], false) => points_of::<S, T, 1, 1, 4, 3>(simd, net, st),
+        ([p, q], true) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 4>(simd, net, st),
+        ([p, q], false) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 3>(simd, net, st),
+        (_, true) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, st),
+        (_, false) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, st),
     }
 }
 
@@ -171,16 +172,15 @@ pub(super) fn points<S: Simd, T: Net<S>>(
 fn points_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     net: &T,
-    s: f64x8<S>,
-    t: f64x8<S>,
+    st: &[f64x8<S>; 2],
 ) -> [f64x8<S>; 3] {
     let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
-    let (bs, _) = basis::<S, N>(simd, p, s);
-    let (bt, _) = basis::<S, N>(simd, q, t);
+    let (bs, _) = basis::<S, N>(simd, p, st[0]);
+    let (bt, _) = basis::<S, N>(simd, q, st[1]);
     let zero = f64x8::splat(simd, 0.0);
     let mut value = [zero; C];
     for i in 0..=p {
-        let row = net.row(i);
+        let row = net.row(i, C * (q + 1));
         let mut sum = [zero; C];
         for j in 0..=q {
             let control = T::control::<C>(simd, &row, j);
@@ -192,7 +192,8 @@ fn points_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize,
             value[c] = bs[i].mul_add(sum[c], value[c]);
         }
     }
-    let weight = if C == 3 { net.weight(simd) } else { value[C - 1] };
+    let weight = if C == 3 { net.weight(simd) } else { Some(value[C - 1]) };
+    let Some(weight) = weight else { return [value[0], value[1], value[2]] };
     let inverse = f64x8::splat(simd, 1.0) / weight;
     [value[0] * inverse, value[1] * inverse, value[2] * inverse]
 }
@@ -222,11 +223,14 @@ fn basis<S: Simd, const N: usize>(
     let mut values = [zero; N];
     let mut slopes = [zero; N];
     let p = f64x8::splat(simd, degree as f64);
-    for i in 0..=degree {
-        let (before, here) =
-            (if i > 0 { lower[i - 1] } else { zero }, if i < degree { lower[i] } else { zero });
+    values[0] = rest * lower[0];
+    slopes[0] = p * -lower[0];
+    for i in 1..degree {
+        let (before, here) = (lower[i - 1], lower[i]);
         values[i] = rest.mul_add(here, t * before);
         slopes[i] = p * (before - here);
     }
+    values[degree] = t * lower[degree - 1];
+    slopes[degree] = p * lower[degree - 1];
     (values, slopes)
 }

@@ -1,6 +1,6 @@
 //! Control nets of eight pieces side by side.
 
-use fearless_simd::{Simd, SimdBase, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
@@ -121,13 +121,14 @@ impl<S: Simd> Net<S> for LaneNet {
     }
 
     #[inline(always)]
-    fn weight(&self, simd: S) -> f64x8<S> {
-        f64x8::from_slice(simd, &self.weight)
+    fn weight(&self, simd: S) -> Option<f64x8<S>> {
+        let weight = f64x8::from_slice(simd, &self.weight);
+        let ones = weight.simd_eq(f64x8::splat(simd, 1.0));
+        if ones.all_true() { None } else { Some(weight) }
     }
 
     #[inline(always)]
-    fn row(&self, i: usize) -> Self::Row<'_> {
-        let length = self.form.row_length();
+    fn row(&self, i: usize, length: usize) -> Self::Row<'_> {
         &self.numbers[i * length..(i + 1) * length]
     }
 

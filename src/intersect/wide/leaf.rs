@@ -6,6 +6,7 @@ use fearless_simd_macros::simd;
 use super::distances::Approximate;
 use super::doubts::settle;
 use super::finish::finish;
+use super::jets::OneNet;
 use super::load::{farthest, turn};
 use super::packet::Packet;
 use super::screen::{Screened, screen};
@@ -18,7 +19,7 @@ use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::math::rounding;
-use crate::patch::{OrientedBox, PieceNet};
+use crate::patch::OrientedBox;
 
 /// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
 /// set in `groups`.
@@ -78,10 +79,10 @@ pub(super) fn search_leaf<S: Simd>(
         if certain != 0 {
             let start = [crossing.x, crossing.y];
             let widened = f32x16::splat(simd, WIDENED as f32);
-            let (near, step) = work.distances.newton(simd, start, [[-widened, widened]; 2]);
+            let searched = work.distances.newton(simd, start, [[-widened, widened]; 2]);
             let rays = (&*packet, base);
             let asked = (certain, error);
-            let search = (&work.distances, &crossing, &step);
+            let search = (&work.distances, &crossing, &searched);
             let Screened { missed, met } = screen(simd, target, rays, search, asked);
             certain &= !(missed | met);
             if met != 0 {
@@ -91,8 +92,10 @@ pub(super) fn search_leaf<S: Simd>(
             if certain != 0 {
                 let closer = closer.get_or_insert_with(|| target.closer());
                 let lanes = (certain, Ground::Certificate);
-                let net = net_of(simd, patch, &mut room);
-                done = finish_all(simd, (target, closer, net), (&mut *packet, base), lanes, &near);
+                let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
+                let about = (&*target, &*closer, &surface);
+                let near = &searched.near;
+                done = finish_all(simd, about, (&mut *packet, base), lanes, near);
                 doubted |= done.open;
             }
         }
@@ -130,7 +133,7 @@ pub(super) struct Done {
 #[simd]
 pub(super) fn finish_all<S: Simd>(
     simd: S,
-    target: (&Target<'_>, &Closer, PieceNet<'_>),
+    about: (&Target<'_>, &Closer, &OneNet<'_>),
     (packet, base): (&mut Packet, usize),
     (lanes, ground): (u32, Ground<S>),
     near: &Approximate<f32x16<S>>,
@@ -143,7 +146,7 @@ pub(super) fn finish_all<S: Simd>(
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, near.half(half));
-        let done = finish(simd, target, packet, base, (wanted, &ground), &near);
+        let done = finish(simd, about, packet, base, (wanted, &ground), &near);
         all.open |= (done.open as u32) << (8 * half);
         all.judged |= (done.judged as u32) << (8 * half);
         all.found |= done.found;

@@ -2,6 +2,7 @@
 //! leaf, or of eight pairs of a ray and a leaf.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
+use fearless_simd_macros::simd;
 
 use super::distances::Approximate;
 use super::jets::Jets;
@@ -23,10 +24,10 @@ const MOST_TURN: f64 = 1e-9;
 /// The leaves of eight lanes, and their true leaves.
 pub(super) trait Leaves<S: Simd> {
     /// Points and first derivatives.
-    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S>;
+    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
     /// The points alone.
-    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3];
+    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3];
 
     /// Half the sides of their rectangles, one over that, and their middles.
     fn half(&self, simd: S) -> [f64x8<S>; 2];
@@ -47,18 +48,29 @@ pub(super) trait Leaves<S: Simd> {
     fn second(&self, simd: S, axis: usize, place: [f64x8<S>; 2]) -> [f64x8<S>; 3];
 
     /// The lanes whose next step surely leads away from the leaf, so that it is missed.
-    fn surely_away(&self, simd: S, rays: &RayLanes<S>, step: &Step<S>) -> mask64x8<S>;
+    fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
 }
 
-/// Eight rays.
-#[derive(Clone, Copy)]
-pub(super) struct RayLanes<S: Simd> {
-    pub(super) origin: [f64x8<S>; 3],
-    pub(super) axis: [f64x8<S>; 3],
-    /// Of the two planes through each ray.
-    pub(super) normals: [[f64x8<S>; 3]; 2],
+/// Eight rays. What is asked for is read when it is: there are not enough registers to hold it.
+pub(super) trait Rays<S: Simd> {
+    fn origin(&self, simd: S) -> [f64x8<S>; 3];
+
+    /// The unit directions.
+    fn axis(&self, simd: S) -> [f64x8<S>; 3];
+
+    /// The normals of two planes through each ray.
+    fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2];
+
     /// How far a point may be from the ray.
-    pub(super) error: f64x8<S>,
+    fn error(&self) -> f64x8<S>;
+
+    /// The distances of points from the planes.
+    #[inline(always)]
+    fn distances(&self, simd: S, point: [f64x8<S>; 3]) -> [f64x8<S>; 2] {
+        let (origin, [n1, n2]) = (self.origin(simd), self.normals(simd));
+        let from = [point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]];
+        [dot_d(n1, from), dot_d(n2, from)]
+    }
 }
 
 /// A step of the iteration, before it is taken.
@@ -91,6 +103,21 @@ pub(super) struct Converged<S: Simd> {
     pub(super) steps: u32,
 }
 
+/// Where a step from a place leads, and what is known of it.
+#[derive(Clone, Copy)]
+struct Landed<S: Simd> {
+    /// The lanes that have converged there.
+    done: mask64x8<S>,
+    st: [f64x8<S>; 2],
+    step: Step<S>,
+    /// As in [`Converged`].
+    z: f64x8<S>,
+    point: [f64x8<S>; 3],
+    cross: [f64x8<S>; 3],
+    speed: f64x8<S>,
+    inverse_det: f64x8<S>,
+}
+
 /// Newton's steps for the `wanted` lanes, from what the search in f32 has found.
 ///
 /// All of these rays have one root at most in the domain. So a lane that converges has found its
@@ -101,123 +128,182 @@ pub(super) struct Converged<S: Simd> {
 /// The first step takes the true surface's point but the approximation's tangents: it leaves
 /// about 1e-11 half sides, for little more than half of what a step with its own tangents costs.
 #[inline(always)] // what goes in and out are dozens of vectors
-pub(super) fn newton<S: Simd, T: Leaves<S>>(
+pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
     leaves: &T,
-    rays: &RayLanes<S>,
+    rays: &R,
     (wanted, certified): (mask64x8<S>, bool),
     near: &Approximate<f64x8<S>>,
 ) -> Converged<S> {
-    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
-    let domain = leaves.domain(simd);
-    let RayLanes { origin, axis, normals: [n1, n2], error } = *rays;
-    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
-    let [sides_s, sides_t] = leaves.per_half(simd);
-
-    // The step with the approximation's tangents; NaN becomes a bound.
-    let mut s = near.x.mul_add(half_s, middle_s).max(domain[0]).min(domain[1]);
-    let mut t = near.y.mul_add(half_t, middle_t).max(domain[2]).min(domain[3]);
-    let place = leaves.points(simd, s, t);
-    let from_origin = [place[0] - origin[0], place[1] - origin[1], place[2] - origin[2]];
-    let (f1, f2) = (dot_d(n1, from_origin), dot_d(n2, from_origin));
-    let [[xx, xy], [yx, yy]] = near.inverse;
-    s = (s - half_s * xx.mul_add(f1, xy * f2)).max(domain[0]).min(domain[1]);
-    t = (t - half_t * yx.mul_add(f1, yy * f2)).max(domain[2]).min(domain[3]);
-
-    let mut open = wanted;
-    let mut found = simd.splat_mask64x8(false);
-    let (mut root_s, mut root_t, mut z, mut inverse_det) = (zero, zero, zero, zero);
-    let mut speed = zero;
-    let mut point = [zero; 3];
-    let mut cross = [zero; 3];
-    let mut steps = open.to_bitmask().count_ones();
-    let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    for _ in 0..MOST_STEPS {
-        steps += open.to_bitmask().count_ones();
-        let jets = leaves.jets(simd, s, t);
-        let from_origin =
-            [jets.point[0] - origin[0], jets.point[1] - origin[1], jets.point[2] - origin[2]];
-        let (f1, f2) = (dot_d(n1, from_origin), dot_d(n2, from_origin));
-        let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
-        let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
-        let inverse = one / (a1 * b2 - a2 * b1);
-        let step_s = (f1 * b2 - f2 * b1) * inverse;
-        let step_t = (a1 * f2 - a2 * f1) * inverse;
-        let new_s = s - step_s;
-        let new_t = t - step_t;
-        // The normal after the step.
-        let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
-        let mut tangents = [jets.ds, jets.dt];
-        if leaves.asks_normals() {
-            let place = [(s - middle_s) * sides_s, (t - middle_t) * sides_t];
-            for i in 0..3 {
-                let [xx, xy, yy] = leaves.second(simd, i, place);
-                tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
-                tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
-            }
-        }
-        let mut across = [zero; 3];
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            across[i] = tangents[0][j] * tangents[1][k] - tangents[0][k] * tangents[1][j];
-        }
-
-        // Converged where the residual is within the error; or will be after this step, which
-        // the bend bounds, as it does the turn of the normal.
-        let residual = f1.mul_add(f1, f2 * f2);
-        let close = residual.simd_le(error * error);
-        let longest = move_x.abs().max(move_y.abs());
-        let bent = leaves.bend(simd) * longest;
-        let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
-        let mut straight = open;
-        if leaves.asks_normals() {
-            let sides = half_s * speed_s + half_t * speed_t;
-            let turn = (bent + bent) * sides;
-            let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
-            straight = (turn * turn).simd_le(least_turn * least_turn * dot_d(across, across));
-        }
-        let inside = new_s.simd_ge(domain[0])
-            & new_s.simd_le(domain[1])
-            & new_t.simd_ge(domain[2])
-            & new_t.simd_le(domain[3]);
-        let done = close | ((bent * longest).simd_le(least) & straight & inside);
-
-        // What is left of the distance is taken off along the tangent plane.
-        let new = done & open;
-        root_s = new.select(new_s, root_s);
-        root_t = new.select(new_t, root_t);
-        inverse_det = new.select(inverse, inverse_det);
-        speed = new.select(speed_s + speed_t, speed);
-        let mut along = zero;
-        for i in 0..3 {
-            let moved = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
-            point[i] = new.select(moved, point[i]);
-            along = axis[i].mul_add(moved - origin[i], along);
-            cross[i] = new.select(across[i], cross[i]);
-        }
-        z = new.select(along, z);
-        found |= new;
-        open &= !new;
-        if open.all_false() {
-            break;
-        }
-        if certified {
-            let step = Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] };
-            open &= !leaves.surely_away(simd, rays, &step);
-            if open.all_false() {
-                break;
-            }
-        }
-        // Steps stay where the certificate holds; NaN becomes a bound.
-        s = new_s.max(domain[0]).min(domain[1]);
-        t = new_t.max(domain[2]).min(domain[3]);
+    let at = first_step(simd, leaves, rays, near);
+    // As a rule the next step is the last, for all lanes.
+    let landed = land(simd, leaves, rays, &at);
+    let mut root = Converged {
+        found: landed.done & wanted,
+        open: !landed.done & wanted,
+        st: landed.st,
+        z: landed.z,
+        point: landed.point,
+        cross: landed.cross,
+        speed: landed.speed,
+        inverse_det: landed.inverse_det,
+        steps: 2 * wanted.to_bitmask().count_ones(),
+    };
+    if root.open.any_true() {
+        // Copies: whose address is known to others is kept in memory, even where they are not asked.
+        let so_far = (root, landed);
+        let later = go_on(simd, leaves, rays, &so_far, certified);
+        root = later;
     }
 
     // The leaf and its slack.
+    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
     let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
-    found &= (root_s - middle_s).abs().simd_le(half_s * reach)
-        & (root_t - middle_t).abs().simd_le(half_t * reach);
-    Converged { found, open, st: [root_s, root_t], z, point, cross, inverse_det, speed, steps }
+    root.found &= (root.st[0] - middle_s).abs().simd_le(half_s * reach)
+        & (root.st[1] - middle_t).abs().simd_le(half_t * reach);
+    root
+}
+
+/// The step with the approximation's tangents.
+#[simd]
+fn first_step<S: Simd, T: Leaves<S>, R: Rays<S>>(
+    simd: S,
+    leaves: &T,
+    rays: &R,
+    near: &Approximate<f64x8<S>>,
+) -> [f64x8<S>; 2] {
+    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
+    let place = [near.x.mul_add(half_s, middle_s), near.y.mul_add(half_t, middle_t)];
+    let st = within(place, leaves.domain(simd));
+    let [f1, f2] = rays.distances(simd, leaves.points(simd, &st));
+    let [[xx, xy], [yx, yy]] = near.inverse;
+    let [half_s, half_t] = leaves.half(simd);
+    let place =
+        [st[0] - half_s * xx.mul_add(f1, xy * f2), st[1] - half_t * yx.mul_add(f1, yy * f2)];
+    within(place, leaves.domain(simd))
+}
+
+/// Steps stay where there is one root at most; NaN becomes a bound.
+#[inline(always)]
+fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2] {
+    [s.max(domain[0]).min(domain[1]), t.max(domain[2]).min(domain[3])]
+}
+
+/// A step with the surface's own tangents.
+#[inline(always)]
+fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
+    simd: S,
+    leaves: &T,
+    rays: &R,
+    st: &[f64x8<S>; 2],
+) -> Landed<S> {
+    let jets = leaves.jets(simd, st);
+    let [s, t] = *st;
+    let [f1, f2] = rays.distances(simd, jets.point);
+    let [n1, n2] = rays.normals(simd);
+    let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
+    let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
+    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+    let inverse_det = one / (a1 * b2 - a2 * b1);
+    let step_s = (f1 * b2 - f2 * b1) * inverse_det;
+    let step_t = (a1 * f2 - a2 * f1) * inverse_det;
+    let new_s = s - step_s;
+    let new_t = t - step_t;
+    // The normal after the step.
+    let ([half_s, half_t], [sides_s, sides_t]) = (leaves.half(simd), leaves.per_half(simd));
+    let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
+    let mut tangents = [jets.ds, jets.dt];
+    if leaves.asks_normals() {
+        let [middle_s, middle_t] = leaves.middle(simd);
+        let place = [(s - middle_s) * sides_s, (t - middle_t) * sides_t];
+        for i in 0..3 {
+            let [xx, xy, yy] = leaves.second(simd, i, place);
+            tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
+            tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
+        }
+    }
+    let mut cross = [zero; 3];
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        cross[i] = tangents[0][j] * tangents[1][k] - tangents[0][k] * tangents[1][j];
+    }
+
+    // Converged where the residual is within the error; or will be after this step, which
+    // the bend bounds, as it does the turn of the normal.
+    let error = rays.error();
+    let residual = f1.mul_add(f1, f2 * f2);
+    let close = residual.simd_le(error * error);
+    let longest = move_x.abs().max(move_y.abs());
+    let bent = leaves.bend(simd) * longest;
+    let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
+    let least = error * f64x8::splat(simd, PART_OF_ERROR);
+    let mut straight = (bent * longest).simd_le(least);
+    if leaves.asks_normals() {
+        let sides = half_s * speed_s + half_t * speed_t;
+        let turn = (bent + bent) * sides;
+        let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
+        straight &= (turn * turn).simd_le(least_turn * least_turn * dot_d(cross, cross));
+    }
+    let domain = leaves.domain(simd);
+    let inside = new_s.simd_ge(domain[0])
+        & new_s.simd_le(domain[1])
+        & new_t.simd_ge(domain[2])
+        & new_t.simd_le(domain[3]);
+
+    // What is left of the distance is taken off along the tangent plane.
+    let (origin, axis) = (rays.origin(simd), rays.axis(simd));
+    let (mut point, mut z) = (jets.point, zero);
+    for i in 0..3 {
+        point[i] = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
+        z = axis[i].mul_add(point[i] - origin[i], z);
+    }
+    Landed {
+        done: close | (straight & inside),
+        st: [new_s, new_t],
+        step: Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] },
+        z,
+        point,
+        cross,
+        speed: speed_s + speed_t,
+        inverse_det,
+    }
+}
+
+/// The steps after the first for lanes that are still open.
+#[cold]
+#[simd]
+fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
+    simd: S,
+    leaves: &T,
+    rays: &R,
+    so_far: &(Converged<S>, Landed<S>),
+    certified: bool,
+) -> Converged<S> {
+    let (mut root, mut landed) = *so_far;
+    for k in 1..=MOST_STEPS {
+        if certified {
+            root.open &= !leaves.surely_away(simd, rays, &landed.step);
+        }
+        if k == MOST_STEPS || root.open.all_false() {
+            break;
+        }
+        root.steps += root.open.to_bitmask().count_ones();
+        landed = land(simd, leaves, rays, &within(landed.st, leaves.domain(simd)));
+        let new = landed.done & root.open;
+        for k in 0..2 {
+            root.st[k] = new.select(landed.st[k], root.st[k]);
+        }
+        for i in 0..3 {
+            root.point[i] = new.select(landed.point[i], root.point[i]);
+            root.cross[i] = new.select(landed.cross[i], root.cross[i]);
+        }
+        root.z = new.select(landed.z, root.z);
+        root.speed = new.select(landed.speed, root.speed);
+        root.inverse_det = new.select(landed.inverse_det, root.inverse_det);
+        root.found |= new;
+        root.open &= !new;
+    }
+    root
 }
 
 /// The part of a ray that hits count on, of eight rays.

@@ -7,7 +7,7 @@ use super::distances::Approximate;
 use super::frames::Frames;
 use super::jets::{Jets, jets, points};
 use super::lane_net::LaneNet;
-use super::newton::{Ends, Leaves, RayLanes, Step, newton};
+use super::newton::{Ends, Leaves, Rays, Step, newton};
 use super::pairs::{Outcomes, PairLanes, eight};
 use crate::patch::WIDENING;
 
@@ -24,7 +24,7 @@ impl PairLanes {
     ) -> Outcomes {
         let reach = f64x8::splat(simd, 1.0 + 2.0 * WIDENING);
         let error = self.error(simd, frames, half, self.net.form);
-        let rays = RayLanes { origin: frames.origin, axis: frames.axis, normals, error };
+        let rays = EightRays { frames, normals, error };
         let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
         let middle = [eight(simd, &self.middle[0], half), eight(simd, &self.middle[1], half)];
         let leaves = Eight {
@@ -45,7 +45,7 @@ impl PairLanes {
             return Outcomes { open, steps, ..Outcomes::default() };
         }
         // The point and the normal of the place itself, not of one a last step away.
-        let Jets { point, ds, dt } = jets(simd, &self.net, root.st[0], root.st[1]);
+        let Jets { point, ds, dt } = jets(simd, &self.net, &root.st);
         root.point = point;
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -70,6 +70,35 @@ impl PairLanes {
     }
 }
 
+/// The rays of eight pairs.
+struct EightRays<'a, S: Simd> {
+    frames: &'a Frames<S>,
+    normals: [[f64x8<S>; 3]; 2],
+    error: f64x8<S>,
+}
+
+impl<S: Simd> Rays<S> for EightRays<'_, S> {
+    #[inline(always)]
+    fn origin(&self, _: S) -> [f64x8<S>; 3] {
+        self.frames.origin
+    }
+
+    #[inline(always)]
+    fn axis(&self, _: S) -> [f64x8<S>; 3] {
+        self.frames.axis
+    }
+
+    #[inline(always)]
+    fn normals(&self, _: S) -> [[f64x8<S>; 3]; 2] {
+        self.normals
+    }
+
+    #[inline(always)]
+    fn error(&self) -> f64x8<S> {
+        self.error
+    }
+}
+
 /// The leaves of eight pairs.
 struct Eight<'a, S: Simd> {
     net: &'a LaneNet,
@@ -81,13 +110,13 @@ struct Eight<'a, S: Simd> {
 
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
     #[inline(always)]
-    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-        jets(simd, self.net, s, t)
+    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
+        jets(simd, self.net, st)
     }
 
     #[inline(always)]
-    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
-        points(simd, self.net, s, t)
+    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
+        points(simd, self.net, st)
     }
 
     #[inline(always)]
@@ -129,7 +158,7 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
 
     /// None: these are left to the ray's own proof.
     #[inline(always)]
-    fn surely_away(&self, simd: S, _: &RayLanes<S>, _: &Step<S>) -> mask64x8<S> {
+    fn surely_away<R: Rays<S>>(&self, simd: S, _: &R, _: &Step<S>) -> mask64x8<S> {
         simd.splat_mask64x8(false)
     }
 }

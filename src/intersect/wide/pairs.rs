@@ -8,7 +8,7 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::LANES;
-use super::distances::LaneDistances;
+use super::distances::{LaneDistances, Searched};
 use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::{Form, LaneNet};
 use super::lane_proof::missed;
@@ -130,7 +130,7 @@ impl PairLanes {
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
         let widened = f32x16::splat(simd, WIDENED as f32);
-        let (near, _) = self.distances.newton(simd, start, [[-widened, widened]; 2]);
+        let Searched { near, .. } = self.distances.newton(simd, start, [[-widened, widened]; 2]);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.

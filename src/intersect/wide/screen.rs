@@ -26,7 +26,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::distances::{LaneDistances, LastStep};
+use super::distances::{Approximate, LaneDistances, LastStep, Searched};
 use super::packet::Packet;
 use super::search::{Crossing, bits, load3};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
@@ -67,11 +67,12 @@ pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&Packet, usize),
-    (distances, crossing, step): (&LaneDistances, &Crossing<S>, &LastStep<S>),
+    (distances, crossing, searched): (&LaneDistances, &Crossing<S>, &Searched<S>),
     (asked, error): (u32, f32x16<S>),
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
-    let farthest = step.to[0].abs().max(step.to[1].abs());
+    let [x, y] = searched.last.to;
+    let farthest = x.abs().max(y.abs());
     let outside = asked & !bits(farthest.simd_le(splat(simd, INSIDE)));
     if target.pole.is_some() || (outside == 0 && !packet.any) {
         return Screened::default();
@@ -83,7 +84,7 @@ pub(super) fn screen<S: Simd>(
         terms: distances.terms(simd, target.sizes(simd), packet, base),
         error,
     };
-    let Screened { missed, met } = screen.ask(simd, step);
+    let Screened { missed, met } = screen.ask(simd, searched);
     let met = if packet.any && !target.leaf.is_trimmed() {
         met & packet.within_range(simd, base, crossing)
     } else {
@@ -108,9 +109,9 @@ struct Screen<'a, S: Simd> {
 impl<S: Simd> Screen<'_, S> {
     /// What the last step of the search says of them, whatever the part of the rays that counts.
     #[inline(always)]
-    fn ask(&self, simd: S, step: &LastStep<S>) -> Screened {
-        let LastStep { from, to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]], inverse } =
-            *step;
+    fn ask(&self, simd: S, searched: &Searched<S>) -> Screened {
+        let Searched { near: Approximate { inverse, .. }, last } = *searched;
+        let LastStep { from, to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]] } = last;
         let [[xx, xy], [yx, yy]] = inverse;
         let leaf = self.target.leaf;
 
@@ -230,11 +231,11 @@ mod tests {
             distances.take(simd, target.leaf, &packet, 0);
             let widened = f32x16::splat(simd, WIDENED as f32);
             let start = [crossing.x, crossing.y];
-            let (_, step) = distances.newton(simd, start, [[-widened, widened]; 2]);
+            let searched = distances.newton(simd, start, [[-widened, widened]; 2]);
             let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
             let asked = (certified, error);
             let rays = (&packet, 0);
-            let search = (&distances, &crossing, &step);
+            let search = (&distances, &crossing, &searched);
             (screen(simd, &target, rays, search, asked), certified)
         })
     }

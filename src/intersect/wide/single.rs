@@ -23,7 +23,7 @@ use fearless_simd_macros::simd;
 
 use super::box_ray::{Crossings, SPARE, Stack};
 use super::jets::OneNet;
-use super::single_finish::{Outcome, finish};
+use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Place, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
@@ -100,8 +100,12 @@ fn each(mut bits: u32, mut call: impl FnMut(usize)) {
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct SingleWork {
     stack: Stack,
-    /// The nearest certified hit: of any-hit searches the first found.
-    pub(in crate::intersect) hit: Option<SingleHit>,
+    /// Whether there is a hit.
+    met: bool,
+    /// Two places for hits, so that none is copied, and which of them is the nearest certified hit's:
+    /// of any-hit searches the first found.
+    hits: [SingleHit; 2],
+    best: usize,
     /// Leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<u32>,
     /// Newton's steps in f64 since the beginning.
@@ -138,7 +142,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
             Child::Region(index, way) => {
                 let (region, inside) = scene.tree.enter(index, way);
                 work.stack.extend(inside.map(|code| (f32::NEG_INFINITY, code)));
-                ray.change_to(&region.frame, work.hit.as_ref());
+                ray.change_to(&region.frame, work.hit());
             }
         }
         next = loop {
@@ -222,14 +226,12 @@ pub(super) fn search_ahead<S: Simd>(
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let (outcome, steps) =
-                finish(simd, leaf, surface, ray, (near, [[-WIDENED, WIDENED]; 2], error));
+            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error };
+            let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
-                Outcome::Hit(found) => {
-                    return work.take(SingleHit { leaf: index, ..found }, ray, scene);
-                }
+                Outcome::Hit => return work.take(index, ray, scene),
                 Outcome::Undecided => return work.rest.push(index),
                 Outcome::NotFound => {}
             }
@@ -243,11 +245,12 @@ pub(super) fn search_ahead<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let (outcome, steps) = finish(simd, leaf, surface, ray, (near, domain, error));
+        let task = Task { near, domain, error };
+        let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}
-            Outcome::Hit(found) => work.take(SingleHit { leaf: index, ..found }, ray, scene),
+            Outcome::Hit => work.take(index, ray, scene),
             Outcome::Undecided | Outcome::NotFound => {
                 work.rest.push(index);
                 return;
@@ -293,20 +296,37 @@ pub(super) fn keep(found: &Place, scene: &Scene<'_>, nearest: Option<&Place>) ->
 impl SingleWork {
     /// Forgets what was found.
     pub(super) fn clear(&mut self) {
-        self.hit = None;
+        self.met = false;
         self.rest.clear();
         self.stack.clear();
     }
 
-    fn take(&mut self, found: SingleHit, ray: &mut SingleRay<'_>, scene: &Scene<'_>) {
-        let known = self.hit.as_ref().map(SingleHit::place);
-        match keep(&found.place(), scene, known.as_ref()) {
+    /// The nearest certified hit: of any-hit searches the first found.
+    #[inline(always)]
+    pub(in crate::intersect) fn hit(&self) -> Option<&SingleHit> {
+        self.met.then_some(&self.hits[self.best])
+    }
+
+    /// Where the next hit is put.
+    #[inline(always)]
+    fn other(&mut self) -> &mut SingleHit {
+        &mut self.hits[1 - self.best]
+    }
+
+    /// Takes the hit of a leaf that was put there.
+    #[inline(always)]
+    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, scene: &Scene<'_>) {
+        self.other().leaf = leaf;
+        let found = self.other().place();
+        let known = self.hit().map(SingleHit::place);
+        match keep(&found, scene, known.as_ref()) {
             Kept::Nearer => {
                 ray.shorten(found.z);
-                self.hit = Some(found);
+                self.met = true;
+                self.best = 1 - self.best;
             }
             Kept::Not => {}
-            Kept::Undecided => self.rest.push(found.leaf),
+            Kept::Undecided => self.rest.push(leaf),
         }
     }
 }

@@ -28,20 +28,32 @@ pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 /// to make up for: they leave a tenth or so.
 const MOST_TURN: f64 = 1e-13;
 
+/// What is searched for in a leaf, from where.
+#[derive(Clone, Copy)]
+pub(super) struct Task {
+    /// What the search in f32 has found, in box coordinates.
+    pub(super) near: [f32; 2],
+    /// Where there is one root at most, in box coordinates.
+    pub(super) domain: [[f64; 2]; 2],
+    /// How far a point may be from the ray.
+    pub(super) error: f64,
+}
+
 /// What became of a ray and a leaf.
+#[derive(Clone, Copy)]
 pub(super) enum Outcome {
     /// Proved to be missed.
     Missed,
-    /// The one root there is.
-    Hit(SingleHit),
+    /// There is one root, a hit.
+    Hit,
     /// A root that the scalar search must judge.
     Undecided,
     /// Newton's iteration does not converge.
     NotFound,
 }
 
-/// Newton's steps in f64 from a start in box coordinates, in a domain where there is one root at
-/// most; `error` is how far a point may be from the ray. Also returns the number of steps.
+/// Newton's steps in f64 in a domain where there is one root at most. A hit is put into `found`, all
+/// but its leaf: returned, it would be copied, which stalls. Also returns the number of steps.
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
 /// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
@@ -49,27 +61,32 @@ pub(super) enum Outcome {
 pub(super) fn finish<S: Simd>(
     simd: S,
     leaf: &Leaf,
-    surface: OneNet<'_>,
+    surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    task: ([f32; 2], [[f64; 2]; 2], f64),
+    task: &Task,
+    found: &mut SingleHit,
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
     match (surface.patch.degree(), surface.patch.is_rational()) {
-        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, surface, ray, task),
-        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, surface, ray, task),
-        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, surface, ray, task),
-        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, surface, ray, task),
-        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, surface, ray, task),
-        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, surface, ray, task),
+        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, surface, ray, task, found),
+        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, surface, ray, task, found),
+        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, surface, ray, task, found),
+        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, surface, ray, task, found),
+        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, surface, ray, task, found),
+        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, surface, ray, task, found),
         ([p, q], true) if p.max(q) < 8 => {
-            finish_of::<S, 0, 0, 8, 4>(simd, leaf, surface, ray, task)
+            finish_of::<S, 0, 0, 8, 4>(simd, leaf, surface, ray, task, found)
         }
         ([p, q], false) if p.max(q) < 8 => {
-            finish_of::<S, 0, 0, 8, 3>(simd, leaf, surface, ray, task)
+            finish_of::<S, 0, 0, 8, 3>(simd, leaf, surface, ray, task, found)
         }
-        (_, true) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, surface, ray, task),
-        (_, false) => finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, surface, ray, task),
+        (_, true) => {
+            finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, surface, ray, task, found)
+        }
+        (_, false) => {
+            finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, surface, ray, task, found)
+        }
     }
 }
 
@@ -79,9 +96,10 @@ pub(super) fn finish<S: Simd>(
 fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
     leaf: &Leaf,
-    surface: OneNet<'_>,
+    surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    (near, domain, error): ([f32; 2], [[f64; 2]; 2], f64),
+    &Task { near, domain, error }: &Task,
+    found: &mut SingleHit,
 ) -> (Outcome, u64) {
     let [s_range, t_range] = leaf.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
@@ -129,8 +147,8 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
                 let along_y = along_t * f64x4::splat(simd, half_t);
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
             }
-            let found = Converged { st, half: [half_s, half_t], z, determinant, tangents };
-            return (judge(&found, ray, error), step);
+            let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
+            return (judge(&root, ray, error, found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -196,10 +214,10 @@ struct Converged {
     tangents: Tangents,
 }
 
-/// Whether a root of the leaf is a hit.
+/// Whether a root of the leaf is a hit, which then is put into `found`.
 #[inline(always)]
-fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
-    let &Converged { st, half, z, determinant, ref tangents } = found;
+fn judge(root: &Converged, ray: &SingleRay<'_>, error: f64, found: &mut SingleHit) -> Outcome {
+    let &Converged { st, half, z, determinant, ref tangents } = root;
     let Tangents { point, weight, along_x, along_y, cross } = tangents;
     // One over the cosine is `|a × b| / det`.
     let steepness = cross.length() * (weight * weight / determinant).abs();
@@ -217,7 +235,9 @@ fn judge(found: &Converged, ray: &SingleRay<'_>, error: f64) -> Outcome {
     if !(z > z_min && z < z_max) {
         return Outcome::Missed;
     }
-    Outcome::Hit(SingleHit { leaf: 0, z, z_error, st, point: *point, cross: *cross })
+    (found.z, found.z_error, found.st) = (z, z_error, st);
+    (found.point, found.cross) = (*point, *cross);
+    Outcome::Hit
 }
 
 /// The columns of the matrix that takes a vector to the ray's coordinates.
@@ -252,7 +272,7 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
 #[inline(always)]
 fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
     simd: S,
-    OneNet { patch, net }: OneNet<'_>,
+    OneNet { patch, net }: &OneNet<'_>,
     s: f64,
     t: f64,
 ) -> [f64x4<S>; 3] {

@@ -314,10 +314,10 @@ impl Task<'_> {
         search_ahead(simd, self.scene, leaf, (start, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.rest.is_empty();
-        if let Some(hit) = single.hit
+        if let Some(hit) = single.hit()
             && flight.takes(self.scene, &hit.place())
         {
-            flight.hit = hit;
+            flight.hit = *hit;
         }
     }
 }

@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use super::distances::widened;
 use super::jets::{Jets, OneNet, jets, points};
-use super::newton::{Leaves, RayLanes, Step};
+use super::newton::{Leaves, Rays, Step};
 use super::search::dot_d;
 use super::single::Scene;
-use crate::intersect::borders::border_reach;
+use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
 
@@ -34,6 +34,17 @@ pub(super) struct Closer {
     /// How near a side of the piece a hit may be at a border of the surface; `None` if the
     /// leaf is away from all borders.
     pub(super) reach: Option<[f64; 4]>,
+    /// Half the sides of the leaf's rectangle, one over that, and its middle.
+    half: [f64; 2],
+    per_half: [f64; 2],
+    middle: [f64; 2],
+    /// How far a computed point may be from the true one, over the larger of two magnitudes: the
+    /// patch's, and that of the ray's origin.
+    pub(super) residual_factor: f64,
+    pub(super) magnitude: f64,
+    /// See [`Piece::domain`] and [`Piece::open_end`].
+    pub(super) domain: [[f64; 2]; 2],
+    pub(super) open_end: [Option<f64>; 2],
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
     /// See [`Leaf::higher_derivatives`].
@@ -41,6 +52,7 @@ pub(super) struct Closer {
 }
 
 impl<'a> Target<'a> {
+    #[inline(always)] // returned, it would be copied, which stalls
     pub(super) fn new(scene: &'a Scene<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
         let leaf = &scene.leaves[index as usize];
         let piece = &scene.set.pieces()[leaf.piece as usize];
@@ -49,14 +61,31 @@ impl<'a> Target<'a> {
         Self { leaf, piece, index, scene, oriented, rect, domain, pole }
     }
 
+    #[inline(always)]
     pub(super) fn closer(&self) -> Closer {
-        // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
-        let reach = match self.pole {
-            Some(_) => Some([f64::INFINITY; 4]),
-            None => border_reach(self.leaf, self.piece),
-        };
+        let mut reach = None;
+        if self.pole.is_some() {
+            // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
+            reach = Some([f64::INFINITY; 4]);
+        } else if self.piece.has_border() {
+            for (side, near) in near_borders(self.leaf, self.piece) {
+                reach.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
+            }
+        }
         let bend = f64::from(self.leaf.fit_bend());
-        Closer { reach, bend, higher: self.leaf.higher_derivatives() }
+        let [[s0, s1], [t0, t1]] = self.rect;
+        Closer {
+            reach,
+            half: [0.5 * (s1 - s0), 0.5 * (t1 - t0)],
+            per_half: [2.0 / (s1 - s0), 2.0 / (t1 - t0)],
+            middle: [0.5 * (s0 + s1), 0.5 * (t0 + t1)],
+            residual_factor: self.piece.patch.residual_factor(),
+            magnitude: self.piece.patch.magnitude(),
+            domain: self.piece.domain(),
+            open_end: [self.piece.open_end(0), self.piece.open_end(1)],
+            bend,
+            higher: self.leaf.higher_derivatives(),
+        }
     }
 
     /// The sums of the sizes of the approximation's coefficients, by coordinate.
@@ -89,24 +118,18 @@ impl<'a> Target<'a> {
 
     /// The rays that pass the leaf's pole far enough for its certificate to speak of them.
     #[inline(always)]
-    pub(super) fn is_away_from_pole<S: Simd>(
+    pub(super) fn is_away_from_pole<S: Simd, R: Rays<S>>(
         &self,
         simd: S,
         pole: DVec3,
-        rays: &RayLanes<S>,
+        rays: &R,
     ) -> mask64x8<S> {
-        let RayLanes { origin, axis, normals: [n1, n2], error } = *rays;
-        let offset = [
-            f64x8::splat(simd, pole.x) - origin[0],
-            f64x8::splat(simd, pole.y) - origin[1],
-            f64x8::splat(simd, pole.z) - origin[2],
-        ];
-        let (f1, f2) = (dot_d(n1, offset), dot_d(n2, offset));
+        let [f1, f2] = rays.distances(simd, splat3(simd, pole));
         let distance = f1.mul_add(f1, f2 * f2).sqrt();
         let [_, _, normal] = self.oriented.directions();
-        let steep = dot_d(splat3(simd, normal), axis).abs();
+        let steep = dot_d(splat3(simd, normal), rays.axis(simd)).abs();
         let needed = f64::from(self.leaf.certificate.pole_per_error());
-        (error * f64x8::splat(simd, needed)).simd_le(steep * distance)
+        (rays.error() * f64x8::splat(simd, needed)).simd_le(steep * distance)
     }
 
     /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
@@ -136,7 +159,7 @@ pub(super) struct Ground8<'a, S: Simd> {
     pub(super) target: &'a Target<'a>,
     pub(super) closer: &'a Closer,
     /// The piece and its control net.
-    pub(super) surface: OneNet<'a>,
+    pub(super) surface: &'a OneNet<'a>,
     /// From and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
     /// Whether normals are asked for.
@@ -145,31 +168,28 @@ pub(super) struct Ground8<'a, S: Simd> {
 
 impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
-    fn jets(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> Jets<S> {
-        jets(simd, &self.surface, s, t)
+    fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
+        jets(simd, self.surface, st)
     }
 
     #[inline(always)]
-    fn points(&self, simd: S, s: f64x8<S>, t: f64x8<S>) -> [f64x8<S>; 3] {
-        points(simd, &self.surface, s, t)
+    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
+        points(simd, self.surface, st)
     }
 
     #[inline(always)]
     fn half(&self, simd: S) -> [f64x8<S>; 2] {
-        let [[s0, s1], [t0, t1]] = self.target.rect;
-        [f64x8::splat(simd, 0.5 * (s1 - s0)), f64x8::splat(simd, 0.5 * (t1 - t0))]
+        splat2(simd, self.closer.half)
     }
 
     #[inline(always)]
     fn per_half(&self, simd: S) -> [f64x8<S>; 2] {
-        let [[s0, s1], [t0, t1]] = self.target.rect;
-        [f64x8::splat(simd, 2.0 / (s1 - s0)), f64x8::splat(simd, 2.0 / (t1 - t0))]
+        splat2(simd, self.closer.per_half)
     }
 
     #[inline(always)]
     fn middle(&self, simd: S) -> [f64x8<S>; 2] {
-        let [[s0, s1], [t0, t1]] = self.target.rect;
-        [f64x8::splat(simd, 0.5 * (s0 + s1)), f64x8::splat(simd, 0.5 * (t0 + t1))]
+        splat2(simd, self.closer.middle)
     }
 
     #[inline(always)]
@@ -206,9 +226,9 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     /// Where a step from beyond the leaf surely leads away from it, so that it is missed, as in the
     /// scalar search.
     #[simd]
-    fn surely_away(&self, simd: S, rays: &RayLanes<S>, step: &Step<S>) -> mask64x8<S> {
+    fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S> {
         let ([s, t], [step_s, step_t], [f1, f2]) = (step.at, step.by, step.distances);
-        let [n1, n2] = rays.normals;
+        let [n1, n2] = rays.normals(simd);
         let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
         let [half_s, half_t] = self.half(simd);
         let (outer_s, outer_t) = (half_s * reach, half_t * reach);
@@ -236,7 +256,8 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
         let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);
         let away_t = beyond_t & (from_middle_t * step_t).simd_lt(zero);
         let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
-        let clear = residual.simd_gt(rays.error * rays.error * f64x8::splat(simd, CLEAR * CLEAR));
+        let clear =
+            residual.simd_gt(rays.error() * rays.error() * f64x8::splat(simd, CLEAR * CLEAR));
         clear & (away_s & sure_s | away_t & sure_t)
     }
 }
@@ -250,7 +271,12 @@ pub(super) enum Ground<S: Simd> {
     Own([[f32x16<S>; 2]; 2]),
 }
 
-#[simd]
+#[inline(always)]
+fn splat2<S: Simd>(simd: S, [s, t]: [f64; 2]) -> [f64x8<S>; 2] {
+    [f64x8::splat(simd, s), f64x8::splat(simd, t)]
+}
+
+#[inline(always)]
 fn splat3<S: Simd>(simd: S, v: DVec3) -> [f64x8<S>; 3] {
     [f64x8::splat(simd, v.x), f64x8::splat(simd, v.y), f64x8::splat(simd, v.z)]
 }
