@@ -85,6 +85,7 @@ mod leaf_search;
 mod meeting;
 mod newton;
 mod packets;
+mod read_ahead;
 mod regions;
 mod singles;
 mod statistics;

@@ -2,6 +2,7 @@
 
 use super::borders::{at_border, error_bound};
 use super::meeting::{Meeting, occlusion};
+use super::read_ahead::ReadAhead;
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
 use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
@@ -20,6 +21,7 @@ impl Tracer<'_> {
         answers.reserve(shots.len());
         self.packets.packet.clear(0); // what was asked before has no part in the statistics
         let mut rest = shots;
+        let mut near = ReadAhead::default();
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: what a ray is answered must not
             // depend on its neighbours.
@@ -28,9 +30,10 @@ impl Tracer<'_> {
                 rest = &rest[1..];
                 continue;
             }
+            near.read(rest, PACKET);
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
-            self.trace_packet(level, (packet, ahead(others)), Wanted::First);
+            self.trace_packet(level, packet, Wanted::First);
             self.search_rest(packet, Wanted::First);
             let first = answers.len();
             self.answer_packet(packet, answers);
@@ -55,10 +58,12 @@ impl Tracer<'_> {
         answers.reserve(queries.len());
         self.packets.packet.clear(0);
         let mut rest = queries;
+        let mut near = ReadAhead::default();
         while !rest.is_empty() {
+            near.read(rest, PACKET);
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
             rest = others;
-            self.trace_packet(level, (packet, ahead(others)), Wanted::Any);
+            self.trace_packet(level, packet, Wanted::Any);
             self.search_rest(packet, Wanted::Any);
             let (first, met) = (answers.len(), self.packets.packet.met());
             let open = self.packets.work.rest_rays & !met;
@@ -85,18 +90,13 @@ impl Tracer<'_> {
         occlusion
     }
 
-    fn trace_packet<Q: Shot>(
-        &mut self,
-        level: Level,
-        (shots, ahead): (&[Q], &[Q]),
-        wanted: Wanted,
-    ) {
+    fn trace_packet<Q: Shot>(&mut self, level: Level, shots: &[Q], wanted: Wanted) {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
         packet.ask(wanted);
         let statistics = &mut self.findings.statistics;
         statistics.rays += shots.len() as u64;
         let scene = self.bvh.scene();
-        dispatch!(level, simd => trace(simd, &scene, (shots, ahead), packet, work, statistics));
+        dispatch!(level, simd => trace(simd, &scene, shots, packet, work, statistics));
     }
 
     /// The search ray by ray for the rays and leaves the packet could not decide.
@@ -166,11 +166,6 @@ fn left_out(mut bits: u64) -> impl Iterator<Item = usize> {
         bits &= bits.wrapping_sub(1);
         (k < PACKET).then_some(k)
     })
-}
-
-/// The rays of the packet that comes next.
-fn ahead<Q>(others: &[Q]) -> &[Q] {
-    &others[..others.len().min(PACKET)]
 }
 
 /// A lane's hit as the scalar search would have found it.

@@ -18,10 +18,6 @@ use super::{LANES, PACKET};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
-/// Rays to come are touched this many at a time: a packet's are done after some ten boxes or
-/// leaves, and no one waits for as many at once.
-const TOUCHED_AT_A_TIME: usize = 6;
-
 /// What is to be entered, where the first ray may, and the rays that may.
 type Task = (f32, ChildCode, u64);
 
@@ -39,8 +35,6 @@ pub(in crate::intersect) struct Work {
     pub(super) parts: Parts,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
-    /// How many of the rays to come have been touched.
-    touched: usize,
 }
 
 impl Work {
@@ -54,26 +48,16 @@ impl Work {
             lanes &= lanes - 1;
         }
     }
-
-    /// Reads something of the next few of the rays to come, so that they are on their way from
-    /// memory while those before them are traced.
-    #[inline(always)]
-    fn touch<Q: Shot>(&mut self, ahead: &[Q]) {
-        for shot in ahead.iter().skip(self.touched).take(TOUCHED_AT_A_TIME) {
-            std::hint::black_box(shot.ray().t_min());
-        }
-        self.touched += TOUCHED_AT_A_TIME;
-    }
 }
 
 /// Finds the nearest certified hit of every one of up to [`PACKET`] rays, or any if that is all
-/// they ask (`packet.any`); `ahead` are the rays that come next. `work.rest` names the
+/// they ask (`packet.any`). `work.rest` names the
 /// pairs of ray and leaf that could not be certified or decided, which may hold nearer ones.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
     scene: &Scene<'_>,
-    (shots, ahead): (&[Q], &[Q]),
+    shots: &[Q],
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -82,13 +66,12 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest.clear();
     work.doubts.clear();
     work.rest_rays = 0;
-    work.touched = 0;
     // Where the packet before has met something, this one is likely to; rays that leave a hit meet the
     // box of its leaf.
     let leaves_hits = shots.first().is_some_and(|shot| shot.from().is_some());
     if packet.met() == 0
         && !leaves_hits
-        && meets_nothing(simd, scene, (shots, ahead), (&mut *work, &mut *statistics))
+        && meets_nothing(simd, scene, shots, (&mut *work, &mut *statistics))
     {
         return packet.clear(shots.len());
     }
@@ -100,7 +83,6 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         if entry > packet.farthest {
             continue;
         }
-        work.touch(ahead);
         match code.child() {
             Child::Block(index) => {
                 search_block(simd, scene, (index, rays), packet, work, statistics);
@@ -154,7 +136,7 @@ fn change_region<S: Simd>(
 fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
     scene: &Scene<'_>,
-    (shots, ahead): (&[Q], &[Q]),
+    shots: &[Q],
     (work, statistics): (&mut Work, &mut Statistics),
 ) -> bool {
     let tree = scene.tree;
@@ -162,7 +144,6 @@ fn meets_nothing<S: Simd, Q: Shot>(
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((_, code, _)) = work.stack.pop() {
-        work.touch(ahead);
         match code.child() {
             Child::Block(index) => {
                 let block = &tree.blocks[index as usize];
