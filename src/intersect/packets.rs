@@ -30,7 +30,7 @@ impl Tracer<'_> {
                 rest = &rest[1..];
                 continue;
             }
-            near.read(rest, PACKET);
+            near.read(rest);
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
             self.trace_packet(level, packet, Wanted::First);
@@ -60,7 +60,7 @@ impl Tracer<'_> {
         let mut rest = queries;
         let mut near = ReadAhead::default();
         while !rest.is_empty() {
-            near.read(rest, PACKET);
+            near.read(rest);
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
             rest = others;
             self.trace_packet(level, packet, Wanted::Any);

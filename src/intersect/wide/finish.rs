@@ -52,7 +52,7 @@ pub(super) fn finish<S: Simd>(
     let magnitude = eight(simd, &packet.magnitude, base);
     let error = f64x8::splat(simd, closer.residual_factor)
         * magnitude.max(f64x8::splat(simd, closer.magnitude));
-    let rays = EightRays { packet, base, error };
+    let rays = PacketRays { packet, base, error };
     let mut near_pole = simd.splat_mask64x8(false);
     if let (Some(pole), true) = (target.pole, certified) {
         near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
@@ -126,13 +126,13 @@ pub(super) fn finish<S: Simd>(
 }
 
 /// Eight rays of a packet.
-struct EightRays<'a, S: Simd> {
+struct PacketRays<'a, S: Simd> {
     packet: &'a Packet,
     base: usize,
     error: f64x8<S>,
 }
 
-impl<S: Simd> Rays<S> for EightRays<'_, S> {
+impl<S: Simd> Rays<S> for PacketRays<'_, S> {
     #[inline(always)]
     fn origin(&self, simd: S) -> [f64x8<S>; 3] {
         load3d(simd, &self.packet.origin, self.base)
@@ -227,7 +227,7 @@ fn surface_parameters<S: Simd>(
         return uv;
     }
     for k in 0..2 {
-        let [from, to] = closer.domain[k];
+        let [from, to] = closer.uv_domain[k];
         let (from, to) = (f64x8::splat(simd, from), f64x8::splat(simd, to));
         let end = st[k].simd_eq(f64x8::splat(simd, 1.0));
         uv[k] = end.select(to, from + st[k] * (to - from));

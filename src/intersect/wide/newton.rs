@@ -177,7 +177,6 @@ fn first_step<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let st = within(place, leaves.domain(simd));
     let [f1, f2] = rays.distances(simd, leaves.points(simd, &st));
     let [[xx, xy], [yx, yy]] = near.inverse;
-    let [half_s, half_t] = leaves.half(simd);
     let place =
         [st[0] - half_s * xx.mul_add(f1, xy * f2), st[1] - half_t * yx.mul_add(f1, yy * f2)];
     within(place, leaves.domain(simd))
@@ -269,7 +268,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     }
 }
 
-/// The steps after the first for lanes that are still open.
+/// The steps that follow, for lanes that are still open.
 #[cold]
 #[simd]
 fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
@@ -280,11 +279,11 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
     certified: bool,
 ) -> Converged<S> {
     let (mut root, mut landed) = *so_far;
-    for k in 1..=MOST_STEPS {
+    for step in 1..=MOST_STEPS {
         if certified {
             root.open &= !leaves.surely_away(simd, rays, &landed.step);
         }
-        if k == MOST_STEPS || root.open.all_false() {
+        if step == MOST_STEPS || root.open.all_false() {
             break;
         }
         root.steps += root.open.to_bitmask().count_ones();

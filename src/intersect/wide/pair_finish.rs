@@ -24,7 +24,7 @@ impl PairLanes {
     ) -> Outcomes {
         let reach = f64x8::splat(simd, 1.0 + 2.0 * WIDENING);
         let error = self.error(simd, frames, half, self.net.form);
-        let rays = EightRays { frames, normals, error };
+        let rays = PairRays { frames, normals, error };
         let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
         let middle = [eight(simd, &self.middle[0], half), eight(simd, &self.middle[1], half)];
         let leaves = Eight {
@@ -71,13 +71,13 @@ impl PairLanes {
 }
 
 /// The rays of eight pairs.
-struct EightRays<'a, S: Simd> {
+struct PairRays<'a, S: Simd> {
     frames: &'a Frames<S>,
     normals: [[f64x8<S>; 3]; 2],
     error: f64x8<S>,
 }
 
-impl<S: Simd> Rays<S> for EightRays<'_, S> {
+impl<S: Simd> Rays<S> for PairRays<'_, S> {
     #[inline(always)]
     fn origin(&self, _: S) -> [f64x8<S>; 3] {
         self.frames.origin

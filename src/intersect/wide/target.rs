@@ -43,7 +43,7 @@ pub(super) struct Closer {
     pub(super) residual_factor: f64,
     pub(super) magnitude: f64,
     /// See [`Piece::domain`] and [`Piece::open_end`].
-    pub(super) domain: [[f64; 2]; 2],
+    pub(super) uv_domain: [[f64; 2]; 2],
     pub(super) open_end: [Option<f64>; 2],
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
@@ -81,7 +81,7 @@ impl<'a> Target<'a> {
             middle: [0.5 * (s0 + s1), 0.5 * (t0 + t1)],
             residual_factor: self.piece.patch.residual_factor(),
             magnitude: self.piece.patch.magnitude(),
-            domain: self.piece.domain(),
+            uv_domain: self.piece.domain(),
             open_end: [self.piece.open_end(0), self.piece.open_end(1)],
             bend,
             higher: self.leaf.higher_derivatives(),
