@@ -48,7 +48,8 @@ With --json one object:
                  or measured where a sweep is approximated, or proved where a
                  subdivision surface is), patches (null, or of a subdivision
                  surface all, exact), trims (null, or keep, loops, segments,
-                 bytes, mixed_leaves: those at an edge)
+                 widest_gap (that was closed between the curves of a loop, as
+                 a part of its extent), bytes, mixed_leaves: those at an edge)
   total          surfaces, control_points, pieces, leaves, bytes (with the
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,
@@ -143,6 +144,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
             },
             "loops": trims.loops,
             "segments": trims.segments,
+            "widest_gap": trims.widest_gap,
             "bytes": trims.bytes,
             "mixed_leaves": trims.mixed,
         })),

@@ -89,6 +89,31 @@ fn trims_are_listed() {
     assert!(whole["surfaces"][0]["trims"].is_null());
 }
 
+/// As CAD files have them.
+#[test]
+fn gaps_in_trim_loops_are_closed_and_told() {
+    let scene = |end: &str| {
+        let loops = format!(
+            "[{{ polyline = [[0, 0], [1, 0], [1, 1]] }}, {{ polyline = [[1, 1], [0, 1], {end}] }}]"
+        );
+        format!(
+            "[[object]]\nname = \"sheet\"\nshape = {{ plane = {{ width = 2, height = 2 }} }}\n\
+             trims = {{ loops = [{{ curves = {loops} }}] }}\n"
+        )
+    };
+    let (near, far) = (scene("[0.00005, 0]"), scene("[0.0002, 0]"));
+    let sandbox = Sandbox::with(&[("near.toml", &near), ("far.toml", &far)]);
+    let text = sandbox.run("info near.toml").succeeded().stdout;
+    assert!(text.contains("gaps up to 0.00005 of a loop closed\n"), "{text}");
+    let json = sandbox.run("info near.toml --json").succeeded().json();
+    assert_eq!(json["surfaces"][0]["trims"]["widest_gap"], json!(5e-5));
+    let run = sandbox.run("info far.toml");
+    assert_eq!(run.code, 2);
+    let error = run.stderr;
+    assert!(error.contains("the loop is open: curve 1 ends at (0.0002, 0)"), "{error}");
+    assert!(error.contains("gaps up to (0.0001, 0.0001) are closed"), "{error}");
+}
+
 #[test]
 fn bounds_are_those_of_what_trims_keep() {
     let disc = r#"

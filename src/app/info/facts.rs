@@ -60,6 +60,8 @@ pub(super) struct TrimFacts {
     pub(super) loops: usize,
     /// Monotone segments of all loops.
     pub(super) segments: usize,
+    /// The widest gap that was closed, as a part of its loop's extent.
+    pub(super) widest_gap: f64,
     pub(super) bytes: usize,
     /// Leaves that a trim curve passes through.
     pub(super) mixed: usize,
@@ -158,6 +160,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
                 kept: trims.kept(),
                 loops: trims.loop_count(),
                 segments: trims.segment_count(),
+                widest_gap: trims.widest_gap(),
                 bytes: trims.bytes(),
                 mixed: 0,
             }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 use nurbray::geometry::trim::Kept;
-use nurbray::math::Aabb;
+use nurbray::math::{Aabb, Measured};
 use nurbray::scene::ImportNote;
 
 use super::super::table::{count, long_point, short, short_bytes, short_point, table};
@@ -13,6 +13,9 @@ use super::gaps::{Edge, Fit, NEAR};
 
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;
+
+/// Gaps in trim loops that are no wider come from numbers written with seven digits.
+const SEVEN_DIGITS: f64 = 1e-6;
 
 /// The whole report.
 pub(super) fn text(input: &str, facts: &Facts, fit: &Fit, notes: &[ImportNote]) -> String {
@@ -75,6 +78,11 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
                 format!("of {}", count(trims.segments as u64, "monotone segment")),
                 short_bytes(trims.bytes),
                 format!("{} of {} leaves at an edge", trims.mixed, surface.leaves),
+                if trims.widest_gap > SEVEN_DIGITS {
+                    format!("gaps up to {} of a loop closed", Measured(trims.widest_gap))
+                } else {
+                    String::new()
+                },
             ])
         })
         .collect();
@@ -82,7 +90,7 @@ fn trimmed(surfaces: &[SurfaceFacts]) -> String {
         0 => String::new(),
         number => {
             let heading = count(number as u64, "trimmed surface");
-            format!("\n{heading}:\n") + &table(&rows, &[0, 1, 2, 4])
+            format!("\n{heading}:\n") + &table(&rows, &[0, 1, 2, 4, 5])
         }
     }
 }

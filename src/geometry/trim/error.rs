@@ -108,7 +108,7 @@ pub enum TrimLoopError {
     Empty,
     /// A curve does not begin where the one before it ends.
     #[error(
-        "the loop is open: curve {curve} ends at {}, but curve {next} begins {} away from there; at most {} is taken for rounding",
+        "the loop is open: curve {curve} ends at {}, but curve {next} begins {} away from there; gaps up to {} are closed",
         measured(*.end), measured(*.gap), measured(*.tolerance)
     )]
     Open {

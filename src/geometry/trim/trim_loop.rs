@@ -8,9 +8,10 @@ use crate::geometry::construct::Course;
 
 /// Ends of curves this close, per length of the loop in u and in v, are taken for one point.
 ///
-/// Files written with seven digits miss by up to 10⁻⁷ of their parameters; a thousandth of a
-/// pixel of a loop drawn a thousand pixels wide is 10⁻⁶ of it. A gap that is seen is an error.
-pub const JOINT_TOLERANCE: f64 = 1e-6;
+/// CAD files are as good as their authors' tolerances in space: of 2299 trimmed faces of 75 models 14
+/// have gaps beyond 10⁻⁶, the widest of 6·10⁻⁵. A tenth of a pixel of a loop drawn a thousand pixels
+/// wide is 10⁻⁴ of it; a gap that is seen is an error.
+pub const JOINT_TOLERANCE: f64 = 1e-4;
 
 /// A closed loop in the (u, v) plane, made of curves each of which begins where the one
 /// before it ends, the first where the last one ends.
@@ -18,7 +19,7 @@ pub const JOINT_TOLERANCE: f64 = 1e-6;
 /// # Invariants, checked once on construction
 /// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and in v by
 ///   themselves) plus a few roundings of its magnitude, and are then made the same numbers:
-///   those of the straight line, if one of two curves is one, else the middle;
+///   of a straight line those of its end, of two where they meet, else the middle;
 /// - the loop is not a point.
 ///
 /// Whether it crosses itself is seen when it meets the others, in
@@ -26,6 +27,7 @@ pub const JOINT_TOLERANCE: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrimLoop {
     pieces: Vec<LoopPiece>,
+    widest_gap: f64,
 }
 
 /// A Bézier piece of a loop.
@@ -65,6 +67,7 @@ impl TrimLoop {
 
         // Close the gaps, or say how large they are.
         let tolerance = JOINT_TOLERANCE * bounds.size() + 16.0 * f64::EPSILON * bounds.magnitude();
+        let mut widest_gap = 0.0f64;
         for this in 0..pieces.len() {
             let next = (this + 1) % pieces.len();
             let (end, start) = (pieces[this].ends[1], pieces[next].ends[0]);
@@ -73,16 +76,27 @@ impl TrimLoop {
                 let (curve, next) = (owners[this], owners[next]);
                 return Err(TrimLoopError::Open { curve, next, end, gap, tolerance });
             }
+            let lengths = bounds.size();
+            for k in (0..2).filter(|&k| lengths[k] > 0.0) {
+                widest_gap = widest_gap.max(gap[k].abs() / lengths[k]);
+            }
+            let middle = 0.5 * end + 0.5 * start;
             let joint = match (pieces[this].is_line(), pieces[next].is_line()) {
+                _ if start == end => end,
                 (true, false) => end,
                 (false, true) => start,
-                _ if start == end => end,
-                _ => 0.5 * end + 0.5 * start,
+                (false, false) => middle,
+                (true, true) => {
+                    let corner = corner(pieces[this].ends, pieces[next].ends);
+                    // False for NaN, as of parallel lines.
+                    let near = |at: DVec2| (at - middle).abs().cmple(tolerance).all();
+                    if near(corner) { corner } else { middle }
+                }
             };
             pieces[this].move_end(1, joint);
             pieces[next].move_end(0, joint);
         }
-        Ok(Self { pieces })
+        Ok(Self { pieces, widest_gap })
     }
 
     /// The polygon with these corners; the last is joined to the first.
@@ -121,7 +135,7 @@ impl TrimLoop {
             ends: [piece.ends[1], piece.ends[0]],
             control: piece.control.iter().rev().copied().collect(),
         };
-        Self { pieces: self.pieces.iter().rev().map(backwards).collect() }
+        Self { pieces: self.pieces.iter().rev().map(backwards).collect(), ..*self }
     }
 
     /// The loop moved, each control point rounded once.
@@ -131,7 +145,13 @@ impl TrimLoop {
             ends: piece.ends.map(|end| end + by),
             control: piece.control.iter().map(|c| *c + (c.z * by).extend(0.0)).collect(),
         };
-        Self { pieces: self.pieces.iter().map(moved).collect() }
+        Self { pieces: self.pieces.iter().map(moved).collect(), ..*self }
+    }
+
+    /// The widest gap between curves as they were written, as a part of the loop's extent, in u or in v:
+    /// no more than [`JOINT_TOLERANCE`], but for rounding of tiny loops. It is closed.
+    pub fn widest_gap(&self) -> f64 {
+        self.widest_gap
     }
 
     /// A rectangle that holds the loop: the hull of its control points.
@@ -157,6 +177,20 @@ impl TrimLoop {
     pub(super) fn pieces(&self) -> &[LoopPiece] {
         &self.pieces
     }
+}
+
+/// Where two lines meet; no numbers, or far away, if they are parallel. What lies along u or v stays so.
+fn corner([a0, a1]: [DVec2; 2], [b0, b1]: [DVec2; 2]) -> DVec2 {
+    let (a, b) = (a1 - a0, b1 - b0);
+    let along = (b0 - a1).perp_dot(b) / a.perp_dot(b);
+    let meet = a1 + along * a;
+    let mut corner = DVec2::select(b.cmpeq(DVec2::ZERO), b0, meet);
+    for k in 0..2 {
+        if a[k] == 0.0 {
+            corner[k] = a1[k];
+        }
+    }
+    corner
 }
 
 impl LoopPiece {

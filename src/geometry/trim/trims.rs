@@ -97,6 +97,7 @@ pub struct Trims {
     segments: Vec<Segment>,
     loops: Vec<Range<usize>>,
     tree: Tree,
+    widest_gap: f64,
 }
 
 impl Trims {
@@ -138,7 +139,8 @@ impl Trims {
         for (index, trim_loop) in loops.iter().enumerate() {
             trim_loop.check_dangling().map_err(|error| TrimError::Loop { index, error })?;
         }
-        Ok(Self { domain, kept, segments, loops: ranges, tree })
+        let widest_gap = loops.iter().map(TrimLoop::widest_gap).fold(0.0, f64::max);
+        Ok(Self { domain, kept, segments, loops: ranges, tree, widest_gap })
     }
 
     /// The domain that is trimmed.
@@ -149,6 +151,11 @@ impl Trims {
     /// Which side of the loops stays.
     pub fn kept(&self) -> Kept {
         self.kept
+    }
+
+    /// The widest gap that was closed between curves of a loop: see [`TrimLoop::widest_gap`].
+    pub fn widest_gap(&self) -> f64 {
+        self.widest_gap
     }
 
     /// Where a point of the domain lies. A point with a NaN is outside.
@@ -233,7 +240,8 @@ impl Trims {
             }
         }
         let tree = Tree::new(&segments, &loops);
-        Self { domain: self.domain.with_range_u(new), kept: self.kept, segments, loops, tree }
+        let domain = self.domain.with_range_u(new);
+        Self { domain, kept: self.kept, segments, loops, tree, widest_gap: self.widest_gap }
     }
 
     /// A rectangle of the domain that holds all that is kept: its sides touch the outermost loops.
