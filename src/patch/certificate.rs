@@ -38,7 +38,8 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// `B = (b₀ × n) e₂ / (|a₀ × b₀| m)`: three dot products. Splitting off the parts along `a₀`
 /// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
 /// the turning of the tangents does; and a ray may be the flatter the less the leaf turns
-/// in the direction it comes from.
+/// in the direction it comes from. Of polynomial pieces `ā` and `b̄`, both means over one segment, are
+/// bounded together where that says more: see `PairTurns`.
 ///
 /// # How a miss is proved
 /// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
@@ -46,7 +47,9 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
 /// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
 /// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
-/// with the largest `|σ₁|` and `|σ₃|`. The same holds for `t`, with `ρ₂` and `ρ₃`.
+/// with the largest `|σ₁|` and `|σ₃|`. The same holds for `t`, with `ρ₂` and `ρ₃`. (These are of each
+/// tangent of its own, and nothing is known of them where one turns too far; the determinant's sign may
+/// come from both together.)
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
@@ -54,7 +57,7 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 ///
 /// # What rounding costs
 /// `A` and `B` are taken with 2 % to spare, so that with `θ` the angle between `d` and `n`
-/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m`. A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
+/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (of pairs, half their least `m` for `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
 /// owner compares that with the slack it allows itself.
 ///

@@ -31,6 +31,7 @@ mod piece;
 mod piece_net;
 mod rect;
 mod set;
+mod tangent_pairs;
 mod tangents;
 mod tensor;
 mod tiles;

@@ -32,14 +32,14 @@ pub(super) fn bernstein<S: Simd, V: SimdFloat<S, Element = f32>>(
     [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
 }
 
-/// The most that the sizes of the derivatives of `xⁱ yʲ` by `x` and by `y` add up to where neither
-/// is larger than `reach`: `(i + j) reachⁱ⁺ʲ⁻¹`.
-pub(super) const fn slope_weight(i: usize, j: usize, reach: f32) -> f32 {
-    let mut weight = (i + j) as f32;
+/// The largest sizes of the derivatives of `xⁱ yʲ` by `x` and by `y` where neither is larger than
+/// `reach`: `i reachⁱ⁺ʲ⁻¹` and `j reachⁱ⁺ʲ⁻¹`.
+pub(super) const fn slope_weights(i: usize, j: usize, reach: f32) -> [f32; 2] {
+    let mut weights = [i as f32, j as f32];
     let mut power = 1;
     while power < i + j {
-        weight *= reach;
+        weights = [weights[0] * reach, weights[1] * reach];
         power += 1;
     }
-    weight
+    weights
 }

@@ -113,7 +113,7 @@ impl Doubts {
             length.store_slice(&mut self.lengths[k][at.clone()]);
         }
         let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
-        let slope_noise = noise + f32x16::splat(simd, leaf.slope_error());
+        let slope_noise = noise + noise + f32x16::splat(simd, leaf.slope_error());
         error.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
         off_ray.compress(chosen).store_slice(&mut self.errors[1][at.clone()]);
         slope_noise.compress(chosen).store_slice(&mut self.errors[2][at]);

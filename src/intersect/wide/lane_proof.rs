@@ -1,20 +1,20 @@
 //! What the bicubic approximations of leaves prove of sixteen rays, each lane as in
 //! [`single_proof`](super::single_proof).
 //!
-//! Of whole leaves all rays are asked at once. Most need no more, some many parts: so the lanes
-//! hold parts, sixteen at a time, of whichever rays ([`LaneParts`]). Which parts a ray is asked for, and
-//! what is proved of them, depends on the ray and the leaf alone.
+//! Some rays need many parts: so the lanes hold parts, sixteen at a time, of whichever rays
+//! ([`LaneParts`]). Which parts a ray is asked for, and what is proved of them, depends on the ray and the
+//! leaf alone.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u8x64};
 use fearless_simd_macros::simd;
 
 use super::LANES;
-use super::cubic::{bernstein, moved, slope_weight};
+use super::cubic::{bernstein, moved, slope_weights};
 use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
 use super::search::bits;
 use super::single_proof::{
-    MOST_NOISE, MOST_TURNING, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
+    MOST_INVERSE, MOST_NOISE, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
 };
 
 /// How often a leaf is halved before the scalar search is called.
@@ -64,10 +64,9 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         parts.waiting.clear();
         parts.unique.clear();
         let mut proof = Self { simd, distances, parts, lengths, errors, undecided: 0 };
+        // Of the whole leaf little more is to be learnt than its certificate says.
         let Part { middle, half } = Part::whole();
-        let whole = Sixteen::all(simd, middle, half);
-        let local = Local::over(simd, distances, &whole, None);
-        proof.look_at(&whole, asked, &local, (&errors, lengths));
+        proof.halve(&Sixteen::all(simd, middle, half), lengths, asked);
         proof
     }
 
@@ -92,35 +91,6 @@ impl<'a, S: Simd> LaneProof<'a, S> {
             let bytes = parts.bytes_of_lanes(self.simd);
             let lengths = [self.lengths[0].swizzle_dyn(bytes), self.lengths[1].swizzle_dyn(bytes)];
             self.halve(parts, lengths, lanes);
-        }
-    }
-
-    /// Parts `asked` for whose distances are given.
-    #[inline(always)]
-    fn look_at(
-        &mut self,
-        parts: &Sixteen<S>,
-        asked: u32,
-        local: &Local,
-        (errors, lengths): (&Errors<S>, [f32x16<S>; 2]),
-    ) {
-        let simd = self.simd;
-        let open = asked & !local.missed(simd, errors.off_ray);
-        if open == 0 {
-            return;
-        }
-        let [half_x, half_y] = parts.half;
-        let smallest = f32x16::splat(simd, SMALLEST);
-        let slope_error = errors.slope_noise * half_x.max(half_y);
-        let large = bits(half_x.simd_gt(smallest) & half_y.simd_gt(smallest));
-        let unique = open
-            & local.unique(simd, slope_error, errors.error)
-            & !(large & local.leading_away(simd));
-        if unique != 0 {
-            self.parts.unique.push(parts, mask(simd, unique));
-        }
-        if open != unique {
-            self.halve(parts, lengths, open & !unique);
         }
     }
 
@@ -151,14 +121,25 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
     let bytes = parts.bytes_of_lanes(simd);
     let local = Local::over(simd, proof.distances, parts, Some(bytes));
     let Errors { error, off_ray, slope_noise } = proof.errors;
-    let errors = Errors {
-        error: error.swizzle_dyn(bytes),
-        off_ray: off_ray.swizzle_dyn(bytes),
-        slope_noise: slope_noise.swizzle_dyn(bytes),
-    };
-    let [length_x, length_y] = proof.lengths;
-    let lengths = [length_x.swizzle_dyn(bytes), length_y.swizzle_dyn(bytes)];
-    proof.look_at(parts, asked, &local, (&errors, lengths));
+    let open = asked & !local.missed(simd, off_ray.swizzle_dyn(bytes));
+    if open == 0 {
+        return;
+    }
+    let [half_x, half_y] = parts.half;
+    let smallest = f32x16::splat(simd, SMALLEST);
+    let slope_error = slope_noise.swizzle_dyn(bytes) * half_x.max(half_y);
+    let large = bits(half_x.simd_gt(smallest) & half_y.simd_gt(smallest));
+    let unique = open
+        & local.unique(simd, slope_error, error.swizzle_dyn(bytes))
+        & !(large & local.leading_away(simd));
+    if unique != 0 {
+        proof.parts.unique.push(parts, mask(simd, unique));
+    }
+    if open != unique {
+        let [length_x, length_y] = proof.lengths;
+        let lengths = [length_x.swizzle_dyn(bytes), length_y.swizzle_dyn(bytes)];
+        proof.halve(parts, lengths, open & !unique);
+    }
 }
 
 /// The bits of the lanes of parts in these places.
@@ -282,21 +263,35 @@ impl Local {
             }
         }
         let rounding = f32x16::splat(simd, ROUNDING);
-        let slope_error = rounding.mul_add(size, slope_error) * f32x16::splat(simd, 2.0);
+        let slope_error = (rounding + rounding).mul_add(size, slope_error);
         let mut unique = u32::MAX;
-        for [along_1, along_2] in [[b1, b2], [-a1, -a2]] {
-            let mut slope = f32x16::splat(simd, 0.0);
-            for m in 1..16 {
-                let g = self.combined(simd, m, along_2, along_1);
-                slope = g.abs().mul_add(f32x16::splat(simd, SLOPE_WEIGHTS[m]), slope);
-            }
-            // What is wanted of g is part of the sum: 1. False for NaN.
+        let mut turning = [[one; 2]; 2];
+        for (k, [along_1, along_2]) in [[b1, b2], [-a1, -a2]].into_iter().enumerate() {
             let reach = along_1.abs() + along_2.abs();
-            let turning = reach.mul_add(slope_error, slope - one);
-            unique &= bits(turning.simd_lt(f32x16::splat(simd, MOST_TURNING)));
+            let mut slope = [reach * slope_error; 2];
+            for m in 1..16 {
+                let size = self.combined(simd, m, along_2, along_1).abs();
+                for (direction, slope) in slope.iter_mut().enumerate() {
+                    let weight = SLOPE_WEIGHTS[direction][m];
+                    if weight > 0.0 {
+                        *slope = size.mul_add(f32x16::splat(simd, weight), *slope);
+                    }
+                }
+            }
+            turning[k] = slope;
             unique &= bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
         }
+        // What is wanted of g' is part of the sums: 1. All are false for NaN.
+        let two = one + one;
+        let [[xx, xy], [yx, yy]] = turning;
+        let (left_x, left_y) = (two - xx, two - yy);
+        let sure = (left_x * left_y - xy * yx) * f32x16::splat(simd, MOST_INVERSE);
+        let zero = f32x16::splat(simd, 0.0);
         unique
+            & bits(left_x.simd_gt(zero))
+            & bits(left_y.simd_gt(zero))
+            & bits(sure.simd_gt(left_y + xy))
+            & bits(sure.simd_gt(left_x + yx))
     }
 
     /// A coefficient of `p f₁ − q f₂`.
@@ -330,13 +325,123 @@ impl Local {
     }
 }
 
-/// `(i + j) REACHⁱ⁺ʲ⁻¹`.
-const SLOPE_WEIGHTS: [f32; 16] = {
-    let mut weights = [0.0; 16];
+/// `i REACHⁱ⁺ʲ⁻¹`, and `j REACHⁱ⁺ʲ⁻¹`.
+const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
+    let mut weights = [[0.0; 16]; 2];
     let mut k = 1;
     while k < 16 {
-        weights[k] = slope_weight(k / 4, k % 4, REACH);
+        [weights[0][k], weights[1][k]] = slope_weights(k / 4, k % 4, REACH);
         k += 1;
     }
     weights
 };
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use fearless_simd::{Level, dispatch, f32x8};
+    use glam::{DMat2, DVec2};
+    use proptest::prelude::*;
+
+    use super::super::single_search::Distances;
+    use super::*;
+
+    /// Two bicubics: coefficients of `xⁱ yʲ`, at `4 i + j`.
+    type Bicubics = [[f64; 16]; 2];
+
+    fn value(of: &[f64; 16], at: DVec2) -> f64 {
+        (0..16).map(|m| of[m] * at.x.powi(m as i32 / 4) * at.y.powi(m as i32 % 4)).sum()
+    }
+
+    /// The derivatives by `x` and by `y`, as columns.
+    fn jacobian(of: &Bicubics, at: DVec2) -> DMat2 {
+        let by = |of: &[f64; 16], k: usize| -> f64 {
+            let term = |m: usize| {
+                let mut powers = [m as i32 / 4, m as i32 % 4];
+                let factor = f64::from(powers[k]);
+                powers[k] = (powers[k] - 1).max(0);
+                of[m] * factor * at.x.powi(powers[0]) * at.y.powi(powers[1])
+            };
+            (0..16).map(term).sum()
+        };
+        let column = |k: usize| DVec2::new(by(&of[0], k), by(&of[1], k));
+        DMat2::from_cols(column(0), column(1))
+    }
+
+    /// With roots at these two places.
+    fn through(mut of: Bicubics, [p, q]: [DVec2; 2]) -> Bicubics {
+        let way = q - p;
+        for f in &mut of {
+            f[0] -= value(f, p);
+            let slope = value(f, q) / way.length_squared();
+            f[0] += slope * way.dot(p);
+            f[4] -= slope * way.x;
+            f[1] -= slope * way.y;
+        }
+        of
+    }
+
+    /// Whether there is said to be one root at most, by sixteen lanes and by the search of one ray.
+    fn said(of: &Bicubics) -> [bool; 2] {
+        dispatch!(Level::new(), simd => {
+            let mut lanes = LaneDistances::default();
+            let mut rows = [f32x8::splat(simd, 0.0); 4];
+            for k in 0..2 {
+                for m in 0..16 {
+                    lanes.of[k][m] = [of[k][m] as f32; LANES];
+                    rows[m / 4][4 * k + m % 4] = of[k][m] as f32;
+                }
+            }
+            let part = Part { middle: [0.0; 2], half: [1.0; 2] };
+            let zero = f32x16::splat(simd, 0.0);
+            let local = Local::over(simd, &lanes, &Sixteen::all(simd, part.middle, part.half), None);
+            let one = Distances { rows }.over(simd, &part).is_unique(simd, 0.0, 0.0);
+            [local.unique(simd, zero, zero) == u32::MAX, one]
+        })
+    }
+
+    /// Never of two functions with two roots; and where it is said, the inverse of the mean of the
+    /// derivatives between any two places is as small as promised.
+    #[test]
+    fn one_root_is_one() {
+        let bicubics =
+            (0.0..0.2f64, prop::collection::vec(-1.0..1.0f64, 32)).prop_map(|(bent, of)| {
+                let mut two: Bicubics = [[0.0; 16]; 2];
+                for (m, x) in of.into_iter().enumerate() {
+                    let (i, j) = (m % 16 / 4, m % 4);
+                    two[m / 16][m % 16] = if i + j > 1 { bent * x } else { 0.5 * x };
+                }
+                two[0][4] += 1.0;
+                two[1][1] += 1.0;
+                two
+            });
+        let place = || (-1.1..=1.1f64, -1.1..=1.1f64).prop_map(|(x, y)| DVec2::new(x, y));
+        let ends = || [place(), place()].prop_filter("apart", |[p, q]| p.distance(*q) > 1e-3);
+        let [unique, folded] = [Cell::new(0), Cell::new(0)];
+        let config = ProptestConfig { cases: 4000, ..ProptestConfig::default() };
+        proptest!(config, |(of in bicubics, ends in ends())| {
+            let two = through(of, ends);
+            prop_assert_eq!(said(&two), [false; 2], "{:?} has roots at {:?}", two, ends);
+            folded.set(folded.get() + 1);
+            let [lanes, one] = said(&of);
+            unique.set(unique.get() + u32::from(lanes) + u32::from(one));
+            if lanes || one {
+                // Gauss's rule of four points, exact for the mean.
+                let nodes = [(-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+                    (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1)];
+                let mut mean = DMat2::ZERO;
+                for (node, weight) in nodes {
+                    for node in [node, -node] {
+                        mean += 0.5 * weight * jacobian(&of, ends[0].lerp(ends[1], 0.5 + 0.5 * node));
+                    }
+                }
+                let inverse = (jacobian(&of, DVec2::ZERO).inverse() * mean).inverse();
+                let rows = inverse.row(0).abs().element_sum().max(inverse.row(1).abs().element_sum());
+                prop_assert!(rows <= f64::from(MOST_INVERSE) * 1.001, "{rows}: {of:?}");
+            }
+        });
+        let (unique, folded) = (unique.get(), folded.get());
+        assert!(unique > 400 && folded > 3000, "{unique} of {folded}");
+    }
+}

@@ -10,14 +10,16 @@
 //! `g₂ = a × f`. If all Bernstein coefficients of one of them are farther from zero than errors
 //! reach, on the same side, so is it everywhere.
 //!
-//! *One root at most*: over `a × b` they become `g₁ = x + …`, `g₂ = y + …`, and there is at
-//! most one root where the row sums of `|I − g'|` stay below one (Krawczyk 1969; see the exact
-//! solver). The slopes of the true distances differ by what is known of the approximation's.
+//! *One root at most*: over `a × b` they become `g₁ = x + …`, `g₂ = y + …`. Between two roots the
+//! mean of `g'` would be singular; with `|I − g'| ≤ R` everywhere, entry by entry, it is not where
+//! `I − R` has an inverse `P` without negative entries; the entries of the mean's inverse are no larger
+//! than those of `P` (Ostrowski 1937). The slopes of the true distances differ by what is known of the
+//! approximation's.
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::cubic::{bernstein, moved, slope_weight};
+use super::cubic::{bernstein, moved, slope_weights};
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
@@ -26,7 +28,8 @@ use crate::patch::{LEAF_SLACK, Leaf};
 /// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
 /// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
 /// into a smaller box 5 in each direction, in combining two distances 3, in Bernstein
-/// coefficients 4 in each direction: 27 in all.
+/// coefficients 4 in each direction: 27 in all. To derivatives twice as much may happen: a term of
+/// third degree counts threefold there, but only part of what is above.
 pub(super) const ROUNDING: f32 = 2e-6;
 
 /// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
@@ -51,9 +54,9 @@ pub(super) const SMALLEST: f32 = 0.1;
 /// A box a root starts in is widened by less.
 pub(super) const START_REACH: f32 = 1.09;
 
-/// Row sums are wanted to be this much below one, so that rounding moves a root by no more
-/// than its error times twenty and the inverse Jacobian.
-pub(super) const MOST_TURNING: f32 = 0.95;
+/// The largest row sum that is wanted of `P`: so that rounding moves a root by no more than its error
+/// times twenty and the inverse Jacobian.
+pub(super) const MOST_INVERSE: f32 = 20.0;
 
 /// That times twenty is half of the leaf's slack, in half sides.
 pub(super) const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
@@ -138,9 +141,10 @@ pub(super) fn isolate<S: Simd>(
     let noise = ROUNDING * terms;
     // A ray that passes within the error of a border meets it: closer is not missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(error);
+    // Of the whole leaf little more is to be learnt than its certificate says.
     let mut waiting = [Part::default(); MOST_BOXES];
-    waiting[0] = Part::whole();
-    let mut count = 1;
+    waiting[..2].copy_from_slice(&Part::whole().halved(lengths));
+    let mut count = 2;
     for _ in 0..MOST_BOXES {
         if count == 0 {
             return Some(unique);
@@ -151,7 +155,7 @@ pub(super) fn isolate<S: Simd>(
         if local.is_missed(simd, off_ray) {
             continue;
         }
-        let slope_error = (leaf.slope_error() + noise) * part.half[0].max(part.half[1]);
+        let slope_error = (leaf.slope_error() + 2.0 * noise) * part.half[0].max(part.half[1]);
         let unhalved = part.half[0] > SMALLEST && part.half[1] > SMALLEST;
         let elsewhere = unhalved && local.leads_away();
         if !elsewhere && local.is_unique(simd, slope_error, error as f32) {
@@ -179,7 +183,7 @@ pub(super) fn isolate<S: Simd>(
 /// The distances over a part, in coordinates from −1 to 1: coefficients of `xⁱ yʲ`, `j` by
 /// vector, `i` by lane, first those of `f₁`, then those of `f₂`.
 #[derive(Clone, Copy)]
-struct Local<S: Simd> {
+pub(super) struct Local<S: Simd> {
     columns: [f32x8<S>; 4],
     /// The sum of all sizes.
     size: f32,
@@ -190,7 +194,7 @@ struct Local<S: Simd> {
 
 impl<S: Simd> Distances<S> {
     #[simd]
-    fn over(self, simd: S, part: &Part) -> Local<S> {
+    pub(super) fn over(self, simd: S, part: &Part) -> Local<S> {
         let along =
             |k: usize| (f32x8::splat(simd, part.middle[k]), f32x8::splat(simd, part.half[k]));
         let rows = moved(simd, self.rows, along(0));
@@ -242,26 +246,28 @@ impl<S: Simd> Local<S> {
 
     /// Whether there is at most one root in the widened part.
     #[simd]
-    fn is_unique(self, simd: S, slope_error: f32, error: f32) -> bool {
+    pub(super) fn is_unique(self, simd: S, slope_error: f32, error: f32) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
         let inverse = 1.0 / (a1 * b2 - a2 * b1);
         let [a1, a2, b1, b2] = [a1 * inverse, a2 * inverse, b1 * inverse, b2 * inverse];
         let columns = self.combined(simd, [b2, -a2], [b1, -a1]);
-        let mut slopes = f32x8::splat(simd, 0.0);
+        let mut slopes = [f32x8::splat(simd, 0.0); 2];
         for j in 0..4 {
-            let weights = f32x8::from_slice(simd, &SLOPE_WEIGHTS[j]);
-            slopes = columns[j].abs().mul_add(weights, slopes);
+            let size = columns[j].abs();
+            for (slopes, weights) in slopes.iter_mut().zip(&SLOPE_WEIGHTS) {
+                *slopes = size.mul_add(f32x8::from_slice(simd, &weights[j]), *slopes);
+            }
         }
-        let slope = halves(slopes);
-        let slope_error = 2.0 * (slope_error + ROUNDING * self.size);
+        let [[xx, yx], [xy, yy]] = slopes.map(halves);
+        let slope_error = slope_error + 2.0 * ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
-        let mut unique = true;
-        for k in 0..2 {
-            // What is wanted of g is part of the sum: 1. False for NaN.
-            unique &= slope[k] - 1.0 + reach[k] * slope_error < MOST_TURNING;
-            unique &= reach[k] * error <= MOST_NOISE;
-        }
-        unique
+        let off = reach.map(|reach| reach * slope_error);
+        // What is wanted of g' is part of the sums: 1. All are false for NaN.
+        let (left_x, left_y) = (2.0 - xx - off[0], 2.0 - yy - off[1]);
+        let (xy, yx) = (xy + off[0], yx + off[1]);
+        let sure = (left_x * left_y - xy * yx) * MOST_INVERSE;
+        let regular = left_x > 0.0 && left_y > 0.0 && sure > left_y + xy && sure > left_x + yx;
+        regular && reach.iter().all(|reach| reach * error <= MOST_NOISE)
     }
 
     /// `pₖ f₁ − qₖ f₂` in the place of `fₖ`.
@@ -278,14 +284,19 @@ impl<S: Simd> Local<S> {
     }
 }
 
-/// `(i + j) REACHⁱ⁺ʲ⁻¹`, for both distances.
-const SLOPE_WEIGHTS: [[f32; 8]; 4] = {
-    let mut weights = [[0.0; 8]; 4];
+/// `i REACHⁱ⁺ʲ⁻¹` by `x`, and `j REACHⁱ⁺ʲ⁻¹` by `y`, for both distances: `j` by vector, `i` by lane.
+const SLOPE_WEIGHTS: [[[f32; 8]; 4]; 2] = {
+    let mut weights = [[[0.0; 8]; 4]; 2];
     let mut k = 1;
     while k < 16 {
         let (i, j) = (k / 4, k % 4);
-        weights[i][j] = slope_weight(i, j, REACH);
-        weights[i][j + 4] = weights[i][j];
+        let by = slope_weights(i, j, REACH);
+        let mut direction = 0;
+        while direction < 2 {
+            weights[direction][j][i] = by[direction];
+            weights[direction][j][i + 4] = by[direction];
+            direction += 1;
+        }
         k += 1;
     }
     weights
