@@ -8,6 +8,7 @@ mod aabb;
 pub(crate) mod angle;
 pub mod bernstein;
 mod interval;
+mod prefetch;
 mod ray;
 mod ray_frame;
 pub mod rounding;
@@ -15,6 +16,7 @@ mod shown;
 
 pub use aabb::Aabb;
 pub use interval::Interval;
+pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
 pub use shown::{Counted, Measured, MeasuredPoint, Shown, ShownVector};

@@ -59,7 +59,8 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// `A` and `B` are taken with 2 % to spare, so that with `θ` the angle between `d` and `n`
 /// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (of pairs, half their least `m` for `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
-/// owner compares that with the slack it allows itself.
+/// owner compares that with the slack it allows itself. And where the root lies farther than that beyond a
+/// side of the piece, no point of the piece in `D` is within `ε` of the ray.
 ///
 /// # What is kept
 /// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
@@ -88,6 +89,9 @@ pub struct Certificate {
 /// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
 /// length: eight roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
 const ROUNDING: f64 = 2.5e-6;
+
+/// A root may be off, and so may the points of the piece, by an error each; slopes are in f32.
+const ROOM: f64 = 4.0;
 
 impl Certificate {
     /// The certificate of the net over the widened rectangle, for rays measured by the leaf's
@@ -144,7 +148,16 @@ impl Certificate {
         self.steep_per_error.value()
     }
 
-    /// The same, times the distance from the pole; zero for leaves without one.
+    /// Where the root lies farther than this beyond a side of the piece, in box coordinates, all points of
+    /// the piece in the widened leaf are farther from the ray than points may be off: for an error of one
+    /// scene unit, times the third slope. Not for leaves that end in a pole.
+    #[inline(always)]
+    pub fn reach_per_error(&self) -> f64 {
+        ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
+    }
+
+    /// What [`steep_per_error`](Self::steep_per_error) is, times the distance from the pole; zero for leaves
+    /// without one.
     #[inline(always)]
     pub fn pole_per_error(&self) -> f32 {
         self.pole_per_error.value()

@@ -1,7 +1,5 @@
 //! What is kept of a part of a piece, to search it.
 
-use std::hint::black_box;
-
 use glam::DVec3;
 
 use super::fit::{Approximation, Fit};
@@ -10,7 +8,7 @@ use super::part::Halving;
 use super::tangents::Net;
 use super::up16::Up16;
 use super::{Certificate, CollapsedSide, DyadicRect, OrientedBox, Part, Piece, REACH, SceneFrame};
-use crate::math::rounding;
+use crate::math::{prefetch, rounding};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
 /// that a root on the line between two leaves is not lost to rounding in both.
@@ -79,13 +77,11 @@ impl Leaf {
         (leaf, oriented)
     }
 
-    /// Reads something of every cache line, for those who will want them soon.
+    /// Asks for every cache line, for those who will want them soon.
     #[inline(always)]
-    pub fn touch(&self) {
-        for axis in 0..3 {
-            black_box(self.fit[axis][0]);
-        }
-        black_box(self.piece);
+    pub(crate) fn prefetch(&self) {
+        self.fit.iter().for_each(prefetch);
+        prefetch(&self.piece);
     }
 
     /// The part of the piece's unit square: from and to in `s`, then in `t`.

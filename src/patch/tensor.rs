@@ -1,6 +1,5 @@
 //! Tensor-product rational Bézier pieces.
 
-use std::hint::black_box;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, DVec4};
@@ -10,7 +9,7 @@ use super::net::{ChartNet, Coarse};
 use super::{ControlNet, NetRoom, NetSource, PieceNet, SplineNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
-use crate::math::{Aabb, rounding};
+use crate::math::{Aabb, prefetch, rounding};
 
 /// The points that the control points of a net stand for: those of a bicubic lie in place.
 pub(super) type Points = SmallVec<[DVec3; 16]>;
@@ -123,14 +122,15 @@ impl TensorPatch {
         }
     }
 
-    /// Reads something of each row of the points that are kept, for those who will want them soon.
+    /// Asks for both ends of each row of the points that are kept, for those who will want them soon.
     #[inline(always)]
-    pub fn touch(&self) {
+    pub(crate) fn prefetch_net(&self) {
         let (NetSource::Kept(net) | NetSource::Spline(SplineNet { points: net, .. })) =
             self.net_source();
         for i in 0..=self.degree()[0] {
             let row = net.row(i);
-            black_box((row[0], row[row.len() - 1]));
+            prefetch(&row[0]);
+            prefetch(&row[row.len() - 1]);
         }
     }
 

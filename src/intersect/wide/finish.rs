@@ -48,7 +48,7 @@ pub(super) fn finish<S: Simd>(
         Ground::Certificate => (true, target.certified(simd)),
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
-    let leaves = Ground8 { target, closer, surface, domain, normals: !packet.any };
+    let leaves = Ground8 { target, closer, surface, domain, certified, normals: !packet.any };
     let magnitude = eight(simd, &packet.magnitude, base);
     let error = f64x8::splat(simd, closer.residual_factor)
         * magnitude.max(f64x8::splat(simd, closer.magnitude));

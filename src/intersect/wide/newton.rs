@@ -47,6 +47,10 @@ pub(super) trait Leaves<S: Simd> {
     /// twice by the first, by both, twice by the second.
     fn second(&self, simd: S, axis: usize, place: [f64x8<S>; 2]) -> [f64x8<S>; 3];
 
+    /// How far beyond a side of the piece a root must lie, in box coordinates, for all of the piece in the
+    /// domain to be missed; infinite where nothing is known.
+    fn reach<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
+
     /// The lanes whose next step surely leads away from the leaf, so that it is missed.
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
 }
@@ -161,7 +165,34 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
     root.found &= (root.st[0] - middle_s).abs().simd_le(half_s * reach)
         & (root.st[1] - middle_t).abs().simd_le(half_t * reach);
+    if (root.found & !on_piece(simd, root.st)).any_true() {
+        let st = root.st;
+        root.found &= !beyond_piece(simd, leaves, rays, &st);
+    }
     root
+}
+
+/// The places on the piece.
+#[inline(always)]
+fn on_piece<S: Simd>(simd: S, [s, t]: [f64x8<S>; 2]) -> mask64x8<S> {
+    let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+    s.simd_ge(low) & s.simd_le(high) & t.simd_ge(low) & t.simd_le(high)
+}
+
+/// The roots that lie so far beyond a side of the piece that it is missed there.
+#[cold]
+#[simd]
+fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
+    simd: S,
+    leaves: &T,
+    rays: &R,
+    [s, t]: &[f64x8<S>; 2],
+) -> mask64x8<S> {
+    let high = f64x8::splat(simd, 1.0);
+    let [sides_s, sides_t] = leaves.per_half(simd);
+    let over_s = (-*s).max(*s - high) * sides_s;
+    let over_t = (-*t).max(*t - high) * sides_t;
+    over_s.max(over_t).simd_gt(leaves.reach(simd, rays))
 }
 
 /// The step with the approximation's tangents.
@@ -330,7 +361,7 @@ pub(super) struct Verdict<S: Simd> {
 }
 
 impl<S: Simd> Converged<S> {
-    /// Roots outside the piece, and those too near the ray's ends, are judged elsewhere.
+    /// Roots just outside the piece, and those too near the ray's ends, are judged elsewhere.
     #[inline(always)]
     pub(super) fn verdict(
         &self,
@@ -339,9 +370,7 @@ impl<S: Simd> Converged<S> {
         error: f64x8<S>,
         certified: bool,
     ) -> Verdict<S> {
-        let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
-        let (found, z, [s, t]) = (self.found, self.z, self.st);
-        let on_piece = s.simd_ge(low) & s.simd_le(high) & t.simd_ge(low) & t.simd_le(high);
+        let (found, z) = (self.found, self.z);
         // One over the cosine is `|a × b| / det`.
         let size = dot_d(self.cross, self.cross).sqrt();
         let steepest = f64x8::splat(simd, 1.0 / f64::EPSILON);
@@ -355,7 +384,7 @@ impl<S: Simd> Converged<S> {
         let [z_min, z_max] = ends.z;
         clear &= (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
-        let mut judged = found & (!on_piece | !clear);
+        let mut judged = found & (!on_piece(simd, self.st) | !clear);
         if !certified {
             // Rounding of a parameter must be small against the error: no certificate has looked at it.
             judged |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);

@@ -38,6 +38,7 @@ impl PairLanes {
                 middle[1] + sides[1] * reach,
             ],
             bend: eight(simd, &self.bend, half),
+            reach: eight(simd, &self.reach, half),
         };
         let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
         let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
@@ -106,6 +107,7 @@ struct Eight<'a, S: Simd> {
     middle: [f64x8<S>; 2],
     domain: [f64x8<S>; 4],
     bend: f64x8<S>,
+    reach: f64x8<S>,
 }
 
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
@@ -154,6 +156,11 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
     #[inline(always)]
     fn second(&self, simd: S, _: usize, _: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
         [f64x8::splat(simd, 0.0); 3]
+    }
+
+    #[inline(always)]
+    fn reach<R: Rays<S>>(&self, _: S, _: &R) -> f64x8<S> {
+        self.reach
     }
 
     /// None: these are left to the ray's own proof.

@@ -15,7 +15,7 @@ use super::lane_proof::missed;
 use super::search::{bits, dot_d};
 use super::single::Scene;
 use super::single_proof::{LARGEST, ROUNDING};
-use super::single_ray::{Place, SingleHit, WIDENED};
+use super::single_ray::{Guess, Place, SingleHit, WIDENED};
 use crate::intersect::Shot;
 use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};
@@ -27,8 +27,7 @@ pub(super) struct Pair {
     pub(super) ray: u32,
     pub(super) leaf: u32,
     pub(super) form: Form,
-    /// Where to begin, in box coordinates.
-    pub(super) start: [f32; 2],
+    pub(super) guess: Guess,
 }
 
 /// A number for each lane.
@@ -46,6 +45,8 @@ pub(super) struct PairLanes {
     pub(super) half: [Lanes; 2],
     pub(super) middle: [Lanes; 2],
     pub(super) bend: Lanes,
+    /// See [`Guess::reach`].
+    pub(super) reach: Lanes,
     magnitude: Lanes,
     fit_error: [f32; LANES],
     /// Of the roots that rays start on.
@@ -83,6 +84,7 @@ impl Default for PairLanes {
             half: [lanes; 2],
             middle: [lanes; 2],
             bend: lanes,
+            reach: lanes,
             magnitude: lanes,
             fit_error: [0.0; LANES],
             from_error: lanes,
@@ -119,7 +121,7 @@ impl PairLanes {
         for lane in 0..LANES {
             let pair = pairs.get(lane).unwrap_or(first);
             let from = shots[pair.ray as usize].from();
-            self.take(lane, pair.start, leaves[lane], pieces[lane]);
+            self.take(lane, pair.guess, leaves[lane], pieces[lane]);
             self.from_error[lane] = from.map_or(0.0, |root| root.error);
         }
         self.take_fits(simd, &leaves);
@@ -232,11 +234,11 @@ impl PairLanes {
 
     /// Takes in what is to be known of a leaf but for its approximation.
     #[inline(always)]
-    fn take(&mut self, lane: usize, start: [f32; 2], leaf: &Leaf, piece: &Piece) {
+    fn take(&mut self, lane: usize, guess: Guess, leaf: &Leaf, piece: &Piece) {
         let rect = leaf.rect();
         for k in 0..2 {
             let [from, to] = rect[k];
-            self.start[k][lane] = start[k];
+            self.start[k][lane] = guess.start[k];
             self.half[k][lane] = 0.5 * (to - from);
             self.middle[k][lane] = 0.5 * (from + to);
         }
@@ -244,6 +246,7 @@ impl PairLanes {
             self.leaf_middle[i][lane] = leaf.middle[i];
         }
         self.bend[lane] = f64::from(leaf.fit_bend());
+        self.reach[lane] = guess.reach;
         self.magnitude[lane] = piece.patch.magnitude();
         self.fit_error[lane] = leaf.fit_error();
     }

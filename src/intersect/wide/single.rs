@@ -16,8 +16,6 @@
 //! - Everything else is named in [`SingleWork::rest`] for the scalar search, which knows about
 //!   borders, poles, tangency and the ends of rays.
 
-use std::hint::black_box;
-
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
@@ -25,13 +23,14 @@ use super::box_ray::{Crossings, SPARE, Stack};
 use super::jets::OneNet;
 use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
-use super::single_ray::{Place, SingleHit, SingleRay, WIDENED};
+use super::single_ray::{Guess, Place, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
 use super::spline_net::net_of;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
 use crate::intersect::tree::{Child, Tree};
+use crate::math::prefetch;
 use crate::patch::{Leaf, PatchSet, Piece};
 
 /// Everything that is searched.
@@ -54,31 +53,29 @@ impl Scene<'_> {
         magnitude > self.reach_of_f32
     }
 
-    /// Whether what is wanted soon should be touched: read, one after the other and without
-    /// waiting, so that all of it is on its way from memory before the first is used.
+    /// Whether all that is wanted soon is worth asking for in advance, stage by stage: leaves, their
+    /// pieces, whose control points.
     #[inline(always)]
     pub(super) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR
     }
 
-    /// Touches those leaves of a block whose bits are set in `met`.
+    /// Asks for those leaves of a block whose bits are set in `met`.
     #[inline(always)]
-    pub(super) fn touch_leaves(&self, first: u32, met: u32) {
-        each(met, |k| self.leaves[first as usize + k].touch());
+    pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
+        each(met, |k| self.leaves[first as usize + k].prefetch());
     }
 
     /// The pieces of such leaves, which are there by now.
     #[inline(always)]
-    pub(super) fn touch_pieces(&self, first: u32, met: u32) {
-        each(met, |k| {
-            black_box(self.piece_of(first as usize + k).surface);
-        });
+    pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
+        each(met, |k| prefetch(self.piece_of(first as usize + k)));
     }
 
     /// The control points of such pieces, which are there by now.
     #[inline(always)]
-    pub(super) fn touch_nets(&self, first: u32, met: u32) {
-        each(met, |k| self.piece_of(first as usize + k).patch.touch());
+    pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
+        each(met, |k| self.piece_of(first as usize + k).patch.prefetch_net());
     }
 
     #[inline(always)]
@@ -169,6 +166,7 @@ fn search_block<S: Simd>(
     let mut crossings = Crossings::NONE;
     ray.boxes.cross(simd, block, &mut crossings);
     let mut met = crossings.met & ((1 << count) - 1);
+    scene.prefetch_leaves(first, met);
     while met != 0 {
         let nearest = crossings.nearest(met);
         met &= !(1 << nearest);
@@ -201,8 +199,8 @@ fn search_leaf<S: Simd>(
     let error = patch.error_bound(ray.magnitude());
     let certified = is_certified(leaf, slopes, error);
     if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (certified, error)) {
-        let start = certified.then_some(start);
-        search_ahead(simd, scene, index, (start, error), (ray, work));
+        let guess = certified.then(|| Guess::new(leaf, start, slopes, error));
+        search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
 }
 
@@ -213,7 +211,7 @@ pub(super) fn search_ahead<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
     index: u32,
-    (start, error): (Option<[f32; 2]>, f64),
+    (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
@@ -222,11 +220,11 @@ pub(super) fn search_ahead<S: Simd>(
     let mut room = None;
     let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
     let distances = Distances::new(simd, leaf, ray);
-    if let Some(start) = start {
+    if let Some(Guess { start, reach }) = guess {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error };
+            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, reach };
             let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
@@ -245,7 +243,7 @@ pub(super) fn search_ahead<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let task = Task { near, domain, error };
+        let task = Task { near, domain, error, reach: f64::INFINITY };
         let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {

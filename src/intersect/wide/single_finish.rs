@@ -37,6 +37,8 @@ pub(super) struct Task {
     pub(super) domain: [[f64; 2]; 2],
     /// How far a point may be from the ray.
     pub(super) error: f64,
+    /// See [`Guess::reach`](super::single_ray::Guess::reach).
+    pub(super) reach: f64,
 }
 
 /// What became of a ray and a leaf.
@@ -98,7 +100,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     leaf: &Leaf,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    &Task { near, domain, error }: &Task,
+    &Task { near, domain, error, reach }: &Task,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     let [s_range, t_range] = leaf.rect();
@@ -148,7 +150,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
             }
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
-            return (judge(&root, ray, error, found), step);
+            return (judge(&root, ray, (error, reach), found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -216,7 +218,12 @@ struct Converged {
 
 /// Whether a root of the leaf is a hit, which then is put into `found`.
 #[inline(always)]
-fn judge(root: &Converged, ray: &SingleRay<'_>, error: f64, found: &mut SingleHit) -> Outcome {
+fn judge(
+    root: &Converged,
+    ray: &SingleRay<'_>,
+    (error, far): (f64, f64),
+    found: &mut SingleHit,
+) -> Outcome {
     let &Converged { st, half, z, determinant, ref tangents } = root;
     let Tangents { point, weight, along_x, along_y, cross } = tangents;
     // One over the cosine is `|a × b| / det`.
@@ -225,6 +232,9 @@ fn judge(root: &Converged, ray: &SingleRay<'_>, error: f64, found: &mut SingleHi
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
+    if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > far {
+        return Outcome::Missed;
+    }
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
     // Rounding of a parameter must be small against the error: no certificate has looked at it.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
@@ -354,6 +364,12 @@ impl<const N: usize> Basis<N> {
         values[degree] = t * before;
         slopes[degree] = p * before;
     }
+}
+
+/// How far outside from 0 to 1; not above zero inside.
+#[inline(always)]
+fn beyond(s: f64) -> f64 {
+    (-s).max(s - 1.0)
 }
 
 /// The number, or the nearest bound; the lower one for NaN.

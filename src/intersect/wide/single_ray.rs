@@ -7,7 +7,7 @@ use super::frames::shift_to_scene;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, SceneFrame, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
@@ -28,6 +28,25 @@ impl Wanted {
             Self::First => ((z - shift) * scale + SPARE) as f32,
             Self::Any => f32::NEG_INFINITY,
         }
+    }
+}
+
+/// Where to look for the one root of a ray in a leaf whose certificate speaks of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Guess {
+    /// Where to begin, in box coordinates.
+    pub(super) start: [f32; 2],
+    /// Where the root lies farther than this beyond a side of the piece, in box coordinates, the piece is
+    /// missed there.
+    pub(super) reach: f64,
+}
+
+impl Guess {
+    /// From what the box's rows say of the direction, and how far a point may be from the ray.
+    #[inline(always)]
+    pub(super) fn new(leaf: &Leaf, start: [f32; 2], [_, _, c]: [f32; 3], error: f64) -> Self {
+        let reach = leaf.certificate.reach_per_error() * error / f64::from(c.abs());
+        Self { start, reach }
     }
 }
 

@@ -14,7 +14,7 @@ use super::frames::{Frames, Narrow};
 use super::lane_net::Form;
 use super::pairs::{Pair, PairLanes};
 use super::single::{Kept, Scene, SingleWork, is_certified, keep, search_ahead};
-use super::single_ray::{Place, SingleHit, SingleRay, Wanted, boxes_in};
+use super::single_ray::{Guess, Place, SingleHit, SingleRay, Wanted, boxes_in};
 use super::start::Start;
 use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
@@ -161,7 +161,7 @@ fn walk<S: Simd, Q: Shot>(
                 flights[k as usize].boxes.cross(simd, block, crossings);
             }
             if scene.is_far() {
-                touch(scene, visits, &crossings);
+                prefetch(scene, visits, &crossings);
             }
             for (&(k, index), crossings) in visits.iter().zip(&crossings) {
                 let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
@@ -182,9 +182,9 @@ fn walk<S: Simd, Q: Shot>(
     std::mem::swap(walking, waiting);
 }
 
-/// Touches the leaves whose boxes are met: see [`Scene::is_far`].
-fn touch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
-    for stage in [Scene::touch_leaves, Scene::touch_pieces, Scene::touch_nets] {
+/// Asks for the leaves whose boxes are met: see [`Scene::is_far`].
+fn prefetch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
+    for stage in [Scene::prefetch_leaves, Scene::prefetch_pieces, Scene::prefetch_nets] {
         for (&(_, block), crossings) in visits.iter().zip(crossings) {
             let (first, count) = scene.tree.leaves(block);
             stage(scene, first, crossings.met & ((1 << count) - 1));
@@ -284,13 +284,13 @@ impl Task<'_> {
             if self.start.is_done_with(simd, (leaf, patch), axis, (certified, error)) {
                 continue;
             }
-            let start = certified.then_some(start);
-            if let (Some(start), Some(form)) = (start, Form::of(patch)) {
-                pairs.push(Pair { ray: self.index, leaf: index, form, start });
+            let guess = certified.then(|| Guess::new(leaf, start, slopes, error));
+            if let (Some(guess), Some(form)) = (guess, Form::of(patch)) {
+                pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
             let work = (&mut *single, &mut *statistics);
-            self.search(simd, index, (start, error), flight, work);
+            self.search(simd, index, (guess, error), flight, work);
             if flight.alone {
                 return;
             }
@@ -303,7 +303,7 @@ impl Task<'_> {
         &self,
         simd: S,
         leaf: u32,
-        (start, error): (Option<[f32; 2]>, f64),
+        (guess, error): (Option<Guess>, f64),
         flight: &mut Flight,
         (single, statistics): (&mut SingleWork, &mut Statistics),
     ) {
@@ -311,7 +311,7 @@ impl Task<'_> {
         let mut ray =
             SingleRay::new(&frame, self.start.from, Wanted::First, self.scene.tree.frame());
         single.clear();
-        search_ahead(simd, self.scene, leaf, (start, error), (&mut ray, &mut *single));
+        search_ahead(simd, self.scene, leaf, (guess, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.rest.is_empty();
         if let Some(hit) = single.hit()

@@ -126,10 +126,16 @@ impl<'a> Target<'a> {
     ) -> mask64x8<S> {
         let [f1, f2] = rays.distances(simd, splat3(simd, pole));
         let distance = f1.mul_add(f1, f2 * f2).sqrt();
-        let [_, _, normal] = self.oriented.directions();
-        let steep = dot_d(splat3(simd, normal), rays.axis(simd)).abs();
+        let steep = self.steepness(simd, rays);
         let needed = f64::from(self.leaf.certificate.pole_per_error());
         (rays.error() * f64x8::splat(simd, needed)).simd_le(steep * distance)
+    }
+
+    /// The sizes of the rays' third slopes.
+    #[inline(always)]
+    fn steepness<S: Simd, R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
+        let [_, _, normal] = self.oriented.directions();
+        dot_d(splat3(simd, normal), rays.axis(simd)).abs()
     }
 
     /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
@@ -162,6 +168,8 @@ pub(super) struct Ground8<'a, S: Simd> {
     pub(super) surface: &'a OneNet<'a>,
     /// From and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
+    /// Whether that is what the leaf's certificate says.
+    pub(super) certified: bool,
     /// Whether normals are asked for.
     pub(super) normals: bool,
 }
@@ -221,6 +229,16 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
                 f64x8::splat(simd, h[6][axis]).mul_add(y, f64x8::splat(simd, h[2][axis])),
             ),
         ]
+    }
+
+    #[inline(always)]
+    fn reach<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
+        let target = self.target;
+        if !self.certified || target.pole.is_some() {
+            return f64x8::splat(simd, f64::INFINITY);
+        }
+        let per_error = f64x8::splat(simd, target.leaf.certificate.reach_per_error());
+        rays.error() * per_error / target.steepness(simd, rays)
     }
 
     /// Where a step from beyond the leaf surely leads away from it, so that it is missed, as in the

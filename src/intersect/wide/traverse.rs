@@ -280,6 +280,7 @@ fn search_block<S: Simd>(
     let leaves = (block, met & ((1 << count) - 1));
     let apart = work.apart.leaves(simd, leaves, packet, rays);
     let mut met = apart.iter().fold(0, |all, met| all | met);
+    scene.prefetch_leaves(first, met);
     while met != 0 {
         let mut nearest = met.trailing_zeros() as usize;
         let mut others = met & (met - 1);
