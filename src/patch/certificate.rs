@@ -170,3 +170,71 @@ impl Certificate {
         self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use glam::{DVec2, DVec4};
+    use proptest::prelude::*;
+
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::patch::{Leaf, PatchSet, SceneFrame};
+
+    /// Where a ray meets what a surface would go on with beyond its border, and that is as far out as the
+    /// certificate asks for, no point of the leaf is within the error, or twice as much.
+    #[test]
+    fn roots_beyond_a_border_are_far_enough() {
+        let bumps = prop::collection::vec((-0.3..0.3f64, 0.7..1.4f64), 16);
+        let ray = (1e-4..1e-3f64, 0.0..1.0f64, 0.05..1.0f64, 0.0..std::f64::consts::TAU);
+        let rays = prop::collection::vec(ray, 8);
+        let (asked, closest) = (Cell::new(0), Cell::new(f64::INFINITY));
+        proptest!(|(bumps in bumps, rational in any::<bool>(), rays in rays)| {
+            let control = bumps.iter().enumerate().map(|(k, &(z, w))| {
+                let (x, y) = ((k / 4) as f64, (k % 4) as f64);
+                if rational { w * DVec4::new(x, y, z, 1.0) } else { DVec4::new(x, y, z, 1.0) }
+            });
+            let knots = || KnotVector::bezier(3).unwrap();
+            let surface = NurbsSurface::from_homogeneous(knots(), knots(), control.collect());
+            let (set, parts) = PatchSet::new(&[surface.unwrap()]).unwrap();
+            let (frame, piece) = (SceneFrame::around(&set.bounds()), &set.pieces()[0]);
+            for part in parts.all() {
+                let (leaf, oriented) = Leaf::new(part, piece, &frame);
+                let [[s0, s1], [t0, t1]] = leaf.rect();
+                if s0 != 0.0 {
+                    continue;
+                }
+                for &(outside, along, steep, turn) in &rays {
+                    let root = DVec2::new(-outside * (s1 - s0), t0 + along * (t1 - t0));
+                    let [a, b, n] = oriented.unit_axes();
+                    let flat = (1.0 - steep * steep).sqrt();
+                    let d = (steep * n + flat * (turn.cos() * a + turn.sin() * b)).normalize();
+                    let slopes = oriented.directions().map(|row| row.dot(d));
+                    if !leaf.certificate.holds(slopes) {
+                        continue;
+                    }
+                    // The largest error for which it speaks of this root.
+                    let reach = leaf.certificate.reach_per_error();
+                    let error = 2.0 * outside * slopes[2].abs() / reach;
+                    let from = piece.patch.point(root);
+                    let distance = |t: f64| {
+                        (piece.patch.point(DVec2::new(0.0, t)) - from).cross(d).length()
+                    };
+                    // The nearest point is one of the border.
+                    let more = 0.02 * (t1 - t0);
+                    let (mut low, mut high) = (t0 - more, t1 + more);
+                    for _ in 0..60 {
+                        let (p, q) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                        if distance(p) < distance(q) { high = q } else { low = p }
+                    }
+                    let least = distance(low);
+                    prop_assert!(least > 2.0 * error, "{least} of {error} at {root}, {d}");
+                    asked.set(asked.get() + 1);
+                    closest.set(closest.get().min(least / error));
+                }
+            }
+        });
+        let (asked, closest) = (asked.get(), closest.get());
+        assert!(asked > 1000 && closest < 1e3, "{asked} rays, one to {closest} errors");
+    }
+}

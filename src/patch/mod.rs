@@ -62,6 +62,7 @@ pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
 pub use part::Part;
+pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
 pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, SplineNet};
 pub use rect::DyadicRect;

@@ -16,7 +16,7 @@ const LEAST_SINE: f64 = 1e-3;
 
 /// Places are beside a collapsed side as far as this part of the piece, at most: where a surface
 /// hardly moves with a parameter, far places are near in space.
-const BESIDE: f64 = 1e-3;
+pub(crate) const BESIDE_COLLAPSED: f64 = 1e-3;
 
 /// A tangent at a side speaks for places beside it where it changes by less than one over this.
 const STEADY: f64 = 16.0;
@@ -165,7 +165,7 @@ impl Piece {
         let distances = self.side_distances(st, jet);
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         let near = |side: usize| {
-            let reaches = distances[side] <= clear && parameters[side] <= BESIDE;
+            let reaches = distances[side] <= clear && parameters[side] <= BESIDE_COLLAPSED;
             self.collapsed(side).is_some() && reaches
         };
         // Beside a collapsed side those that it meets are near all along it: only that counts which

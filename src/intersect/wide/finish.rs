@@ -16,6 +16,10 @@ use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
 use crate::patch::Piece;
 
+/// In a leaf that ends in a pole normals are looked at closely where the tangents' cross product is less
+/// than this part of the square of the sum of their lengths.
+const LEAST_SINE: f64 = 1e-7;
+
 /// What became of eight rays.
 #[derive(Clone, Copy)]
 pub(super) struct Done {
@@ -96,6 +100,12 @@ pub(super) fn finish<S: Simd>(
         // A closer look is also due where the normal is not a number, or there is none for `t`.
         let infinity = f64x8::splat(simd, f64::INFINITY);
         let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
+        if target.pole.is_some() {
+            // So is it where both tangents have nearly one direction, or no certificate says how well they
+            // are known.
+            let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
+            close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
+        }
         if let Some(reach) = closer.reach {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {

@@ -11,7 +11,7 @@ use super::search::dot_d;
 use super::single::Scene;
 use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
-use crate::patch::{LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
+use crate::patch::{BESIDE_COLLAPSED, LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -31,8 +31,8 @@ pub(super) struct Target<'a> {
 /// What is to be known of a leaf that roots are looked for in.
 #[derive(Clone, Copy)]
 pub(super) struct Closer {
-    /// How near a side of the piece a hit may be at a border of the surface; `None` if the
-    /// leaf is away from all borders.
+    /// How near a side of the piece a hit may be at a border of the surface, or its normal a limit;
+    /// `None` if the leaf is away from all of these.
     pub(super) reach: Option<[f64; 4]>,
     /// Half the sides of the leaf's rectangle, one over that, and its middle.
     half: [f64; 2],
@@ -64,12 +64,16 @@ impl<'a> Target<'a> {
     #[inline(always)]
     pub(super) fn closer(&self) -> Closer {
         let mut reach = None;
-        if self.pole.is_some() {
-            // Normals near a pole are left to the scalar code: all of the leaf is a border to it.
-            reach = Some([f64::INFINITY; 4]);
-        } else if self.piece.has_border() {
+        if self.piece.has_border() {
             for (side, near) in near_borders(self.leaf, self.piece) {
                 reach.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
+            }
+        }
+        if self.pole.is_some() {
+            // Near a pole the normal is a limit.
+            for (side, _) in self.piece.collapsed_sides() {
+                let near = &mut reach.get_or_insert([f64::NEG_INFINITY; 4])[side.number()];
+                *near = near.max(BESIDE_COLLAPSED);
             }
         }
         let bend = f64::from(self.leaf.fit_bend());
