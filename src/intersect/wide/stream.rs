@@ -286,6 +286,7 @@ impl Task<'_> {
             }
             let guess = certified.then(|| Guess::new(leaf, start, slopes, error));
             if let (Some(guess), Some(form)) = (guess, Form::of(patch)) {
+                leaf.prefetch(); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
