@@ -139,7 +139,7 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
 fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
-    let steep = slopes[2].abs();
+    let steep = certificate.steepness(slopes);
     let away_from_pole = place.leaf.pole(place.piece).is_none_or(|pole| {
         let distance = ray.coordinates(pole).truncate().length();
         error * f64::from(certificate.pole_per_error()) <= steep * distance

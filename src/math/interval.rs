@@ -44,6 +44,24 @@ impl Interval {
         }
     }
 
+    /// What both have in common; it holds nothing where that is nothing.
+    #[must_use]
+    pub(crate) fn intersection(self, other: Self) -> Self {
+        Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
+    }
+
+    /// The interval around zero that reaches as far, on both sides.
+    #[must_use]
+    pub(crate) fn symmetric(self) -> Self {
+        let reach = self.magnitude();
+        Self { lo: -reach, hi: reach }
+    }
+
+    /// Half of what it is wide.
+    pub(crate) fn radius(self) -> f64 {
+        0.5 * (self.hi - self.lo)
+    }
+
     /// Grown by `margin ≥ 0` at both ends.
     #[must_use]
     #[inline(always)]

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use super::oriented_box::Axes;
-use super::tangents::{Net, Proof};
-use super::up16::Up16;
+use super::rounded::{Near16, Up8, Up16};
+use super::tangents::{MARGIN, Net, Proof};
 use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
+use crate::math::Interval;
 
 /// A promise about all rays that are steep enough: each meets the leaf, widened on all
 /// sides, at most once; and how far the leaf's tangents turn.
@@ -31,11 +32,13 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// positive multiples `λā`, `μb̄` of means of `a` and `b`, and `det J̄ = ± λμ d·(ā × b̄)`.
 /// With `ā = α₁ (a₀ + ρ₂ b₀ + ρ₃ n)` and `b̄ = β₂ (σ₁ a₀ + b₀ + σ₃ n)`
 ///
-/// `|d·(ā × b̄)| ≥ α₁ β₂ (|d·(a₀ × b₀)| m − |d·(a₀ × n)| e₁ − |d·(b₀ × n)| e₂)`,
+/// `ā × b̄ = α₁ β₂ m (a₀ × b₀ + g (a₀ × n) + h (b₀ × n))`,
 ///
-/// `m = min(1 − ρ₂σ₁)`, `e₁ = max|σ₃ − ρ₃σ₁|`, `e₂ = max|ρ₂σ₃ − ρ₃|`. This is positive,
-/// hence `x = y`, whenever `|n·d| > |A·d| + |B·d|` with `A = (a₀ × n) e₁ / (|a₀ × b₀| m)` and
-/// `B = (b₀ × n) e₂ / (|a₀ × b₀| m)`: three dot products. Splitting off the parts along `a₀`
+/// `m = 1 − ρ₂σ₁`, `g = (σ₃ − ρ₃σ₁) / m`, `h = (ρ₂σ₃ − ρ₃) / m`. With `g` within `r` of `g₀` and `h` within `q` of
+/// `h₀`, the product with `d` is not zero, hence `x = y`, whenever `|N·d| > |A·d| + |B·d|` with
+/// `N = n + (g₀ (a₀ × n) + h₀ (b₀ × n)) / |a₀ × b₀|`, `A = r (a₀ × n) / |a₀ × b₀|` and
+/// `B = q (b₀ × n) / |a₀ × b₀|`: three dot products. `N` is about the mean normal: that of the chords may
+/// lean to one side of it. Splitting off the parts along `a₀`
 /// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
 /// the turning of the tangents does; and a ray may be the flatter the less the leaf turns
 /// in the direction it comes from. Of polynomial pieces `ā` and `b̄`, both means over one segment, are
@@ -56,7 +59,7 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// multiples keep the argument. So poles are certified too, but for the pole itself.
 ///
 /// # What rounding costs
-/// `A` and `B` are taken with 2 % to spare, so that with `θ` the angle between `d` and `n`
+/// `A` and `B` are taken with 2 % to spare, so that with `cos θ` for `|N·d|`
 /// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (of pairs, half their least `m` for `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
 /// owner compares that with the slack it allows itself. And where the root lies farther than that beyond a
@@ -65,30 +68,32 @@ use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 /// # What is kept
 /// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
 /// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The
-/// factors are kept in units of the third slope, in sixteen bits, rounded up: every condition
+/// factors are kept in units of the third slope, in sixteen bits. Those of `N` are rounded, and `r` and `q`
+/// reach from what they have become; all else is rounded up: every condition
 /// becomes a little harder to meet, by less than 1 %. Rows in f32 are off by 2⁻²⁴ of their
-/// length; that, and six roundings of f32 of each of the three slopes, are covered by
+/// length; that, and eight roundings of f32 of each of the three slopes, are covered by
 /// what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
-    /// A ray with slopes `a, b, c` meets the widened leaf at most once where
-    /// `|c| > turning₀ |a| + turning₁ |b| + rounding`.
+    /// A ray with slopes `a, b, c` is `e = |c + lean₀ a + lean₁ b|` steep, and meets the widened leaf at
+    /// most once where `e > turning₀ |a| + turning₁ |b| + rounding`.
+    lean: [Near16; 2],
     turning: [Up16; 2],
     rounding: Up16,
     /// A computed point with a residual of at most `ε` is well within the leaf's slack of the
-    /// root where also `|c| ≥ ε steep_per_error`.
+    /// root where also `e ≥ ε steep_per_error`.
     steep_per_error: Up16,
     /// For a step in `s`, then in `t`: how much of the other tangent, and of the normal, may
     /// have to be added to `b₀`, or `a₀`, for those of the unit vectors.
-    bend: [[Up16; 2]; 2],
-    /// In a leaf that ends in a pole: `|c| ρ ≥ ε pole_per_error` is needed, too, for a ray at
+    bend: [[Up8; 2]; 2],
+    /// In a leaf that ends in a pole: `e ρ ≥ ε pole_per_error` is needed, too, for a ray at
     /// the distance `ρ` from the pole. Zero for other leaves.
     pole_per_error: Up16,
 }
 
 /// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
-/// length: eight roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
-const ROUNDING: f64 = 2.5e-6;
+/// length: ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
+const ROUNDING: f64 = 3.1e-6;
 
 /// A root may be off, and so may the points of the piece, by an error each; slopes are in f32.
 const ROOM: f64 = 4.0;
@@ -104,15 +109,24 @@ impl Certificate {
     ) -> Self {
         let lengths = oriented.directions().map(DVec3::length);
         let Some(proof) = Proof::new(net, collapsed, axes) else { return Self::none(collapsed) };
-        // `A` is perpendicular to `a₀`, as is the second row; `B` and `b₀` likewise.
-        let [a, b] = [0, 1].map(|k| proof.turning[1 - k] * lengths[2] / lengths[k]);
+        // The first row points along `b₀ × n`, the second along `n × a₀`.
+        let Interval { lo, hi } = proof.turning[0];
+        let turning = [proof.turning[1], Interval { lo: -hi, hi: -lo }];
+        let turning =
+            [0, 1].map(|k| turning[k] * Interval::point(lengths[2] / lengths[k]).outward());
+        let lean = turning.map(|turning| Near16::to(0.5 * (turning.lo + turning.hi)));
+        let reach = |k: usize| {
+            let lean = f64::from(lean[k].value());
+            MARGIN * (turning[k] - Interval::point(lean)).magnitude()
+        };
         // Both with a little more than the rounding of the products to f32 on the way.
         let slack = 0.5 * LEAF_SLACK * 0.999;
         Self {
-            turning: [Up16::above(a), Up16::above(b)],
+            lean,
+            turning: [Up16::above(reach(0)), Up16::above(reach(1))],
             rounding: Up16::above(ROUNDING * lengths[2]),
             steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
-            bend: proof.bend.map(|bend| bend.map(Up16::above)),
+            bend: proof.bend.map(|bend| bend.map(Up8::above)),
             pole_per_error: Up16::above(proof.pole_spread * lengths[2] / slack),
         }
     }
@@ -122,18 +136,32 @@ impl Certificate {
         let never = Up16::above(f64::INFINITY);
         let pole_per_error = if collapsed.is_some() { never } else { Up16::above(0.0) };
         Self {
+            lean: [Near16::to(0.0); 2],
             turning: [never; 2],
             rounding: never,
             steep_per_error: never,
-            bend: [[never; 2]; 2],
+            bend: [[Up8::above(f64::INFINITY); 2]; 2],
             pole_per_error,
         }
     }
 
     /// Whether a ray with these slopes meets the widened leaf at most once.
-    pub fn holds(&self, [a, b, c]: [f64; 3]) -> bool {
+    pub fn holds(&self, slopes @ [a, b, _]: [f64; 3]) -> bool {
         let [by_a, by_b] = self.turning.map(|turning| f64::from(turning.value()));
-        c.abs() > by_a * a.abs() + by_b * b.abs() + f64::from(self.rounding.value())
+        self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + f64::from(self.rounding.value())
+    }
+
+    /// How steep a ray with these slopes is, in units of the third.
+    #[inline(always)]
+    pub fn steepness(&self, [a, b, c]: [f64; 3]) -> f64 {
+        let [by_a, by_b] = self.lean().map(f64::from);
+        (c + by_a * a + by_b * b).abs()
+    }
+
+    /// By how much of the first two slopes the third is corrected.
+    #[inline(always)]
+    pub fn lean(&self) -> [f32; 2] {
+        self.lean.map(Near16::value)
     }
 
     /// The factors of the first two slopes, and what is added for rounding.
@@ -142,7 +170,7 @@ impl Certificate {
         [self.turning[0].value(), self.turning[1].value(), self.rounding.value()]
     }
 
-    /// The third slope needed for an error of one scene unit.
+    /// The steepness needed for an error of one scene unit.
     #[inline(always)]
     pub fn steep_per_error(&self) -> f32 {
         self.steep_per_error.value()
@@ -150,7 +178,7 @@ impl Certificate {
 
     /// Where the root lies farther than this beyond a side of the piece, in box coordinates, all points of
     /// the piece in the widened leaf are farther from the ray than points may be off: for an error of one
-    /// scene unit, times the third slope. Not for leaves that end in a pole.
+    /// scene unit, times the steepness. Not for leaves that end in a pole.
     #[inline(always)]
     pub fn reach_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
@@ -179,7 +207,54 @@ mod tests {
     use proptest::prelude::*;
 
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::patch::{Leaf, PatchSet, SceneFrame};
+    use crate::patch::{Leaf, OrientedBox, PatchSet, SceneFrame};
+
+    /// A random piece, and its leaves.
+    fn leaves(bumps: &[(f64, f64)], rational: bool) -> (PatchSet, Vec<(Leaf, OrientedBox)>) {
+        let control = bumps.iter().enumerate().map(|(k, &(z, w))| {
+            let (x, y) = ((k / 4) as f64, (k % 4) as f64);
+            if rational { w * DVec4::new(x, y, z, 1.0) } else { DVec4::new(x, y, z, 1.0) }
+        });
+        let knots = || KnotVector::bezier(3).unwrap();
+        let surface = NurbsSurface::from_homogeneous(knots(), knots(), control.collect());
+        let (set, parts) = PatchSet::new(&[surface.unwrap()]).unwrap();
+        let frame = SceneFrame::around(&set.bounds());
+        let leaf = |part| Leaf::new(part, &set.pieces()[0], &frame);
+        let leaves = parts.all().iter().map(leaf).collect();
+        (set, leaves)
+    }
+
+    /// No line through two points of a leaf is one that is said to meet it once, and some nearly are.
+    #[test]
+    fn chords_are_not_certified() {
+        let place = || (-1.02..1.02f64, -1.02..1.02f64);
+        let bumps = prop::collection::vec((-0.6..0.6f64, 0.7..1.4f64), 16);
+        let pairs = prop::collection::vec((place(), place()), 40);
+        let (asked, nearest) = (Cell::new(0), Cell::new(f64::INFINITY));
+        proptest!(|(bumps in bumps, rational in any::<bool>(), pairs in pairs)| {
+            let (set, leaves) = leaves(&bumps, rational);
+            let patch = &set.pieces()[0].patch;
+            for (leaf, oriented) in &leaves {
+                let at = |(x, y): (f64, f64)| {
+                    let [s, t] = leaf.rect().map(|[from, to]| [0.5 * (from + to), 0.5 * (to - from)]);
+                    patch.point(DVec2::new(s[0] + x * s[1], t[0] + y * t[1]))
+                };
+                for &(from, to) in &pairs {
+                    let chord = at(to) - at(from);
+                    let Some(d) = chord.try_normalize() else { continue };
+                    let slopes @ [a, b, _] = oriented.directions().map(|row| row.dot(d));
+                    let certificate = &leaf.certificate;
+                    prop_assert!(!certificate.holds(slopes), "{from:?} to {to:?}");
+                    let [by_a, by_b, _] = certificate.turning().map(f64::from);
+                    let needed = by_a * a.abs() + by_b * b.abs();
+                    nearest.set(nearest.get().min(needed / certificate.steepness(slopes)));
+                    asked.set(asked.get() + 1);
+                }
+            }
+        });
+        let (asked, nearest) = (asked.get(), nearest.get());
+        assert!(asked > 1000 && nearest < 1.2, "{asked} chords, one to {nearest}");
+    }
 
     /// Where a ray meets what a surface would go on with beyond its border, and that is as far out as the
     /// certificate asks for, no point of the leaf is within the error, or twice as much.
@@ -190,16 +265,9 @@ mod tests {
         let rays = prop::collection::vec(ray, 8);
         let (asked, closest) = (Cell::new(0), Cell::new(f64::INFINITY));
         proptest!(|(bumps in bumps, rational in any::<bool>(), rays in rays)| {
-            let control = bumps.iter().enumerate().map(|(k, &(z, w))| {
-                let (x, y) = ((k / 4) as f64, (k % 4) as f64);
-                if rational { w * DVec4::new(x, y, z, 1.0) } else { DVec4::new(x, y, z, 1.0) }
-            });
-            let knots = || KnotVector::bezier(3).unwrap();
-            let surface = NurbsSurface::from_homogeneous(knots(), knots(), control.collect());
-            let (set, parts) = PatchSet::new(&[surface.unwrap()]).unwrap();
-            let (frame, piece) = (SceneFrame::around(&set.bounds()), &set.pieces()[0]);
-            for part in parts.all() {
-                let (leaf, oriented) = Leaf::new(part, piece, &frame);
+            let (set, leaves) = leaves(&bumps, rational);
+            let piece = &set.pieces()[0];
+            for (leaf, oriented) in &leaves {
                 let [[s0, s1], [t0, t1]] = leaf.rect();
                 if s0 != 0.0 {
                     continue;
@@ -215,7 +283,7 @@ mod tests {
                     }
                     // The largest error for which it speaks of this root.
                     let reach = leaf.certificate.reach_per_error();
-                    let error = 2.0 * outside * slopes[2].abs() / reach;
+                    let error = 2.0 * outside * leaf.certificate.steepness(slopes) / reach;
                     let from = piece.patch.point(root);
                     let distance = |t: f64| {
                         (piece.patch.point(DVec2::new(0.0, t)) - from).cross(d).length()

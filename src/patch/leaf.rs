@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::fit::{Approximation, Fit};
 use super::oriented_box::Axes;
 use super::part::Halving;
+use super::rounded::Up16;
 use super::tangents::Net;
-use super::up16::Up16;
 use super::{Certificate, CollapsedSide, DyadicRect, OrientedBox, Part, Piece, REACH, SceneFrame};
 use crate::math::{prefetch, rounding};
 

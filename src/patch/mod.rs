@@ -30,12 +30,12 @@ mod part;
 mod piece;
 mod piece_net;
 mod rect;
+mod rounded;
 mod set;
 mod tangent_pairs;
 mod tangents;
 mod tensor;
 mod tiles;
-mod up16;
 
 use glam::DVec4;
 use smallvec::SmallVec;

@@ -10,8 +10,8 @@ use crate::math::Interval;
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
 pub(super) struct Proof {
-    /// The lengths of `A` and `B`.
-    pub(super) turning: [f64; 2],
+    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; around zero at a pole.
+    pub(super) turning: [Interval; 2],
     pub(super) bend: [[f64; 2]; 2],
     pub(super) spread: f64,
     /// At a pole: the parameter along the collapsed side errs by at most
@@ -20,10 +20,10 @@ pub(super) struct Proof {
 }
 
 /// Leaves whose tangents are bounded with this factor to spare.
-const MARGIN: f64 = 1.02;
+pub(super) const MARGIN: f64 = 1.02;
 
-/// `|A| + |B|` of a certificate is no more than this: a leaf that turns so far is as good as
-/// uncertified, and what rounding does to `A·d` and `B·d` grows with their lengths.
+/// What is multiplied with the slopes of a certificate is no more than this: a leaf that turns so far is as
+/// good as uncertified, and what rounding does grows with it.
 const MOST_TURNING: f64 = 4.0;
 
 /// Tangents of polynomial nets that turn farther than this are looked at together. It takes twice as
@@ -288,14 +288,15 @@ impl<'a> Tangents<'a> {
         ];
         let bend = bend
             .map(|bend| if bend[0].max(bend[1]) < MOST_BEND { bend } else { [f64::INFINITY; 2] });
-        let m = (Interval::point(1.0) - a.other * b.other).lo;
-        let independent = m > 0.0; // false for NaN
+        let m = Interval::point(1.0) - a.other * b.other;
+        let independent = m.lo > 0.0; // false for NaN
         if !independent {
             return Some(Turning { bend, ..Turning::UNKNOWN });
         }
-        let e1 = (b.normal - a.normal * b.other).magnitude();
-        let e2 = (a.other * b.normal - a.normal).magnitude();
-        Some(Turning { across: [e1 / m, e2 / m], least: m * a.least * b.least, bend })
+        let over_m = |interval: Interval| over_positive_to_nearest(interval, m).outward();
+        let g = over_m(b.normal - a.normal * b.other);
+        let h = over_m(a.other * b.normal - a.normal);
+        Some(Turning { across: [g, h], least: m.lo * a.least * b.least, bend })
     }
 
     /// What is proved of `field`, whose derivatives these are, in the frame of `a₀` and `b₀`; `at_pole`
@@ -311,18 +312,26 @@ impl<'a> Tangents<'a> {
         let dual = [b0.cross(normal) / area, normal.cross(a0) / area, normal];
 
         let lengths = [a0.length(), b0.length()];
-        let slopes = |known: &Turning| [0, 1].map(|k| lengths[k] * known.across[k] * MARGIN / area);
+        let slopes = |known: &Turning| {
+            [0, 1].map(|k| known.across[k] * Interval::point(lengths[k] / area).outward())
+        };
+        let width =
+            |known: &Turning| MARGIN * slopes(known).map(Interval::radius).iter().sum::<f64>();
         let mut known = self.separately(&dual, lengths).unwrap_or(Turning::UNKNOWN);
         let polynomial = self.factors[1].is_none();
-        if polynomial && !at_pole && slopes(&known).iter().sum::<f64>() > FAR {
+        if polynomial && !at_pole && width(&known) > FAR {
             let net = (field.degree, &*field.values);
             if let Some(pairs) = PairTurns::new(net, self.noise, &dual) {
                 // Both are true of the same quotients, and of the same determinant.
-                known.across = [0, 1].map(|k| known.across[k].min(pairs.across[k]));
+                known.across = [0, 1].map(|k| known.across[k].intersection(pairs.across[k]));
                 known.least = known.least.max(pairs.least);
             }
         }
-        let turning = slopes(&known);
+        let mut turning = slopes(&known);
+        if at_pole {
+            // The frame was swapped and mirrored: which side is which is not told.
+            turning = turning.map(Interval::symmetric);
+        }
 
         // How far from the root a point with a small residual may be.
         let determinant = (1.0 - 1.0 / MARGIN) * area * known.least;
@@ -343,7 +352,8 @@ impl<'a> Tangents<'a> {
             (longest_s.max(longest_t) * self.weights.hi / determinant, 0.0)
         };
         let proof = Proof { turning, bend: known.bend, spread, pole_spread };
-        (turning[0] + turning[1] <= MOST_TURNING && spread.is_finite()).then_some(proof)
+        let most = MARGIN * turning.map(Interval::magnitude).iter().sum::<f64>();
+        (most <= MOST_TURNING && spread.is_finite()).then_some(proof)
     }
 }
 
@@ -358,8 +368,8 @@ fn over_positive_to_nearest(interval: Interval, divisor: Interval) -> Interval {
 
 /// How both tangents turn over a leaf, in the frame of its axes.
 struct Turning {
-    /// `e₁ / m` and `e₂ / m` of [`Certificate`](super::Certificate).
-    across: [f64; 2],
+    /// `g` and `h` of [`Certificate`](super::Certificate).
+    across: [Interval; 2],
     /// No more than what `|a₀ × b₀|` is to be multiplied with for the least `|n·(ā × b̄)|`.
     least: f64,
     /// As in [`Proof`].
@@ -367,8 +377,11 @@ struct Turning {
 }
 
 impl Turning {
-    const UNKNOWN: Self =
-        Self { across: [f64::INFINITY; 2], least: 0.0, bend: [[f64::INFINITY; 2]; 2] };
+    const UNKNOWN: Self = Self {
+        across: [Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY }; 2],
+        least: 0.0,
+        bend: [[f64::INFINITY; 2]; 2],
+    };
 }
 
 /// How a tangent turns over a leaf.
@@ -487,9 +500,14 @@ mod tests {
                 if chord.length() < 1e-6 {
                     continue;
                 }
-                let reach: f64 =
-                    (0..2).map(|k| proof.turning[k] * chord.dot(across[k]).abs()).sum();
-                let steep = normal.dot(chord).abs();
+                let [mut reach, mut steep] = [0.0, normal.dot(chord)];
+                for k in 0..2 {
+                    let Interval { lo, hi } = proof.turning[k];
+                    let x = chord.dot(across[k]);
+                    steep += 0.5 * (lo + hi) * x;
+                    reach += MARGIN * 0.5 * (hi - lo) * x.abs();
+                }
+                let steep = steep.abs();
                 prop_assert!(steep <= reach, "{from} to {to}: {steep} over {reach}");
                 nearest.set(nearest.get().min(reach / steep));
                 asked.set(asked.get() + 1);

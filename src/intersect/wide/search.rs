@@ -95,7 +95,9 @@ pub(super) fn certify<S: Simd>(
     // Products in this order stay within the range of f32.
     let per_magnitude = leaf.certificate.steep_per_error() * factor as f32;
     let needed = magnitude * f32x16::splat(simd, per_magnitude);
-    let steep = c.abs();
+    let [lean_a, lean_b] = leaf.certificate.lean();
+    let c = a.mul_add(f32x16::splat(simd, lean_a), c);
+    let steep = b.mul_add(f32x16::splat(simd, lean_b), c).abs();
     steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 

@@ -344,7 +344,9 @@ pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
 pub(super) fn is_certified(leaf: &Leaf, [a, b, c]: [f32; 3], error: f64) -> bool {
     let certificate = &leaf.certificate;
     let [by_a, by_b, rounding] = certificate.turning();
+    let [lean_a, lean_b] = certificate.lean();
+    let steep = (c + lean_a * a + lean_b * b).abs();
     !leaf.has_pole()
-        && c.abs() > by_a * a.abs() + by_b * b.abs() + rounding
-        && f64::from(c.abs()) > f64::from(certificate.steep_per_error()) * error
+        && steep > by_a * a.abs() + by_b * b.abs() + rounding
+        && f64::from(steep) > f64::from(certificate.steep_per_error()) * error
 }

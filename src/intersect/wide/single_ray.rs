@@ -44,8 +44,9 @@ pub(super) struct Guess {
 impl Guess {
     /// From what the box's rows say of the direction, and how far a point may be from the ray.
     #[inline(always)]
-    pub(super) fn new(leaf: &Leaf, start: [f32; 2], [_, _, c]: [f32; 3], error: f64) -> Self {
-        let reach = leaf.certificate.reach_per_error() * error / f64::from(c.abs());
+    pub(super) fn new(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Self {
+        let steep = leaf.certificate.steepness(slopes.map(f64::from));
+        let reach = leaf.certificate.reach_per_error() * error / steep;
         Self { start, reach }
     }
 }

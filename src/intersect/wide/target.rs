@@ -135,11 +135,12 @@ impl<'a> Target<'a> {
         (rays.error() * f64x8::splat(simd, needed)).simd_le(steep * distance)
     }
 
-    /// The sizes of the rays' third slopes.
+    /// See [`Certificate::steepness`](crate::patch::Certificate::steepness).
     #[inline(always)]
     fn steepness<S: Simd, R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
-        let [_, _, normal] = self.oriented.directions();
-        dot_d(splat3(simd, normal), rays.axis(simd)).abs()
+        let [a, b, c] = self.oriented.directions();
+        let [lean_a, lean_b] = self.leaf.certificate.lean().map(f64::from);
+        dot_d(splat3(simd, c + lean_a * a + lean_b * b), rays.axis(simd)).abs()
     }
 
     /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
