@@ -46,7 +46,8 @@ use crate::math::Interval;
 ///
 /// # How a miss is proved
 /// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
-/// component of known sign, and let the ray be certified. If it met the leaf at `y`,
+/// component of known sign, and let the ray be certified: the determinant has one sign on all of `D`, that of
+/// `N·d` (not of `n·d`). If it met the leaf at `y`,
 /// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
 /// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
 /// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
@@ -59,7 +60,7 @@ use crate::math::Interval;
 /// multiples keep the argument. So poles are certified too, but for the pole itself.
 ///
 /// # What rounding costs
-/// `A` and `B` are taken with 2 % to spare, so that with `cos θ` for `|N·d|`
+/// `A` and `B` are taken with 2 % to spare, so that with `cos θ` short for `|N·d|`
 /// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (of pairs, half their least `m` for `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
 /// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
 /// owner compares that with the slack it allows itself. And where the root lies farther than that beyond a
@@ -68,9 +69,9 @@ use crate::math::Interval;
 /// # What is kept
 /// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
 /// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The
-/// factors are kept in units of the third slope, in sixteen bits. Those of `N` are rounded, and `r` and `q`
+/// factors are kept in units of the third slope, in sixteen bits, those of misses in eight. Those of `N` are rounded, and `r` and `q`
 /// reach from what they have become; all else is rounded up: every condition
-/// becomes a little harder to meet, by less than 1 %. Rows in f32 are off by 2⁻²⁴ of their
+/// becomes a little harder to meet, by less than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their
 /// length; that, and eight roundings of f32 of each of the three slopes, are covered by
 /// what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +93,9 @@ pub struct Certificate {
 }
 
 /// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
-/// length: ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five.
-const ROUNDING: f64 = 3.1e-6;
+/// length: ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6. So much
+/// more that what is left is known to a third, too.
+const ROUNDING: f64 = 1e-5;
 
 /// A root may be off, and so may the points of the piece, by an error each; slopes are in f32.
 const ROOM: f64 = 4.0;
@@ -177,8 +179,8 @@ impl Certificate {
     }
 
     /// Where the root lies farther than this beyond a side of the piece, in box coordinates, all points of
-    /// the piece in the widened leaf are farther from the ray than points may be off: for an error of one
-    /// scene unit, times the steepness. Not for leaves that end in a pole.
+    /// the piece in the widened leaf are farther from the ray than points may be off: to be multiplied with that
+    /// error, and divided by the steepness. Not for leaves that end in a pole.
     #[inline(always)]
     pub fn reach_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())

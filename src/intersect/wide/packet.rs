@@ -62,7 +62,7 @@ pub(in crate::intersect) struct Packet {
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
-    /// One bit a ray: whether its nearest hit may be within rounding of a border, or is near a pole.
+    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal is to be looked at closely.
     pub(super) near_border: u64,
     /// The ray parameter.
     pub(super) ray_t: [f64; PACKET],
@@ -115,7 +115,7 @@ pub(in crate::intersect) struct LaneHit {
     pub(in crate::intersect) point: DVec3,
     /// NaN where there is none.
     pub(in crate::intersect) normal: DVec3,
-    /// Whether it may be within rounding of a border of its surface, or is near a pole.
+    /// Whether it may be within rounding of a border of its surface, or its normal is to be looked at closely.
     pub(in crate::intersect) near_border: bool,
 }
 

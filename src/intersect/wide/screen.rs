@@ -28,7 +28,7 @@ use fearless_simd_macros::simd;
 
 use super::distances::{Approximate, LaneDistances, LastStep, Searched};
 use super::packet::Packet;
-use super::search::{Crossing, bits, load3};
+use super::search::{Crossing, bits, load3, steepness};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
 use super::target::Target;
 use crate::intersect::newton::{CLEAR, SURELY};
@@ -80,7 +80,7 @@ pub(super) fn screen<S: Simd>(
     let screen = Screen {
         target,
         normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
-        slope: crossing.slopes[2],
+        steepness: steepness(simd, target.leaf, crossing.slopes),
         terms: distances.terms(simd, target.sizes(simd), packet, base),
         error,
     };
@@ -98,8 +98,8 @@ struct Screen<'a, S: Simd> {
     target: &'a Target<'a>,
     /// The normals of the rays' planes.
     normals: [[f32x16<S>; 3]; 2],
-    /// What the third row of the leaf's box says of the rays' directions.
-    slope: f32x16<S>,
+    /// How steep the rays are: its sign is that of the determinant, which is the same on all of the leaf.
+    steepness: f32x16<S>,
     /// What rounding of the distances is measured by.
     terms: f32x16<S>,
     /// How far a point may be from the ray.
@@ -181,7 +181,7 @@ impl<S: Simd> Screen<'_, S> {
         let across_n = along_n.abs() + rest;
         let turned_s = across_a.mul_add(other_s, across_n.mul_add(out_s, rest));
         let turned_t = across_b.mul_add(other_t, across_n.mul_add(out_t, rest));
-        let sign = self.slope;
+        let sign = self.steepness;
         let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
         let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
         let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));
@@ -203,7 +203,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::shapes;
+    use crate::geometry::{KnotVector, NurbsSurface, shapes};
     use crate::intersect::wide::load::{load, turn};
     use crate::intersect::wide::search::{certify, cross_box};
     use crate::intersect::wide::single_ray::{WIDENED, Wanted};
@@ -249,12 +249,26 @@ mod tests {
         hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
     }
 
+    /// So long that the chord across has no say in the frame of its leaves: their axes are any, and the
+    /// normals far from the third.
+    fn strip() -> NurbsSurface {
+        let across = DVec3::new(0.4, 0.0, 0.9);
+        let points = [-1.0, -0.4, 0.4, 1.0].map(|x| {
+            let bent = DVec3::new(-0.9, 0.0, 0.4) * (0.2 * x * x);
+            [-1.0, 1.0].map(|y| DVec3::Y * y + 1e-4 * (x * across + bent))
+        });
+        let knots = [3, 1].map(|degree| KnotVector::bezier(degree).unwrap());
+        let [u, v] = knots;
+        let control = points.as_flattened().iter().map(|point| point.extend(1.0)).collect();
+        NurbsSurface::from_homogeneous(u, v, control).unwrap()
+    }
+
     /// Lines past places of a leaf and just outside of it, at any angle that its certificate speaks of.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
         let options = BuildOptions::default();
-        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4)]
-            .map(|body| SurfaceBvh::build(&[body.unwrap()], &options).unwrap());
+        let bodies = [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap(), strip()]
+            .map(|body| SurfaceBvh::build(&[body], &options).unwrap());
         let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
         let config = ProptestConfig { cases: 1_500, ..ProptestConfig::default() };
         let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
