@@ -20,9 +20,10 @@ use std::fmt;
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
+use crate::geometry::Surface;
 use crate::math::Aabb;
 use crate::patch::SceneFrame;
-use crate::scene::{Camera, Projection, Scene, World};
+use crate::scene::{Camera, Instance, Projection, Scene, Shape, Transform, World, Written};
 
 /// A scene for POV-Ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,14 +94,12 @@ pub fn povray_scene(
     let frame = SceneFrame::around(&bounds);
     let mut text = heading(&world.camera, aspect, &frame);
     let (mut written, mut skipped) = (Vec::new(), Vec::new());
-    let parts =
-        scene.objects.iter().flat_map(|object| object.parts.iter().map(move |p| (object, p)));
-    for (index, (instance, (object, part))) in world.surfaces.iter().zip(parts).enumerate() {
-        let exact = primitives::primitive(&part.shape, &object.transform, &frame);
-        let body = match exact {
-            _ if part.trims.is_some() => Err(PovrayGap::Trimmed),
-            Some(body) => Ok(body),
-            None => patches::patches(&instance.surface, flatness, &frame),
+    for (index, instance) in world.surfaces.iter().enumerate() {
+        let body = match (&instance.surface, shape_of(scene, instance)) {
+            (Surface::Trimmed(_), _) => Err(PovrayGap::Trimmed),
+            (_, Some((shape, steps))) => primitives::primitive(shape, steps, &frame)
+                .map_or_else(|| patches::patches(&instance.surface, flatness, &frame), Ok),
+            (surface, None) => patches::patches(surface, flatness, &frame),
         };
         match body {
             Ok(body) => {
@@ -113,6 +112,17 @@ pub fn povray_scene(
         }
     }
     PovrayScene { text, written, skipped }
+}
+
+/// The shape that a surface was made of, and how it was moved to its place. (Some shapes make several
+/// surfaces.)
+fn shape_of<'a>(
+    scene: &'a Scene,
+    instance: &Instance,
+) -> Option<(&'a Shape, &'a [Written<Transform>])> {
+    let [object, part] = instance.part;
+    let object = scene.objects.get(object)?;
+    Some((&object.parts.get(part)?.shape, &object.transform))
 }
 
 /// Camera, light and what all surfaces look like.

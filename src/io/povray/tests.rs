@@ -100,6 +100,38 @@ shape = { octant = { radius = 1 } }
     assert!(scene.text.contains("clipped_by"));
 }
 
+/// One shape may make several surfaces: what follows it is still what it is.
+#[test]
+fn surfaces_are_written_as_what_they_were_made_of() {
+    let sheet = net("[1, 1]", "[[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 1]]]", "");
+    let others = "
+[[object]]
+name = \"wires\"
+shape = { net = { of = \"sail\", radius = 0.01, joints = 0.02 } }
+[[object]]
+name = \"rod\"
+shape = { tube = { curve = { polyline = [[0, 0], [4, 0]] }, radius = 0.2 } }
+[[object]]
+name = \"ball\"
+shape = { sphere = { radius = 2 } }
+";
+    let text = format!("{sheet}{others}{PLANE}");
+    let scene = read_scene(&text, "test.toml", &mut |_, _, _| unreachable!()).unwrap();
+    let world = World::new(&scene).unwrap();
+    let povray = povray_scene(&scene, &world, (200, 100), 0.01);
+    let names: Vec<&str> = povray.written.iter().map(|&k| &*world.surfaces[k].name).collect();
+    assert_eq!(names, ["sail", "ball", "table"]);
+    let body = |name: &str| {
+        let rest = povray.text.split(&format!("// {name}\n")).nth(1).unwrap();
+        rest.split_whitespace().next().unwrap().to_owned()
+    };
+    let bodies: Vec<String> = names.iter().map(|name| body(name)).collect();
+    assert_eq!(bodies, ["bicubic_patch", "sphere", "bicubic_patch"]);
+    // Nothing is dropped: four lines, four points, a rod and its two caps.
+    assert_eq!(povray.skipped.len(), 11);
+    assert!(povray.skipped.iter().all(|skip| skip.reason == PovrayGap::Rational));
+}
+
 #[test]
 fn scenes_of_any_size_are_written_alike() {
     let scene = |size: f64| {
