@@ -11,7 +11,8 @@ use std::process::ExitCode;
 use nurbray::geometry::trim::Kept;
 use serde_json::{Value, json};
 
-use nurbray::scene::{Instance, Shape};
+use nurbray::math::Aabb;
+use nurbray::scene::{Instance, Shape, World};
 
 use super::args::InfoArguments;
 use super::failure::Failure;
@@ -24,12 +25,13 @@ pub(crate) const HELP: &str = "\
 Gaps: each border of each surface is sampled at 33 points or more, and each
 point's nearest point on every other border is found by Newton's method. Two
 borders run side by side where at least a quarter of the points of one lie
-within 1e-3 of the model's size (and 1/20 of the shorter border's length) of the
-other. They meet if none of these points is farther off than rounding, 4 (p + q
-+ 4) 2^-53 M for each surface; else the largest distance is listed as a gap,
-through which rays may pass. Gaps narrower than the samples are long may be
-missed. Trim edges are curves like borders; what trims cut off a border does not
-count, nor do the parts of one tube, ribbon or net, which run into each other.
+within 1e-3 of the size of the object it belongs to (of two the smaller one's;
+and 1/20 of the shorter border's length) of the other. They meet if none of these
+points is farther off than rounding, 4 (p + q + 4) 2^-53 M for each surface; else
+the largest distance is listed as a gap, through which rays may pass. Gaps
+narrower than the samples are long may be missed. Trim edges are curves like
+borders; what trims cut off a border does not count, nor do the parts of one
+tube, ribbon or net, which run into each other.
 
 Bounds: the boxes the surfaces themselves just fit in, not their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
@@ -75,7 +77,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
         }
     };
     let drawings: Vec<_> = world.surfaces.iter().map(drawing).collect();
-    let fit = gaps::fit(&surfaces, &drawings, facts.size());
+    let fit = gaps::fit(&surfaces, &drawings, &object_sizes(&world, &facts));
     let input = arguments.input.display().to_string();
     if arguments.json {
         let not_imported = scene.notes.iter().map(|note| {
@@ -117,6 +119,18 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Of each surface the diagonal of the box around the object that it belongs to.
+fn object_sizes(world: &World, facts: &Facts) -> Vec<f64> {
+    let object = |instance: &Instance| instance.part[0];
+    let count = world.surfaces.last().map_or(0, |last| object(last) + 1);
+    let mut boxes = vec![Aabb::EMPTY; count];
+    for (instance, surface) in world.surfaces.iter().zip(&facts.surfaces) {
+        let around = &mut boxes[object(instance)];
+        *around = around.union(surface.bounds);
+    }
+    world.surfaces.iter().map(|instance| boxes[object(instance)].size().length()).collect()
+}
+
 fn surface_json(surface: &SurfaceFacts) -> Value {
     let collapsed = surface
         .collapsed
@@ -151,7 +165,7 @@ fn surface_json(surface: &SurfaceFacts) -> Value {
     })
 }
 
-fn bounds_json(bounds: nurbray::math::Aabb) -> Value {
+fn bounds_json(bounds: Aabb) -> Value {
     json!([bounds.min.to_array(), bounds.max.to_array()])
 }
 

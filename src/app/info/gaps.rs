@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::super::border::{Border, rounding};
 use super::border_curve::BorderCurve;
 
-/// Borders farther apart than this share of the model's size are apart on purpose.
+/// Borders farther apart than this share of the size of the objects that they belong to are apart on purpose.
 pub(crate) const NEAR: f64 = 1e-3;
 
 /// Nor do borders nearly meet that are farther apart than this share of the shorter one's
@@ -86,8 +86,9 @@ pub(crate) struct Fit {
 /// Compares every border and trim edge with every other that comes near it.
 ///
 /// `drawings` says of each surface which drawing (a tube, a net) it belongs to, if to one. Tubes and
-/// joints of one drawing run into each other: what nearly meets there is no gap.
-pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], size: f64) -> Fit {
+/// joints of one drawing run into each other: what nearly meets there is no gap. `sizes` are those of the objects
+/// that the surfaces belong to: of two the smaller counts, so that a teapot has no more gaps on a large table.
+pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: &[f64]) -> Fit {
     let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
     let mut first_charts = Vec::new();
     for (surface, one) in surfaces.iter().enumerate() {
@@ -120,12 +121,14 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], size: f
     }
     let trim_edges = curves.len() - borders;
 
-    let boxes: Vec<Aabb> = curves.iter().map(|(_, c)| c.bounds().grown(NEAR * size)).collect();
+    let near = |edge: &Edge| NEAR * sizes[edge.surface];
+    let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(near(e))).collect();
     let pairs = overlapping(&boxes);
-    let sides: Vec<_> = pairs
-        .par_iter()
-        .filter_map(|&[i, j]| Some(([i, j], side_by_side(&curves[i].1, &curves[j].1, size)?)))
-        .collect();
+    let compared = |&[i, j]: &[usize; 2]| {
+        let [(a, first), (b, second)] = [&curves[i], &curves[j]];
+        Some(([i, j], side_by_side(first, second, near(a).min(near(b)))?))
+    };
+    let sides: Vec<_> = pairs.par_iter().filter_map(compared).collect();
 
     let mut meeting = BTreeSet::new();
     let mut beside = BTreeSet::new();
@@ -155,10 +158,10 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], size: f
     }
 }
 
-/// The largest distance between two borders where they run side by side, and where; `None`
-/// if they do not.
-fn side_by_side(a: &BorderCurve<'_>, b: &BorderCurve<'_>, size: f64) -> Option<(f64, DVec3)> {
-    let near = (NEAR * size).min(NEAR_LENGTH * a.length().min(b.length()));
+/// The largest distance between two borders where they run side by side, no farther apart than `near`, and
+/// where; `None` if they do not.
+fn side_by_side(a: &BorderCurve<'_>, b: &BorderCurve<'_>, near: f64) -> Option<(f64, DVec3)> {
+    let near = near.min(NEAR_LENGTH * a.length().min(b.length()));
     // One may run along a part of the other only: then not all points of the longer are near.
     let one_way = |from: &BorderCurve<'_>, to: &BorderCurve<'_>| {
         let points = from.points();
@@ -202,14 +205,15 @@ mod tests {
     /// [`super::fit`] of whole surfaces.
     fn fit(surfaces: &[NurbsSurface], size: f64) -> Fit {
         let surfaces: Vec<Surface> = surfaces.iter().cloned().map(Surface::from).collect();
-        super::fit(&surfaces, &[], size)
+        super::fit(&surfaces, &[], &vec![size; surfaces.len()])
     }
 
     #[test]
     fn the_parts_of_one_drawing_have_no_gaps() {
         let sheets = [plane_at(0.0, 0.0, 0.0), plane_at(1.0 + 1e-6, 0.0, 0.0)].map(Surface::from);
-        let gaps =
-            |drawings: [Option<[usize; 2]>; 2]| super::fit(&sheets, &drawings, 2.0).gaps.len();
+        let gaps = |drawings: [Option<[usize; 2]>; 2]| {
+            super::fit(&sheets, &drawings, &[2.0; 2]).gaps.len()
+        };
         assert_eq!(gaps([Some([3, 0]); 2]), 0);
         assert_eq!(gaps([Some([3, 0]), Some([4, 0])]), 1);
         assert_eq!(gaps([Some([3, 0]), None]), 1);
@@ -242,6 +246,23 @@ mod tests {
         assert_eq!((meet.meeting, meet.free, meet.gaps.len()), (2, 6, 0));
         let apart = fit(&[plane_at(0.0, 0.0, 0.0), plane_at(1.1, 0.0, 0.0)], 2.0);
         assert_eq!((apart.meeting, apart.free, apart.gaps.len()), (0, 8, 0));
+    }
+
+    /// Two sheets of an object of size 2, and a table of size 2e4 or 2e-2 beside them.
+    #[test]
+    fn what_is_near_depends_on_the_smaller_object() {
+        let sheets = |apart: f64| [plane_at(0.0, 0.0, 0.0), plane_at(1.0 + apart, 0.0, 0.0)];
+        let gaps = |apart: f64, sizes: [f64; 2]| {
+            super::fit(&sheets(apart).map(Surface::from), &[], &sizes).gaps.len()
+        };
+        assert_eq!(
+            [gaps(1e-3, [2.0, 2.0]), gaps(1e-3, [2.0, 2e4]), gaps(1e-3, [2e-2, 2.0])],
+            [1, 1, 0]
+        );
+        assert_eq!(
+            [gaps(1e-2, [2.0, 2.0]), gaps(1e-2, [2.0, 2e4]), gaps(1e-2, [2e4, 2e4])],
+            [0, 0, 1]
+        );
     }
 
     #[test]
@@ -277,11 +298,11 @@ mod tests {
             let map = DAffine3::from_scale(DVec3::splat(1.0 + moved));
             Surface::from(part.transformed(&map).unwrap())
         };
-        let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], &[], 4.0);
+        let whole = super::fit(&[part(Kept::Odd, 0.0), part(Kept::Even, 0.0)], &[], &[4.0; 2]);
         assert_eq!((whole.trim_edges, whole.gaps.len()), (2, 0));
         assert_eq!((whole.collapsed, whole.meeting, whole.free), (2, 4, 0));
         // Larger by 1e-5, a part is 2e-5 off all along its edge.
-        let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], &[], 4.0);
+        let torn = super::fit(&[part(Kept::Odd, 1e-5), part(Kept::Even, 0.0)], &[], &[4.0; 2]);
         assert_eq!((torn.meeting, torn.nearly, torn.gaps.len()), (2, 2, 1));
         assert!((torn.gaps[0].width - 2e-5).abs() < 1e-13, "{}", torn.gaps[0].width);
         assert_eq!(torn.gaps[0].edges.map(|edge| edge.which), [Which::Trim(0); 2]);

@@ -165,7 +165,7 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
         let _ = writeln!(text, "trim edges of {surface} {name} are not among them: {error}");
     }
     if fit.gaps.is_empty() {
-        let _ = writeln!(text, "no gaps up to {NEAR:e} of the size");
+        let _ = writeln!(text, "no gaps up to {NEAR:e} of an object's size");
         return text;
     }
     let _ = writeln!(text, "{}, widest first:", count(fit.gaps.len() as u64, "gap"));
