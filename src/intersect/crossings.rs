@@ -7,6 +7,7 @@ use crate::patch::Piece;
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
 /// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
+/// What is met beside a tip, as near as can be told, stays, and the tip is doubtful.
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, it is doubtful.
@@ -17,7 +18,13 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
 
     let mut kept = 0;
     for k in 0..meetings.len() {
-        let meeting = meetings[k];
+        let mut meeting = meetings[k];
+        for earlier in &mut meetings[..kept] {
+            if is_tip(earlier) != is_tip(&meeting) && at_one_place(earlier, &meeting, pieces) {
+                let tip = if is_tip(earlier) { earlier } else { &mut meeting };
+                tip.flags.insert(HitFlags::DOUBTFUL);
+            }
+        }
         let same = meetings[..kept].iter().rposition(|earlier| {
             same_side(earlier, &meeting) && at_one_place(earlier, &meeting, pieces)
         });
@@ -69,13 +76,21 @@ const GRAZING: f64 = 1e-4;
 /// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
 /// which side the ray is of the surface around the corner is known.
 fn touches(meeting: &Meeting) -> bool {
-    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && meeting.normal.is_some()
+    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !is_tip(meeting)
 }
 
-/// Whether two meetings lead through the surface in the same direction, as far as is known.
+/// Whether a meeting is in a tip, or so near to one that the surface has no normal there.
+fn is_tip(meeting: &Meeting) -> bool {
+    meeting.normal.is_none()
+}
+
+/// Whether two meetings lead through the surface in the same direction, as far as is known. In a tip there
+/// is no telling, but for other views of it.
 fn same_side(a: &Meeting, b: &Meeting) -> bool {
-    let no_side = |m: &Meeting| m.normal.is_none() || touches(m);
-    a.cosine * b.cosine > 0.0 || no_side(a) || no_side(b)
+    match (is_tip(a), is_tip(b)) {
+        (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
+        (a, b) => a == b,
+    }
 }
 
 /// Whether two meetings are at the same place: the same one, or one that pieces share.

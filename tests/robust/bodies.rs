@@ -1,9 +1,9 @@
 //! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
 //! their seams, and none is said to enter without leaving, not even past a sharp edge.
 
-use glam::{DVec2, DVec3};
-use nurbray::geometry::{Cage, Surface};
-use nurbray::intersect::{Kernel, Query, Tracer};
+use glam::{DVec2, DVec3, DVec4};
+use nurbray::geometry::{Cage, KnotVector, NurbsSurface, Surface};
+use nurbray::intersect::{Hit, Kernel, Query, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -196,6 +196,59 @@ fn a_steep_ray_beside_a_pole_has_a_hit() {
             }
         }
     }
+}
+
+/// Chords between two points near the tip of a cone at which two rows of control points lie: `S = u² (v, v², 1)`,
+/// on `x² = y z`. Each is met, or doubted: what is found of the tip must not take a root's place unsaid.
+#[test]
+fn chords_near_a_tip_of_two_rows_are_met_twice() {
+    let row = |z: f64| {
+        [(0.0, 0.0), (0.5, 0.0), (1.0, 1.0)].map(|(x, y)| DVec4::new(x * z, y * z, z, 1.0))
+    };
+    let control = [row(0.0), row(0.0), row(1.0)].concat();
+    let knots = || KnotVector::bezier(2).unwrap();
+    let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
+    let bvh = Model::new("cone", surface).bvh();
+    let mut random = Random::new(17);
+    let (mut certain, mut hits) = (0, Vec::new());
+    let mut tracers: Vec<Tracer<'_>> = Kernel::ALL
+        .iter()
+        .filter(|kernel| kernel.is_available())
+        .map(|&kernel| bvh.tracer_with(kernel))
+        .collect();
+    for _ in 0..3_000 {
+        let height = random.power_of_ten(-5.0, -2.0);
+        let mut point = |v: f64| {
+            let u = height * random.between(0.3, 1.0);
+            u * u * DVec3::new(v, v * v, 1.0)
+        };
+        let (from, to) = (point(0.3), point(0.7));
+        let way = random.between(0.1, 3.0);
+        let direction = (to - from).normalize();
+        let ray = Ray::new(from - way * direction, direction).unwrap();
+        let query = Query::primary(ray);
+        // To what rounding of the ray comes to, for angles of at least 0.02.
+        let places = [way, way + from.distance(to)];
+        let normal = |p: DVec3| DVec3::new(2.0 * p.x, -p.z, -p.y).normalize();
+        let steep = [from, to].iter().all(|&p| normal(p).dot(direction).abs() > 0.02);
+        if !steep || from.distance(to) < 1e-10 {
+            continue;
+        }
+        let is_there = |hit: &Hit, place: f64| (hit.t - place).abs() < 2e-12;
+        hits.clear();
+        let doubtful = tracers[0].all_hits(&query, &mut hits);
+        for place in places {
+            let met = doubtful || hits.iter().any(|hit| is_there(hit, place));
+            assert!(met, "{place} of {ray:?}: {hits:?}");
+        }
+        certain += usize::from(!doubtful);
+        for tracer in &mut tracers {
+            let answer = tracer.first_hit(&query);
+            let met = answer.doubtful || answer.hit.is_some_and(|hit| is_there(&hit, way));
+            assert!(met, "{}: {way} of {ray:?}: {answer:?}", tracer.kernel());
+        }
+    }
+    assert!(certain > 300, "{certain} without doubt");
 }
 
 /// Rays at the limit points of the cage's vertices, which the limit masks give.
