@@ -1,6 +1,6 @@
 //! Origins so far away that a point may be off a ray by more than f32 can tell.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
 use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
 use nurbray::math::Ray;
@@ -74,6 +74,44 @@ fn borders_are_met_or_doubted_from_anywhere() {
             for (query, occlusion) in queries.iter().zip(occlusions) {
                 let hit_or_doubt = occlusion.occluded || occlusion.doubtful;
                 assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray);
+            }
+        }
+    }
+}
+
+/// Rays past a border along which they touch the surface, where what it would go on with bends away: they meet it
+/// as far as half of what a point may be off.
+#[test]
+fn borders_that_are_silhouettes_are_met_or_doubted() {
+    let (high, half) = (1.0, std::f64::consts::FRAC_1_SQRT_2);
+    let arc = [(1.0, 0.0, 1.0), (half, half, half), (0.0, 1.0, 1.0)];
+    let control = arc.iter().flat_map(|&(x, z, w)| [0.0, high].map(|y| DVec4::new(x, w * y, z, w)));
+    let knots = |degree| KnotVector::bezier(degree).unwrap();
+    let quarter = NurbsSurface::from_homogeneous(knots(2), knots(1), control.collect()).unwrap();
+    for (name, surface) in [("quarter", quarter), ("hemisphere", shapes::hemisphere(1.0).unwrap())]
+    {
+        let [p, q] = [surface.knots_u().degree(), surface.knots_v().degree()];
+        // Half of the promise, which is `4 (p + q + 4)` half units.
+        let most = p + q + 4;
+        let model = Model::new(name, surface);
+        let beside = |k: usize| 1.0 + k as f64 * f64::EPSILON;
+        let queries: Vec<Query> = (0..most)
+            .flat_map(|k| [-1.0, 1.0].map(|z| (k, z)))
+            .map(|(k, z)| {
+                let along_y = if name == "quarter" { 0.375 } else { 0.0 };
+                let from = DVec3::new(beside(k), along_y, 0.75 * z);
+                Query::primary(Ray::new(from, -z * DVec3::Z).unwrap())
+            })
+            .collect();
+        for kernel in kernels() {
+            let (answers, occlusions) = all_ways(&model, kernel, &queries);
+            for (query, answer) in answers.iter().flat_map(|way| queries.iter().zip(way)) {
+                let known = answer.hit.is_some() || answer.doubtful;
+                assert!(known, "{name}, {kernel}: {:?}", query.ray);
+            }
+            for (query, occlusion) in occlusions.iter().flat_map(|way| queries.iter().zip(way)) {
+                let known = occlusion.occluded || occlusion.doubtful;
+                assert!(known, "{name}, {kernel}: {:?}", query.ray);
             }
         }
     }

@@ -43,8 +43,7 @@ const WIDE: f64 = 4096.0;
 /// rounding error: what it then cuts off, or proves, is worth its cost.
 const MOST_AMPLIFIED: f64 = 0.05;
 
-/// Krawczyk's test is made where the map contracts to less than this: it proves something below one,
-/// but so near to it little is cut off.
+/// Krawczyk's test is made where the map contracts to less than this: nearer to one little is cut off.
 const MOST_CONTRACTION: f64 = 0.9;
 
 /// A box is not divided below this side: parameters near 1 have no finer digits.
@@ -249,8 +248,14 @@ impl ExactSolver {
             if low.max_element() > 1.0 || high.min_element() < 0.0 {
                 return Verdict::Empty;
             }
+            // Coefficients may be off by that much each, and derivatives are made of their differences.
+            let [p, q] = self.net.degree;
+            let unique = kappa.max_element() + 2.0 * (p + q) as f64 * amplified < 1.0;
             let inside = low.min_element() > 0.0 && high.max_element() < 1.0;
-            if inside && let Some(st) = self.refined(task, rect, center) {
+            if inside
+                && unique
+                && let Some(st) = self.refined(task, rect, center)
+            {
                 return Verdict::Root(st);
             }
             s = [s[0].max(low.x), s[1].min(high.x)];
