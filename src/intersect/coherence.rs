@@ -64,7 +64,7 @@ impl SurfaceBvh {
 pub(super) fn leaf_width(leaves: &[Leaf]) -> f64 {
     let (mut areas, mut widths) = (0.0, 0.0);
     for leaf in leaves {
-        let [x, y] = leaf.side_lengths().map(f64::from);
+        let [x, y] = leaf.half_side_lengths().map(f64::from);
         let area = 4.0 * x * y;
         areas += area;
         widths += area.sqrt();

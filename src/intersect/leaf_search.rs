@@ -139,13 +139,11 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
 fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
-    let steep = certificate.steepness(slopes);
-    let away_from_pole = place.leaf.pole(place.piece).is_none_or(|pole| {
+    let Some(steepness) = certificate.speaks_of(slopes, error) else { return false };
+    place.leaf.pole(place.piece).is_none_or(|pole| {
         let distance = ray.coordinates(pole).truncate().length();
-        error * f64::from(certificate.pole_per_error()) <= steep * distance
-    });
-    let needed = error * f64::from(certificate.steep_per_error());
-    certificate.holds(slopes) && needed <= steep && away_from_pole
+        error * f64::from(certificate.pole_per_error()) <= steepness * distance
+    })
 }
 
 pub(super) fn holds(rect: Rect, st: DVec2) -> bool {

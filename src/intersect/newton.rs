@@ -42,8 +42,9 @@ pub(super) struct Grounds {
     pub(super) bend: [[f64; 2]; 2],
 }
 
-/// Added to the certificate's measure of turning: far above what rounding does to a residual
-/// that is [`CLEAR`] of the error, and f32 to the axes.
+/// By how much of the residual each of its products with an axis is taken for larger, or smaller, than it is:
+/// far above what rounding does to a residual that is [`CLEAR`] of the error, and to the point that it is
+/// compared with, and f32 to the axes.
 pub(super) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals this much larger than the error.
@@ -57,12 +58,12 @@ impl Grounds {
     fn rule_out(&self, ray: &RayFrame, st: DVec2, delta: DVec2, f: DVec2) -> bool {
         let g = f.x * ray.normals[1] - f.y * ray.normals[0];
         let [a, b, normal] = self.axes.map(|axis| axis.dot(g).abs());
-        let across = [a, b];
+        let (across, rest) = ([a, b], SURELY * f.length());
         (0..2).any(|k| {
             let [low, high] = self.wanted[k];
             let away = (st[k] < low && delta[k] > 0.0) || (st[k] > high && delta[k] < 0.0);
             let [other, out] = self.bend[k];
-            let turned = other * across[k] + out * normal + SURELY * f.length();
+            let turned = other * (across[k] + rest) + out * (normal + rest) + rest;
             away && across[1 - k] > turned
         })
     }

@@ -130,7 +130,7 @@ impl Tracer<'_> {
     /// The nearest of what the packet and the scalar search found for each ray.
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let packet = &self.packets.packet;
-        let mut looked_at = self.packets.work.rest_rays | packet.near_border();
+        let mut looked_at = self.packets.work.rest_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
             answers.extend(std::iter::repeat_n(Answer::default(), shots.len()));
             return;
@@ -175,7 +175,7 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     let mut flags = HitFlags::NONE;
     let mut jet = Jet { point: hit.point, ds: hit.normal, dt: hit.normal };
     let mut normal = hit.normal.is_finite().then_some(hit.normal);
-    if hit.near_border {
+    if hit.needs_look {
         jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
         normal = piece.normal(hit.st, &jet);
         if at_border(piece, hit.st, &jet, error) {

@@ -1,5 +1,7 @@
 //! The proof that a ray meets a leaf at most once.
 
+use std::ops::{Add, Mul};
+
 use glam::DVec3;
 
 use super::oriented_box::Axes;
@@ -51,7 +53,7 @@ use crate::math::Interval;
 /// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
 /// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
 /// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
-/// with the largest `|σ₁|` and `|σ₃|`. The same holds for `t`, with `ρ₂` and `ρ₃`. (These are of each
+/// with the largest `|σ₁|` and `|σ₃|`; each of the three products is taken with what `F` may be off to spare. The same holds for `t`, with `ρ₂` and `ρ₃`. (These are of each
 /// tangent of its own, and nothing is known of them where one turns too far; the determinant's sign may
 /// come from both together.)
 ///
@@ -72,7 +74,7 @@ use crate::math::Interval;
 /// factors are kept in units of the third slope, in sixteen bits, those of misses in eight. Those of `N` are rounded, and `r` and `q`
 /// reach from what they have become; all else is rounded up: every condition
 /// becomes a little harder to meet, by less than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their
-/// length; that, and eight roundings of f32 of each of the three slopes, are covered by
+/// length; that, and nine roundings of f32 of each of the three slopes, are covered by
 /// what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
@@ -97,7 +99,8 @@ pub struct Certificate {
 /// more that what is left is known to a third, too.
 const ROUNDING: f64 = 1e-5;
 
-/// A root may be off, and so may the points of the piece, by an error each; slopes are in f32.
+/// How many times as far beyond a side as is needed roots are to lie to speak for a miss: the root may be off,
+/// and so may the points of the piece, by an error each; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
 impl Certificate {
@@ -117,7 +120,7 @@ impl Certificate {
         let turning =
             [0, 1].map(|k| turning[k] * Interval::point(lengths[2] / lengths[k]).outward());
         let lean = turning.map(|turning| Near16::to(0.5 * (turning.lo + turning.hi)));
-        let reach = |k: usize| {
+        let farthest = |k: usize| {
             let lean = f64::from(lean[k].value());
             MARGIN * (turning[k] - Interval::point(lean)).magnitude()
         };
@@ -125,7 +128,7 @@ impl Certificate {
         let slack = 0.5 * LEAF_SLACK * 0.999;
         Self {
             lean,
-            turning: [Up16::above(reach(0)), Up16::above(reach(1))],
+            turning: [Up16::above(farthest(0)), Up16::above(farthest(1))],
             rounding: Up16::above(ROUNDING * lengths[2]),
             steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
             bend: proof.bend.map(|bend| bend.map(Up8::above)),
@@ -148,16 +151,38 @@ impl Certificate {
     }
 
     /// Whether a ray with these slopes meets the widened leaf at most once.
+    #[inline(always)]
     pub fn holds(&self, slopes @ [a, b, _]: [f64; 3]) -> bool {
-        let [by_a, by_b] = self.turning.map(|turning| f64::from(turning.value()));
-        self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + f64::from(self.rounding.value())
+        let [by_a, by_b, rounding] = self.turning().map(f64::from);
+        self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + rounding
+    }
+
+    /// How steep a ray with these slopes is, if it meets the widened leaf at most once and rounding is
+    /// small against the leaf: a point may be as far from the ray as `error`, in scene units. Of leaves that
+    /// end in a pole more is to be asked: see [`pole_per_error`](Self::pole_per_error).
+    #[inline(always)]
+    pub fn speaks_of(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
+        let steepness = self.steepness(slopes);
+        let needed = error * f64::from(self.steep_per_error());
+        (self.holds(slopes) && needed <= steepness).then_some(steepness)
     }
 
     /// How steep a ray with these slopes is, in units of the third.
     #[inline(always)]
-    pub fn steepness(&self, [a, b, c]: [f64; 3]) -> f64 {
+    pub fn steepness(&self, slopes: [f64; 3]) -> f64 {
+        self.upright(slopes).abs()
+    }
+
+    /// The third of the slopes of a ray, or of the rows that they come from, corrected for how the
+    /// certificate leans.
+    #[inline(always)]
+    pub fn upright<T>(&self, [a, b, c]: [T; 3]) -> T
+    where
+        f64: Mul<T, Output = T>,
+        T: Add<Output = T>,
+    {
         let [by_a, by_b] = self.lean().map(f64::from);
-        (c + by_a * a + by_b * b).abs()
+        c + by_a * a + by_b * b
     }
 
     /// By how much of the first two slopes the third is corrected.
@@ -182,7 +207,7 @@ impl Certificate {
     /// the piece in the widened leaf are farther from the ray than points may be off: to be multiplied with that
     /// error, and divided by the steepness. Not for leaves that end in a pole.
     #[inline(always)]
-    pub fn reach_per_error(&self) -> f64 {
+    pub fn clearance_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
     }
 
@@ -284,8 +309,8 @@ mod tests {
                         continue;
                     }
                     // The largest error for which it speaks of this root.
-                    let reach = leaf.certificate.reach_per_error();
-                    let error = 2.0 * outside * leaf.certificate.steepness(slopes) / reach;
+                    let clearance = leaf.certificate.clearance_per_error();
+                    let error = 2.0 * outside * leaf.certificate.steepness(slopes) / clearance;
                     let from = piece.patch.point(root);
                     let distance = |t: f64| {
                         (piece.patch.point(DVec2::new(0.0, t)) - from).cross(d).length()

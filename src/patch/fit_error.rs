@@ -24,10 +24,10 @@ use super::part::Halving;
 use crate::math::bernstein::binomials;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
-pub const REACH: f64 = 1.2;
+pub const FIT_DOMAIN: f64 = 1.2;
 
 /// A side of the rectangle they hold on.
-const SIDE: f64 = 2.0 * REACH;
+const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
 /// Bounds of a bicubic approximation, in scene units.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ impl FitError {
     pub(super) fn new(halving: &Halving, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
         let patch = &piece.patch;
         let degree = patch.degree();
-        let more = 0.5 * (REACH - 1.0);
+        let more = 0.5 * (FIT_DOMAIN - 1.0);
         let mut net = halving.grown(piece, [-more, 1.0 + more], [-more, 1.0 + more]);
         for c in &mut net {
             *c = (c.truncate() - c.w * middle).extend(c.w);
@@ -61,7 +61,7 @@ impl FitError {
 
         // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u; making it
         // larger multiplies what they are off by up to `REACHᵖ⁺q`.
-        let grown = 0.25 * REACH.powi((degree[0] + degree[1]) as i32);
+        let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
         let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
@@ -94,9 +94,9 @@ impl FitError {
                 sum += length * weight[0];
                 slopes += length * power * weight[1];
                 bound += 0.5 * length * power * (power - 1.0) * weight[2];
-                weight = [weight[0] * REACH, weight[0], weight[1]];
+                weight = [weight[0] * FIT_DOMAIN, weight[0], weight[1]];
             }
-            weight_x = [weight_x[0] * REACH, weight_x[0], weight_x[1]];
+            weight_x = [weight_x[0] * FIT_DOMAIN, weight_x[0], weight_x[1]];
         }
         // Larger coefficients are infinite in f32.
         let in_range = sum <= f64::from(f32::MAX); // false for NaN
@@ -121,15 +121,15 @@ fn in_bernstein_form(fit: &Fit) -> [[DVec3; 4]; 4] {
     in_both_directions(&BLOSSOM, &powers)
 }
 
-/// The Bernstein coefficient `i` of `xᵏ` in the cubic form on `[−REACH, REACH]`: the mean of all
+/// The Bernstein coefficient `i` of `xᵏ` in the cubic form on `[−FIT_DOMAIN, FIT_DOMAIN]`: the mean of all
 /// products of `k` out of three values, of which `i` are the upper end and the others the lower.
 const BLOSSOM: [[f64; 4]; 4] = {
     let mut blossom = [[0.0; 4]; 4];
     let mut i = 0;
     while i < 4 {
-        let a = if i > 0 { REACH } else { -REACH };
-        let b = if i > 1 { REACH } else { -REACH };
-        let c = if i > 2 { REACH } else { -REACH };
+        let a = if i > 0 { FIT_DOMAIN } else { -FIT_DOMAIN };
+        let b = if i > 1 { FIT_DOMAIN } else { -FIT_DOMAIN };
+        let c = if i > 2 { FIT_DOMAIN } else { -FIT_DOMAIN };
         blossom[i] = [1.0, (a + b + c) / 3.0, (a * b + b * c + c * a) / 3.0, a * b * c];
         i += 1;
     }

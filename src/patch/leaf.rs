@@ -7,7 +7,9 @@ use super::oriented_box::Axes;
 use super::part::Halving;
 use super::rounded::Up16;
 use super::tangents::Net;
-use super::{Certificate, CollapsedSide, DyadicRect, OrientedBox, Part, Piece, REACH, SceneFrame};
+use super::{
+    Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, OrientedBox, Part, Piece, SceneFrame,
+};
 use crate::math::{prefetch, rounding};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
@@ -182,7 +184,7 @@ impl Leaf {
     }
 
     /// How much farther apart two places of the leaf, or a little outside, are at most than their
-    /// points in space, where box coordinates are multiplied by [`Self::side_lengths`]; infinite
+    /// points in space, where box coordinates are multiplied by [`Self::half_side_lengths`]; infinite
     /// where nothing is known.
     #[inline(always)]
     pub fn stretch(&self) -> f32 {
@@ -190,7 +192,7 @@ impl Leaf {
     }
 
     /// The lengths, about, of the half sides in `x` and `y`.
-    pub fn side_lengths(&self) -> [f32; 2] {
+    pub fn half_side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {
             // In f64: squares of tiny leaves vanish in f32.
             let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.fit[axis][k]));
@@ -200,11 +202,11 @@ impl Leaf {
 }
 
 /// `REACHᵏ`.
-const POWERS_OF_REACH: [f64; 6] = {
+const POWERS: [f64; 6] = {
     let mut powers = [1.0; 6];
     let mut k = 1;
     while k < powers.len() {
-        powers[k] = powers[k - 1] * REACH;
+        powers[k] = powers[k - 1] * FIT_DOMAIN;
         k += 1;
     }
     powers
@@ -225,7 +227,7 @@ fn stretch(fit: &Fit, slope_error: f64) -> f64 {
     let mut turning = [slope_error; 2];
     for i in 0..4 {
         for j in (0..4).filter(|j| i + j > 1) {
-            let size = term(i, j).length() * POWERS_OF_REACH[i + j - 1];
+            let size = term(i, j).length() * POWERS[i + j - 1];
             turning[0] += i as f64 * size;
             turning[1] += j as f64 * size;
         }

@@ -38,7 +38,7 @@ impl Near16 {
     }
 }
 
-/// A number not below zero, rounded up to four digits: zero, or from 2⁻²⁰ to 2¹¹, or infinity.
+/// A number not below zero, rounded up to four digits: zero, or from 1.125 · 2⁻²¹ to 1.75 · 2¹⁰, or infinity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Up8(u8);
 

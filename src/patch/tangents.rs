@@ -10,9 +10,12 @@ use crate::math::Interval;
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
 pub(super) struct Proof {
-    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; around zero at a pole.
+    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole with as much below zero as
+    /// above.
     pub(super) turning: [Interval; 2],
+    /// See [`Certificate::bend`](super::Certificate::bend).
     pub(super) bend: [[f64; 2]; 2],
+    /// A point `ε` off the ray is within `ε·spread / cos θ` sides of the leaf of the root.
     pub(super) spread: f64,
     /// At a pole: the parameter along the collapsed side errs by at most
     /// `ε·spread / (ρ·cos θ)` sides of the leaf.
@@ -22,13 +25,13 @@ pub(super) struct Proof {
 /// Leaves whose tangents are bounded with this factor to spare.
 pub(super) const MARGIN: f64 = 1.02;
 
-/// What is multiplied with the slopes of a certificate is no more than this: a leaf that turns so far is as
-/// good as uncertified, and what rounding does grows with it.
+/// The largest sizes of `turning`, added up, come to no more than this: a leaf that turns so far is as
+/// good as uncertified, and what rounding does to slopes grows with it.
 const MOST_TURNING: f64 = 4.0;
 
-/// Tangents of polynomial nets that turn farther than this are looked at together. It takes twice as
-/// long as all else that is done for a certificate, so not those of flatter leaves, of which it certifies few
-/// more rays: measured on a rough height field, a fourth of it makes nothing faster.
+/// Tangents of polynomial nets that turn farther than this to both sides, added up, are looked at together. It
+/// takes twice as long as all else that is done for a certificate, so not those of flatter leaves, of which it
+/// certifies few more rays.
 const FAR: f64 = 0.4;
 
 /// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
@@ -386,9 +389,9 @@ impl Turning {
 
 /// How a tangent turns over a leaf.
 struct Turns {
-    /// The least component along its mean, which is one there.
+    /// The least component along its own chord, `a₀` or `b₀`.
     least: f64,
-    /// The component along the other tangent's mean over that.
+    /// The component along the other chord over that.
     other: Interval,
     /// The component along the normal over that.
     normal: Interval,

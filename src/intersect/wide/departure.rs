@@ -18,13 +18,14 @@
 //! - the points are at least `|Δ| / stretch` apart ([`Leaf::stretch`]);
 //! - the approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of
 //!   its second derivatives, from the sums of their terms' sizes: below zero where the leaf bends
-//!   away from the ray. `ε` is what `N` is not perpendicular to the tangents at `y₁` by: it is at
-//!   the place the ray is said to start on, but for rounding, and `y₁` is not farther from that
-//!   than the ray's origin is, over the cosine;
+//!   away from the ray. `ε` is what `N` is not perpendicular to the tangents at `y₁` by: it is to those at
+//!   the stated start, but for rounding, and they differ by no more than the norm of the second
+//!   derivatives times how far apart the two places are. That is no more than `stretch` times how far
+//!   apart their points are: as far as the ray's origin is from the stated start's, over the cosine;
 //! - or `Λ` is what they are in the one direction that `Δ` can have, but for a small angle. Let `m` be
 //!   the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The
-//!   approximation's is `g · Δ` but for what its own second derivatives come to, `ε |Δ|`, and the slopes'
-//!   error times `|Δ|`. So the sine of the angle between `Δ` and the line `g · Δ = 0` is at most all
+//!   approximation's is `g · Δ` but for what its own second derivatives come to, `ε |Δ|` with theirs for the
+//!   height's, and the slopes' error times `|Δ|`. So the sine of the angle between `Δ` and the line `g · Δ = 0` is at most all
 //!   that over `|g| |Δ|`: `τ`; and a quadratic form over `|Δ|²` differs from what it is on the line by
 //!   at most `2 τ + 2 τ²` of its norm. (Of `Δx²`, `Δx Δy` and `Δy²`, over `|Δ|`, the first is at most
 //!   the largest `|Δx|`, the last the largest `|Δy|`, and the other the smaller of the two.)
@@ -90,7 +91,7 @@ impl<S: Simd> Departure<S> {
     /// Which rays the leaf is proved not to lie ahead of again.
     #[simd]
     pub(super) fn is_final(&self, simd: S, leaf: &Leaf) -> Final {
-        let (stretch, lengths) = (leaf.stretch(), leaf.side_lengths());
+        let (stretch, lengths) = (leaf.stretch(), leaf.half_side_lengths());
         let in_range = lengths.iter().all(|length| LENGTHS.contains(length));
         if stretch == f32::INFINITY || !in_range {
             return Final { surely: 0, if_near: 0 };
@@ -120,7 +121,6 @@ impl<S: Simd> Departure<S> {
         let rounding = ROUNDING * (lengths[0] + lengths[1]);
         let flattened = splat(simd, NORMAL_ROUNDING) * per_length;
         let slopes = splat(simd, leaf.slope_error().mul_add(per_side, ROUNDING)) + flattened;
-        let turned = splat(simd, stretch * per_side) / cosine;
         let most = splat(simd, ALMOST / stretch) * cosine - slopes;
 
         // In any direction; what rounding of the normal does to that is a part of the norm.
@@ -131,6 +131,9 @@ impl<S: Simd> Departure<S> {
             let largest = half * (xx + yy + apart.mul_add(apart, twice * twice).sqrt());
             norm.mul_add(flattened, largest)
         };
+        // How much slopes may be other than at the stated start, over the origin's distance from there.
+        let moved = splat(simd, stretch) / cosine;
+        let turned = moved * norm;
         // In that of the ray, and those that differ from it by a small angle.
         let ahead = {
             let (p, q) = (dot(across, along_x), dot(across, along_y));
@@ -140,7 +143,8 @@ impl<S: Simd> Departure<S> {
             let off = (x * y).abs().mul_add(more[1] + more[1], x * x * more[0] + y * y * more[2]);
             let bent_aside = half * aside[0].mul_add(far_x, aside[2] * far_y);
             let bent_aside = aside[1].mul_add(far_x.min(far_y), bent_aside);
-            let angle = (bent_aside + slopes + self.reach * turned) / speed;
+            let turned_aside = moved * (aside[0].max(aside[2]) + aside[1]);
+            let angle = (bent_aside + slopes + self.reach * turned_aside) / speed;
             angle.mul_add(angle, angle).mul_add(norm + norm, at + off)
         };
         let flat = sine.simd_gt(splat(simd, STEEPEST));
@@ -215,7 +219,7 @@ fn bends<S: Simd>(
     leaf: &Leaf,
     (normal, across): ([f32x16<S>; 3], [f32x16<S>; 3]),
 ) -> Bends<S> {
-    let [per_x, per_y] = leaf.side_lengths().map(|length| 1.0 / length);
+    let [per_x, per_y] = leaf.half_side_lengths().map(|length| 1.0 / length);
     let per = [per_x * per_x, per_x * per_y, per_y * per_y];
     let zero = splat(simd, 0.0);
     let mut bends = Bends { height: [zero; 3], more: [zero; 3], aside: [zero; 3] };

@@ -19,7 +19,7 @@ use super::load::farthest;
 use super::packet::Packet;
 use super::search::bits;
 use super::single::Scene;
-use super::single_proof::{LARGEST, REACH, ROUNDING, START_REACH};
+use super::single_proof::{GROWN, LARGEST, ROUNDING, START_GROWN};
 use super::spline_net::net_of;
 use super::target::{Ground, Target};
 use super::traverse::Work;
@@ -109,7 +109,7 @@ impl Doubts {
                 let row = f32x16::from_slice(simd, &distances.of[k][m]);
                 row.compress(chosen).store_slice(&mut self.distances[k][m][at.clone()]);
             }
-            let length = f32x16::splat(simd, leaf.side_lengths()[k]);
+            let length = f32x16::splat(simd, leaf.half_side_lengths()[k]);
             length.store_slice(&mut self.lengths[k][at.clone()]);
         }
         let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
@@ -209,8 +209,8 @@ fn settle_sixteen<S: Simd>(
     let mut asked = 0;
     for (lane, pair) in pairs[..*count].iter().enumerate() {
         // Something nearer may have been found since.
-        let in_reach = pair.entry <= packet.far_f[pair.ray] + SPARE;
-        asked |= u32::from(in_reach) << lane;
+        let beyond = pair.entry > packet.far_f[pair.ray] + SPARE;
+        asked |= u32::from(!beyond) << lane;
     }
     let mut all = Done::default();
     let mut proof = LaneProof::new(simd, (distances, parts), *lengths, *errors, asked);
@@ -219,8 +219,8 @@ fn settle_sixteen<S: Simd>(
         if lanes == 0 {
             continue;
         }
-        let domain = part.widened(simd, REACH);
-        let start = part.widened(simd, START_REACH);
+        let domain = part.widened(simd, GROWN);
+        let start = part.widened(simd, START_GROWN);
         let Searched { near, .. } = distances.newton(simd, part.middle, domain);
         // Those of one leaf, and of the same sixteen rays, are finished together.
         let (mut left, mut open) = (lanes, 0);

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask32x8, mask64x8, u32x8};
 use fearless_simd_macros::simd;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::distances::Approximate;
 use super::jets::OneNet;
@@ -53,10 +53,8 @@ pub(super) fn finish<S: Simd>(
         Ground::Own(rect) => (false, target.parameters(simd, rect, base % LANES / 8)),
     };
     let leaves = Ground8 { target, closer, surface, domain, certified, normals: !packet.any };
-    let magnitude = eight(simd, &packet.magnitude, base);
-    let error = f64x8::splat(simd, closer.residual_factor)
-        * magnitude.max(f64x8::splat(simd, closer.magnitude));
-    let rays = PacketRays { packet, base, error };
+    let rays = PacketRays::new(simd, packet, base, (closer.residual_factor, closer.magnitude));
+    let error = rays.error();
     let mut near_pole = simd.splat_mask64x8(false);
     if let (Some(pole), true) = (target.pole, certified) {
         near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
@@ -82,7 +80,7 @@ pub(super) fn finish<S: Simd>(
     if target.leaf.is_trimmed() {
         // Also what is as near as the nearest, as far as can be known: it may be an edge.
         let asked = acceptable & z.simd_le(best + near_end);
-        let reach = f64x8::splat(simd, trimmed::REACH) * z_error * speed / size;
+        let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
         let sides = trim_sides(target, asked, (root_s, root_t), reach);
         hit &= mask64x8::from_bitmask(simd, sides.inside);
         judged |= mask64x8::from_bitmask(simd, sides.edge);
@@ -106,10 +104,10 @@ pub(super) fn finish<S: Simd>(
             let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
             close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
         }
-        if let Some(reach) = closer.reach {
+        if let Some(near_sides) = closer.near_sides {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {
-                close |= distances[side].simd_le(f64x8::splat(simd, reach[side]));
+                close |= distances[side].simd_le(f64x8::splat(simd, near_sides[side]));
             }
         }
         let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
@@ -125,8 +123,8 @@ pub(super) fn finish<S: Simd>(
         put3(simd, hit, &mut packet.normal, base, normal);
         let hits = hit.to_bitmask();
         packet.met |= hits << base;
-        packet.near_border &= !(hits << base);
-        packet.near_border |= (close & hit).to_bitmask() << base;
+        packet.needs_look &= !(hits << base);
+        packet.needs_look |= (close & hit).to_bitmask() << base;
         put_index(simd, hits, &mut packet.leaf, base, target.index);
         put_index(simd, hits, &mut packet.piece, base, target.leaf.piece);
         put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
@@ -135,11 +133,43 @@ pub(super) fn finish<S: Simd>(
     Done { open, judged: judged.to_bitmask(), found: any, steps }
 }
 
+/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough for the leaf's
+/// certificate to speak of it.
+#[cold]
+#[simd]
+pub(super) fn away_from_pole<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    pole: DVec3,
+    (packet, base): (&Packet, usize),
+) -> u32 {
+    let patch = &target.piece.patch;
+    let mut away = 0;
+    for half in 0..2 {
+        let base = base + 8 * half;
+        let about = (patch.residual_factor(), patch.magnitude());
+        let rays = PacketRays::new(simd, packet, base, about);
+        let eight = target.is_away_from_pole(simd, pole, &rays).to_bitmask();
+        away |= (eight as u32) << (8 * half);
+    }
+    away
+}
+
 /// Eight rays of a packet.
 struct PacketRays<'a, S: Simd> {
     packet: &'a Packet,
     base: usize,
     error: f64x8<S>,
+}
+
+impl<'a, S: Simd> PacketRays<'a, S> {
+    /// Of a point that may be off by `factor` times the larger of two magnitudes: the patch's, and that of the
+    /// ray's origin.
+    #[inline(always)]
+    fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
+        let largest = eight(simd, &packet.magnitude, base).max(f64x8::splat(simd, magnitude));
+        Self { packet, base, error: f64x8::splat(simd, factor) * largest }
+    }
 }
 
 impl<S: Simd> Rays<S> for PacketRays<'_, S> {

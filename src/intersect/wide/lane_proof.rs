@@ -14,7 +14,7 @@ use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
 use super::search::bits;
 use super::single_proof::{
-    MOST_INVERSE, MOST_NOISE, NEARBY, Part, REACH, ROUNDING, SMALLEST, UNDERFLOW,
+    GROWN, MOST_INVERSE, MOST_NOISE, NEARBY, Part, ROUNDING, SMALLEST, UNDERFLOW,
 };
 
 /// How often a leaf is halved before the scalar search is called.
@@ -330,7 +330,7 @@ const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
     let mut weights = [[0.0; 16]; 2];
     let mut k = 1;
     while k < 16 {
-        [weights[0][k], weights[1][k]] = slope_weights(k / 4, k % 4, REACH);
+        [weights[0][k], weights[1][k]] = slope_weights(k / 4, k % 4, GROWN);
         k += 1;
     }
     weights

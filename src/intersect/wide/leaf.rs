@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 
 use super::distances::Approximate;
 use super::doubts::settle;
-use super::finish::finish;
+use super::finish::{away_from_pole, finish};
 use super::jets::OneNet;
 use super::load::{farthest, turn};
 use super::packet::Packet;
@@ -65,7 +65,14 @@ pub(super) fn search_leaf<S: Simd>(
         if packet.from_roots {
             // The one root of these is the one they start on.
             let certified = [target.certified(simd); 2];
-            certain &= !packet.starts_in(simd, base, target.leaf.piece, &certified);
+            let mut starting = certain;
+            starting &= packet.starts_in(simd, base, target.leaf.piece, &certified);
+            if starting != 0
+                && let Some(pole) = target.pole
+            {
+                starting &= away_from_pole(simd, target, pole, (&*packet, base));
+            }
+            certain &= !starting;
             if doubted != 0 {
                 doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
             }

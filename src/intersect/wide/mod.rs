@@ -8,7 +8,7 @@
 //! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
 //! hit will do, that it is (`screen`).
 //!
-//! Two proofs are added here, of a ray and a leaf that the certificate does not speak of: what the
+//! Two more proofs are added here, of a ray and a leaf that the certificate does not speak of: what the
 //! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays and leaves at a time
 //! in `lane_proof`, where packets put them together (`doubts`); and that a ray which leaves a leaf does not
 //! come back to it (`departure`, asked in `start`). What is not proved goes to the scalar search at last.
@@ -31,7 +31,7 @@
 //! | | packets: many rays, one leaf | single: one ray, many boxes | streams: many pairs |
 //! |---|---|---|---|
 //! | rays | `frames`, `load`, `packet`, `outline` | `single_ray`, `box_ray` | `frames`, `box_ray` |
-//! | the tree | `traverse` | `single` | `stream` |
+//! | the tree | `traverse`, `apart` | `single` | `stream` |
 //! | a leaf: box, certificate | `leaf`, `search` | `single` | `stream` |
 //! | its start in f32 | `distances`, `screen` | `single_search` | `pairs` |
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |

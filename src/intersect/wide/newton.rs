@@ -8,7 +8,7 @@ use super::distances::Approximate;
 use super::jets::Jets;
 use super::search::dot_d;
 use super::single_finish::COARSEST;
-use crate::patch::LEAF_SLACK;
+use super::single_ray::WITH_SLACK;
 
 /// Steps in f64 with the surface's own tangents: one is usual.
 const MOST_STEPS: usize = 4;
@@ -21,7 +21,7 @@ pub(super) const PART_OF_ERROR: f64 = 0.125;
 /// leave a hundredth or so.
 const MOST_TURN: f64 = 1e-9;
 
-/// The leaves of eight lanes, and their true leaves.
+/// Eight leaves, one a lane, and the surfaces that they approximate.
 pub(super) trait Leaves<S: Simd> {
     /// Points and first derivatives.
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
@@ -49,7 +49,7 @@ pub(super) trait Leaves<S: Simd> {
 
     /// How far beyond a side of the piece a root must lie, in box coordinates, for all of the piece in the
     /// domain to be missed; infinite where nothing is known.
-    fn reach<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
+    fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
 
     /// The lanes whose next step surely leads away from the leaf, so that it is missed.
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
@@ -126,7 +126,8 @@ struct Landed<S: Simd> {
 ///
 /// All of these rays have one root at most in the domain. So a lane that converges has found its
 /// one root: it is `found` if it lies in the leaf or its slack, else that part of the leaf is
-/// proved to be missed; so it is where a step surely leads away, which is asked where the leaf's
+/// proved to be missed; so it is where the root lies so far beyond a side of the piece that no point of the
+/// piece is within the error (`clearance`), and where a step surely leads away, which is asked where the leaf's
 /// certificate speaks of the ray (`certified`).
 ///
 /// The first step takes the true surface's point but the approximation's tangents: it leaves
@@ -162,7 +163,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
 
     // The leaf and its slack.
     let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
-    let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+    let reach = f64x8::splat(simd, WITH_SLACK);
     root.found &= (root.st[0] - middle_s).abs().simd_le(half_s * reach)
         & (root.st[1] - middle_t).abs().simd_le(half_t * reach);
     if (root.found & !on_piece(simd, root.st)).any_true() {
@@ -192,7 +193,7 @@ fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let [sides_s, sides_t] = leaves.per_half(simd);
     let over_s = (-*s).max(*s - high) * sides_s;
     let over_t = (-*t).max(*t - high) * sides_t;
-    over_s.max(over_t).simd_gt(leaves.reach(simd, rays))
+    over_s.max(over_t).simd_gt(leaves.clearance(simd, rays))
 }
 
 /// The step with the approximation's tangents.
@@ -288,7 +289,8 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         z = axis[i].mul_add(point[i] - origin[i], z);
     }
     Landed {
-        done: close | (straight & inside),
+        // False for NaN, which nothing is known of.
+        done: (close | straight) & inside,
         st: [new_s, new_t],
         step: Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] },
         z,

@@ -63,7 +63,7 @@ pub(in crate::intersect) struct Packet {
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
     /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal is to be looked at closely.
-    pub(super) near_border: u64,
+    pub(super) needs_look: u64,
     /// The ray parameter.
     pub(super) ray_t: [f64; PACKET],
     /// The place on the piece, and on its surface.
@@ -116,7 +116,7 @@ pub(in crate::intersect) struct LaneHit {
     /// NaN where there is none.
     pub(in crate::intersect) normal: DVec3,
     /// Whether it may be within rounding of a border of its surface, or its normal is to be looked at closely.
-    pub(in crate::intersect) near_border: bool,
+    pub(in crate::intersect) needs_look: bool,
 }
 
 impl Packet {
@@ -146,7 +146,7 @@ impl Packet {
             leaf: [0; PACKET],
             piece: [0; PACKET],
             surface: [0; PACKET],
-            near_border: 0,
+            needs_look: 0,
             ray_t: [0.0; PACKET],
             st: [[0.0; PACKET]; 2],
             uv: [[0.0; PACKET]; 2],
@@ -166,7 +166,7 @@ impl Packet {
     /// Forgets all rays: there are `count` that meet nothing.
     pub(in crate::intersect) fn clear(&mut self, count: usize) {
         self.count = count;
-        (self.far_off, self.met, self.near_border) = (0, 0, 0);
+        (self.far_off, self.met, self.needs_look) = (0, 0, 0);
     }
 
     /// Says whether any hit will do for the rays to come.
@@ -242,8 +242,8 @@ impl Packet {
 
     /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of
     /// a border, be near a pole, or have no normal.
-    pub(in crate::intersect) fn near_border(&self) -> u64 {
-        self.near_border
+    pub(in crate::intersect) fn needs_look(&self) -> u64 {
+        self.needs_look
     }
 
     /// How far along a ray anything is of interest: to its nearest hit, or its end.
@@ -395,7 +395,7 @@ impl Packet {
             st: pair(&self.st, k),
             point: gather(&self.point, k),
             normal: gather(&self.normal, k),
-            near_border: self.near_border >> k & 1 != 0,
+            needs_look: self.needs_look >> k & 1 != 0,
         })
     }
 }

@@ -9,7 +9,7 @@ use super::jets::{Jets, jets, points};
 use super::lane_net::LaneNet;
 use super::newton::{Ends, Leaves, Rays, Step, newton};
 use super::pairs::{Outcomes, PairLanes, eight};
-use crate::patch::WIDENING;
+use super::single_ray::WIDENED;
 
 impl PairLanes {
     /// Newton's steps in f64 for one half of the pairs.
@@ -22,7 +22,7 @@ impl PairLanes {
         (frames, normals): (&Frames<S>, [[f64x8<S>; 3]; 2]),
         near: &Approximate<f64x8<S>>,
     ) -> Outcomes {
-        let reach = f64x8::splat(simd, 1.0 + 2.0 * WIDENING);
+        let widened = f64x8::splat(simd, WIDENED);
         let error = self.error(simd, frames, half, self.net.form);
         let rays = PairRays { frames, normals, error };
         let sides = [eight(simd, &self.half[0], half), eight(simd, &self.half[1], half)];
@@ -32,13 +32,13 @@ impl PairLanes {
             half: sides,
             middle,
             domain: [
-                middle[0] - sides[0] * reach,
-                middle[0] + sides[0] * reach,
-                middle[1] - sides[1] * reach,
-                middle[1] + sides[1] * reach,
+                middle[0] - sides[0] * widened,
+                middle[0] + sides[0] * widened,
+                middle[1] - sides[1] * widened,
+                middle[1] + sides[1] * widened,
             ],
             bend: eight(simd, &self.bend, half),
-            reach: eight(simd, &self.reach, half),
+            clearance: eight(simd, &self.clearance, half),
         };
         let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
         let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
@@ -107,7 +107,7 @@ struct Eight<'a, S: Simd> {
     middle: [f64x8<S>; 2],
     domain: [f64x8<S>; 4],
     bend: f64x8<S>,
-    reach: f64x8<S>,
+    clearance: f64x8<S>,
 }
 
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
@@ -159,8 +159,8 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
     }
 
     #[inline(always)]
-    fn reach<R: Rays<S>>(&self, _: S, _: &R) -> f64x8<S> {
-        self.reach
+    fn clearance<R: Rays<S>>(&self, _: S, _: &R) -> f64x8<S> {
+        self.clearance
     }
 
     /// None: these are left to the ray's own proof.

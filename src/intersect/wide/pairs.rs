@@ -45,8 +45,8 @@ pub(super) struct PairLanes {
     pub(super) half: [Lanes; 2],
     pub(super) middle: [Lanes; 2],
     pub(super) bend: Lanes,
-    /// See [`Guess::reach`].
-    pub(super) reach: Lanes,
+    /// See [`Guess::clearance`].
+    pub(super) clearance: Lanes,
     magnitude: Lanes,
     fit_error: [f32; LANES],
     /// Of the roots that rays start on.
@@ -84,7 +84,7 @@ impl Default for PairLanes {
             half: [lanes; 2],
             middle: [lanes; 2],
             bend: lanes,
-            reach: lanes,
+            clearance: lanes,
             magnitude: lanes,
             fit_error: [0.0; LANES],
             from_error: lanes,
@@ -246,7 +246,7 @@ impl PairLanes {
             self.leaf_middle[i][lane] = leaf.middle[i];
         }
         self.bend[lane] = f64::from(leaf.fit_bend());
-        self.reach[lane] = guess.reach;
+        self.clearance[lane] = guess.clearance;
         self.magnitude[lane] = piece.patch.magnitude();
         self.fit_error[lane] = leaf.fit_error();
     }

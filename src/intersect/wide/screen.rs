@@ -28,7 +28,7 @@ use fearless_simd_macros::simd;
 
 use super::distances::{Approximate, LaneDistances, LastStep, Searched};
 use super::packet::Packet;
-use super::search::{Crossing, bits, load3, steepness};
+use super::search::{Crossing, bits, load3, upright};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
 use super::target::Target;
 use crate::intersect::newton::{CLEAR, SURELY};
@@ -80,7 +80,7 @@ pub(super) fn screen<S: Simd>(
     let screen = Screen {
         target,
         normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
-        steepness: steepness(simd, target.leaf, crossing.slopes),
+        upright: upright(simd, target.leaf, crossing.slopes),
         terms: distances.terms(simd, target.sizes(simd), packet, base),
         error,
     };
@@ -99,7 +99,7 @@ struct Screen<'a, S: Simd> {
     /// The normals of the rays' planes.
     normals: [[f32x16<S>; 3]; 2],
     /// How steep the rays are: its sign is that of the determinant, which is the same on all of the leaf.
-    steepness: f32x16<S>,
+    upright: f32x16<S>,
     /// What rounding of the distances is measured by.
     terms: f32x16<S>,
     /// How far a point may be from the ray.
@@ -116,7 +116,8 @@ impl<S: Simd> Screen<'_, S> {
         let leaf = self.target.leaf;
 
         // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
-        // three times the size.
+        // three times the size; those of the step and what it leaves are small against what it is given to
+        // spare (`per_move`, `MOST_OFF`).
         let noise = self.terms * splat(simd, ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
@@ -181,7 +182,7 @@ impl<S: Simd> Screen<'_, S> {
         let across_n = along_n.abs() + rest;
         let turned_s = across_a.mul_add(other_s, across_n.mul_add(out_s, rest));
         let turned_t = across_b.mul_add(other_t, across_n.mul_add(out_t, rest));
-        let sign = self.steepness;
+        let sign = self.upright;
         let away_s = (along_b * sign * at[0]).simd_lt(zero) & along_b.abs().simd_gt(turned_s);
         let away_t = (along_a * sign * at[1]).simd_gt(zero) & along_a.abs().simd_gt(turned_t);
         let clear = f1.abs().max(f2.abs()).simd_gt(off + self.error * splat(simd, CLEAR as f32));

@@ -95,14 +95,14 @@ pub(super) fn certify<S: Simd>(
     // Products in this order stay within the range of f32.
     let per_magnitude = leaf.certificate.steep_per_error() * factor as f32;
     let needed = magnitude * f32x16::splat(simd, per_magnitude);
-    let steep = steepness(simd, leaf, [a, b, c]).abs();
+    let steep = upright(simd, leaf, [a, b, c]).abs();
     steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 
 /// How steep sixteen rays are, by the leaf's certificate; the sign is that of the determinant of the tangents in
 /// the rays' planes, where the certificate speaks of them.
 #[inline(always)]
-pub(super) fn steepness<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
+pub(super) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
     let [lean_a, lean_b] = leaf.certificate.lean();
     b.mul_add(f32x16::splat(simd, lean_b), a.mul_add(f32x16::splat(simd, lean_a), c))
 }

@@ -10,8 +10,9 @@
 //!   far beside such a part has poor coordinates there, but nothing to meet.
 //! - A leaf is left as missed where the certificate, or the ray's own proof, leaves one root at
 //!   most in the widened leaf or a part of it, and Newton's iteration on the true surface finds
-//!   it outside the leaf, outside the ray's range, or to be the one the ray starts on; or where
-//!   the proof leaves none.
+//!   it outside the leaf, beyond a side of the piece by more than any error, outside the ray's range, or to
+//!   be the one the ray starts on; where the proof leaves none; or where the ray leaves the leaf and cannot
+//!   come back (`departure`).
 //! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
 //! - Everything else is named in [`SingleWork::rest`] for the scalar search, which knows about
 //!   borders, poles, tangency and the ends of rays.
@@ -197,9 +198,8 @@ fn search_leaf<S: Simd>(
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     let error = patch.error_bound(ray.magnitude());
-    let certified = is_certified(leaf, slopes, error);
-    if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (certified, error)) {
-        let guess = certified.then(|| Guess::new(leaf, start, slopes, error));
+    let guess = Guess::of(leaf, start, slopes, error);
+    if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (guess.is_some(), error)) {
         search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
 }
@@ -220,11 +220,11 @@ pub(super) fn search_ahead<S: Simd>(
     let mut room = None;
     let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
     let distances = Distances::new(simd, leaf, ray);
-    if let Some(Guess { start, reach }) = guess {
+    if let Some(Guess { start, clearance }) = guess {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, reach };
+            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
             let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
@@ -243,7 +243,7 @@ pub(super) fn search_ahead<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let task = Task { near, domain, error, reach: f64::INFINITY };
+        let task = Task { near, domain, error, clearance: f64::INFINITY };
         let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {
@@ -336,17 +336,4 @@ pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
         (leaf.piece, leaf.place())
     };
     order(leaf) < order(other)
-}
-
-/// Whether a leaf's certificate speaks of a ray with these slopes, and rounding is small against
-/// it.
-#[inline(always)]
-pub(super) fn is_certified(leaf: &Leaf, [a, b, c]: [f32; 3], error: f64) -> bool {
-    let certificate = &leaf.certificate;
-    let [by_a, by_b, rounding] = certificate.turning();
-    let [lean_a, lean_b] = certificate.lean();
-    let steep = (c + lean_a * a + lean_b * b).abs();
-    !leaf.has_pole()
-        && steep > by_a * a.abs() + by_b * b.abs() + rounding
-        && f64::from(steep) > f64::from(certificate.steep_per_error()) * error
 }

@@ -3,8 +3,9 @@
 //! In the domain the caller names there is one root at most: in the widened leaf, where the
 //! certificate speaks of the ray, or in a part of it, where the ray's own proof does. So where
 //! Newton's iteration converges it has found the one root: a hit if that lies in the leaf or its
-//! slack, else that domain is proved to hold none. Roots outside the piece, or too near an end of the ray or the
-//! root it starts on, are left to the scalar search, as is what does not converge.
+//! slack, else that domain is proved to hold none. A root outside the piece is a miss where it is outside by more
+//! than `clearance`. Other roots outside it, or too near an end of the ray or the root it starts on, are left to
+//! the scalar search, as is what does not converge.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
 use fearless_simd_macros::simd;
@@ -12,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
-use super::single_ray::{REACH, SingleHit, SingleRay};
+use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::patch::Leaf;
@@ -37,8 +38,8 @@ pub(super) struct Task {
     pub(super) domain: [[f64; 2]; 2],
     /// How far a point may be from the ray.
     pub(super) error: f64,
-    /// See [`Guess::reach`](super::single_ray::Guess::reach).
-    pub(super) reach: f64,
+    /// See [`Guess::clearance`](super::single_ray::Guess::clearance).
+    pub(super) clearance: f64,
 }
 
 /// What became of a ray and a leaf.
@@ -100,7 +101,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     leaf: &Leaf,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    &Task { near, domain, error, reach }: &Task,
+    &Task { near, domain, error, clearance }: &Task,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     let [s_range, t_range] = leaf.rect();
@@ -128,14 +129,15 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
         let (new_x, new_y) = (x - step_x, y - step_y);
 
         // Converged where the residual is within the error, or will be after this step: the
-        // bend bounds what the tangent plane leaves of it.
+        // bend bounds what the tangent plane leaves of it. (The step is that of `W (S − o)`, whose weight
+        // leaves about as much again: a small part of the error, too.)
         let longest = step_x.abs().max(step_y.abs());
         let weight = sums[0][3];
         let close = at[0] * at[0] + at[1] * at[1] <= error * error * weight * weight;
         let straight = bend * longest * longest <= PART_OF_ERROR * error;
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
         if inside && (close || straight) {
-            if !(new_x.abs() <= REACH && new_y.abs() <= REACH) {
+            if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
@@ -150,7 +152,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
             }
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
-            return (judge(&root, ray, (error, reach), found), step);
+            return (judge(&root, ray, (error, clearance), found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
         x = within(new_x, domain[0]);
@@ -221,18 +223,18 @@ struct Converged {
 fn judge(
     root: &Converged,
     ray: &SingleRay<'_>,
-    (error, far): (f64, f64),
+    (error, clearance): (f64, f64),
     found: &mut SingleHit,
 ) -> Outcome {
     let &Converged { st, half, z, determinant, ref tangents } = root;
     let Tangents { point, weight, along_x, along_y, cross } = tangents;
     // One over the cosine is `|a × b| / det`.
-    let steepness = cross.length() * (weight * weight / determinant).abs();
-    let z_error = error * steepness;
+    let secant = cross.length() * (weight * weight / determinant).abs();
+    let z_error = error * secant;
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
     let on_piece = (0.0..=1.0).contains(&st.x) && (0.0..=1.0).contains(&st.y);
-    if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > far {
+    if !on_piece && (beyond(st.x) / half[0]).max(beyond(st.y) / half[1]) > clearance {
         return Outcome::Missed;
     }
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;

@@ -43,7 +43,7 @@ pub(super) const LARGEST: f32 = 1e18;
 pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
 /// Roots are unique in a box widened by this: so that one on its side is not lost.
-pub(super) const REACH: f32 = 1.1;
+pub(super) const GROWN: f32 = 1.1;
 
 /// Where Newton's step from the middle of a box may lead that is to hold a root.
 pub(super) const NEARBY: f32 = 1.05;
@@ -52,7 +52,7 @@ pub(super) const NEARBY: f32 = 1.05;
 pub(super) const SMALLEST: f32 = 0.1;
 
 /// A box a root starts in is widened by less.
-pub(super) const START_REACH: f32 = 1.09;
+pub(super) const START_GROWN: f32 = 1.09;
 
 /// The largest row sum that is wanted of `P`: so that rounding moves a root by no more than its error
 /// times twenty and the inverse Jacobian.
@@ -98,7 +98,7 @@ impl Part {
     /// Where its root is the only one.
     pub(super) fn domain(&self) -> [[f32; 2]; 2] {
         [0, 1].map(|k| {
-            let (middle, reach) = (self.middle[k], REACH * self.half[k]);
+            let (middle, reach) = (self.middle[k], GROWN * self.half[k]);
             [middle - reach, middle + reach]
         })
     }
@@ -129,7 +129,7 @@ pub(super) fn isolate<S: Simd>(
 ) -> Option<UniqueParts> {
     let mut unique = UniqueParts::default();
     let start = ray.start.place_in(leaf);
-    let lengths = leaf.side_lengths();
+    let lengths = leaf.half_side_lengths();
     // Coefficients come from sums in which most may cancel, and a small box has the errors of
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
     // nothing is proved of leaves thinner than f32 can see.
@@ -159,7 +159,7 @@ pub(super) fn isolate<S: Simd>(
         let unhalved = part.half[0] > SMALLEST && part.half[1] > SMALLEST;
         let elsewhere = unhalved && local.leads_away();
         if !elsewhere && local.is_unique(simd, slope_error, error as f32) {
-            if start.is_some_and(|start| part.holds(start, START_REACH)) {
+            if start.is_some_and(|start| part.holds(start, START_GROWN)) {
                 continue;
             }
             if unique.count == MOST_UNIQUE {
@@ -290,7 +290,7 @@ const SLOPE_WEIGHTS: [[[f32; 8]; 4]; 2] = {
     let mut k = 1;
     while k < 16 {
         let (i, j) = (k / 4, k % 4);
-        let by = slope_weights(i, j, REACH);
+        let by = slope_weights(i, j, GROWN);
         let mut direction = 0;
         while direction < 2 {
             weights[direction][j][i] = by[direction];

@@ -38,16 +38,21 @@ pub(super) struct Guess {
     pub(super) start: [f32; 2],
     /// Where the root lies farther than this beyond a side of the piece, in box coordinates, the piece is
     /// missed there.
-    pub(super) reach: f64,
+    pub(super) clearance: f64,
 }
 
 impl Guess {
-    /// From what the box's rows say of the direction, and how far a point may be from the ray.
+    /// From what the box's rows say of the direction, and how far a point may be from the ray; `None`
+    /// where the leaf's certificate does not speak of the ray.
     #[inline(always)]
-    pub(super) fn new(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Self {
-        let steep = leaf.certificate.steepness(slopes.map(f64::from));
-        let reach = leaf.certificate.reach_per_error() * error / steep;
-        Self { start, reach }
+    pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
+        let certificate = &leaf.certificate;
+        // How far rays pass from a pole is not looked at here: the scalar search and the packets do.
+        if leaf.has_pole() {
+            return None;
+        }
+        let steepness = certificate.speaks_of(slopes.map(f64::from), error)?;
+        Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
     }
 }
 
@@ -161,4 +166,4 @@ pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRa
 pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
 /// How far outside a leaf's rectangle roots are its own, in half sides.
-pub(super) const REACH: f64 = 1.0 + 2.0 * LEAF_SLACK;
+pub(super) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;

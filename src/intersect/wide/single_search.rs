@@ -12,7 +12,7 @@ const STEPS: usize = 2;
 
 /// The search, and what is proved, may leave the leaf as far as the bounds of the approximation's
 /// error hold, in box coordinates.
-pub(super) const REACH: f32 = crate::patch::REACH as f32;
+pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes: coefficients of
 /// `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
@@ -97,8 +97,8 @@ impl<S: Simd> Distances<S> {
 /// The number, or the nearest bound of the search; the lower one for NaN.
 #[inline(always)]
 fn within_reach(x: f32) -> f32 {
-    let raised = if x > -REACH { x } else { -REACH };
-    if raised < REACH { raised } else { REACH }
+    let raised = if x > -FIT_DOMAIN { x } else { -FIT_DOMAIN };
+    if raised < FIT_DOMAIN { raised } else { FIT_DOMAIN }
 }
 
 /// From lanes by power of `y` to vectors by power of `y`, with lanes for the first and second

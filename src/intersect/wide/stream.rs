@@ -13,7 +13,7 @@ use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push};
 use super::frames::{Frames, Narrow};
 use super::lane_net::Form;
 use super::pairs::{Pair, PairLanes};
-use super::single::{Kept, Scene, SingleWork, is_certified, keep, search_ahead};
+use super::single::{Kept, Scene, SingleWork, keep, search_ahead};
 use super::single_ray::{Guess, Place, SingleHit, SingleRay, Wanted, boxes_in};
 use super::start::Start;
 use crate::intersect::tree::{Child, ChildCode, Way};
@@ -279,12 +279,11 @@ impl Task<'_> {
             let leaf = &self.scene.leaves[index as usize];
             let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
             let error = patch.error_bound(flight.magnitude);
-            let certified = is_certified(leaf, slopes, error);
+            let guess = Guess::of(leaf, start, slopes, error);
             let axis = flight.boxes.axis;
-            if self.start.is_done_with(simd, (leaf, patch), axis, (certified, error)) {
+            if self.start.is_done_with(simd, (leaf, patch), axis, (guess.is_some(), error)) {
                 continue;
             }
-            let guess = certified.then(|| Guess::new(leaf, start, slopes, error));
             if let (Some(guess), Some(form)) = (guess, Form::of(patch)) {
                 leaf.prefetch(); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });

@@ -9,9 +9,10 @@ use super::jets::{Jets, OneNet, jets, points};
 use super::newton::{Leaves, Rays, Step};
 use super::search::dot_d;
 use super::single::Scene;
+use super::single_ray::WITH_SLACK;
 use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
-use crate::patch::{BESIDE_COLLAPSED, LEAF_SLACK, Leaf, OrientedBox, Piece, WIDENING};
+use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -33,7 +34,7 @@ pub(super) struct Target<'a> {
 pub(super) struct Closer {
     /// How near a side of the piece a hit may be at a border of the surface, or its normal a limit;
     /// `None` if the leaf is away from all of these.
-    pub(super) reach: Option<[f64; 4]>,
+    pub(super) near_sides: Option<[f64; 4]>,
     /// Half the sides of the leaf's rectangle, one over that, and its middle.
     half: [f64; 2],
     per_half: [f64; 2],
@@ -63,23 +64,23 @@ impl<'a> Target<'a> {
 
     #[inline(always)]
     pub(super) fn closer(&self) -> Closer {
-        let mut reach = None;
+        let mut near_sides = None;
         if self.piece.has_border() {
             for (side, near) in near_borders(self.leaf, self.piece) {
-                reach.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
+                near_sides.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
             }
         }
         if self.pole.is_some() {
             // Near a pole the normal is a limit.
             for (side, _) in self.piece.collapsed_sides() {
-                let near = &mut reach.get_or_insert([f64::NEG_INFINITY; 4])[side.number()];
+                let near = &mut near_sides.get_or_insert([f64::NEG_INFINITY; 4])[side.number()];
                 *near = near.max(BESIDE_COLLAPSED);
             }
         }
         let bend = f64::from(self.leaf.fit_bend());
         let [[s0, s1], [t0, t1]] = self.rect;
         Closer {
-            reach,
+            near_sides,
             half: [0.5 * (s1 - s0), 0.5 * (t1 - t0)],
             per_half: [2.0 / (s1 - s0), 2.0 / (t1 - t0)],
             middle: [0.5 * (s0 + s1), 0.5 * (t0 + t1)],
@@ -138,9 +139,8 @@ impl<'a> Target<'a> {
     /// See [`Certificate::steepness`](crate::patch::Certificate::steepness).
     #[inline(always)]
     fn steepness<S: Simd, R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
-        let [a, b, c] = self.oriented.directions();
-        let [lean_a, lean_b] = self.leaf.certificate.lean().map(f64::from);
-        dot_d(splat3(simd, c + lean_a * a + lean_b * b), rays.axis(simd)).abs()
+        let row = self.leaf.certificate.upright(self.oriented.directions());
+        dot_d(splat3(simd, row), rays.axis(simd)).abs()
     }
 
     /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
@@ -237,12 +237,12 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     }
 
     #[inline(always)]
-    fn reach<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
+    fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S> {
         let target = self.target;
         if !self.certified || target.pole.is_some() {
             return f64x8::splat(simd, f64::INFINITY);
         }
-        let per_error = f64x8::splat(simd, target.leaf.certificate.reach_per_error());
+        let per_error = f64x8::splat(simd, target.leaf.certificate.clearance_per_error());
         rays.error() * per_error / target.steepness(simd, rays)
     }
 
@@ -252,7 +252,7 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S> {
         let ([s, t], [step_s, step_t], [f1, f2]) = (step.at, step.by, step.distances);
         let [n1, n2] = rays.normals(simd);
-        let reach = f64x8::splat(simd, 1.0 + 2.0 * LEAF_SLACK);
+        let reach = f64x8::splat(simd, WITH_SLACK);
         let [half_s, half_t] = self.half(simd);
         let (outer_s, outer_t) = (half_s * reach, half_t * reach);
         let [middle_s, middle_t] = self.middle(simd);
@@ -268,12 +268,12 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
         let [a, b, n] = self.target.oriented.unit_axes();
         let across_a = dot_d(splat3(simd, a), g).abs();
         let across_b = dot_d(splat3(simd, b), g).abs();
-        let normal = dot_d(splat3(simd, n), g).abs();
         let rest = residual.sqrt() * f64x8::splat(simd, SURELY);
+        let normal = dot_d(splat3(simd, n), g).abs() + rest;
         let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
-        let turned_s = across_a
+        let turned_s = (across_a + rest)
             .mul_add(f64x8::splat(simd, other_s), normal.mul_add(f64x8::splat(simd, out_s), rest));
-        let turned_t = across_b
+        let turned_t = (across_b + rest)
             .mul_add(f64x8::splat(simd, other_t), normal.mul_add(f64x8::splat(simd, out_t), rest));
         // The step leads away where it has the sign of the place's side.
         let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);

@@ -13,7 +13,7 @@ const SPARE: f64 = 2.0;
 /// How near a trim edge must be, in either parameter, in units of the error times the sum of both
 /// tangents' lengths over the length of their cross product: no less than
 /// [`trim_reach`] says, as a length is at most the sum.
-pub(super) const REACH: f64 = SPARE * TRIM_REACH;
+pub(super) const EDGE_REACH: f64 = SPARE * TRIM_REACH;
 
 /// Whether a root of a leaf that a trim curve passes through is kept, if it may be off by
 /// `error` along the ray; an edge where the scalar search must judge it.
