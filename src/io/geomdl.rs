@@ -277,6 +277,10 @@ impl<'a> Reader<'a> {
             self.needed(entry, "control_points", item.control_points)?;
         let (points, weights) = if control.value.get().starts_with('{') {
             let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.value.get())?;
+            if keys.weights.is_some() && item.weights.is_some() {
+                let why = "\"weights\" left out: those of \"control_points\" are used";
+                self.note(entry, "surface", why.to_owned());
+            }
             (keys.points, keys.weights.or(item.weights))
         } else {
             (Some(control.value), item.weights)

@@ -152,6 +152,16 @@ fn keys_that_nobody_knows_are_noted() {
         ]
     );
 
+    // Of two lists of weights one is used, and the other one named.
+    let twice = changed("\"degree_u\"", "\"weights\": [1, 1, 1, 1, 3, 1], \"degree_u\"");
+    let twice = model(&twice);
+    assert_eq!(net(&twice.parts[0]).weights.as_ref().unwrap().value[4], 2.0);
+    let text = twice.notes.iter().map(ToString::to_string).collect::<String>();
+    assert_eq!(
+        text,
+        "m.json:2:1: surface \"m/lid\": \"weights\" left out: those of \"control_points\" are used"
+    );
+
     // A surface alone may say what only a file may say.
     let alone = SURFACE.replace("\"name\": \"lid\",", "\"order\": \"v fastest\", \"units\": 1,");
     let text = model(&alone).notes.iter().map(ToString::to_string).collect::<String>();
