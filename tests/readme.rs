@@ -29,7 +29,7 @@ const SMALLER: [(&str, &[(&str, &str)]); 7] = [
 const NEEDS_EMBREE: [&str; 2] = ["--against", "--tolerance"];
 
 /// The README's longest scene: one screen.
-const SCENE_LINES: usize = 20;
+const SCENE_LINES: usize = 24;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

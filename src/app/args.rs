@@ -36,7 +36,8 @@ const MAX_THREADS: u64 = 1024;
     max_term_width = 100,
     after_help = "INPUT is a scene (.toml) or a bare model file (geomdl .json, cage .obj), which is framed and \
                   lit by default.\n\
-                  Exit codes: 0 done, 1 failed, 2 wrong use or bad input.\n\n\
+                  Exit codes: 0 done, 1 failed, 2 wrong use or bad input.\n\
+                  Messages number things from 0; lines and columns count from 1.\n\n\
                   Example:\n  nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png"
 )]
 pub(crate) struct Arguments {
@@ -138,8 +139,8 @@ pub(crate) struct RenderArguments {
 /// How to use the processor.
 #[derive(Debug, Args)]
 pub(crate) struct WorkArguments {
-    /// Number of threads [default: one for each processor]; it changes no result
-    #[arg(long, value_name = "N", value_parser = count::<u16>(1..=MAX_THREADS))]
+    /// Number of threads, or all: one for each processor, as without it; it changes no result
+    #[arg(long, value_name = "N", value_parser = threads())]
     pub(crate) threads: Option<u16>,
 
     /// How to use each thread.
@@ -184,6 +185,17 @@ fn is_negative(word: &OsStr) -> bool {
 fn takes_next_word(word: &OsStr) -> bool {
     let bytes = word.as_encoded_bytes();
     bytes.len() > 2 && bytes.starts_with(b"--") && !bytes.contains(&b'=')
+}
+
+/// A number of threads, or `all`: one for each processor.
+fn threads() -> impl Fn(&str) -> Result<u16, String> + Clone {
+    |text| match text {
+        "all" => {
+            let processors = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+            Ok(processors.min(MAX_THREADS) as u16)
+        }
+        _ => count::<u16>(1..=MAX_THREADS)(text).map_err(|needed| format!("{needed}, or all")),
+    }
 }
 
 fn kernels() -> impl TypedValueParser<Value = Kernel> {
@@ -298,6 +310,17 @@ mod tests {
     #[test]
     fn clap_finds_the_arguments_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn all_threads_are_one_for_each_processor() {
+        let here = std::thread::available_parallelism().map_or(1, usize::from);
+        assert_eq!(threads()("all").map(usize::from), Ok(here.min(1024)));
+        assert_eq!(threads()("1e1"), Ok(10));
+        let message = "a whole number from 1 to 1024 is needed, such as 64, 1_000 or 1e3, or all";
+        for wrong in ["0", "1025", "every", "All"] {
+            assert_eq!(threads()(wrong), Err(message.to_owned()), "{wrong}");
+        }
     }
 
     #[test]

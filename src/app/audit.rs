@@ -20,6 +20,7 @@ use serde_json::json;
 use super::args::AuditArguments;
 use super::failure::{Failure, OrFail};
 use super::progress::Progress;
+use super::table::count;
 use super::{console, input, output, threads};
 use check::Audit;
 use report::Report;
@@ -148,7 +149,9 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
             "total": total,
         }))?;
     } else {
-        console::print(&format!("{}\n{}", report.table(), report.verdict()))?;
+        let (rays, workers) = (count(arguments.rays, "ray"), count(threads as u64, "thread"));
+        let settings = format!("{rays}, seed {}, kernel {kernel}, {workers}", arguments.seed);
+        console::print(&format!("{settings}\n\n{}\n{}", report.table(), report.verdict()))?;
     }
     match report.accusation() {
         None => Ok(ExitCode::SUCCESS),

@@ -11,11 +11,11 @@ use plotters::prelude::*;
 
 /// The width of a panel, its height without a legend, and that of a legend's lines, in pixels.
 const WIDTH: u32 = 400;
-const HEIGHT: u32 = 268;
+const HEIGHT: u32 = 288;
 const LINE: u32 = 16;
-/// What title and axis take of the height, and a legend's margins.
-const AROUND: u32 = 80;
-const MARGINS: u32 = 24;
+/// A panel's margin, and the room for numbers on the left.
+const MARGIN: u32 = 10;
+const LEFT: u32 = 54;
 
 /// Colours of flat lines, one after the other: those of Okabe and Ito (2008), which people
 /// with any colour vision can tell apart.
@@ -29,7 +29,7 @@ const CURVES: [RGBColor; 3] = [BLACK, RGBColor(140, 140, 140), RGBColor(190, 190
 const LABELS: usize = 6;
 
 /// How far the axis of tolerances reaches beyond the first and the last: room for points.
-const MARGIN: f64 = 2.0;
+const BEYOND: f64 = 2.0;
 
 /// One panel: positive numbers over tolerances.
 #[derive(Clone, Debug)]
@@ -65,20 +65,53 @@ impl Panel {
         self.levels.len() + self.curves.len()
     }
 
+    /// The colour of each flat line, and of each curve.
+    fn colors(&self) -> (Vec<RGBColor>, Vec<RGBColor>) {
+        let cycle =
+            |colors: &[RGBColor], count| colors.iter().copied().cycle().take(count).collect();
+        (cycle(&LEVELS, self.levels.len()), cycle(&CURVES, self.curves.len()))
+    }
+
+    /// What each line and curve is called, one below the other.
+    fn draw_legend(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Error> {
+        let (levels, curves) = self.colors();
+        let left = (MARGIN + LEFT) as i32;
+        let middle = |line: usize| (LINE * line as u32 + LINE / 2) as i32;
+        for (line, color) in levels.iter().enumerate() {
+            let ends = [(left, middle(line)), (left + 16, middle(line))];
+            area.draw(&PathElement::new(ends, color.stroke_width(2))).map_err(failed)?;
+        }
+        for (line, color) in (levels.len()..).zip(&curves) {
+            area.draw(&Circle::new((left + 8, middle(line)), 3, color.filled())).map_err(failed)?;
+        }
+        let levels = self.levels.iter().map(|(name, _)| name);
+        for (line, name) in levels.chain(self.curves.iter().map(|(name, _)| name)).enumerate() {
+            let place = (left + 24, middle(line) - 4);
+            area.draw(&Text::new(name.as_str(), place, ("sans-serif", 12))).map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// The title, a legend with room for so many lines, and the axes below it: they hold
+    /// what is drawn and nothing else.
     fn draw(
         &self,
         area: &DrawingArea<SVGBackend<'_>, Shift>,
         values: Range<f64>,
+        lines: usize,
     ) -> Result<(), Error> {
+        let below = area.margin(MARGIN, 0, 0, 0).titled(&self.title, ("sans-serif", 15));
+        let (legend, area) = below.map_err(failed)?.split_vertically(LINE * lines as u32);
+        self.draw_legend(&legend)?;
+
         let tolerances: Vec<f64> =
             self.curves.iter().flat_map(|(_, curve)| curve).map(|point| point.0).collect();
         let across = widened(range(&tolerances));
 
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, ("sans-serif", 15))
-            .margin(10)
+        let mut chart = ChartBuilder::on(&area)
+            .margin(MARGIN)
             .x_label_area_size(36)
-            .y_label_area_size(54)
+            .y_label_area_size(LEFT)
             .build_cartesian_2d(across.clone().log_scale(), values.log_scale())
             .map_err(failed)?;
         chart
@@ -92,31 +125,16 @@ impl Panel {
             .draw()
             .map_err(failed)?;
 
-        for ((name, value), color) in self.levels.iter().zip(LEVELS.iter().cycle()) {
+        let (levels, curves) = self.colors();
+        for ((_, value), color) in self.levels.iter().zip(levels) {
             let line = [(across.start, *value), (across.end, *value)];
-            chart
-                .draw_series(LineSeries::new(line, color.stroke_width(2)))
-                .map_err(failed)?
-                .label(name)
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2))
-                });
+            chart.draw_series(LineSeries::new(line, color.stroke_width(2))).map_err(failed)?;
         }
-        for ((name, curve), color) in self.curves.iter().zip(CURVES.iter().cycle()) {
+        for ((_, curve), color) in self.curves.iter().zip(curves) {
             let line = LineSeries::new(Self::points(curve), color.filled()).point_size(3);
-            chart
-                .draw_series(line)
-                .map_err(failed)?
-                .label(name)
-                .legend(move |(x, y)| Circle::new((x + 8, y), 3, color.filled()));
+            chart.draw_series(line).map_err(failed)?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.8))
-            .border_style(RGBColor(200, 200, 200))
-            .draw()
-            .map_err(failed)
+        Ok(())
     }
 }
 
@@ -141,7 +159,7 @@ fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
         let areas = root.split_evenly((rows.len().max(1), columns));
         for (row, areas) in rows.iter().zip(areas.chunks(columns)) {
             for (panel, area) in row.iter().zip(areas) {
-                panel.draw(area, scale(rows, panel.quantity))?;
+                panel.draw(area, scale(rows, panel.quantity), names)?;
             }
         }
         root.present().map_err(failed)?;
@@ -151,13 +169,9 @@ fn svg(rows: &[Vec<Panel>]) -> Result<String, Error> {
 
 /// The scale of all panels of one quantity.
 fn scale(rows: &[Vec<Panel>], quantity: &str) -> Range<f64> {
-    let alike = || rows.iter().flatten().filter(|panel| panel.quantity == quantity);
-    let values: Vec<f64> = alike().flat_map(Panel::values).collect();
-    let names = alike().map(Panel::names).max().unwrap_or(0);
-    let most = rows.iter().flatten().map(Panel::names).max().unwrap_or(0);
-    let room = LINE * names as u32 + MARGINS;
-    let height = HEIGHT + LINE * most as u32 - AROUND;
-    with_room(decades(range(&values)), f64::from(room) / f64::from(height))
+    let alike = rows.iter().flatten().filter(|panel| panel.quantity == quantity);
+    let values: Vec<f64> = alike.flat_map(Panel::values).collect();
+    decades(range(&values))
 }
 
 /// A number beside an axis: powers of ten where it would be long.
@@ -185,7 +199,7 @@ fn range(numbers: &[f64]) -> Range<f64> {
 }
 
 fn widened(range: Range<f64>) -> Range<f64> {
-    range.start / MARGIN..range.end * MARGIN
+    range.start / BEYOND..range.end * BEYOND
 }
 
 /// Whole powers of ten around a range: at least one step.
@@ -193,12 +207,6 @@ fn decades(range: Range<f64>) -> Range<f64> {
     let low = range.start.log10().floor();
     let high = range.end.log10().ceil();
     10_f64.powf(low)..10_f64.powf(high.max(low + 1.0))
-}
-
-/// A range with room above it: this share of the whole, for a legend.
-fn with_room(range: Range<f64>, share: f64) -> Range<f64> {
-    let taller = 1.0 / (1.0 - share.min(0.5));
-    range.start..range.start * (range.end / range.start).powf(taller)
 }
 
 #[cfg(test)]
@@ -238,14 +246,34 @@ mod tests {
             ..speeds.clone()
         };
         let rows = [vec![speeds.clone(), errors], vec![panel(&[(1e-3, 700.0)]), speeds]];
-        assert_eq!(scale(&rows, "Mrays/s").start, 0.1);
-        assert!(scale(&rows, "Mrays/s").end > 1000.0);
-        // One line in the legend, 40 of 188 + 3 × 16 pixels; what is 0 is not on a logarithmic
-        // scale.
-        assert!((scale(&rows, "degrees").end / 0.1 - 10_f64.powf(236.0 / 196.0)).abs() < 1e-9);
+        assert_eq!(scale(&rows, "Mrays/s"), 0.1..1000.0);
+        // What is 0 is not on a logarithmic scale.
+        assert_eq!(scale(&rows, "degrees"), 0.1..1.0);
         assert_eq!([0.001, 20.0, 1e5, 1e-4].map(label), ["0.001", "20", "1e5", "1e-4"]);
         let products = [9.999999999999999e-5, 0.0009999999999999998, 99999.99999999999];
         assert_eq!(products.map(label), ["1e-4", "0.001", "1e5"]);
+    }
+
+    /// A legend has room of its own: it neither hides what is drawn nor stretches an axis.
+    #[test]
+    fn legends_stand_above_the_axes() {
+        let text = svg(&[vec![panel(&[(1e-3, 60.0), (1e-5, 18.0)])]]).unwrap();
+        let number = |tag: &str, key: &str| -> f64 {
+            let rest = tag.split(&format!(" {key}=\"")).nth(1).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let names = ["nurbray scalar", "nurbray wide", "embree"];
+        let lowest = |name: &str| {
+            let tag = text.split("<text").find(|tag| tag.contains(&format!("\n{name}\n")));
+            number(tag.unwrap_or_else(|| panic!("no {name}")), "y")
+        };
+        let legend = names.map(lowest).into_iter().fold(0.0, f64::max);
+        // The first circle is the legend's; the others are points within the axes.
+        let circles: Vec<f64> =
+            text.split("<circle").skip(1).map(|tag| number(tag, "cy")).collect();
+        assert_eq!(circles.len(), 1 + 2);
+        assert!(circles[1..].iter().all(|y| *y > legend + 16.0), "{legend} {circles:?}");
+        assert!(!text.contains("\n1000\n") && text.contains("\n100\n"), "{text}");
     }
 
     #[test]
@@ -263,7 +291,6 @@ mod tests {
         assert_eq!(decades(0.3..70.0), 0.1..100.0);
         assert_eq!(decades(10.0..10.0), 10.0..100.0);
         assert_eq!(widened(range(&[1e-3])), 5e-4..2e-3);
-        assert!((with_room(1.0..100.0, 0.4).end.log10() - 2.0 / 0.6).abs() < 1e-9);
         assert!(svg(&[]).is_ok());
     }
 }

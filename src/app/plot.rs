@@ -103,7 +103,7 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
         return Ok(plots);
     }
     let numbered = scene.plots.iter().enumerate();
-    numbered.map(|(index, plot)| plot.checked(index + 1, scene).or_bad_input()).collect()
+    numbered.map(|(index, plot)| plot.checked(index, scene).or_bad_input()).collect()
 }
 
 /// The size of the picture: the command line's, the scene's, or so much a plot.

@@ -25,6 +25,18 @@ A bare model is framed and lit by default: the camera stands in front, to the
 right and above, a key, a fill and a little ambient light go with it. Give
 --look-from, --fov and the like to move it.
 
+What an EXR holds besides R, G, B and A, the AOVs (--aov chooses):
+  Z       distance from the camera (of an orthographic one: from its film) to the
+          hit, along the ray, in scene units; infinite where nothing is hit
+  P       the point hit, in the scene's coordinates; 0 where nothing is hit
+  N       unit normal S_u x S_v there, as the surface is oriented, not turned
+          towards the camera; 0 where nothing is hit, or there is no normal
+  uv      (u, v) there, in the surface's own knot domain; 0 where nothing is hit
+  id      which surface was hit, counted from 0 as `nurbray info` lists them;
+          -1 where nothing is hit
+  Albedo  the share of light sent back, a mean over all samples; misses count as 0
+All but Albedo speak of one hit: that of the pixel's first sample that hits.
+
 With --crop, an EXR keeps the whole picture as its display window and holds the
 crop's pixels as its data window; a PNG holds the crop's pixels only.
 

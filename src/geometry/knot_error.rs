@@ -29,7 +29,7 @@ pub enum KnotError {
         degree: usize,
     },
     /// Too few knots for even one span.
-    #[error("{}: degree {degree} needs at least {}", Counted(*.knots, "knot"), 2 * degree + 2)]
+    #[error("{} of degree {degree}: at least {} are needed", Counted(*.knots, "knot"), 2 * degree + 2)]
     TooFewKnots {
         /// The number of knots given.
         knots: usize,

@@ -26,7 +26,7 @@ fn errors_tell_what_was_found_and_what_is_needed() {
     );
     assert_eq!(new(0, &[0.0, 1.0]), "degree 0: degrees from 1 to 32 are supported");
     assert_eq!(new(33, &[0.0; 100]), "degree 33: degrees from 1 to 32 are supported");
-    assert_eq!(new(2, &[0.0, 0.0, 1.0]), "3 knots: degree 2 needs at least 6");
+    assert_eq!(new(2, &[0.0, 0.0, 1.0]), "3 knots of degree 2: at least 6 are needed");
     assert_eq!(new(1, &[0.0, 1.0, 0.5, 2.0]), "knot 2 is 0.5 after 1: knots must not decrease");
     assert_eq!(new(1, &[0.0, f64::NAN, 1.0, 2.0]), "knot 1 is NaN: knots must be finite numbers");
     assert_eq!(

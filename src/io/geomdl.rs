@@ -33,7 +33,8 @@
 //! | `trims` | cut the surface, see below |
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
 //! | `order` | must begin with `v fastest`, else an error |
-//! | `delta`, `count`, `dimension`, `rational`, `id` and unknown keys | ignored: they do not change a surface |
+//! | `type`, `id`, `delta`, `count`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
+//! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
 //! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, what a
@@ -46,6 +47,7 @@
 
 mod points;
 mod trims;
+mod unknown;
 
 use std::sync::Arc;
 
@@ -53,6 +55,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use self::points::Points;
+use self::unknown::{DOCUMENT, Keys, LONE_SURFACE, SURFACE, Unknown};
 use super::LoadError;
 use super::keyed::Keyed;
 use super::message::explain;
@@ -79,8 +82,10 @@ pub struct Model {
 pub fn read_geomdl(text: &str, label: &str, called: &str) -> Result<Model, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(text, label);
-    let mut reader = Reader { source, called, model: Model::default() };
+    let unknown = Unknown::default();
+    let mut reader = Reader { source, called, model: Model::default(), unknown };
     reader.document()?;
+    reader.note_unknown();
     Ok(reader.model)
 }
 
@@ -149,6 +154,7 @@ struct Reader<'a> {
     source: Source<'a>,
     called: &'a str,
     model: Model,
+    unknown: Unknown,
 }
 
 /// An entry of the file and what to call it.
@@ -177,6 +183,7 @@ impl<'a> Reader<'a> {
             let message = format!("order \"{order}\": only points written v fastest can be read");
             return Err(LoadError::malformed(self.source.file().clone(), message));
         }
+        let mut keys = &SURFACE;
         let mut lists = Vec::new();
         if let Some(shape) = document.shape {
             let Keyed(keys): Keyed<ShapeKeys<'a>> = self.parse(shape.get())?;
@@ -188,6 +195,9 @@ impl<'a> Reader<'a> {
         lists.extend(document.surfaces.map(RawValue::get));
         if lists.is_empty() && document.degree_u.is_some() {
             lists.push(text.trim()); // a surface without anything around it
+            keys = &LONE_SURFACE;
+        } else {
+            self.look_for_unknown(text, &DOCUMENT)?;
         }
         if lists.is_empty() {
             let message = "neither \"shape\" nor \"surfaces\" is here: \
@@ -195,25 +205,30 @@ impl<'a> Reader<'a> {
             return Err(LoadError::malformed(self.source.file().clone(), message));
         }
         for list in lists {
-            self.items(list)?;
+            self.items(list, keys)?;
         }
         Ok(())
     }
 
-    /// A list of entries, or a single one.
-    fn items(&mut self, list: &'a str) -> Result<(), LoadError> {
+    /// A list of entries, or a single one; what is known in them if they are surfaces.
+    fn items(&mut self, list: &'a str, keys: &'static Keys) -> Result<(), LoadError> {
         if !list.starts_with('[') {
-            return self.entry(list, None);
+            return self.entry(list, None, keys);
         }
         let items: Vec<&'a RawValue> = self.parse(list)?;
         let single = items.len() == 1;
         for (index, raw) in items.into_iter().enumerate() {
-            self.entry(raw.get(), if single { None } else { Some(index) })?;
+            self.entry(raw.get(), if single { None } else { Some(index) }, keys)?;
         }
         Ok(())
     }
 
-    fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
+    fn entry(
+        &mut self,
+        raw: &'a str,
+        index: Option<usize>,
+        keys: &'static Keys,
+    ) -> Result<(), LoadError> {
         let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
@@ -234,6 +249,7 @@ impl<'a> Reader<'a> {
         let Some(net) = self.net(&entry)? else { return Ok(()) };
         self.note_ignored(&entry);
         let trims = self.trims(&entry)?;
+        self.look_for_unknown(raw, keys)?;
         let shape = Shape::Net(Arc::new(net));
         self.model.parts.push(Part { name: part_name, place: entry.place, shape, trims });
         Ok(())
@@ -261,6 +277,10 @@ impl<'a> Reader<'a> {
             self.needed(entry, "control_points", item.control_points)?;
         let (points, weights) = if control.value.get().starts_with('{') {
             let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.value.get())?;
+            if keys.weights.is_some() && item.weights.is_some() {
+                let why = "\"weights\" left out: those of \"control_points\" are used";
+                self.note(entry, "surface", why.to_owned());
+            }
             (keys.points, keys.weights.or(item.weights))
         } else {
             (Some(control.value), item.weights)
@@ -337,15 +357,17 @@ impl<'a> Reader<'a> {
 
     /// Reads a part of the text; errors name their place in the whole.
     fn parse<T: Deserialize<'a>>(&self, part: &'a str) -> Result<T, LoadError> {
-        serde_json::from_str(part).map_err(|error| {
-            // What is no list or object is to blame as a whole, from its beginning on.
-            let inside = if part.starts_with(['[', '{']) { offset_of(&error, part) } else { 0 };
-            let offset = self.source.offset_of(part) + inside;
-            let text = self.source.text();
-            // The complaint is about the byte there or, within a number, the one before.
-            let around = [1, 0].map(|back| text.get(offset.saturating_sub(back)..).unwrap_or(""));
-            LoadError::malformed(self.source.place(offset), message(&error, around))
-        })
+        serde_json::from_str(part).map_err(|error| self.unreadable(part, &error))
+    }
+
+    fn unreadable(&self, part: &str, error: &serde_json::Error) -> LoadError {
+        // What is no list or object is to blame as a whole, from its beginning on.
+        let inside = if part.starts_with(['[', '{']) { offset_of(error, part) } else { 0 };
+        let offset = self.source.offset_of(part) + inside;
+        let text = self.source.text();
+        // The complaint is about the byte there or, within a number, the one before.
+        let around = [1, 0].map(|back| text.get(offset.saturating_sub(back)..).unwrap_or(""));
+        LoadError::malformed(self.source.place(offset), message(error, around))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -144,11 +144,14 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
 /// The text of a file; devices, pipes and absurdly large files are refused unread.
 fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let fail = |fault| LoadError::new(mentioned.clone(), fault);
-    let cannot = |error| {
+    let cannot = |error: io::Error| {
         let path = path.to_owned();
         fail(LoadFault::Read { nearest: nearest_file(&path, &READ), path, error })
     };
     let metadata = fs::metadata(path).map_err(cannot)?;
+    if metadata.is_dir() {
+        return Err(cannot(io::ErrorKind::IsADirectory.into()));
+    }
     if !metadata.is_file() {
         return Err(fail(LoadFault::NotAFile { path: path.to_owned() }));
     }
@@ -230,7 +233,7 @@ mod tests {
             let scene = load_input(&path).unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.notes.is_empty(), "{}", path.display());
             for (index, plot) in scene.plots.iter().enumerate() {
-                plot.checked(index + 1, &scene).unwrap_or_else(|error| panic!("{error}"));
+                plot.checked(index, &scene).unwrap_or_else(|error| panic!("{error}"));
             }
             if !scene.objects.is_empty() || scene.plots.is_empty() {
                 World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
@@ -270,7 +273,12 @@ mod tests {
         );
         assert_eq!(
             load_input(folder.path()).unwrap_err().to_string(),
-            format!("cannot read \"{}\": it is not a file", folder.path().display())
+            format!("cannot read \"{}\": it is a folder", folder.path().display())
+        );
+        #[cfg(unix)]
+        assert_eq!(
+            load_input(Path::new("/dev/null")).unwrap_err().to_string(),
+            "cannot read \"/dev/null\": it is a pipe or a device, not a file"
         );
     }
 

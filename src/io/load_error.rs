@@ -26,7 +26,7 @@ pub enum LoadFault {
         /// What the system says.
         error: std::io::Error,
     },
-    /// It is a directory or a device.
+    /// It is a pipe or a device.
     NotAFile {
         /// Which.
         path: PathBuf,
@@ -108,7 +108,7 @@ impl fmt::Display for LoadFault {
                 write!(f, "cannot read {}: {}{meant}", Quoted(path), WhyUnread(error))
             }
             Self::NotAFile { path } => {
-                write!(f, "cannot read {}: it is not a file", Quoted(path))
+                write!(f, "cannot read {}: it is a pipe or a device, not a file", Quoted(path))
             }
             Self::TooLarge { path, bytes, limit } => {
                 let path = Quoted(path);

@@ -14,9 +14,10 @@
 //! | statement | |
 //! |---|---|
 //! | `v` with a weight or a colour | the weight must be 1; colours are not used, and a note says so |
+//! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
 //! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
 //! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
-//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib` and the statements for curves, points and lines | left out, with one note a kind |
+//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points and lines | left out, with one note a kind |
 //! | anything else | an error |
 //!
 //! A bare OBJ file, and `shape = { file = … }` in a scene, show the cage's Catmull–Clark surface;
@@ -44,11 +45,14 @@ pub struct CageModel {
     pub notes: Vec<ImportNote>,
 }
 
+/// What is said of statements for free-form geometry.
+const FREE_FORM: &str = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
+
 /// Statements that are no part of a cage, and what they are.
 const IGNORED: [(&str, &str); 35] = [
     ("vt", "texture coordinates are not used"),
     ("vn", "the surface has its own normals"),
-    ("vp", "free-form geometry is not read"),
+    ("vp", FREE_FORM),
     ("g", "groups are not used"),
     ("o", "all objects of the file are one cage"),
     ("s", "the subdivision scheme smooths the surface"),
@@ -65,22 +69,22 @@ const IGNORED: [(&str, &str); 35] = [
     ("lod", "it is for display only"),
     ("shadow_obj", "it is for display only"),
     ("trace_obj", "it is for display only"),
-    ("ctech", "free-form geometry is not read"),
-    ("stech", "free-form geometry is not read"),
-    ("cstype", "free-form geometry is not read"),
-    ("deg", "free-form geometry is not read"),
-    ("bmat", "free-form geometry is not read"),
-    ("step", "free-form geometry is not read"),
-    ("curv", "free-form geometry is not read"),
-    ("curv2", "free-form geometry is not read"),
-    ("surf", "free-form geometry is not read"),
-    ("parm", "free-form geometry is not read"),
-    ("trim", "free-form geometry is not read"),
-    ("hole", "free-form geometry is not read"),
-    ("scrv", "free-form geometry is not read"),
-    ("sp", "free-form geometry is not read"),
-    ("con", "free-form geometry is not read"),
-    ("end", "free-form geometry is not read"),
+    ("ctech", FREE_FORM),
+    ("stech", FREE_FORM),
+    ("cstype", FREE_FORM),
+    ("deg", FREE_FORM),
+    ("bmat", FREE_FORM),
+    ("step", FREE_FORM),
+    ("curv", FREE_FORM),
+    ("curv2", FREE_FORM),
+    ("surf", FREE_FORM),
+    ("parm", FREE_FORM),
+    ("trim", FREE_FORM),
+    ("hole", FREE_FORM),
+    ("scrv", FREE_FORM),
+    ("sp", FREE_FORM),
+    ("con", FREE_FORM),
+    ("end", FREE_FORM),
 ];
 
 /// What stands for a colour behind a vertex among the statements left out.
@@ -98,6 +102,7 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
         parts: CageParts::default(),
         offsets: CageOffsets::default(),
         left_out: Vec::new(),
+        weighted: None,
     };
     for line in lines(text) {
         reader.statement(&line)?;
@@ -145,6 +150,8 @@ struct Reader<'a> {
     offsets: CageOffsets,
     /// Kind, first place, number.
     left_out: Vec<((&'static str, &'static str), usize, usize)>,
+    /// What is wrong with the first weight that is not 1: those of free-form surfaces need not be.
+    weighted: Option<LoadError>,
 }
 
 impl<'a> Reader<'a> {
@@ -198,10 +205,12 @@ impl<'a> Reader<'a> {
                 return Err(self.malformed(keyword, message));
             }
         };
-        if let Some(index) = weight.filter(|&index| numbers[index] != 1.0) {
+        if let Some(index) = weight.filter(|&index| numbers[index] != 1.0)
+            && self.weighted.is_none()
+        {
             let message =
                 format!("weight {}: vertices of a cage have weight 1", shown(values[index]));
-            return Err(self.malformed(values[index], message));
+            self.weighted = Some(self.malformed(values[index], message));
         }
         if numbers.len() > 4 {
             self.leave_out(COLOUR, keyword);
@@ -262,7 +271,23 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn finish(self) -> Result<CageModel, LoadError> {
+    /// The first statement for free-form geometry, and where it is.
+    fn free_form(&self) -> Option<(&'static str, usize)> {
+        let mut kinds = self.left_out.iter().filter(|((_, why), ..)| *why == FREE_FORM);
+        kinds.next().map(|((keyword, _), first, _)| (*keyword, *first))
+    }
+
+    fn finish(mut self) -> Result<CageModel, LoadError> {
+        // Weights, vertices without faces, and no face at all are what files of free-form
+        // surfaces have; then it is these that are not read, not the cage that is wrong.
+        let free_form = self.free_form().map(|(keyword, first)| {
+            let message =
+                format!("statement \"{keyword}\": {FREE_FORM}; cages, made of faces, are");
+            LoadError::malformed(self.source.place(first), message)
+        });
+        if let Some(weighted) = self.weighted.take() {
+            return Err(free_form.unwrap_or(weighted));
+        }
         let notes = self.left_out.iter().map(|((keyword, why), first, count)| {
             let times = if *count == 1 { "once" } else { &format!("{count} times") };
             let what = format!("statement \"{keyword}\", {times}");
@@ -273,6 +298,11 @@ impl<'a> Reader<'a> {
         match Cage::new(self.parts) {
             Ok(cage) => Ok(CageModel { cage, notes }),
             Err(error) => {
+                if let (CageError::Empty | CageError::IsolatedVertex { .. }, Some(free_form)) =
+                    (&error, free_form)
+                {
+                    return Err(free_form);
+                }
                 let place = match offsets.of(&error) {
                     Some(offset) => source.place(offset),
                     None => source.file().clone(),

@@ -69,9 +69,20 @@ pub enum CameraError {
     /// The view has no direction.
     #[error("look_from and look_at are the same point {}", ShownVector(*.0))]
     NoDirection(DVec3),
-    /// Up is zero or along the view.
-    #[error("up {} must not be zero or run along the view", ShownVector(*.0))]
+    /// Up is zero.
+    #[error("up {} is no direction: it must not be zero", ShownVector(*.0))]
     NoUp(DVec3),
+    /// Up is along the view, or against it.
+    #[error(
+        "up {} runs along the view {}: it must point another way",
+        ShownVector(*.up), ShownVector(*.forward)
+    )]
+    UpAlongView {
+        /// Up, as given.
+        up: DVec3,
+        /// The unit direction of the view.
+        forward: DVec3,
+    },
     /// The angle cannot be seen by a flat picture, or hardly be told from 0.
     #[error(
         "fov is {}: needed is an angle from {:e} degrees up to, not including, 180",
@@ -150,7 +161,7 @@ impl Camera {
         // Both are unit vectors: a cross product within a few rounding errors of zero has
         // no direction of its own.
         if right.length() <= 8.0 * f64::EPSILON {
-            return Err(CameraError::NoUp(view.up));
+            return Err(CameraError::UpAlongView { up: view.up, forward });
         }
         let right = right.normalize();
         let up = right.cross(forward);
@@ -306,11 +317,11 @@ mod tests {
         );
         assert_eq!(
             message(View { up: DVec3::Y, ..VIEW }, perspective),
-            "up (0, 1, 0) must not be zero or run along the view"
+            "up (0, 1, 0) runs along the view (0, 1, 0): it must point another way"
         );
         assert_eq!(
             message(View { up: DVec3::ZERO, ..VIEW }, perspective),
-            "up (0, 0, 0) must not be zero or run along the view"
+            "up (0, 0, 0) is no direction: it must not be zero"
         );
         assert_eq!(
             message(View { look_from: DVec3::new(0.0, f64::NAN, 0.0), ..VIEW }, perspective),

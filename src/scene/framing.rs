@@ -105,7 +105,8 @@ impl CameraSpec {
         let part = match (error, &self.lens) {
             (CameraError::Coordinate { name: "look_from", .. }, _) => from,
             (CameraError::Coordinate { name: "look_at", .. }, _) => at,
-            (CameraError::Coordinate { .. } | CameraError::NoUp(_), _) => place(&self.up),
+            (CameraError::Coordinate { .. } | CameraError::NoUp(_), _)
+            | (CameraError::UpAlongView { .. }, _) => place(&self.up),
             (CameraError::NoDirection(_), _) => at.or(from),
             (CameraError::Fov(_), Lens::Perspective { fov }) => place(fov),
             (CameraError::Height(_), Lens::Orthographic { height }) => place(height),
@@ -145,7 +146,7 @@ impl CameraSpec {
         match value(&self.up) {
             Some(up) => make(view(up), projection),
             None => match make(view(DVec3::Z), projection) {
-                Err(CameraError::NoUp(_)) => make(view(DVec3::Y), projection), // from above
+                Err(CameraError::UpAlongView { .. }) => make(view(DVec3::Y), projection), // from above
                 other => other,
             },
         }

@@ -9,7 +9,8 @@ use super::{
     SceneFault, Written,
 };
 use crate::geometry::{
-    CornerCutting, CurveError, KnotVector, MatrixForm, NurbsCurve, PolygonEnds, RationalBasis,
+    CornerCutting, CurveError, KnotError, KnotVector, MAX_DEGREE, MatrixForm, NurbsCurve,
+    PolygonEnds, RationalBasis,
 };
 
 /// How the plots of a scene lie in one picture, as far as the author says.
@@ -237,7 +238,7 @@ struct Checker<'a> {
 
 impl PlotSpec {
     /// The plot, if its numbers make sense. Errors call it by its title or `number`, counted
-    /// from 1. Objects it names are those of `scene`.
+    /// from 0. Objects it names are those of `scene`.
     ///
     /// # Errors
     /// When a curve, a knot vector, a weight or a parameter is none, or an object cannot be
@@ -375,6 +376,12 @@ impl Checker<'_> {
                 Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
             }
         };
+        if let (None, Some(knots), 1..=MAX_DEGREE) = (given, listed, degree)
+            && knots < 2 * degree + 2
+        {
+            let error = KnotError::TooFewKnots { knots, degree };
+            return Err(self.error(&spec.knots.place, PlotError::Basis(error.into())));
+        }
         let count = given.or(listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))));
         let Some(count) = count else {
             return Err(self.error(&knots.place, PlotError::NoCount));

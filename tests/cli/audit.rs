@@ -8,9 +8,14 @@ fn sandbox() -> Sandbox {
 
 #[test]
 fn a_row_for_each_class_and_one_for_all() {
-    let run = sandbox().run("audit sphere.toml --rays 2e3").succeeded();
+    let line = "audit sphere.toml --rays 2e3 --seed 7 --kernel portable";
+    let run = sandbox().run(line).succeeded();
+    let (settings, table) = run.stdout.split_once("\n\n").unwrap();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") };
+    assert_eq!(settings, format!("2000 rays, seed 7, kernel portable, {workers}"));
     let rows: Vec<Vec<&str>> =
-        run.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
+        table.lines().map(|line| line.split_whitespace().collect()).collect();
     assert_eq!(rows[0][..6], ["class", "rays", "hits", "misses", "wrong", "false"]);
     let total = rows.iter().find(|row| row.first() == Some(&"total")).unwrap();
     assert_eq!((total[1], &total[3..6]), ("2000", &["0", "0", "0"][..]));

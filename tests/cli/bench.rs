@@ -131,6 +131,12 @@ fn tables_for_people() {
     assert!(sets.eq(["primary", "single", "incoherent", "ao"]));
     // The disc a framed sphere shows takes up 71 % of the picture: 180 of its pixels.
     assert_eq!(rows[1][1..4], ["256", "70.3", "%"]);
+    // A fifth of the diagonal of the cube around a sphere, the square root of 12, about: leaves
+    // reach beyond it.
+    let last = parts[0].lines().last().unwrap();
+    assert!(
+        last.starts_with("rays of ao are 0.6928") && last.ends_with(" long, 0.2 of the diagonal")
+    );
 }
 
 #[test]
@@ -161,7 +167,7 @@ fn wrong_use_is_explained() {
     let sandbox = sandbox();
     let run = |rest: &str| sandbox.run(&format!("bench sphere.toml {rest}"));
     run("--rays primry").misused("invalid value 'primry' for '--rays <LIST>'");
-    let needed = "a whole number from 1 to 1024 is needed, such as 64, 1_000 or 1e3";
+    let needed = "a whole number from 1 to 1024 is needed, such as 64, 1_000 or 1e3, or all";
     run("--threads 0").misused(&format!("invalid value '0' for '--threads <LIST>': {needed}"));
     let needed = "a whole number from 1 to 8192 is needed, such as 64, 1_000 or 1e3";
     run("--size 1e4").misused(&format!("invalid value '1e4' for '--size <N>': {needed}"));
@@ -170,7 +176,10 @@ fn wrong_use_is_explained() {
          1e-3",
     );
     run("--tolerance 1e-3").misused("the following required arguments were not provided:");
-    run("--plot a.svg").misused("the following required arguments were not provided:");
+    let alone = run("--plot a.svg");
+    let usage = "\n  --against <RIVAL>\n\nUsage: nurbray bench [OPTIONS] <INPUT>...\n";
+    assert!(alone.stderr.contains(usage), "{}", alone.stderr);
+    alone.misused("the following required arguments were not provided:");
     run("--against embree --plot speed.png")
         .failed(2, "speed.png: cannot write .png files; known is .svg");
     Sandbox::with(&[("sphere.svg", SPHERE)])

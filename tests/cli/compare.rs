@@ -117,7 +117,7 @@ fn a_report_against_embree() {
     let triangles = numbers(&rows, "triangles");
     assert!((8.0..12.5).contains(&(triangles[1] / triangles[0])), "{triangles:?}");
     // Chords of a sphere: within the tolerance, and most of it used; ours within rounding.
-    let off = numbers(&rows, "position off the surface, mean");
+    let off = numbers(&rows, "position off the tangent plane, mean");
     assert!(off[0] < 1e-15 && off[1] < 1e-2 && off[2] < 1e-3, "{off:?}");
     assert!(off[1] > 1e-3 && (7.0..14.0).contains(&(off[1] / off[2])), "{off:?}");
     // Facets are off by the angle of a cell, which falls with the square root.
@@ -197,7 +197,37 @@ fn wrong_use_is_explained() {
         "invalid value '0' for '--tolerance <LIST>': a fraction between 0 and 1 is needed, such as \
          1e-3",
     );
+    let needed = "a positive number of seconds up to 86400 is needed, such as 0.5";
+    run("--against povray -o out --seconds 0")
+        .misused(&format!("invalid value '0' for '--seconds <S>': {needed}"));
     assert_eq!(sandbox.files(), ["ball.toml"]);
+}
+
+#[test]
+fn tolerances_too_fine_for_any_mesh_are_wrong_use() {
+    if without_embree() {
+        return;
+    }
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    for line in ["compare ball.toml -o out", "bench ball.toml"] {
+        let line = format!("{line} --against embree --tolerance 1e-30 --seconds 1e-6");
+        let run = sandbox.run(&line);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{}", run.stderr);
+        assert!(run.stderr.contains("error: tolerance 1e-30: a "), "{}", run.stderr);
+    }
+    assert_eq!(sandbox.files(), ["ball.toml"]);
+}
+
+#[test]
+fn a_tolerance_given_twice_is_looked_at_once() {
+    if without_embree() {
+        return;
+    }
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE)]);
+    let line = format!("compare ball.toml --against embree --tolerance 1e-3,0.001 {QUICK} -o out");
+    sandbox.run(&line).succeeded();
+    let report = String::from_utf8(sandbox.bytes("out/report.md")).unwrap();
+    assert!(report.contains("\n| tolerance | nurbray | 1e-3 |\n"), "{report}");
 }
 
 /// A scene of a plane and a bilinear patch with unequal weights.

@@ -355,6 +355,11 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ basis = { degree = 2, knots = [0, 0, 0, 1, 1] } }",
             "3:40",
+            "plot \"A\": basis: 5 knots of degree 2: at least 6 are needed",
+        ),
+        (
+            "{ basis = { degree = 2, knots = [0, 0, 1, 1], count = 2 } }",
+            "3:40",
             "plot \"A\": basis: 2 points of degree 2: at least 3 are needed",
         ),
         (
@@ -409,6 +414,20 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         assert_eq!(run.stderr, format!("error: s.toml:{place}: {message}\n"));
         assert_eq!(run.code, 2);
     }
+    // Without a title a plot has its number, which counts from 0 as all numbers do.
+    let text = "[[plot]]\nshow = { blending = \"bezier\" }\n[[plot]]\nshow = { curves = [] }\n";
+    Sandbox::with(&[("s.toml", text)])
+        .run("plot s.toml -o p.svg")
+        .failed(2, "s.toml:4:8: plot 1: there are no curves to draw: give at least one");
+    // Curves of model files are not imported.
+    let curve = "{\"degree\": 1, \"name\": \"rim\"}";
+    let curves = format!("{{\"shape\": {{\"data\": [{curve}, {curve}, {curve}, {curve}]}}}}");
+    Sandbox::with(&[("m.json", &curves)]).run("plot m.json -o p.svg").failed(
+        2,
+        "m.json: there is nothing to plot: of model files only surfaces are imported, not curve \
+         \"m/rim\", curve \"m/rim\", curve \"m/rim\", 1 more; a scene draws a curve that its \
+         [[plot]] gives",
+    );
     // What a file says of no [[plot]] at all is what every subcommand says.
     let sandbox = Sandbox::with(&[("empty.toml", "")]);
     let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";

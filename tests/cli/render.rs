@@ -258,7 +258,11 @@ fn wrong_settings_are_refused() {
             "--look-from 1,2,3 --look-at 1,2,3",
             "camera: look_from and look_at are the same point (1, 2, 3)",
         ),
-        ("--up 0,0,0", "camera: up (0, 0, 0) must not be zero or run along the view"),
+        ("--up 0,0,0", "camera: up (0, 0, 0) is no direction: it must not be zero"),
+        (
+            "--look-from 0,0,9 --look-at 0,0,1 --up 0,0,-2",
+            "camera: up (0, 0, -2) runs along the view (0, 0, -1): it must point another way",
+        ),
     ] {
         sandbox.run(&format!("render sphere.toml -o a.png {options}")).failed(2, error);
     }

@@ -50,7 +50,7 @@ fn wrong_use_is_explained_on_stderr() {
     sandbox.run("info a.toml --jsn").misused("unexpected argument '--jsn' found");
     sandbox.run("cast a.toml --rays r.npy -o h.npy --threads 0").misused(
         "invalid value '0' for '--threads <N>': a whole number from 1 to 1024 is needed, \
-             such as 64, 1_000 or 1e3",
+             such as 64, 1_000 or 1e3, or all",
     );
 }
 

@@ -9,14 +9,14 @@ use nurbray::intersect::Kernel;
 use super::super::bench;
 use super::super::race::RaySet;
 use super::values::{once_each, seconds, tolerance};
-use super::{MAX_THREADS, count, kernels};
+use super::{count, kernels, threads};
 
 /// The widest picture: its 64 million rays and their packets take about 20 GB.
 const MAX_SIZE: u64 = 8192;
 
 /// `nurbray bench`.
 #[derive(Debug, Args)]
-#[command(after_help = bench::HELP)]
+#[command(after_help = bench::HELP, override_usage = "nurbray bench [OPTIONS] <INPUT>...")]
 pub(crate) struct BenchArguments {
     /// Scenes (.toml) or bare models (.json, .obj)
     #[arg(value_name = "INPUT", required = true)]
@@ -32,14 +32,15 @@ pub(crate) struct BenchArguments {
     pub(crate) against: Option<String>,
 
     /// How far the rival's triangles may be from the surface, as fractions of the diagonal of
-    /// the model's bounding box [default: 1e-3,1e-5]
+    /// the model's bounding box; needs --against [default: 1e-3,1e-5]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = tolerance,
         requires = "against")]
     pub(crate) tolerance: Vec<f64>,
 
-    /// Numbers of threads; several are measured one after the other
+    /// Numbers of threads, all being one for each processor; several are measured one after the
+    /// other
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1",
-        value_parser = count::<u16>(1..=MAX_THREADS))]
+        value_parser = threads())]
     pub(crate) threads: Vec<u16>,
 
     /// Which code searches for hits; may name several [default: all, side by side]
@@ -60,7 +61,8 @@ pub(crate) struct BenchArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Draw speed over tolerance, a panel for each model and ray set
+    /// Draw speed over tolerance, a panel for each model and ray set; needs --against, as only
+    /// the rival has tolerances
     #[arg(long, value_name = "OUT.svg", requires = "against")]
     pub(crate) plot: Option<PathBuf>,
 }

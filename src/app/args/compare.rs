@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::compare;
+use super::threads;
 use super::values::{self, Size, once_each, seconds, tolerance};
-use super::{MAX_THREADS, count};
 
 /// Another way to trace the same camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,9 +48,9 @@ pub(crate) struct CompareArguments {
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) size: Option<Size>,
 
-    /// Number of threads each side traces on
+    /// Number of threads each side traces on, or all: one for each processor
     #[arg(long, value_name = "N", default_value_t = 1,
-        value_parser = count::<u16>(1..=MAX_THREADS))]
+        value_parser = threads())]
     pub(crate) threads: u16,
 
     /// How long to measure the speed of each competitor

@@ -110,7 +110,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     const DAY: f64 = 86_400.0;
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= DAY => Ok(seconds),
-        _ => Err("a number of seconds is needed, such as 0.5".into()),
+        _ => Err(format!("a positive number of seconds up to {DAY} is needed, such as 0.5")),
     }
 }
 
@@ -195,8 +195,9 @@ mod tests {
             assert!(tolerance(wrong).is_err(), "{wrong}");
         }
         assert_eq!(seconds("0.5"), Ok(0.5));
+        let needed = "a positive number of seconds up to 86400 is needed, such as 0.5";
         for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
-            assert!(seconds(wrong).is_err(), "{wrong}");
+            assert_eq!(seconds(wrong), Err(needed.to_owned()), "{wrong}");
         }
     }
 

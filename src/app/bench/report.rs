@@ -142,6 +142,10 @@ impl Report<'_> {
             time(model.preparation.build),
             time(model.preparation.total()),
         );
+        if self.measurements.iter().any(|measured| measured.set == RaySet::AmbientOcclusion) {
+            let length = short(REACH * model.diagonal);
+            text.push_str(&format!("rays of ao are {length} long, {REACH} of the diagonal\n"));
+        }
         for rival in self.rivals {
             text.push_str(&format!(
                 "{}, tolerance {:e}: {}, {}; {} to plan, {} from the surfaces, {} of it to commit\n",

@@ -22,8 +22,10 @@ const NOTES: &str = "\
 - **Memory**: everything tracing needs. Of the triangles, vertices and hierarchy; normals and (u, v)
   would come on top.
 - **Position error**: how far apart both hits are *along the ray* (what a depth buffer sees), and how
-  far the triangle's hit is from our tangent plane (*off the surface*), as fractions of the diagonal.
-  For nurbray: how far the point S(u, v) is from the ray. f32 has a floor of its own under Embree's.
+  far the triangle's hit is *off the tangent plane* of the surface at ours, as fractions of the diagonal.
+  Where the surface bends away from that plane, that is more than how far the hit is from the surface,
+  and may exceed the tolerance. For nurbray: how far the point S(u, v) is from the ray. f32 has a floor
+  of its own under Embree's.
 - **Normal error**: the angle between the surface's normal and the one interpolated between the exact
   normals of the triangle's corners, or the triangle's own.
 - **Doubtful**: rays of which nurbray itself says that floating point could not decide. There is no
@@ -129,7 +131,7 @@ impl Report<'_> {
             fraction(findings[k].along.map(mean))
         });
         table.row("… 99.9th percentile", &ours[1], |k| fraction(findings[k].along.map(most)));
-        table.row("position off the surface, mean", &ours[0], |k| {
+        table.row("position off the tangent plane, mean", &ours[0], |k| {
             fraction(findings[k].across.map(mean))
         });
         table.row("… 99.9th percentile", &ours[1], |k| fraction(findings[k].across.map(most)));

@@ -3,8 +3,8 @@
 
 use nurbray::geometry::{KnotVector, RationalBasis, Surface};
 use nurbray::scene::{
-    CurveEntry, CurveSpec, Instance, Object, Plot, PlotKind, PlottedCurve, PlottedSurface, Scene,
-    Shape,
+    CurveEntry, CurveSpec, ImportNote, Instance, Object, Plot, PlotKind, PlottedCurve,
+    PlottedSurface, Scene, SceneError, SceneFault, Shape,
 };
 
 use super::super::failure::{Failure, OrFail};
@@ -18,7 +18,10 @@ const MOST_FACES: usize = 200;
 /// When the scene cannot be built as its author wrote it.
 pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     // Whatever is wrong with the scene is told in the words of every other subcommand.
-    let surfaces = scene.surfaces().or_bad_input()?;
+    let surfaces = scene.surfaces().map_err(|error| match error.fault() {
+        SceneFault::Empty { notes } if !notes.is_empty() => nothing_imported(&error, notes),
+        _ => Failure::Input(error.into()),
+    })?;
     let mut shown: Vec<(PlottedCurve, Vec<String>)> = Vec::new();
     for (name, spec) in scene.objects.iter().flat_map(curves) {
         let curve = spec.plotted(&name).or_bad_input()?;
@@ -62,6 +65,23 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
         plots.push(Plot { title: Some(title), plane: None, show });
     }
     Ok(plots)
+}
+
+/// There may be curves in a model file; of these nothing is imported, and so nothing is plotted.
+fn nothing_imported(error: &SceneError, notes: &[ImportNote]) -> Failure {
+    const SHOWN: usize = 3;
+    let mut what: Vec<&str> = notes.iter().take(SHOWN).map(|note| note.what.as_str()).collect();
+    let more = format!("{} more", notes.len().saturating_sub(SHOWN));
+    if notes.len() > SHOWN {
+        what.push(&more);
+    }
+    let place = error.place();
+    let place = if place.label().is_some() { format!("{place}: ") } else { String::new() };
+    Failure::input(format!(
+        "{place}there is nothing to plot: of model files only surfaces are imported, not {}; a \
+         scene draws a curve that its [[plot]] gives",
+        what.join(", ")
+    ))
 }
 
 /// Objects of surfaces without knots, in space: of those that differ in their places only, one.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Context;
 use nurbray::geometry::Surface;
 use nurbray::intersect::{Coherence, Query};
-use nurbray::io::mesh::{GridMesh, TessellationPlan};
+use nurbray::io::mesh::{GridMesh, MeshError, TessellationPlan};
 use nurbray::io::{Embree, EmbreeHit, EmbreePrimitive, EmbreeRays, EmbreeScene, PacketWidth};
 use nurbray::math::Ray;
 use rayon::prelude::*;
@@ -61,10 +61,11 @@ impl Rival {
     ) -> Result<(Self, Vec<GridMesh>), Failure> {
         let context = || format!("tolerance {tolerance:e}");
         let (plan, plan_seconds) = repeat(budget, || {
-            TessellationPlan::to_tolerance(surfaces, tolerance).with_context(context).or_failed()
+            TessellationPlan::to_tolerance(surfaces, tolerance)
+                .map_err(|error| fault(tolerance, error))
         })?;
         let (meshes, mesh_seconds) =
-            repeat(budget, || plan.meshes().with_context(context).or_failed())?;
+            repeat(budget, || plan.meshes().map_err(|error| fault(tolerance, error)))?;
         let others = embree.bytes();
         let (scene, commit_seconds) = repeat(budget, || {
             embree.scene(&meshes, EmbreePrimitive::Grid).with_context(context).or_failed()
@@ -98,6 +99,18 @@ impl Rival {
         let best = timed.min_by(|a, b| a.0.total_cmp(&b.0));
         best.map_or_else(|| of_width(PacketWidth::One), |(_, entry)| entry)
     }
+}
+
+/// Whose fault it is that there is no mesh: a tolerance too fine for any was asked for.
+fn fault(tolerance: f64, error: MeshError) -> Failure {
+    let too_fine = matches!(
+        error,
+        MeshError::TooManyVertices { .. }
+            | MeshError::GridSides { .. }
+            | MeshError::Tolerance { .. }
+    );
+    let error = anyhow::Error::new(error).context(format!("tolerance {tolerance:e}"));
+    if too_fine { Failure::Input(error) } else { Failure::Work(error) }
 }
 
 /// The rival on one set of rays.

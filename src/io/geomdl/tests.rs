@@ -118,6 +118,57 @@ fn what_is_left_out_is_noted() {
 }
 
 #[test]
+fn keys_that_nobody_knows_are_noted() {
+    // Everything that geomdl writes is known.
+    let exported = SURFACE.replace(
+        "\"name\": \"lid\",",
+        "\"type\": \"spline\", \"rational\": true, \"dimension\": 3, \"delta\": [0.05, 0.05], \"id\": 3,",
+    );
+    let trims = format!("\"trims\": {{\"count\": 3, \"data\": [{CIRCLE}, {SQUARE}, {OUTLINE}]}}");
+    let exported = exported.replace("\"degree_u\"", &format!("{trims}, \"degree_u\""));
+    let text =
+        format!("{{\"shape\": {{\"type\": \"surface\", \"count\": 1, \"data\": [{exported}]}}}}");
+    assert_eq!(model(&text).notes, []);
+
+    let odd = SURFACE
+        .replace("\"name\": \"lid\",", "\"holes\": [1, {\"weights\": 2}], \"degree\": 3,")
+        .replace("\"weights\"", "\"wieghts\"")
+        .replace(
+            "\"degree_u\"",
+            "\"trims\": [{\"points\": [[0, 0], [1, 0], [1, 1]],\n\"sense\": 1}], \"degree_u\"",
+        );
+    let text =
+        format!("{{\"surfaces\": [{odd}, {odd}],\n\"units\": \"mm\", \"order\": \"v fastest\"}}");
+    let notes: Vec<_> = model(&text).notes.iter().map(ToString::to_string).collect();
+    let unknown = "no such key is known here";
+    assert_eq!(
+        notes,
+        [
+            format!("m.json:2:12: key \"holes\", 2 times: {unknown}"),
+            format!("m.json:2:43: key \"degree\", 2 times: {unknown}; did you mean \"degree_u\"?"),
+            format!("m.json:3:10: key \"sense\", 2 times: {unknown}"),
+            format!("m.json:8:16: key \"wieghts\", 2 times: {unknown}; did you mean \"weights\"?"),
+            format!("m.json:20:10: key \"units\", once: {unknown}"),
+        ]
+    );
+
+    // Of two lists of weights one is used, and the other one named.
+    let twice = changed("\"degree_u\"", "\"weights\": [1, 1, 1, 1, 3, 1], \"degree_u\"");
+    let twice = model(&twice);
+    assert_eq!(net(&twice.parts[0]).weights.as_ref().unwrap().value[4], 2.0);
+    let text = twice.notes.iter().map(ToString::to_string).collect::<String>();
+    assert_eq!(
+        text,
+        "m.json:2:1: surface \"m/lid\": \"weights\" left out: those of \"control_points\" are used"
+    );
+
+    // A surface alone may say what only a file may say.
+    let alone = SURFACE.replace("\"name\": \"lid\",", "\"order\": \"v fastest\", \"units\": 1,");
+    let text = model(&alone).notes.iter().map(ToString::to_string).collect::<String>();
+    assert_eq!(text, format!("m.json:2:34: key \"units\", once: {unknown}"));
+}
+
+#[test]
 fn wrong_counts() {
     assert_eq!(
         error(&changed("[0, 0, 1, 1]", "[0, 0, 1]")),

@@ -119,6 +119,30 @@ fn errors_name_line_and_column() {
 }
 
 #[test]
+fn free_form_surfaces_are_named_where_they_begin() {
+    let unread = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
+    let surface = "v 0 0 0\nv 1 0 0 W\nv 0 1 0\nv 1 1 1\ncstype bspline\ndeg 1 1\n\
+        surf 0 1 0 1 1 2 3 4\nparm u 0 0 1 1\nparm v 0 0 1 1\nend\n";
+    // With weights and without, alone and beside a cage.
+    for (weight, cage) in [("7.6", ""), ("", ""), ("7.6", SQUARES), ("", SQUARES)] {
+        let line = 5 + cage.lines().count();
+        assert_eq!(
+            error(&format!("{cage}{}", surface.replace('W', weight))),
+            format!("x.obj:{line}:1: statement \"cstype\": {unread}; cages, made of faces, are")
+        );
+    }
+    let curve = "vp 0 1\ncstype rat bezier\ndeg 1\ncurv2 -1 -1\nend\n";
+    assert!(error(curve).starts_with(&format!("x.obj:1:1: statement \"vp\": {unread}")));
+    // A cage that is sound is shown, and what is beside it is noted.
+    let model = read_obj_cage(&format!("{SQUARES}{curve}"), "x").unwrap();
+    let notes: Vec<String> = model.notes.iter().map(ToString::to_string).collect();
+    assert_eq!(notes.len(), 6 + 5);
+    assert_eq!(notes[6], format!("x:16:1: statement \"vp\", once: {unread}"));
+    // What is wrong with a cage is not hidden.
+    assert!(error(&format!("{SQUARES}{curve}f 1 2 99\n")).contains("vertex 99"));
+}
+
+#[test]
 fn mangled_files_are_read_or_refused_with_a_place() {
     let tagged = format!("{SQUARES}t crease 2/1/0 1 2 2.5\n");
     let mut refused = 0;

@@ -443,7 +443,11 @@ fn errors_point_at_the_value_not_at_its_table() {
     for (lines, message) in [
         (
             "[camera]\nup = [0, 0, 0]",
-            "4:6: camera: up (0, 0, 0) must not be zero or run along the view",
+            "4:6: camera: up (0, 0, 0) is no direction: it must not be zero",
+        ),
+        (
+            "[camera]\nlook_from = [0, 0, 9]\nup = [0, 0, 1]",
+            "5:6: camera: up (0, 0, 1) runs along the view (0, 0, -1): it must point another way",
         ),
         (
             "[camera]\nlook_at = [0, 0, 0]\nlook_from = [0, -1e200, 0]",
@@ -505,6 +509,14 @@ fn broken_nets() {
         (
             format!("degree = 1\nknots_u = [[0, 2], 1]\n{points}"),
             "5:11: knots are listed either all as numbers or all as [knot, times]",
+        ),
+        (
+            format!("degree = 1\nknots_u = [[0, 3.5], [1, 2]]\n{points}"),
+            "5:12: found 3.5 as the times of a knot, needed [knot, times] with a whole number from 1 on",
+        ),
+        (
+            format!("degree = 1\nknots_u = [[0, 2], [1, -3]]\n{points}"),
+            "5:20: found -3 as the times of a knot, needed [knot, times] with a whole number from 1 on",
         ),
         (
             format!("degree = 1\nknots_u = [0, 0, inf, inf]\n{points}"),

@@ -338,10 +338,17 @@ impl TryFrom<Loose> for KnotEntry {
     fn try_from(value: Loose) -> Result<Self, String> {
         match &value {
             Loose::Number(knot) => Ok(Self::Single(*knot)),
-            Loose::List(list) => match list.as_slice() {
+            Loose::List(list) => match *list.as_slice() {
                 // `as` saturates: an absurd multiplicity stays absurd and is refused later.
-                &[knot, times] if times.fract() == 0.0 && times >= 0.0 => {
+                [knot, times] if times.fract() == 0.0 && times >= 0.0 => {
                     Ok(Self::Pair(knot, times as usize))
+                }
+                [_, times] => {
+                    let times = Shown(times);
+                    Err(format!(
+                        "found {times} as the times of a knot, needed [knot, times] with a whole \
+                         number from 1 on"
+                    ))
                 }
                 _ => Err(value.but_needed("a knot, or [knot, times]")),
             },
