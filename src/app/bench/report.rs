@@ -148,9 +148,11 @@ impl Report<'_> {
         }
         for rival in self.rivals {
             text.push_str(&format!(
-                "{}, tolerance {:e}: {}, {}; {} to plan, {} from the surfaces, {} of it to commit\n",
+                "{}, tolerance {:e} of the diagonal, {}: {}, {}; {} to plan, {} from the surfaces, {} of \
+                 it to commit\n",
                 self.rival,
                 rival.tolerance,
+                short(rival.tolerance * model.diagonal),
                 count(rival.triangles as u64, "triangle"),
                 short_bytes(rival.bytes),
                 time(rival.plan_seconds),
