@@ -17,6 +17,7 @@
 //!
 //! [`Aabb`]: crate::math::Aabb
 
+mod bend;
 mod certificate;
 mod collapsed_side;
 mod fit;

@@ -2,32 +2,15 @@
 
 use glam::{DVec3, DVec4};
 
-use super::tensor::{euclidean, euclidean_net};
+use super::bend::{Bend, MOST_HALVINGS};
+use super::tensor::euclidean;
 use super::{CollapsedSide, ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
-/// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
-/// for any surface worth drawing, and a cusp would never become flat.
-const MOST_HALVINGS: u32 = 16;
-
 /// A trim curve that stays so near the border of a part, in sides, is not worth halving for: the
 /// parts on that side would all be as mixed as before.
 const RIM: f64 = 1.0 / 16.0;
-
-/// Rational leaves are at least so flat: their bicubic approximations, and tangents relative to the
-/// middle, are off by powers of that. Measured on the wires of a control net: of the leaves searched for
-/// primary rays 12 % went to the exact solver without this bound, 3 % with it, 0.4 % with the next.
-const RATIONAL: f64 = 0.25;
-
-/// Rational leaves that are longer than so many times their width, up to [`LONGEST`], and bent along
-/// it, must be as much flatter than [`RATIONAL`]: what is known of them relative to their length must
-/// be good for their width.
-const LONG: f64 = 8.0;
-const LONGEST: f64 = 32.0;
-
-/// Polynomial leaves are at least so flat.
-const COARSEST: f64 = 0.5;
 
 /// Flatter leaves than this gain little. Flat ones need fewer Newton steps, fit their boxes better
 /// and are certified for more rays; but there are more of them, each met by fewer rays of a packet.
@@ -85,17 +68,6 @@ pub(super) struct Way {
     pub(super) worth: f64,
 }
 
-/// How much a part bends.
-#[derive(Clone, Copy, Debug)]
-struct Bend {
-    /// In `s` and in `t`: half the angle by which rows turn.
-    angles: [f64; 2],
-    /// The same, more where no coarser leaf will do.
-    strained: [f64; 2],
-    /// How long it is.
-    sides: [f64; 2],
-}
-
 impl Halving {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
@@ -127,30 +99,27 @@ impl Halving {
             return;
         }
         self.inside = coverage == Coverage::Inside;
-        let rational = piece.patch.is_rational();
-        let coarsest = if rational { RATIONAL } else { COARSEST };
-        self.bend = self.measured_bend(piece);
-        match self.bend {
-            Some(Bend { strained, sides, .. }) if strained.iter().any(|&b| b > coarsest) => {
-                let [first, second] = self.halves(piece, larger(strained, sides));
+        self.bend = Bend::of(piece, self.rect, &self.net);
+        match self.bend.and_then(|bend| bend.too_much()) {
+            Some(direction) => {
+                let [first, second] = self.halves(piece, direction);
                 second.coarse_parts(piece, done);
                 first.coarse_parts(piece, done);
             }
-            _ => done(self),
+            None => done(self),
         }
     }
 
     /// The best way to halve this part further, if that is worth anything.
     pub(super) fn way(&self, piece: &Piece) -> Option<Way> {
-        let Bend { angles, sides, .. } = self.bend?;
-        let mut direction = larger(angles, sides);
-        let mut angle = angles[direction];
+        let bend = self.bend?;
+        let (mut direction, mut angle) = bend.most();
         let mut at_trims = false;
         let worth = AT_TRIMS.get(self.cuts as usize).filter(|&&worth| worth > angle);
         if let (Some(&worth), Some(across)) = (worth, self.direction_to_cut(piece)) {
             (direction, angle, at_trims) = (across, worth, true);
         }
-        let worth = angle * (sides[0] * sides[1]).sqrt().sqrt();
+        let worth = angle * bend.size().sqrt();
         (angle > FLATTEST).then_some(Way { direction, at_trims, worth })
     }
 
@@ -187,62 +156,6 @@ impl Halving {
         let chords = piece.patch.chords(self.rect.ranges()).map(DVec3::length);
         let longer = usize::from(chords[1] > chords[0]);
         [longer, 1 - longer].into_iter().find(|&k| self.rect.halvings(k) < MOST_HALVINGS)
-    }
-
-    /// How much the part bends; `None` where rounding is all there is left to see.
-    ///
-    /// The measure of a direction is the largest second difference of the control points
-    /// along it, times the second derivative's factor, over the longest row's chord: half
-    /// the angle by which the rows turn. Twist counts where it leaves the leaf's plane.
-    fn measured_bend(&self, piece: &Piece) -> Option<Bend> {
-        let [p, q] = piece.patch.degree();
-        let noise = piece.patch.noise();
-        let points = euclidean_net(&self.net);
-        if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
-            return None;
-        }
-        let mut sides = [noise; 2];
-        let mut angles = [0f64; 2];
-        for (k, (degree, step, others, other_step)) in
-            [(p, q + 1, q, 1), (q, 1, p, q + 1)].into_iter().enumerate()
-        {
-            let (mut chord, mut second) = (0f64, 0f64);
-            for k in 0..=others {
-                let row = |i: usize| points[k * other_step + i * step];
-                chord = chord.max(row(0).distance_squared(row(degree)));
-                for i in 1..degree {
-                    let turn = row(i - 1) - 2.0 * row(i) + row(i + 1);
-                    second = second.max(turn.length_squared());
-                }
-            }
-            sides[k] = chord.sqrt().max(noise);
-            let factor = (degree * degree.saturating_sub(1)) as f64 / 2.0;
-            angles[k] = second.sqrt() * factor / sides[k];
-        }
-        let mut strained = angles;
-        if piece.patch.is_rational() {
-            let aspect = (sides[0] / sides[1]).clamp(1.0 / LONGEST, LONGEST);
-            strained[0] *= (aspect / LONG).max(1.0);
-            strained[1] *= (1.0 / (aspect * LONG)).max(1.0);
-        }
-        let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
-        let twist = corner(0, 0) - corner(0, 1) - corner(1, 0) + corner(1, 1);
-        let normal = (corner(1, 1) - corner(0, 0)).cross(corner(0, 1) - corner(1, 0));
-        let out_of_plane = twist.dot(normal.normalize_or_zero()).abs();
-        let twist = out_of_plane / sides[0].max(sides[1]);
-
-        for k in 0..2 {
-            // Two collapsed sides at the two ends of a direction need a leaf each.
-            let both_ends = piece.collapsed(2 * k).is_some()
-                && piece.collapsed(2 * k + 1).is_some()
-                && self.rect.halvings(k) == 0;
-            let least = if both_ends { f64::INFINITY } else { twist };
-            let may_be_halved = self.rect.halvings(k) < MOST_HALVINGS;
-            for angles in [&mut angles, &mut strained] {
-                angles[k] = if may_be_halved { angles[k].max(least) } else { 0.0 };
-            }
-        }
-        Some(Bend { angles, strained, sides })
     }
 
     fn halves(&self, piece: &Piece, direction: usize) -> [Self; 2] {
@@ -306,10 +219,4 @@ impl Halving {
     pub(super) fn net(&self) -> &[DVec4] {
         &self.net
     }
-}
-
-/// Where there is more bend; else, as where both are the twist, the longer side.
-fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
-    let order = angles[1].total_cmp(&angles[0]).then(sides[1].total_cmp(&sides[0]));
-    usize::from(order.is_gt())
 }
