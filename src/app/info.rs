@@ -25,8 +25,9 @@ pub(crate) const HELP: &str = "\
 Gaps: each border of each surface is sampled at 33 points or more, and each
 point's nearest point on every other border is found by Newton's method. Two
 borders run side by side where at least a quarter of the points of one lie
-within 1e-3 of the size of the object it belongs to (of two the smaller one's;
-and 1/20 of the shorter border's length) of the other. They meet if none of these
+within 1e-3 of the size of the object they belong to (of two objects' borders,
+within 1e-3 of the larger one's size and 1e-2 of the smaller one's; and within
+1/20 of the shorter border's length) of the other. They meet if none of these
 points is farther off than rounding, 4 (p + q + 4) 2^-53 M for each surface; else
 the largest distance is listed as a gap, through which rays may pass. Gaps
 narrower than the samples are long may be missed. Trim edges are curves like

@@ -18,13 +18,7 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
 
     let mut kept = 0;
     for k in 0..meetings.len() {
-        let mut meeting = meetings[k];
-        for earlier in &mut meetings[..kept] {
-            if is_tip(earlier) != is_tip(&meeting) && at_one_place(earlier, &meeting, pieces) {
-                let tip = if is_tip(earlier) { earlier } else { &mut meeting };
-                tip.flags.insert(HitFlags::DOUBTFUL);
-            }
-        }
+        let meeting = meetings[k];
         let same = meetings[..kept].iter().rposition(|earlier| {
             same_side(earlier, &meeting) && at_one_place(earlier, &meeting, pieces)
         });
@@ -51,7 +45,19 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
     meetings.truncate(kept);
     // A certain view may lie a little behind the doubtful one whose place it has taken.
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
+    doubt_tips(meetings, pieces);
     doubt_half_touches(meetings, pieces);
+}
+
+/// Flags tips that something else is met beside, now that views of one crossing are together: none of
+/// them can take the flag away again.
+fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
+    for k in (0..meetings.len()).filter(|&k| is_tip(&meetings[k])).collect::<Vec<_>>() {
+        let tip = &meetings[k];
+        if meetings.iter().any(|m| !is_tip(m) && at_one_place(m, tip, pieces)) {
+            meetings[k].flags.insert(HitFlags::DOUBTFUL);
+        }
+    }
 }
 
 /// Flags what is met only because the ray passes close to it on its outside, unless another

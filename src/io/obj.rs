@@ -49,7 +49,7 @@ pub struct CageModel {
 const FREE_FORM: &str = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
 
 /// Statements that are no part of a cage, and what they are.
-const IGNORED: [(&str, &str); 35] = [
+const IGNORED: [(&str, &str); 40] = [
     ("vt", "texture coordinates are not used"),
     ("vn", "the surface has its own normals"),
     ("vp", FREE_FORM),
@@ -85,6 +85,12 @@ const IGNORED: [(&str, &str); 35] = [
     ("sp", FREE_FORM),
     ("con", FREE_FORM),
     ("end", FREE_FORM),
+    // Of older versions of the format.
+    ("bsp", FREE_FORM),
+    ("bzp", FREE_FORM),
+    ("cdc", FREE_FORM),
+    ("cdp", FREE_FORM),
+    ("res", FREE_FORM),
 ];
 
 /// What stands for a colour behind a vertex among the statements left out.

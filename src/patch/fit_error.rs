@@ -60,7 +60,7 @@ impl FitError {
         }
 
         // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u; making it
-        // larger multiplies what they are off by up to `REACHᵖ⁺q`.
+        // larger multiplies what they are off by up to `FIT_DOMAINᵖ⁺q`.
         let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
         let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
@@ -103,7 +103,7 @@ impl FitError {
         if !in_range {
             return Self::UNKNOWN;
         }
-        // The sum of `REACHⁱ⁺ʲ` is 29, that of `(i + j) REACHⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
+        // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let noise = 4.0 * piece.patch.noise();

@@ -201,7 +201,7 @@ impl Leaf {
     }
 }
 
-/// `REACHᵏ`.
+/// [`FIT_DOMAIN`]`ᵏ`.
 const POWERS: [f64; 6] = {
     let mut powers = [1.0; 6];
     let mut k = 1;

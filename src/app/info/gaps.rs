@@ -11,8 +11,13 @@ use rayon::prelude::*;
 use super::super::border::{Border, rounding};
 use super::border_curve::BorderCurve;
 
-/// Borders farther apart than this share of the size of the objects that they belong to are apart on purpose.
+/// Borders farther apart than this share of the size of the larger of the objects that they belong to are
+/// apart on purpose: it is as exact as its largest parts.
 pub(crate) const NEAR: f64 = 1e-3;
+
+/// Nor is a gap what is wider than this share of the smaller object: a teapot on a large table has no
+/// more of them.
+pub(crate) const NEAR_SMALLER: f64 = 1e-2;
 
 /// Nor do borders nearly meet that are farther apart than this share of the shorter one's
 /// length: at a corner of a small surface all of its borders are near one another.
@@ -87,7 +92,7 @@ pub(crate) struct Fit {
 ///
 /// `drawings` says of each surface which drawing (a tube, a net) it belongs to, if to one. Tubes and
 /// joints of one drawing run into each other: what nearly meets there is no gap. `sizes` are those of the objects
-/// that the surfaces belong to: of two the smaller counts, so that a teapot has no more gaps on a large table.
+/// that the surfaces belong to.
 pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: &[f64]) -> Fit {
     let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
     let mut first_charts = Vec::new();
@@ -121,12 +126,16 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
     }
     let trim_edges = curves.len() - borders;
 
-    let near = |edge: &Edge| NEAR * sizes[edge.surface];
-    let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(near(e))).collect();
+    let near = |[a, b]: [f64; 2]| (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b));
+    let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
+    // The larger box of a pair is grown by as much as that.
+    let farthest = |edge: &Edge| near([sizes[edge.surface], largest]);
+    let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(farthest(e))).collect();
     let pairs = overlapping(&boxes);
     let compared = |&[i, j]: &[usize; 2]| {
         let [(a, first), (b, second)] = [&curves[i], &curves[j]];
-        Some(([i, j], side_by_side(first, second, near(a).min(near(b)))?))
+        let near = near([a, b].map(|edge| sizes[edge.surface]));
+        Some(([i, j], side_by_side(first, second, near)?))
     };
     let sides: Vec<_> = pairs.par_iter().filter_map(compared).collect();
 
@@ -248,21 +257,24 @@ mod tests {
         assert_eq!((apart.meeting, apart.free, apart.gaps.len()), (0, 8, 0));
     }
 
-    /// Two sheets of an object of size 2, and a table of size 2e4 or 2e-2 beside them.
+    /// Two sheets of objects of these sizes.
     #[test]
-    fn what_is_near_depends_on_the_smaller_object() {
+    fn what_is_near_depends_on_both_objects() {
         let sheets = |apart: f64| [plane_at(0.0, 0.0, 0.0), plane_at(1.0 + apart, 0.0, 0.0)];
         let gaps = |apart: f64, sizes: [f64; 2]| {
             super::fit(&sheets(apart).map(Surface::from), &[], &sizes).gaps.len()
         };
-        assert_eq!(
-            [gaps(1e-3, [2.0, 2.0]), gaps(1e-3, [2.0, 2e4]), gaps(1e-3, [2e-2, 2.0])],
-            [1, 1, 0]
-        );
-        assert_eq!(
-            [gaps(1e-2, [2.0, 2.0]), gaps(1e-2, [2.0, 2e4]), gaps(1e-2, [2e4, 2e4])],
-            [0, 0, 1]
-        );
+        for (apart, sizes, expected) in [
+            (1e-3, [2.0, 2.0], 1),
+            (3e-3, [2.0, 2.0], 0),
+            (3e-3, [2.0, 2e4], 1),
+            (3e-2, [2.0, 2e4], 0),
+            (3e-2, [2e4, 2e4], 1),
+            (1e-3, [0.5, 2.0], 1),
+            (1e-3, [0.05, 2.0], 0),
+        ] {
+            assert_eq!(gaps(apart, sizes), expected, "{apart} apart, {sizes:?} large");
+        }
     }
 
     #[test]

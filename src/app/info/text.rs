@@ -9,7 +9,7 @@ use nurbray::scene::ImportNote;
 
 use super::super::table::{count, long_point, short, short_bytes, short_point, table};
 use super::facts::{Facts, SurfaceFacts};
-use super::gaps::{Edge, Fit, NEAR};
+use super::gaps::{Edge, Fit, NEAR, NEAR_SMALLER};
 
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;
@@ -165,7 +165,11 @@ fn borders(fit: &Fit, facts: &Facts) -> String {
         let _ = writeln!(text, "trim edges of {surface} {name} are not among them: {error}");
     }
     if fit.gaps.is_empty() {
-        let _ = writeln!(text, "no gaps up to {NEAR:e} of an object's size");
+        let _ = writeln!(
+            text,
+            "no gaps up to {NEAR:e} of the size of the objects (between two, of the larger one's, and \
+             {NEAR_SMALLER:e} of the smaller one's)"
+        );
         return text;
     }
     let _ = writeln!(text, "{}, widest first:", count(fit.gaps.len() as u64, "gap"));

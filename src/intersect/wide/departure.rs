@@ -21,7 +21,8 @@
 //!   away from the ray. `ε` is what `N` is not perpendicular to the tangents at `y₁` by: it is to those at
 //!   the stated start, but for rounding, and they differ by no more than the norm of the second
 //!   derivatives times how far apart the two places are. That is no more than `stretch` times how far
-//!   apart their points are: as far as the ray's origin is from the stated start's, over the cosine;
+//!   apart their points are: as far as the ray's origin is from the stated start's, over the cosine. (All of
+//!   these bounds hold a little outside the leaf, so that must not be far.)
 //! - or `Λ` is what they are in the one direction that `Δ` can have, but for a small angle. Let `m` be
 //!   the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The
 //!   approximation's is `g · Δ` but for what its own second derivatives come to, `ε |Δ|` with theirs for the
@@ -42,7 +43,7 @@ use fearless_simd_macros::simd;
 
 use super::search::bits;
 use super::single_proof::LEAF;
-use crate::patch::Leaf;
+use crate::patch::{FIT_DOMAIN, Leaf};
 
 /// What rounding to f32 does to places, as a part of the sides' lengths, and to what does not depend on
 /// the normal: 30 units of 2⁻²⁴. Terms add up to twice the sides at most where there is a stretch; to
@@ -56,6 +57,11 @@ const NORMAL_ROUNDING: f32 = 1.8e-5;
 
 /// Where the ray may start, in box coordinates: the approximation's bounds hold a little farther.
 pub(super) const NEARBY: f32 = 1.19;
+
+/// How far the ray's own root may be from the place it is said to start at, in box coordinates: so
+/// much farther do the approximation's bounds hold.
+const APART: f32 = 0.0099;
+const _: () = assert!(NEARBY + APART < FIT_DOMAIN as f32);
 
 /// Nothing is said of leaves of other sizes: squares of lengths might be no numbers of f32.
 const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
@@ -153,14 +159,17 @@ impl<S: Simd> Departure<S> {
         // All are false for NaN. Where the leaf bends away, that is no help to what is left.
         let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, NEARBY));
         let known = self.reach * turned;
+        let apart = splat(simd, APART * lengths[0].min(lengths[1]));
         let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
+        let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
         // The origin is off by that in no coordinate, so by less than twice that.
         let fit_error = leaf.fit_error();
         let seen = self.reach + self.reach + splat(simd, 3.0 * (fit_error + rounding));
         let near = off.simd_le(self.reach + splat(simd, fit_error + rounding));
+        let surely = if_near & near & (seen * moved).simd_lt(apart);
         let seen = seen * turned;
-        let surely = if_near & near & seen.simd_lt(most) & seen.simd_lt(left[0]);
+        let surely = surely & seen.simd_lt(most) & seen.simd_lt(left[0]);
         Final { surely: bits(surely), if_near: bits(if_near) }
     }
 

@@ -325,7 +325,7 @@ impl Local {
     }
 }
 
-/// `i REACHⁱ⁺ʲ⁻¹`, and `j REACHⁱ⁺ʲ⁻¹`.
+/// `i GROWNⁱ⁺ʲ⁻¹`, and `j GROWNⁱ⁺ʲ⁻¹`.
 const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
     let mut weights = [[0.0; 16]; 2];
     let mut k = 1;

@@ -284,7 +284,7 @@ impl<S: Simd> Local<S> {
     }
 }
 
-/// `i REACHⁱ⁺ʲ⁻¹` by `x`, and `j REACHⁱ⁺ʲ⁻¹` by `y`, for both distances: `j` by vector, `i` by lane.
+/// `i GROWNⁱ⁺ʲ⁻¹` by `x`, and `j GROWNⁱ⁺ʲ⁻¹` by `y`, for both distances: `j` by vector, `i` by lane.
 const SLOPE_WEIGHTS: [[[f32; 8]; 4]; 2] = {
     let mut weights = [[[0.0; 8]; 4]; 2];
     let mut k = 1;

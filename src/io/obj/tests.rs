@@ -131,6 +131,10 @@ fn free_form_surfaces_are_named_where_they_begin() {
             format!("x.obj:{line}:1: statement \"cstype\": {unread}; cages, made of faces, are")
         );
     }
+    for old in ["bsp", "bzp", "cdc", "cdp", "res"] {
+        let said = error(&format!("v 0 0 0\n{old} 1 2 3\n"));
+        assert!(said.starts_with(&format!("x.obj:2:1: statement \"{old}\": {unread}")), "{said}");
+    }
     let curve = "vp 0 1\ncstype rat bezier\ndeg 1\ncurv2 -1 -1\nend\n";
     assert!(error(curve).starts_with(&format!("x.obj:1:1: statement \"vp\": {unread}")));
     // A cage that is sound is shown, and what is beside it is noted.
