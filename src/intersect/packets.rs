@@ -132,7 +132,8 @@ impl Tracer<'_> {
         let packet = &self.packets.packet;
         let mut looked_at = self.packets.work.rest_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
-            answers.extend(std::iter::repeat_n(Answer::default(), shots.len()));
+            // One by one: a copy of an answer would write the places of a hit, too.
+            answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
             return;
         }
         let first = answers.len();
