@@ -10,7 +10,7 @@ use super::tree::Tree;
 use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
-use crate::math::rounding;
+use crate::math::{Aabb, rounding};
 use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame};
 
 /// How surfaces are prepared.
@@ -38,6 +38,8 @@ pub struct SurfaceBvh {
     pub(super) leaf_width: f64,
     /// See [`ReachOfF32::of_tree`].
     pub(super) reach_of_f32: f64,
+    /// Holds all that a ray from within that reach may be said to meet: single rays beside it need no more.
+    pub(super) surroundings: Aabb,
 }
 
 impl SurfaceBvh {
@@ -62,7 +64,9 @@ impl SurfaceBvh {
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
-        Ok(Self { set, leaves, tree, leaf_width, reach_of_f32 })
+        // Twice as much as a point may be off the ray; and as rounding makes of distances up to there.
+        let surroundings = set.bounds().grown(4.0 * BLUR_OF_F32 / tree.frame().scale);
+        Ok(Self { set, leaves, tree, leaf_width, reach_of_f32, surroundings })
     }
 
     /// Ready to trace on this thread with the default kernel.

@@ -26,7 +26,7 @@ impl Tracer<'_> {
             // Rays that leave a root are traced one by one: what a ray is answered must not
             // depend on its neighbours.
             if first.from().is_some() || self.bvh.leaves.is_empty() {
-                answers.push(self.first_hit(&first.query()));
+                answers.push(self.first_hit(first));
                 rest = &rest[1..];
                 continue;
             }

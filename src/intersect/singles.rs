@@ -23,11 +23,15 @@ impl SurfaceBvh {
 
 impl Tracer<'_> {
     /// The first hit of one ray.
-    pub(super) fn single_first(&mut self, level: Level, query: &Query) -> Answer {
-        if self.is_beyond_f32(query) {
-            return self.scalar_first(query);
+    pub(super) fn single_first<Q: Shot>(&mut self, level: Level, shot: &Q) -> Answer {
+        if self.is_beyond_f32(shot.ray()) {
+            return self.scalar_first(&shot.query());
         }
-        dispatch!(level, simd => first_hit(simd, self, query))
+        if self.bvh.surroundings.is_beside(shot.ray()) {
+            self.findings.statistics.rays += 1;
+            return Answer { hit: None, doubtful: false };
+        }
+        dispatch!(level, simd => first_hit(simd, self, shot))
     }
 
     /// Whether anything lies on one ray.
@@ -37,8 +41,8 @@ impl Tracer<'_> {
 
     /// Whether the ray comes from too far away for the fast search.
     #[inline(always)]
-    fn is_beyond_f32(&self, query: &Query) -> bool {
-        self.bvh.scene().is_beyond_f32(query.ray.origin().abs().max_element())
+    fn is_beyond_f32(&self, ray: &Ray) -> bool {
+        self.bvh.scene().is_beyond_f32(ray.origin().abs().max_element())
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.
@@ -130,7 +134,7 @@ fn any_hits<S: Simd>(
 
 #[simd]
 fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusion {
-    if tracer.is_beyond_f32(query) {
+    if tracer.is_beyond_f32(&query.ray) {
         return tracer.scalar_any(query);
     }
     let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);

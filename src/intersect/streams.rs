@@ -27,7 +27,7 @@ impl Tracer<'_> {
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
                     self.findings.statistics.count_again();
-                    answers[first + k] = self.single_first(level, &shot.query());
+                    answers[first + k] = self.single_first(level, shot);
                 }
             }
         }

@@ -76,10 +76,11 @@ impl<'a> Tracer<'a> {
 
     /// The first hit of a ray: the one with the smallest `t` in its range; of hits with the
     /// same `t` the one on the surface, then the piece, that was given first.
-    pub fn first_hit(&mut self, query: &Query) -> Answer {
+    #[inline]
+    pub fn first_hit<Q: Shot>(&mut self, shot: &Q) -> Answer {
         match self.level {
-            Some(level) => self.single_first(level, query),
-            None => self.scalar_first(query),
+            Some(level) => self.single_first(level, shot),
+            None => self.scalar_first(&shot.query()),
         }
     }
 
@@ -145,7 +146,7 @@ impl<'a> Tracer<'a> {
                 self.first_hits_in_packets(level, shots, answers);
             }
             Some(level) => self.first_hits_in_streams(level, shots, answers),
-            None => answers.extend(shots.iter().map(|shot| self.first_hit(&shot.query()))),
+            None => answers.extend(shots.iter().map(|shot| self.first_hit(shot))),
         }
     }
 

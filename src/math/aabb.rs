@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::Ray;
+
 /// A closed axis-parallel box; empty until something is put in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -53,8 +55,83 @@ impl Aabb {
         self.max - self.min
     }
 
+    /// Whether a ray passes beside the box, as far as rounding tells (Kay and Kajiya 1986).
+    ///
+    /// It may be wrong where the ray comes nearer than a few roundings of the distances from its origin to the
+    /// box's planes. Never true of the empty box.
+    #[inline(always)]
+    pub fn is_beside(&self, ray: &Ray) -> bool {
+        // A plane through the origin that the ray runs along gives no number: one of these is the other then.
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        let (origin, inverse) = (ray.origin(), ray.direction().recip());
+        let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
+        let (mut entry, mut exit) = (ray.t_min(), ray.t_max());
+        for k in 0..3 {
+            entry = more(less(to_min[k], to_max[k]), entry);
+            exit = less(more(to_min[k], to_max[k]), exit);
+        }
+        entry > exit
+    }
+
     /// The largest absolute coordinate.
     pub fn magnitude(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn vector(range: std::ops::Range<f64>) -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(range).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        /// A ray through a point of the box is not beside it; cut off before it reaches the box, it is.
+        #[test]
+        fn a_ray_is_beside_what_it_does_not_reach(
+            corner in vector(-3.0..3.0),
+            size in vector(0.01..2.0),
+            place in vector(0.001..0.999),
+            origin in vector(-9.0..9.0),
+            scale in -30..30i32,
+        ) {
+            let bounds = Aabb { min: corner, max: corner + size };
+            let inside = corner + place * size;
+            let direction = (inside - origin) * 10f64.powi(scale);
+            prop_assume!(direction.length_squared() > 0.0);
+            let t = 0.1f64.powi(scale);
+            let through = |t_min: f64, t_max: f64| Ray::with_range(origin, direction, t_min, t_max);
+            prop_assert!(!bounds.is_beside(&through(0.0, f64::INFINITY).unwrap()));
+            prop_assert!(!bounds.is_beside(&through(0.999 * t, 1.001 * t).unwrap()));
+            let farthest = size.length() / inside.distance(origin);
+            let before = [f64::NEG_INFINITY, t * (0.999 - farthest)];
+            let behind = [t * (1.001 + farthest), f64::INFINITY];
+            for [from, to] in [before, behind] {
+                prop_assert!(bounds.is_beside(&through(from, to).unwrap()));
+            }
+            // Aimed at a point beyond a corner, along a plane that touches the box there.
+            let outward = inside - bounds.center();
+            let support = DVec3::select(outward.cmpge(DVec3::ZERO), bounds.max, bounds.min);
+            let along = outward.any_orthogonal_vector();
+            let off = Ray::new(support + 1e-6 * outward - along, along).unwrap();
+            prop_assert!(bounds.is_beside(&off));
+        }
+    }
+
+    #[test]
+    fn rays_along_the_sides_of_a_box_are_told_from_those_beside_it() {
+        let unit = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
+        let beside =
+            |x: f64, z: f64| unit.is_beside(&Ray::new(DVec3::new(x, -5.0, z), DVec3::Y).unwrap());
+        assert!(!beside(0.5, 0.5) && !beside(1e-9, 1.0 - 1e-9));
+        assert!(beside(-1e-9, 0.5) && beside(0.5, 1.0 + 1e-9) && beside(-1.0, -1.0));
+        let flat = Aabb { min: DVec3::ZERO, max: DVec3::new(1.0, 1.0, 0.0) };
+        assert!(!flat.is_beside(&Ray::new(DVec3::new(0.5, 0.5, 3.0), -DVec3::Z).unwrap()));
+        assert!(!Aabb::EMPTY.is_beside(&Ray::new(DVec3::ZERO, DVec3::X).unwrap()));
     }
 }

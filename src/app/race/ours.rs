@@ -48,11 +48,26 @@ impl<'a> Ours<'a> {
     pub(crate) fn pass(&self) {
         let desks = Desks::default();
         self.chunks().for_each(|chunk| {
-            desks.with(self, |desk| {
-                self.trace(desk, chunk);
-                black_box((&desk.answers, &desk.occlusions));
+            desks.with(self, |desk| match self.rays.set.calls() {
+                Calls::OneByOne => self.ask(desk, chunk),
+                Calls::Batch(_) => {
+                    self.trace(desk, chunk);
+                    black_box((&desk.answers, &desk.occlusions));
+                }
             });
         });
+    }
+
+    /// Traces rays one by one, each answer looked at as it comes: who wants them together asks for a batch.
+    fn ask(&self, Desk { tracer, .. }: &mut Desk<'_>, (queries, alone): (&[Query], &[Ray])) {
+        match self.rays.set.question() {
+            Question::FirstHit => alone.iter().for_each(|ray| {
+                black_box(&tracer.first_hit(ray));
+            }),
+            Question::AnyHit => queries.iter().for_each(|query| {
+                black_box(tracer.occluded(query));
+            }),
+        }
     }
 
     /// Traces all rays once and keeps what became of them.
@@ -99,7 +114,7 @@ impl<'a> Ours<'a> {
             }
             (Question::FirstHit, Calls::OneByOne) => {
                 answers.clear();
-                answers.extend(queries.iter().map(|query| tracer.first_hit(query)));
+                answers.extend(alone.iter().map(|ray| tracer.first_hit(ray)));
             }
             (Question::AnyHit, Calls::OneByOne) => {
                 occlusions.clear();
