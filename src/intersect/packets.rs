@@ -2,7 +2,7 @@
 
 use super::borders::{at_border, error_bound};
 use super::meeting::{Meeting, occlusion};
-use super::read_ahead::ReadAhead;
+use super::read_ahead::{Ahead, ReadAhead};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
 use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
@@ -33,7 +33,7 @@ impl Tracer<'_> {
             near.read(rest);
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
-            self.trace_packet(level, packet, Wanted::First);
+            self.trace_packet(level, packet, &mut Ahead::none(), Wanted::First);
             self.search_rest(packet, Wanted::First);
             let first = answers.len();
             self.answer_packet(packet, answers);
@@ -62,8 +62,10 @@ impl Tracer<'_> {
         while !rest.is_empty() {
             near.read(rest);
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
+            near.while_tracing(others, |ahead| {
+                self.trace_packet(level, packet, ahead, Wanted::Any);
+            });
             rest = others;
-            self.trace_packet(level, packet, Wanted::Any);
             self.search_rest(packet, Wanted::Any);
             let (first, met) = (answers.len(), self.packets.packet.met());
             let open = self.packets.work.rest_rays & !met;
@@ -90,13 +92,19 @@ impl Tracer<'_> {
         occlusion
     }
 
-    fn trace_packet<Q: Shot>(&mut self, level: Level, shots: &[Q], wanted: Wanted) {
+    fn trace_packet<Q: Shot>(
+        &mut self,
+        level: Level,
+        shots: &[Q],
+        ahead: &mut Ahead<'_, Q>,
+        wanted: Wanted,
+    ) {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
         packet.ask(wanted);
         let statistics = &mut self.findings.statistics;
         statistics.rays += shots.len() as u64;
         let scene = self.bvh.scene();
-        dispatch!(level, simd => trace(simd, &scene, shots, packet, work, statistics));
+        dispatch!(level, simd => trace(simd, &scene, (shots, &mut *ahead), packet, work, statistics));
     }
 
     /// The search ray by ray for the rays and leaves the packet could not decide.

@@ -15,6 +15,7 @@ use super::packet::{Packet, PacketBounds};
 use super::search::bits;
 use super::single::Scene;
 use super::{LANES, PACKET};
+use crate::intersect::read_ahead::Ahead;
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
@@ -52,12 +53,13 @@ impl Work {
 
 /// Finds the nearest certified hit of every one of up to [`PACKET`] rays, or any if that is all
 /// they ask (`packet.any`). `work.rest` names the
-/// pairs of ray and leaf that could not be certified or decided, which may hold nearer ones.
+/// pairs of ray and leaf that could not be certified or decided, which may hold nearer ones. The rays
+/// `ahead` are asked for on the way.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
     scene: &Scene<'_>,
-    shots: &[Q],
+    (shots, ahead): (&[Q], &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -83,6 +85,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         if entry > packet.farthest {
             continue;
         }
+        ahead.ask();
         match code.child() {
             Child::Block(index) => {
                 search_block(simd, scene, (index, rays), packet, work, statistics);
