@@ -25,7 +25,8 @@ Ray sets; N is --size:
                      packets: tiles of 64 x 64 pixels, in each a Z-order curve,
                      so that 16 rays are 4 x 4 pixels; if leaves are smaller
                      than two pixels, in batches, as pictures are traced
-  single             the same rays in the same order, one call a ray
+  single             the same rays in the same order, one call a ray; our answers
+                     are dropped as they come, Embree's stay in its rays
   incoherent         N x N chords of a sphere around the model (1 % wider than
                      it), in batches
   incoherent-single  the same chords, one call a ray

@@ -64,8 +64,8 @@ impl SurfaceBvh {
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
-        // Twice as much as a point may be off the ray; and as rounding makes of distances up to there.
-        let surroundings = set.bounds().grown(4.0 * BLUR_OF_F32 / tree.frame().scale);
+        // As far as a point may be off the ray twice: rounding of distances up to there is less than that.
+        let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
         Ok(Self { set, leaves, tree, leaf_width, reach_of_f32, surroundings })
     }
 
@@ -152,10 +152,11 @@ impl ReachOfF32 {
         rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))
     }
 
-    /// The largest coordinate an origin may have.
+    /// The largest coordinate an origin may have: at least that of the surfaces, whose boxes hold what points
+    /// may be off a ray that starts among them.
     fn of_tree(&self, tree: &Tree) -> f64 {
         let scale = tree.regions.iter().map(|region| region.frame.scale).fold(0.0, f64::max);
-        (BLUR_OF_F32 / (self.factor * scale)).max(2.0 * self.magnitude)
+        (BLUR_OF_F32 / (self.factor * scale)).max(self.magnitude)
     }
 }
 

@@ -61,15 +61,16 @@ impl Aabb {
     /// box's planes. Never true of the empty box.
     #[inline(always)]
     pub fn is_beside(&self, ray: &Ray) -> bool {
-        // A plane through the origin that the ray runs along gives no number: one of these is the other then.
-        let less = |a: f64, b: f64| if a < b { a } else { b };
-        let more = |a: f64, b: f64| if a > b { a } else { b };
         let (origin, inverse) = (ray.origin(), ray.direction().recip());
         let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
         let (mut entry, mut exit) = (ray.t_min(), ray.t_max());
         for k in 0..3 {
-            entry = more(less(to_min[k], to_max[k]), entry);
-            exit = less(more(to_min[k], to_max[k]), exit);
+            let backwards = inverse[k].is_sign_negative();
+            let near = if backwards { to_max[k] } else { to_min[k] };
+            let far = if backwards { to_min[k] } else { to_max[k] };
+            // Neither is true of what is no number, as of a ray that runs in the plane of a side.
+            entry = if near > entry { near } else { entry };
+            exit = if far < exit { far } else { exit };
         }
         entry > exit
     }
@@ -129,6 +130,9 @@ mod tests {
         let beside =
             |x: f64, z: f64| unit.is_beside(&Ray::new(DVec3::new(x, -5.0, z), DVec3::Y).unwrap());
         assert!(!beside(0.5, 0.5) && !beside(1e-9, 1.0 - 1e-9));
+        for (x, z) in [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0), (0.0, 0.0), (1.0, 1.0)] {
+            assert!(!beside(x, z), "{x} {z}");
+        }
         assert!(beside(-1e-9, 0.5) && beside(0.5, 1.0 + 1e-9) && beside(-1.0, -1.0));
         let flat = Aabb { min: DVec3::ZERO, max: DVec3::new(1.0, 1.0, 0.0) };
         assert!(!flat.is_beside(&Ray::new(DVec3::new(0.5, 0.5, 3.0), -DVec3::Z).unwrap()));

@@ -3,7 +3,7 @@
 use glam::{DVec3, DVec4};
 
 use super::tensor::euclidean_net;
-use super::{DyadicRect, Piece};
+use super::{CollapsedSide, DyadicRect, Piece};
 use crate::math::Aabb;
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
@@ -30,6 +30,10 @@ const COARSEST: f64 = 0.5;
 /// Measured: discs and cones are traced 1.1 to 1.2 times as fast, other bodies with poles no slower.
 const AT_POLES: f64 = 0.15;
 const POLE_HALVINGS: u32 = 5;
+
+/// What turns by a part's width is worth no more than so many times the turns by its sides: where the sides
+/// are all but parallel, as beside a cusp line, the first become no less however often it is halved.
+const MOST_TIMES: f64 = 4.0;
 
 /// How much a part bends.
 ///
@@ -114,17 +118,13 @@ impl Bend {
         };
         for k in (0..2).filter(|&k| rect.halvings(k) < MOST_HALVINGS) {
             let Turns { by_side, by_part } = turns[k];
-            let poles = [2 * k, 2 * k + 1].map(|side| piece.collapsed(side).is_some());
-            let [from, to] = rect.ranges()[k];
-            let at_pole = poles[0] && from == 0.0 || poles[1] && to == 1.0;
+            let reached =
+                |side: &CollapsedSide| side.parameter() == k && side.is_reached_by(&rect.ranges());
+            let poles = piece.collapsed_sides().filter(|(side, _)| reached(side)).count();
             // Two collapsed sides at the two ends of a direction need a leaf each.
-            let least = if at_pole && from == 0.0 && to == 1.0 && poles == [true; 2] {
-                f64::INFINITY
-            } else {
-                twist
-            };
-            let worth = if at_pole && rect.halvings(k) < POLE_HALVINGS { AT_POLES } else { 0.0 };
-            bend.angles[k] = by_part.max(least).max(worth);
+            let least = if poles == 2 { f64::INFINITY } else { twist };
+            let worth = if poles > 0 && rect.halvings(k) < POLE_HALVINGS { AT_POLES } else { 0.0 };
+            bend.angles[k] = by_part.min(MOST_TIMES * by_side).max(least).max(worth);
             bend.strained[k] = by_part.min(by_side * strain[k]).max(least);
         }
         Some(bend)
@@ -157,9 +157,9 @@ impl Rows {
         (0..=self.others).map(chord).fold(0.0, f64::max).sqrt()
     }
 
-    fn turns(&self, points: &[DVec3], k: usize, measures: &Measures, side: f64) -> Turns {
+    fn turns(&self, points: &[DVec3], direction: usize, measures: &Measures, side: f64) -> Turns {
         let [a, b] = measures.along;
-        let out = measures.out / measures.widths[k];
+        let out = measures.out / measures.widths[direction];
         let (mut by_side, mut by_part) = (0f64, DVec3::ZERO);
         for k in 0..=self.others {
             let row = |i: usize| points[k * self.to_other + i * self.step];
@@ -202,7 +202,7 @@ mod tests {
     use glam::{DAffine3, DQuat, DVec3};
 
     use super::super::{Leaf, PatchSet, SceneFrame};
-    use crate::geometry::{NurbsSurface, shapes};
+    use crate::geometry::{KnotVector, NurbsSurface, shapes};
 
     /// Directions all around, none of them special.
     fn directions() -> impl Iterator<Item = DVec3> {
@@ -234,6 +234,23 @@ mod tests {
         let count = parts.all().len();
         let part = |holding: usize, of: usize| holding as f64 / of as f64;
         (count, [part(steep, count), part(any, count * directions().count())])
+    }
+
+    /// The tangents of a twisted cubic: beside that curve, in the middle, both sides of a part are along it.
+    #[test]
+    fn parts_with_parallel_sides_do_not_take_all_the_room() {
+        let curve = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 3.0, 3.0]];
+        let tangent =
+            [[1.0, 0.0, 0.0], [1.0, 2.0 / 3.0, 0.0], [1.0, 4.0 / 3.0, 1.0], [1.0, 2.0, 3.0]];
+        let net = curve.into_iter().zip(tangent).flat_map(|(point, tangent)| {
+            let (point, tangent) = (DVec3::from_array(point) / 3.0, DVec3::from_array(tangent));
+            [point - tangent, point + tangent]
+        });
+        let knots = |degree| KnotVector::bezier(degree).unwrap();
+        let surface = NurbsSurface::new(knots(3), knots(1), net.collect(), None).unwrap();
+        let (_, parts) = PatchSet::new(&[surface]).unwrap();
+        let count = parts.all().len();
+        assert!((8..100).contains(&count), "{count} leaves");
     }
 
     #[test]

@@ -172,3 +172,30 @@ fn kernels_agree_from_anywhere() {
         }
     }
 }
+
+/// A sheet far from the origin, and rays from farther away that pass its border by less than points may be
+/// off there, which is more than f32 tells of so small a thing.
+#[test]
+fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
+    for distance in [1e8, 1e9, 1e10, 1e11, 1e12] {
+        let knots = || KnotVector::clamped_uniform(1, 2).unwrap();
+        let at = |x: f64, y: f64| DVec3::new(distance + x, y, 0.0);
+        let net = vec![at(-0.5, -0.5), at(-0.5, 0.5), at(0.5, -0.5), at(0.5, 0.5)];
+        let model = Model::new("sheet", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+        for from in [0.9, 1.1, 1.9, 2.1, 9.0] {
+            // Four times the sum of the degrees and four, units of rounding.
+            let off = 24.0 * 0.5 * f64::EPSILON * distance * f64::max(from, 1.0);
+            let rays = [0.1, 0.5, 0.8, 0.95].map(|part| {
+                let origin = DVec3::new(distance, 0.5 + part * off, from * distance);
+                Query::primary(Ray::new(origin, -DVec3::Z).unwrap())
+            });
+            for kernel in kernels() {
+                let (answers, occlusions) = all_ways(&model, kernel, &rays);
+                let met = |answer: &Answer| answer.hit.is_some() || answer.doubtful;
+                assert!(answers.iter().flatten().all(met), "{kernel}: {distance:e}, {from}");
+                let met = |occlusion: &Occlusion| occlusion.occluded || occlusion.doubtful;
+                assert!(occlusions.iter().flatten().all(met), "{kernel}: {distance:e}, {from}");
+            }
+        }
+    }
+}

@@ -12,7 +12,7 @@ use super::super::border::{Border, rounding};
 use super::border_curve::BorderCurve;
 
 /// Borders farther apart than this share of the size of the larger of the objects that they belong to are
-/// apart on purpose: it is as exact as its largest parts.
+/// apart on purpose: what is modelled at that size is as exact as that.
 pub(crate) const NEAR: f64 = 1e-3;
 
 /// Nor is a gap what is wider than this share of the smaller object: a teapot on a large table has no
@@ -128,7 +128,7 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
 
     let near = |[a, b]: [f64; 2]| (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b));
     let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
-    // The larger box of a pair is grown by as much as that.
+    // That of the larger object is grown by at least as much as the two may be apart.
     let farthest = |edge: &Edge| near([sizes[edge.surface], largest]);
     let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(farthest(e))).collect();
     let pairs = overlapping(&boxes);

@@ -61,7 +61,10 @@ pub(super) const NEARBY: f32 = 1.19;
 /// How far the ray's own root may be from the place it is said to start at, in box coordinates: so
 /// much farther do the approximation's bounds hold.
 const APART: f32 = 0.0099;
-const _: () = assert!(NEARBY + APART < FIT_DOMAIN as f32);
+const _: () = assert!(FARTHEST < FIT_DOMAIN as f32);
+
+/// How far the bounds are to hold, in box coordinates.
+const FARTHEST: f32 = NEARBY + APART;
 
 /// Nothing is said of leaves of other sizes: squares of lengths might be no numbers of f32.
 const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
@@ -120,8 +123,8 @@ impl<S: Simd> Departure<S> {
         let Bends { height: [xx, xy, yy], more, aside } = bends(simd, leaf, (normal, across));
         let (xx, xy, yy) = (xx * sign, xy * sign, yy * sign);
 
-        let far_x = (self.place[0].abs() + splat(simd, LEAF)) * splat(simd, lengths[0]);
-        let far_y = (self.place[1].abs() + splat(simd, LEAF)) * splat(simd, lengths[1]);
+        let far_x = (self.place[0].abs() + splat(simd, LEAF + APART)) * splat(simd, lengths[0]);
+        let far_y = (self.place[1].abs() + splat(simd, LEAF + APART)) * splat(simd, lengths[1]);
         let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let half = splat(simd, 0.5);
         let rounding = ROUNDING * (lengths[0] + lengths[1]);
@@ -281,12 +284,12 @@ fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// A power of [`NEARBY`].
+/// A power of [`FARTHEST`].
 const fn reach_to(power: usize) -> f32 {
     let mut product = 1.0;
     let mut k = 0;
     while k < power {
-        product *= NEARBY;
+        product *= FARTHEST;
         k += 1;
     }
     product
