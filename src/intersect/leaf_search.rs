@@ -11,7 +11,7 @@ use super::newton::{Grounds, Newton, newton};
 use super::{HitFlags, Root};
 use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
+use crate::patch::{CollapsedSide, Jet, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 
 /// The fast way: Newton where the leaf's certificate holds, else the exact solver.
 ///
@@ -73,7 +73,11 @@ pub(super) fn search_exactly(
         findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
         return;
     }
-    let rect = leaf.widened(piece, LEAF_SLACK);
+    let error = error_bound(piece, question.ray);
+    let (rect, is_all) = searched(place, error);
+    if !is_all {
+        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+    }
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
@@ -81,7 +85,7 @@ pub(super) fn search_exactly(
         wanted: leaf.rect(),
         collapsed: leaf.collapsed(piece),
         ray: question.ray,
-        error: error_bound(piece, question.ray),
+        error,
         z_range: [z_min, z_max.min(z_limit)],
     };
     let mut solutions = std::mem::take(&mut findings.solutions);
@@ -106,6 +110,34 @@ pub(super) fn search_exactly(
 /// disk have cost more than 2¹⁵. A surface that is folded flat onto itself, or is but a curve, may
 /// take thousands for each of thousands.
 const MOST_BOXES: u64 = 1 << 17;
+
+/// The rectangle in which roots are searched for, and whether it holds all that count: the leaf and its slack,
+/// and where the leaf ends at a side of its piece as much more as holds what points may be off by.
+///
+/// Far from the origin that may be more than the slack, or more than the leaf, about which nothing is known.
+fn searched(place: &Place<'_>, error: f64) -> (Rect, bool) {
+    let Place { leaf, oriented, piece } = *place;
+    let mut rect = leaf.widened(piece, LEAF_SLACK);
+    let collapsed = leaf.collapsed(piece).map(CollapsedSide::number);
+    let mut is_all = true;
+    let directions = oriented.directions();
+    for (number, side) in CollapsedSide::ALL.into_iter().enumerate() {
+        let (k, end) = (side.parameter(), side.end());
+        let part = 0.5 * BEYOND_SIDES * error * directions[k].length();
+        if part <= LEAF_SLACK || collapsed == Some(number) || !side.is_reached_by(&leaf.rect()) {
+            continue;
+        }
+        is_all &= part <= 1.0;
+        let [from, to] = leaf.rect()[k];
+        let more = part.min(1.0) * (to - from);
+        rect[k][end] = if end == 0 { from - more } else { to + more };
+    }
+    (rect, is_all)
+}
+
+/// So many errors beyond a side of a piece are searched, twice as far as roots are wanted: they are as far from it
+/// as the ray passes, over the sine of its angle with the surface.
+const BEYOND_SIDES: f64 = 16.0;
 
 /// No point of a piece is met before this: the least of its control points.
 fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {

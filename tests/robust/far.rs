@@ -199,3 +199,38 @@ fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
         }
     }
 }
+
+/// The same of a hilly sheet of many leaves, where a leaf goes on straight for less than points may be off.
+#[test]
+fn borders_far_from_the_origin_are_met_or_doubted() {
+    let knots = || KnotVector::clamped_uniform(3, 11).unwrap();
+    let mut random = Random::new(83);
+    let heights: Vec<f64> = (0..121).map(|_| 0.4 * random.unit()).collect();
+    for distance in [1e9, 1e10, 1e11, 1e12, 1e13] {
+        let far = DVec3::new(0.0, distance, 0.0);
+        let at = |k: usize| 0.2 * k as f64 - 1.0;
+        let net = (0..121).map(|k| far + DVec3::new(at(k / 11), at(k % 11), heights[k])).collect();
+        let model = Model::new("hills", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+        // Four times the sum of the degrees and four, units of rounding.
+        let off = 40.0 * 0.5 * f64::EPSILON * distance;
+        let rays: Vec<Query> = (0..400)
+            .map(|k| {
+                let (part, along) = (random.unit(), 2.0 * random.unit() - 1.0);
+                let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+                let origin = far + DVec3::new(side * (1.0 + part * off), along, 5.0);
+                Query::primary(Ray::new(origin, -DVec3::Z).unwrap())
+            })
+            .collect();
+        for kernel in kernels() {
+            let (answers, occlusions) = all_ways(&model, kernel, &rays);
+            for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
+                let known = answer.hit.is_some() || answer.doubtful;
+                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+            }
+            for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
+                let known = occlusion.occluded || occlusion.doubtful;
+                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+            }
+        }
+    }
+}
