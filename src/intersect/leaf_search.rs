@@ -74,7 +74,7 @@ pub(super) fn search_exactly(
         return;
     }
     let error = error_bound(piece, question.ray);
-    let (rect, is_all) = searched(place, error);
+    let (rect, is_all) = searched(leaf, piece, error);
     if !is_all {
         findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
     }
@@ -115,22 +115,25 @@ const MOST_BOXES: u64 = 1 << 17;
 /// and where the leaf ends at a side of its piece as much more as holds what points may be off by.
 ///
 /// Far from the origin that may be more than the slack, or more than the leaf, about which nothing is known.
-fn searched(place: &Place<'_>, error: f64) -> (Rect, bool) {
-    let Place { leaf, oriented, piece } = *place;
+fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
-    let collapsed = leaf.collapsed(piece).map(CollapsedSide::number);
+    let sides = leaf.rect();
+    let middle = DVec2::from_array(sides.map(|[from, to]| 0.5 * (from + to)));
+    let at_middle = piece.patch.point(middle);
     let mut is_all = true;
-    let directions = oriented.directions();
-    for (number, side) in CollapsedSide::ALL.into_iter().enumerate() {
+    for side in CollapsedSide::ALL {
         let (k, end) = (side.parameter(), side.end());
-        let part = 0.5 * BEYOND_SIDES * error * directions[k].length();
-        if part <= LEAF_SLACK || collapsed == Some(number) || !side.is_reached_by(&leaf.rect()) {
+        if !side.is_reached_by(&sides) || leaf.collapsed(piece) == Some(side) {
             continue;
         }
-        is_all &= part <= 1.0;
-        let [from, to] = leaf.rect()[k];
-        let more = part.min(1.0) * (to - from);
-        rect[k][end] = if end == 0 { from - more } else { to + more };
+        let half_side = piece.patch.point(side.beside(middle)).distance(at_middle);
+        let part = BEYOND_SIDES * error / (2.0 * half_side);
+        if part > LEAF_SLACK {
+            is_all &= part <= 2.0 * FARTHEST_BEYOND;
+            let [from, to] = sides[k];
+            let more = part.min(FARTHEST_BEYOND) * (to - from);
+            rect[k][end] = if end == 0 { from - more } else { to + more };
+        }
     }
     (rect, is_all)
 }
@@ -138,6 +141,10 @@ fn searched(place: &Place<'_>, error: f64) -> (Rect, bool) {
 /// So many errors beyond a side of a piece are searched, twice as far as roots are wanted: they are as far from it
 /// as the ray passes, over the sine of its angle with the surface.
 const BEYOND_SIDES: f64 = 16.0;
+
+/// But no farther than so many sides of the leaf. Where a point may be off by half of that, it is doubtful whether
+/// the leaf is met.
+const FARTHEST_BEYOND: f64 = 2.0;
 
 /// No point of a piece is met before this: the least of its control points.
 fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
