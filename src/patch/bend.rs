@@ -35,6 +35,10 @@ const POLE_HALVINGS: u32 = 5;
 /// are all but parallel, as beside a cusp line, the first become no less however often it is halved.
 const MOST_TIMES: f64 = 4.0;
 
+/// What is shorter than so many times what points may be off by is not seen to bend: what is measured there is
+/// rounding, which becomes no less however often a part is halved.
+const LEAST_SEEN: f64 = 1e4;
+
 /// How much a part bends.
 ///
 /// How often a ray meets a part does not change when both are stretched. So turns in the part's plane are
@@ -49,7 +53,7 @@ pub(super) struct Bend {
     strained: [f64; 2],
     /// How large that may be.
     most: f64,
-    /// How long the part is.
+    /// How long the part is, or what can be seen of it.
     sides: [f64; 2],
 }
 
@@ -88,16 +92,16 @@ impl Bend {
     /// Twist counts where it leaves the part's plane.
     pub(super) fn of(piece: &Piece, rect: DyadicRect, net: &[DVec4]) -> Option<Self> {
         let [p, q] = piece.patch.degree();
-        let noise = piece.patch.noise();
+        let least_seen = LEAST_SEEN * piece.patch.noise();
         let points = euclidean_net(net);
-        if Aabb::around(points.iter().copied()).size().max_element() < 1e4 * noise {
+        if Aabb::around(points.iter().copied()).size().max_element() < least_seen {
             return None;
         }
         let rows = [
             Rows { degree: p, step: q + 1, others: q, to_other: 1 },
             Rows { degree: q, step: 1, others: p, to_other: q + 1 },
         ];
-        let sides = rows.map(|rows| rows.longest_chord(&points).max(noise));
+        let sides = rows.map(|rows| rows.longest_chord(&points).max(least_seen));
         let corner = |i: usize, j: usize| points[i * p * (q + 1) + j * q];
         let (one, other) = (corner(1, 1) - corner(0, 0), corner(1, 0) - corner(0, 1));
         let measures = Measures::new([one + other, one - other], sides);
@@ -251,6 +255,27 @@ mod tests {
         let (_, parts) = PatchSet::new(&[surface]).unwrap();
         let count = parts.all().len();
         assert!((8..100).contains(&count), "{count} leaves");
+    }
+
+    /// A span of 1e-9 of a rational surface at 1e5 from the origin: what is measured across it is rounding.
+    #[test]
+    fn slivers_far_from_the_origin_do_not_take_all_the_room() {
+        let span = [0.4, 0.4 + 1e-9];
+        let ends = |end: f64| std::iter::repeat_n(end, 5);
+        let knots_v = KnotVector::new(4, ends(0.0).chain(span).chain(ends(1.0)).collect());
+        let (knots_u, knots_v) = (KnotVector::bezier(4).unwrap(), knots_v.unwrap());
+        // Numbers from 0 to 1 without order.
+        let number = |k: usize| (k as f64 * 0.618_033_988_75).fract();
+        let origin = DVec3::new(1e5, -7e4, 3e4);
+        let net = (0..35).map(|k| {
+            let hill = DVec3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2));
+            origin + DVec3::new((k / 7) as f64, (k % 7) as f64, 0.0) + hill
+        });
+        let weights = (0..35).map(|k| 0.3 + 2.7 * number(5 * k)).collect();
+        let surface = NurbsSurface::new(knots_u, knots_v, net.collect(), Some(weights)).unwrap();
+        let (_, parts) = PatchSet::new(&[surface]).unwrap();
+        let count = parts.all().len();
+        assert!((100..4000).contains(&count), "{count} leaves");
     }
 
     #[test]

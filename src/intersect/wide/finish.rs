@@ -6,10 +6,10 @@ use glam::{DVec2, DVec3};
 
 use super::distances::Approximate;
 use super::jets::OneNet;
+use super::nearest::comes_first;
 use super::newton::{Converged, Ends, Rays, Verdict, newton};
 use super::packet::{Lanes3, Packet};
 use super::search::load3d;
-use super::single::comes_first;
 use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};

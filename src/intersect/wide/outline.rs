@@ -7,7 +7,7 @@ use fearless_simd_macros::simd;
 use super::box_ray::BLUR;
 use super::frames::{END_SPARE, PLAIN, shift_to_scene};
 use super::packet::PacketBounds;
-use super::single::Scene;
+use super::scene::Scene;
 use crate::intersect::Shot;
 
 /// Where moved origins may be at most for the work in f32, in scaled coordinates.

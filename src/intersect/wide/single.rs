@@ -22,77 +22,15 @@ use fearless_simd_macros::simd;
 
 use super::box_ray::{Crossings, SPARE, Stack};
 use super::jets::OneNet;
+use super::nearest::{Kept, keep};
+use super::scene::Scene;
 use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
-use super::single_ray::{Guess, Place, SingleHit, SingleRay, WIDENED};
+use super::single_ray::{Guess, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
 use super::spline_net::net_of;
-use super::trimmed::trim_side;
-use crate::geometry::trim::Side;
 use crate::intersect::Statistics;
-use crate::intersect::tree::{Child, Tree};
-use crate::math::prefetch;
-use crate::patch::{Leaf, PatchSet, Piece};
-
-/// Everything that is searched.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Scene<'a> {
-    pub(in crate::intersect) tree: &'a Tree,
-    pub(in crate::intersect) leaves: &'a [Leaf],
-    pub(in crate::intersect) set: &'a PatchSet,
-    /// The largest coordinate an origin may have for the work in f32.
-    pub(in crate::intersect) reach_of_f32: f64,
-}
-
-/// Scenes of more leaves than this do not fit into the memory near the processor.
-const FAR: usize = 1 << 14;
-
-impl Scene<'_> {
-    /// Whether an origin with this largest coordinate is too far away for the work in f32.
-    #[inline(always)]
-    pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
-        magnitude > self.reach_of_f32
-    }
-
-    /// Whether all that is wanted soon is worth asking for in advance, stage by stage: leaves, their
-    /// pieces, whose control points.
-    #[inline(always)]
-    pub(super) fn is_far(&self) -> bool {
-        self.leaves.len() >= FAR
-    }
-
-    /// Asks for those leaves of a block whose bits are set in `met`.
-    #[inline(always)]
-    pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
-        each(met, |k| self.leaves[first as usize + k].prefetch());
-    }
-
-    /// The pieces of such leaves, which are there by now.
-    #[inline(always)]
-    pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
-        each(met, |k| prefetch(self.piece_of(first as usize + k)));
-    }
-
-    /// The control points of such pieces, which are there by now.
-    #[inline(always)]
-    pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
-        each(met, |k| self.piece_of(first as usize + k).patch.prefetch_net());
-    }
-
-    #[inline(always)]
-    fn piece_of(&self, leaf: usize) -> &Piece {
-        &self.set.pieces()[self.leaves[leaf].piece as usize]
-    }
-}
-
-/// Calls for the places of the bits that are set.
-#[inline(always)]
-fn each(mut bits: u32, mut call: impl FnMut(usize)) {
-    while bits != 0 {
-        call(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
-    }
-}
+use crate::intersect::tree::Child;
 
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
@@ -257,40 +195,6 @@ pub(super) fn search_ahead<S: Simd>(
     }
 }
 
-/// What is to be done with a hit.
-pub(super) enum Kept {
-    /// It is the nearest so far.
-    Nearer,
-    /// It is not, or trimmed away.
-    Not,
-    /// It lies near an edge of the trims: the scalar search must judge it.
-    Undecided,
-}
-
-/// Keeps a hit if it is nearer than the nearest so far, and trims keep it.
-///
-/// Of hits at the same place the piece that comes first counts, and its first part, whichever was
-/// searched first: so the order of the search does not matter.
-#[inline(always)]
-pub(super) fn keep(found: &Place, scene: &Scene<'_>, nearest: Option<&Place>) -> Kept {
-    let leaf = &scene.leaves[found.leaf as usize];
-    // What is not nearer than the nearest by more than it may be off need not be judged.
-    let beyond = |known: &Place| found.z > known.z + 2.0 * found.z_error;
-    if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
-        let piece = &scene.set.pieces()[leaf.piece as usize];
-        match trim_side(piece, found.st, found.z_error) {
-            Side::Inside => {}
-            Side::Outside => return Kept::Not,
-            Side::Edge { .. } => return Kept::Undecided,
-        }
-    }
-    let nearer = nearest.is_none_or(|known| {
-        found.z < known.z
-            || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))
-    });
-    if nearer { Kept::Nearer } else { Kept::Not }
-}
-
 impl SingleWork {
     /// Forgets what was found.
     pub(super) fn clear(&mut self) {
@@ -327,13 +231,4 @@ impl SingleWork {
             Kept::Undecided => self.rest.push(leaf),
         }
     }
-}
-
-/// Whether a leaf comes before another one in the order of pieces and their parts.
-pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
-    let order = |leaf: u32| {
-        let leaf = &leaves[leaf as usize];
-        (leaf.piece, leaf.place())
-    };
-    order(leaf) < order(other)
 }

@@ -7,14 +7,15 @@
 //! than `clearance`. Other roots outside it, or too near an end of the ray or the root it starts on, are left to
 //! the scalar search, as is what does not converge.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
 use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
+use super::single_jet;
 use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
-use crate::math::bernstein::{MAX_DEGREE, binomials};
+use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::patch::Leaf;
 
@@ -115,7 +116,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     let mut y = within(f64::from(near[1]), domain[1]);
     for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
-        let sums = sums::<S, P, Q, N, C>(simd, surface, s, t);
+        let sums = single_jet::sums::<S, P, Q, N, C>(simd, surface, s, t);
         // In the ray's coordinates, by box coordinate.
         let along_x = sums[1] * f64x4::splat(simd, half_s);
         let along_y = sums[2] * f64x4::splat(simd, half_t);
@@ -146,7 +147,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
                 let [value, along_s, along_t] =
-                    self::sums::<S, P, Q, N, C>(simd, surface, st.x, st.y);
+                    single_jet::sums::<S, P, Q, N, C>(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
@@ -277,95 +278,6 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
     let xy = columns[1].mul_add(f64x4::splat(simd, v[1]), columns[0] * f64x4::splat(simd, v[0]));
     let xyz = columns[2].mul_add(f64x4::splat(simd, v[2]), xy);
     [xyz[0], xyz[1], xyz[2]]
-}
-
-/// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],
-/// lanes for the coordinates.
-#[inline(always)]
-fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    OneNet { patch, net }: &OneNet<'_>,
-    s: f64,
-    t: f64,
-) -> [f64x4<S>; 3] {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let mut bases = [Basis::<N>::ZERO; 2];
-    bases[0].fill(p, s);
-    bases[1].fill(q, t);
-    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
-    let [ds, dt] = bases.each_ref().map(|basis| &basis.slopes);
-    let zero = f64x4::splat(simd, 0.0);
-    let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
-    for i in 0..=p {
-        let row = net.row(i);
-        let (mut sum, mut slope) = (zero, zero);
-        for j in 0..=q {
-            let control = load::<S, C>(simd, row, j);
-            sum = control.mul_add(f64x4::splat(simd, bt[j]), sum);
-            slope = control.mul_add(f64x4::splat(simd, dt[j]), slope);
-        }
-        value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
-        along_s = sum.mul_add(f64x4::splat(simd, ds[i]), along_s);
-        along_t = slope.mul_add(f64x4::splat(simd, bs[i]), along_t);
-    }
-    if C == 4 {
-        return [value, along_s, along_t];
-    }
-    let weight = patch.weight().unwrap_or(1.0);
-    [with_weight(value, weight), with_weight(along_s, 0.0), with_weight(along_t, 0.0)]
-}
-
-/// A control point of a row, of `C` numbers; the weight is any number where there are three.
-#[inline(always)]
-fn load<S: Simd, const C: usize>(simd: S, row: &[f64], j: usize) -> f64x4<S> {
-    f64x4::from_slice(simd, &row[C * j..C * j + 4])
-}
-
-/// The vector with another weight.
-#[inline(always)]
-fn with_weight<S: Simd>(v: f64x4<S>, weight: f64) -> f64x4<S> {
-    let simd = v.simd;
-    mask64x4::from_bitmask(simd, 0b1000).select(f64x4::splat(simd, weight), v)
-}
-
-/// Bernstein functions and their derivatives, filled in where they stand: returned, they would be
-/// copied, which stalls.
-struct Basis<const N: usize> {
-    values: [f64; N],
-    slopes: [f64; N],
-}
-
-impl<const N: usize> Basis<N> {
-    const ZERO: Self = Self { values: [0.0; N], slopes: [0.0; N] };
-
-    /// From those of one degree less, by the recurrence.
-    #[inline(always)]
-    fn fill(&mut self, degree: usize, t: f64) {
-        let Self { values, slopes } = self;
-        let rest = 1.0 - t;
-        let binomials = binomials(degree - 1);
-        // The lower ones take the places of the slopes for a while.
-        let mut power = 1.0;
-        for i in 0..degree {
-            slopes[i] = power * binomials[i];
-            power *= t;
-        }
-        power = 1.0;
-        for i in (0..degree).rev() {
-            slopes[i] *= power;
-            power *= rest;
-        }
-        let p = degree as f64;
-        let mut before = 0.0;
-        for i in 0..degree {
-            let here = slopes[i];
-            values[i] = rest * here + t * before;
-            slopes[i] = p * (before - here);
-            before = here;
-        }
-        values[degree] = t * before;
-        slopes[degree] = p * before;
-    }
 }
 
 /// How far outside from 0 to 1; not above zero inside.

@@ -1,0 +1,50 @@
+//! Which of two hits counts.
+
+use super::scene::Scene;
+use super::single_ray::Place;
+use super::trimmed::trim_side;
+use crate::geometry::trim::Side;
+use crate::patch::Leaf;
+
+/// What is to be done with a hit.
+pub(super) enum Kept {
+    /// It is the nearest so far.
+    Nearer,
+    /// It is not, or trimmed away.
+    Not,
+    /// It lies near an edge of the trims: the scalar search must judge it.
+    Undecided,
+}
+
+/// Keeps a hit if it is nearer than the nearest so far, and trims keep it.
+///
+/// Of hits at the same place the piece that comes first counts, and its first part, whichever was
+/// searched first: so the order of the search does not matter.
+#[inline(always)]
+pub(super) fn keep(found: &Place, scene: &Scene<'_>, nearest: Option<&Place>) -> Kept {
+    let leaf = &scene.leaves[found.leaf as usize];
+    // What is not nearer than the nearest by more than it may be off need not be judged.
+    let beyond = |known: &Place| found.z > known.z + 2.0 * found.z_error;
+    if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
+        let piece = &scene.set.pieces()[leaf.piece as usize];
+        match trim_side(piece, found.st, found.z_error) {
+            Side::Inside => {}
+            Side::Outside => return Kept::Not,
+            Side::Edge { .. } => return Kept::Undecided,
+        }
+    }
+    let nearer = nearest.is_none_or(|known| {
+        found.z < known.z
+            || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))
+    });
+    if nearer { Kept::Nearer } else { Kept::Not }
+}
+
+/// Whether a leaf comes before another one in the order of pieces and their parts.
+pub(super) fn comes_first(leaves: &[Leaf], leaf: u32, other: u32) -> bool {
+    let order = |leaf: u32| {
+        let leaf = &leaves[leaf as usize];
+        (leaf.piece, leaf.place())
+    };
+    order(leaf) < order(other)
+}

@@ -1,0 +1,65 @@
+//! Everything that is searched, and asked for before it is.
+
+use crate::intersect::tree::Tree;
+use crate::math::prefetch;
+use crate::patch::{Leaf, PatchSet, Piece};
+
+/// Everything that is searched.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::intersect) struct Scene<'a> {
+    pub(in crate::intersect) tree: &'a Tree,
+    pub(in crate::intersect) leaves: &'a [Leaf],
+    pub(in crate::intersect) set: &'a PatchSet,
+    /// The largest coordinate an origin may have for the work in f32.
+    pub(in crate::intersect) reach_of_f32: f64,
+}
+
+/// Scenes of more leaves than this do not fit into the memory near the processor.
+const FAR: usize = 1 << 14;
+
+impl Scene<'_> {
+    /// Whether an origin with this largest coordinate is too far away for the work in f32.
+    #[inline(always)]
+    pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
+        magnitude > self.reach_of_f32
+    }
+
+    /// Whether all that is wanted soon is worth asking for in advance, stage by stage: leaves, their
+    /// pieces, whose control points.
+    #[inline(always)]
+    pub(super) fn is_far(&self) -> bool {
+        self.leaves.len() >= FAR
+    }
+
+    /// Asks for those leaves of a block whose bits are set in `met`.
+    #[inline(always)]
+    pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
+        each(met, |k| self.leaves[first as usize + k].prefetch());
+    }
+
+    /// The pieces of such leaves, which are there by now.
+    #[inline(always)]
+    pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
+        each(met, |k| prefetch(self.piece_of(first as usize + k)));
+    }
+
+    /// The control points of such pieces, which are there by now.
+    #[inline(always)]
+    pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
+        each(met, |k| self.piece_of(first as usize + k).patch.prefetch_net());
+    }
+
+    #[inline(always)]
+    fn piece_of(&self, leaf: usize) -> &Piece {
+        &self.set.pieces()[self.leaves[leaf].piece as usize]
+    }
+}
+
+/// Calls for the places of the bits that are set.
+#[inline(always)]
+fn each(mut bits: u32, mut call: impl FnMut(usize)) {
+    while bits != 0 {
+        call(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}

@@ -1,0 +1,95 @@
+//! The true surface at one place, in f64, lanes for the coordinates.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
+
+use super::jets::OneNet;
+use crate::math::bernstein::binomials;
+
+/// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],
+/// lanes for the coordinates.
+#[inline(always)]
+pub(super) fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
+    simd: S,
+    OneNet { patch, net }: &OneNet<'_>,
+    s: f64,
+    t: f64,
+) -> [f64x4<S>; 3] {
+    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+    let mut bases = [Basis::<N>::ZERO; 2];
+    bases[0].fill(p, s);
+    bases[1].fill(q, t);
+    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
+    let [ds, dt] = bases.each_ref().map(|basis| &basis.slopes);
+    let zero = f64x4::splat(simd, 0.0);
+    let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
+    for i in 0..=p {
+        let row = net.row(i);
+        let (mut sum, mut slope) = (zero, zero);
+        for j in 0..=q {
+            let control = load::<S, C>(simd, row, j);
+            sum = control.mul_add(f64x4::splat(simd, bt[j]), sum);
+            slope = control.mul_add(f64x4::splat(simd, dt[j]), slope);
+        }
+        value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
+        along_s = sum.mul_add(f64x4::splat(simd, ds[i]), along_s);
+        along_t = slope.mul_add(f64x4::splat(simd, bs[i]), along_t);
+    }
+    if C == 4 {
+        return [value, along_s, along_t];
+    }
+    let weight = patch.weight().unwrap_or(1.0);
+    [with_weight(value, weight), with_weight(along_s, 0.0), with_weight(along_t, 0.0)]
+}
+
+/// A control point of a row, of `C` numbers; the weight is any number where there are three.
+#[inline(always)]
+fn load<S: Simd, const C: usize>(simd: S, row: &[f64], j: usize) -> f64x4<S> {
+    f64x4::from_slice(simd, &row[C * j..C * j + 4])
+}
+
+/// The vector with another weight.
+#[inline(always)]
+fn with_weight<S: Simd>(v: f64x4<S>, weight: f64) -> f64x4<S> {
+    let simd = v.simd;
+    mask64x4::from_bitmask(simd, 0b1000).select(f64x4::splat(simd, weight), v)
+}
+
+/// Bernstein functions and their derivatives, filled in where they stand: returned, they would be
+/// copied, which stalls.
+struct Basis<const N: usize> {
+    values: [f64; N],
+    slopes: [f64; N],
+}
+
+impl<const N: usize> Basis<N> {
+    const ZERO: Self = Self { values: [0.0; N], slopes: [0.0; N] };
+
+    /// From those of one degree less, by the recurrence.
+    #[inline(always)]
+    fn fill(&mut self, degree: usize, t: f64) {
+        let Self { values, slopes } = self;
+        let rest = 1.0 - t;
+        let binomials = binomials(degree - 1);
+        // The lower ones take the places of the slopes for a while.
+        let mut power = 1.0;
+        for i in 0..degree {
+            slopes[i] = power * binomials[i];
+            power *= t;
+        }
+        power = 1.0;
+        for i in (0..degree).rev() {
+            slopes[i] *= power;
+            power *= rest;
+        }
+        let p = degree as f64;
+        let mut before = 0.0;
+        for i in 0..degree {
+            let here = slopes[i];
+            values[i] = rest * here + t * before;
+            slopes[i] = p * (before - here);
+            before = here;
+        }
+        values[degree] = t * before;
+        slopes[degree] = p * before;
+    }
+}
