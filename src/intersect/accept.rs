@@ -37,7 +37,7 @@ pub(super) fn accept(
     let (allowed, mut flags) = match solution.proof {
         Proof::Isolated(_) => (error, HitFlags::NONE),
         Proof::Collapsed => (AT_POLE * error, HitFlags::NONE),
-        Proof::Contact { .. } => (2.0 * error, HitFlags::DOUBTFUL),
+        Proof::Contact(_) => (2.0 * error, HitFlags::DOUBTFUL),
         Proof::Stretch(_) => (4.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
     };
     if residual > allowed {
@@ -56,7 +56,7 @@ pub(super) fn accept(
     if solution.proof == Proof::Collapsed && may_touch(leaf, &jet, cosine, error) {
         flags.insert(HitFlags::DOUBTFUL);
     }
-    let z_error = error_along(solution.proof, error, cosine);
+    let z_error = error_along(solution.proof, error, (z, cosine));
 
     // What trims cut off is not there; their edges are. In a pole is what any kept parameter
     // leads to.
@@ -112,12 +112,16 @@ pub(super) fn accept(
     let t = z * ray.t_from_z;
     let t_error = z_error * ray.t_from_z;
     let [t_min, t_max] = question.t_range;
+    let earliest = (t - t_error).max(t_min);
     let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
     if !(t > t_min && t < t_max) {
         if undecided {
-            findings.doubt_at(t.max(t_min));
+            findings.doubt_at(earliest);
         }
         return;
+    }
+    if matches!(solution.proof, Proof::Contact(_)) {
+        findings.doubt_at(earliest);
     }
     let edge_in_doubt = flags.contains(HitFlags::TRIM_EDGE) && z_error > EDGE_IN_DOUBT * error;
     if undecided || edge_in_doubt {
@@ -163,12 +167,13 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 /// errors only, at 1e-5 from the tangent plane, it is doubtful: what is shown may be off the edge by as much.
 const EDGE_IN_DOUBT: f64 = 1e5;
 
-/// How far off a root may be along the ray, for how far a point may be from it.
-fn error_along(proof: Proof, error: f64, cosine: f64) -> f64 {
+/// How far off a root at `z` may be along the ray, for how far a point may be from it.
+fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
     let steep = error / cosine.abs().max(f64::EPSILON);
     match proof {
         Proof::Isolated(_) | Proof::Collapsed => steep,
-        Proof::Contact { length } => steep.min(length + error),
+        // The ray may touch anywhere between, and the place was moved to where the surface is nearest.
+        Proof::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
         Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
     }
@@ -186,7 +191,7 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
         Proof::Isolated(rect) if root.piece == leaf.piece => holds(rect, root.st),
         Proof::Isolated(_) => at_side(),
         Proof::Collapsed => true,
-        Proof::Contact { .. } | Proof::Stretch(_) => false,
+        Proof::Contact(_) | Proof::Stretch(_) => false,
     }
 }
 
@@ -201,6 +206,6 @@ const AIMED: f64 = 0.25;
 impl Solution {
     /// Whether a miss would not be proved by the solution's own box.
     fn proof_is_open(&self) -> bool {
-        matches!(self.proof, Proof::Contact { .. } | Proof::Stretch(_))
+        matches!(self.proof, Proof::Contact(_) | Proof::Stretch(_))
     }
 }

@@ -126,9 +126,10 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
         let half_side = piece.patch.point(side.beside(middle)).distance(at_middle);
         let part = BEYOND_SIDES * error / (2.0 * half_side);
         if part > LEAF_SLACK {
-            is_all &= part <= 2.0 * FARTHEST_BEYOND;
+            let farthest = FARTHEST_BEYOND / piece.patch.degree()[k] as f64;
+            is_all &= part <= 2.0 * farthest;
             let [from, to] = sides[k];
-            let more = part.min(FARTHEST_BEYOND) * (to - from);
+            let more = part.min(farthest) * (to - from);
             rect[k][end] = if end == 0 { from - more } else { to + more };
         }
     }
@@ -139,9 +140,10 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
 /// as the ray passes, over the sine of its angle with the surface.
 const BEYOND_SIDES: f64 = 16.0;
 
-/// But no farther than so many sides of the leaf. Where a point may be off by half of that, it is doubtful whether
-/// the leaf is met.
-const FARTHEST_BEYOND: f64 = 2.0;
+/// But no farther than so many sides of the leaf, over the degree: what rounding does to control points grows there
+/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold what points may be off by, it
+/// is doubtful whether the leaf is met.
+const FARTHEST_BEYOND: f64 = 0.125;
 
 /// No point of a piece is met before this: the least of its control points.
 fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
@@ -160,11 +162,8 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
             pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
             let [from, to] =
                 [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
-            let proof = if from < to {
-                Proof::Stretch([from, to])
-            } else {
-                Proof::Contact { length: from - to }
-            };
+            let proof =
+                if from < to { Proof::Stretch([from, to]) } else { Proof::Contact([to, from]) };
             pair.iter_mut().for_each(|end| end.proof = proof);
         }
     }

@@ -403,6 +403,8 @@ mod tests {
         let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
         bytes.extend(u32::MAX.to_le_bytes());
         assert!(message(&bytes).ends_with("its header is said to have 4294967295 bytes"));
+        bytes[6] = 9;
+        assert!(message(&bytes).ends_with("it is of version 9, and 1 to 3 are known"));
     }
 
     #[test]

@@ -37,7 +37,11 @@ pub(super) fn read_header(
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err(wrong("it does not begin with \\x93NUMPY"));
     }
-    let length_bytes = if bytes[6] == 1 { 2 } else { 4 };
+    let length_bytes = match bytes[6] {
+        1 => 2,
+        2 | 3 => 4,
+        other => return Err(wrong(&format!("it is of version {other}, and 1 to 3 are known"))),
+    };
     bytes.resize(8 + length_bytes, 0);
     stream.read_exact(&mut bytes[8..]).map_err(short)?;
     let length = bytes[8..].iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte));

@@ -234,3 +234,51 @@ fn borders_far_from_the_origin_are_met_or_doubted() {
         }
     }
 }
+
+/// Rational surfaces so far away, with weights so different, that their boxes are soon within rounding: what is
+/// met in a range is not taken for something outside it.
+#[test]
+fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
+    let mut random = Random::new(97);
+    let knots = || KnotVector::bezier(2).unwrap();
+    for distance in [1e11, 3e11, 1e12, 2e12] {
+        for _ in 0..60 {
+            let far = distance * random.direction();
+            let at = |k: usize, random: &mut Random| {
+                let place = DVec3::new((k / 3) as f64, (k % 3) as f64, 0.0);
+                far + place + 0.5 * random.direction()
+            };
+            let net = (0..9).map(|k| at(k, &mut random)).collect();
+            let weights = (0..9).map(|_| 10f64.powf(6.0 * random.unit() - 3.0)).collect();
+            let surface = NurbsSurface::new(knots(), knots(), net, Some(weights)).unwrap();
+            // Four times the sum of the degrees and four, units of rounding.
+            let error = 32.0 * 0.5 * f64::EPSILON * distance;
+            let rays: Vec<Query> = (0..40)
+                .filter_map(|_| {
+                    let (u, v) = (0.01 + 0.98 * random.unit(), 0.01 + 0.98 * random.unit());
+                    let (point, direction) = (surface.point_at(u, v), random.direction());
+                    let cosine = surface.normal(u, v)?.dot(direction).abs();
+                    let reach = error / cosine;
+                    let t = reach * (4.0 + 36.0 * random.unit());
+                    let ends = [random.unit(), random.unit()].map(|x| reach * (4.0 + 16.0 * x));
+                    let t_min = if random.unit() < 0.5 { 0.0 } else { (t - ends[0]).max(0.0) };
+                    let origin = point - t * direction;
+                    let ray = Ray::with_range(origin, direction, t_min, t + ends[1]).unwrap();
+                    (cosine > 0.1).then_some(Query::primary(ray))
+                })
+                .collect();
+            let model = Model::new("far", surface);
+            for kernel in kernels() {
+                let (answers, occlusions) = all_ways(&model, kernel, &rays);
+                for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
+                    let known = answer.hit.is_some() || answer.doubtful;
+                    assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+                }
+                for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
+                    let known = occlusion.occluded || occlusion.doubtful;
+                    assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+                }
+            }
+        }
+    }
+}

@@ -87,9 +87,8 @@ pub(crate) enum Proof {
     Isolated(Rect),
     /// The ray passes through the point a side is collapsed to.
     Collapsed,
-    /// The ray passes the surface within rounding: a tangency, or a near miss; for a
-    /// length along the ray.
-    Contact { length: f64 },
+    /// The ray passes the surface within rounding: a tangency, or a near miss; somewhere from `z` to `z`.
+    Contact([f64; 2]),
     /// An end of a stretch along which the ray runs inside the surface, from `z` to `z`.
     Stretch([f64; 2]),
 }

@@ -123,7 +123,7 @@ impl ExactSolver {
             let pole = pole.filter(|&st| linearised(task, st).1.length() <= AT_POLE * task.error);
             solutions.push(match pole {
                 Some(st) => Solution { st, proof: Proof::Collapsed },
-                None => Solution { st: settled(task, middle), proof: Proof::Contact { length } },
+                None => Solution { st: settled(task, middle), proof: Proof::Contact(contact.z) },
             });
         }
         self.contacts = contacts;
