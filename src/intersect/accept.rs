@@ -112,16 +112,12 @@ pub(super) fn accept(
     let t = z * ray.t_from_z;
     let t_error = z_error * ray.t_from_z;
     let [t_min, t_max] = question.t_range;
-    let earliest = (t - t_error).max(t_min);
     let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
     if !(t > t_min && t < t_max) {
         if undecided {
-            findings.doubt_at(earliest);
+            findings.doubt_at((t - t_error).max(t_min));
         }
         return;
-    }
-    if matches!(solution.proof, Proof::Contact(_)) {
-        findings.doubt_at(earliest);
     }
     let edge_in_doubt = flags.contains(HitFlags::TRIM_EDGE) && z_error > EDGE_IN_DOUBT * error;
     if undecided || edge_in_doubt {

@@ -72,9 +72,6 @@ pub(super) fn search_exactly(
     }
     let error = error_bound(piece, question.ray);
     let (rect, is_all) = searched(leaf, piece, error);
-    if !is_all {
-        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
-    }
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
@@ -93,6 +90,9 @@ pub(super) fn search_exactly(
     let boxes = findings.solver.boxes - before;
     findings.effort += boxes;
     findings.statistics.exact_boxes += boxes;
+    if !is_all && solutions.is_empty() {
+        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+    }
     clip_stretches(piece, question.ray, &mut solutions);
     for solution in &solutions {
         accept(question, place, solution, None, findings);
@@ -127,7 +127,7 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
         let part = BEYOND_SIDES * error / (2.0 * half_side);
         if part > LEAF_SLACK {
             let farthest = FARTHEST_BEYOND / piece.patch.degree()[k] as f64;
-            is_all &= part <= 2.0 * farthest;
+            is_all &= part <= 4.0 * farthest;
             let [from, to] = sides[k];
             let more = part.min(farthest) * (to - from);
             rect[k][end] = if end == 0 { from - more } else { to + more };
@@ -141,8 +141,8 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
 const BEYOND_SIDES: f64 = 16.0;
 
 /// But no farther than so many sides of the leaf, over the degree: what rounding does to control points grows there
-/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold what points may be off by, it
-/// is doubtful whether the leaf is met.
+/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold twice what points may be off by,
+/// and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
 /// No point of a piece is met before this: the least of its control points.

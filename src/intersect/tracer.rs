@@ -255,7 +255,14 @@ pub(super) fn answer_of<'m>(
     };
     // A hit so far that `t` has no number for it lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
-    let mut hit = reachable.min_by(order).map(|meeting| hit(set, meeting));
+    // What is doubtful may come before where it was found, by as much as that may be off.
+    let mut doubt = doubt;
+    let looked_at = reachable.inspect(|meeting| {
+        if meeting.flags.contains(HitFlags::DOUBTFUL) {
+            doubt = doubt.min(meeting.t - meeting.t_error);
+        }
+    });
+    let mut hit = looked_at.min_by(order).map(|meeting| hit(set, meeting));
     let open = doubt < f64::INFINITY && hit.is_none_or(|hit| doubt <= hit.t);
     let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
     let doubtful = flagged || open;
