@@ -239,10 +239,13 @@ impl SurfaceBvh {
     }
 }
 
+/// Two points of a surface are one place, as near as can be told, within so many times the sum of what they may be off.
+const SAME_PLACE: f64 = 4.0;
+
 /// The first of some meetings, and whether what was doubtful could have come before it.
 pub(super) fn answer_of<'m>(
     set: &PatchSet,
-    meetings: impl Iterator<Item = &'m Meeting>,
+    meetings: impl Iterator<Item = &'m Meeting> + Clone,
     doubt: f64,
 ) -> Answer {
     // The last word has the place on the piece: so the order of the search has none.
@@ -255,15 +258,19 @@ pub(super) fn answer_of<'m>(
     };
     // A hit so far that `t` has no number for it lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
-    // What is doubtful may come before where it was found, by as much as that may be off.
-    let mut doubt = doubt;
-    let looked_at = reachable.inspect(|meeting| {
-        if meeting.flags.contains(HitFlags::DOUBTFUL) {
-            doubt = doubt.min(meeting.t - meeting.t_error);
-        }
-    });
-    let mut hit = looked_at.min_by(order).map(|meeting| hit(set, meeting));
-    let open = doubt < f64::INFINITY && hit.is_none_or(|hit| doubt <= hit.t);
+    let first = reachable.clone().min_by(order);
+    // What is doubtful may come before where it was found, by as much as that may be off; but what was
+    // found at the place of the first is the first.
+    let before = |first: &Meeting, meeting: &Meeting| {
+        let reach = SAME_PLACE * (first.error + meeting.error);
+        !meeting.is_certain()
+            && meeting.t - meeting.t_error <= first.t
+            && meeting.jet.point.distance(first.jet.point) > reach
+    };
+    let is_before = |first| reachable.clone().any(|meeting| before(first, meeting));
+    let open = doubt < f64::INFINITY && first.is_none_or(|first| doubt <= first.t);
+    let open = open || first.is_some_and(is_before);
+    let mut hit = first.map(|meeting| hit(set, meeting));
     let flagged = hit.is_some_and(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
     let doubtful = flagged || open;
     if let Some(hit) = hit.as_mut().filter(|_| doubtful) {
