@@ -87,7 +87,7 @@ pub(super) fn accept(
 
     // The root the ray starts on is not met again.
     if let Some((root, start)) = question.start_on(piece.surface) {
-        let reach = z_error + root.error;
+        let reach = start_reach(solution.proof, error, z_error, cosine) + root.error;
         if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
             // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
             let touches = flags.contains(HitFlags::DOUBTFUL);
@@ -100,10 +100,10 @@ pub(super) fn accept(
 
     let border = at_border(piece, st, &jet, error);
     let edge = border || flags.contains(HitFlags::TRIM_EDGE);
-    let start_reach = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
+    let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
     if edge
         && flags.without(HitFlags::TRIM_EDGE).is_empty()
-        && z.abs() <= start_reach
+        && z.abs() <= from_start
         && question.starts_on_edge_at(jet.point, cosine, z_error)
     {
         return;
@@ -165,14 +165,29 @@ const EDGE_IN_DOUBT: f64 = 1e5;
 
 /// How far off a root at `z` may be along the ray, for how far a point may be from it.
 fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
-    let steep = error / cosine.abs().max(f64::EPSILON);
     match proof {
-        Proof::Isolated(_) | Proof::Collapsed => steep,
+        Proof::Isolated(_) | Proof::Collapsed => steep(error, cosine),
         // The ray may touch anywhere between, and the place was moved to where the surface is nearest.
         Proof::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
         Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
     }
+}
+
+/// How far from a ray's start what was found may be and still be the root it starts on.
+///
+/// A contact is cut off where the leaf's slack ends: what lies between it and the start, no longer than
+/// itself, another leaf may have found.
+fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
+    match proof {
+        Proof::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
+        _ => z_error,
+    }
+}
+
+/// How far off along the ray a crossing may be.
+fn steep(error: f64, cosine: f64) -> f64 {
+    error / cosine.abs().max(f64::EPSILON)
 }
 
 /// Whether what was found where a ray starts is proved to be the root it starts on. On another
