@@ -52,9 +52,25 @@ impl ChildCode {
         Self(index | what)
     }
 
+    /// The number of the node, block or region.
+    #[inline(always)]
+    pub(super) fn index(self) -> u32 {
+        self.0 & (REGION - 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn is_node(self) -> bool {
+        self.0 & BACK == NODE
+    }
+
+    #[inline(always)]
+    pub(super) fn is_block(self) -> bool {
+        self.0 & BACK == BLOCK
+    }
+
     #[inline(always)]
     pub(super) fn child(self) -> Child {
-        let index = self.0 & (REGION - 1);
+        let index = self.index();
         match self.0 & BACK {
             NODE => Child::Node(index),
             BLOCK => Child::Block(index),

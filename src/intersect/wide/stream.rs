@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
-use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push};
+use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push_unforeseen};
 use super::frames::{Frames, Narrow};
 use super::lane_net::Form;
 use super::nearest::{Kept, keep};
@@ -25,7 +25,7 @@ use crate::patch::SceneFrame;
 
 /// Rays in flight at a time: enough to fill the lanes with pairs, few enough to stay near the
 /// processor.
-pub(in crate::intersect) const FLIGHTS: usize = 128;
+pub(in crate::intersect) const FLIGHTS: usize = 256;
 
 /// A ray on its way.
 #[derive(Clone, Debug, Default)]
@@ -52,8 +52,8 @@ pub(in crate::intersect) struct Stream {
     /// Those on their way through the boxes, and those that wait for their pairs.
     walking: Vec<u32>,
     waiting: Vec<u32>,
-    nodes: Vec<Visit>,
-    blocks: Vec<Visit>,
+    nodes: Visits,
+    blocks: Visits,
     regions: Vec<(u32, (u32, Way))>,
     pairs: Vec<Pair>,
     lanes: Box<PairLanes>,
@@ -99,6 +99,36 @@ const AT_ONCE: usize = 16;
 /// A ray, and the node or block it comes to.
 type Visit = (u32, u32);
 
+/// Some of those that rays of a batch come to.
+#[derive(Debug)]
+struct Visits {
+    places: [Visit; FLIGHTS],
+    count: usize,
+}
+
+impl Default for Visits {
+    fn default() -> Self {
+        Self { places: [(0, 0); FLIGHTS], count: 0 }
+    }
+}
+
+impl Visits {
+    fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Writes one down, and keeps it or not. There are no more than flights.
+    #[inline(always)]
+    fn put(&mut self, visit: Visit, kept: bool) {
+        self.places[self.count % FLIGHTS] = visit;
+        self.count += usize::from(kept);
+    }
+
+    fn all(&self) -> &[Visit] {
+        &self.places[..self.count]
+    }
+}
+
 /// What a node's boxes say of a ray.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
@@ -125,13 +155,15 @@ fn walk<S: Simd, Q: Shot>(
         nodes.clear();
         blocks.clear();
         for &k in walking.iter() {
-            match flights[k as usize].next().map(ChildCode::child) {
-                Some(Child::Node(index)) => nodes.push((k, index)),
-                Some(Child::Block(index)) => blocks.push((k, index)),
-                Some(Child::Region(index, way)) => regions.push((k, (index, way))),
-                None => {}
+            let Some(next) = flights[k as usize].next() else { continue };
+            // Which of the two it is has no pattern to be learnt: so there is no branch for it.
+            nodes.put((k, next.index()), next.is_node());
+            blocks.put((k, next.index()), next.is_block());
+            if let Child::Region(index, way) = next.child() {
+                regions.push((k, (index, way)));
             }
         }
+        let (nodes, blocks) = (nodes.all(), blocks.all());
         if nodes.is_empty() && blocks.is_empty() && regions.is_empty() {
             break;
         }
@@ -153,7 +185,13 @@ fn walk<S: Simd, Q: Shot>(
             }
             for (&(k, index), entries) in visits.iter().zip(&entries) {
                 let node = &tree.nodes[index as usize];
-                push(&mut flights[k as usize].stack, &entries.entry, entries.met, node);
+                push_unforeseen(
+                    simd,
+                    &mut flights[k as usize].stack,
+                    &entries.entry,
+                    entries.met,
+                    node,
+                );
                 walking.push(k);
             }
         }
