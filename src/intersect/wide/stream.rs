@@ -49,8 +49,8 @@ struct Flight {
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Stream {
     flights: Vec<Flight>,
-    /// Those on their way through the boxes, and those that wait for their pairs.
-    walking: Vec<u32>,
+    /// Those on their way through the boxes, with what they come to, and those that wait for their pairs.
+    walking: Vec<(u32, ChildCode)>,
     waiting: Vec<u32>,
     nodes: Visits,
     blocks: Visits,
@@ -85,7 +85,7 @@ pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     statistics: &mut Statistics,
 ) {
     start(simd, scene, shots, stream);
-    while !stream.walking.is_empty() {
+    while !stream.waiting.is_empty() {
         stream.pairs.clear();
         walk(simd, scene, shots, stream, statistics);
         search_pairs(simd, scene, shots, stream, statistics);
@@ -150,12 +150,14 @@ fn walk<S: Simd, Q: Shot>(
     let Stream { flights, walking, waiting, nodes, blocks, regions, pairs, single, .. } = stream;
     let mut entries = [Entries { entry: [0.0; LANES], met: 0 }; AT_ONCE];
     let mut crossings = [Crossings::NONE; AT_ONCE];
-    waiting.clear();
+    walking.clear();
+    for k in waiting.drain(..) {
+        flights[k as usize].go_on(k, walking);
+    }
     loop {
         nodes.clear();
         blocks.clear();
-        for &k in walking.iter() {
-            let Some(next) = flights[k as usize].next() else { continue };
+        for &(k, next) in walking.iter() {
             // Which of the two it is has no pattern to be learnt: so there is no branch for it.
             nodes.put((k, next.index()), next.is_node());
             blocks.put((k, next.index()), next.is_block());
@@ -173,7 +175,7 @@ fn walk<S: Simd, Q: Shot>(
             let flight = &mut flights[k as usize];
             flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
             flight.change_to(&region.frame, shots[k as usize].ray());
-            walking.push(k);
+            flight.go_on(k, walking);
         }
         statistics.nodes += nodes.len() as u64;
         for visits in nodes.chunks(AT_ONCE) {
@@ -184,15 +186,9 @@ fn walk<S: Simd, Q: Shot>(
                 entries.met = met;
             }
             for (&(k, index), entries) in visits.iter().zip(&entries) {
-                let node = &tree.nodes[index as usize];
-                push_unforeseen(
-                    simd,
-                    &mut flights[k as usize].stack,
-                    &entries.entry,
-                    entries.met,
-                    node,
-                );
-                walking.push(k);
+                let (node, flight) = (&tree.nodes[index as usize], &mut flights[k as usize]);
+                push_unforeseen(simd, &mut flight.stack, &entries.entry, entries.met, node);
+                flight.go_on(k, walking);
             }
         }
         for visits in blocks.chunks(AT_ONCE) {
@@ -214,12 +210,11 @@ fn walk<S: Simd, Q: Shot>(
                 } else if pairs.len() > before {
                     waiting.push(k);
                 } else {
-                    walking.push(k);
+                    flight.go_on(k, walking);
                 }
             }
         }
     }
-    std::mem::swap(walking, waiting);
 }
 
 /// Asks for the leaves whose boxes are met: see [`Scene::is_far`].
@@ -241,7 +236,7 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
 /// All rays before the root.
 #[simd]
 fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
-    stream.walking.clear();
+    stream.waiting.clear();
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
     let frame = scene.tree.frame();
     for base in (0..shots.len()).step_by(LANES) {
@@ -278,7 +273,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
                 && !flight.alone
             {
                 flight.stack.push((f32::NEG_INFINITY, root));
-                stream.walking.push((base + lane) as u32);
+                stream.waiting.push((base + lane) as u32);
             }
         }
     }
@@ -363,15 +358,15 @@ impl Task<'_> {
 }
 
 impl Flight {
-    /// What the ray comes to next.
+    /// Puts the ray, if it comes to anything more, among those on their way.
     #[inline(always)]
-    fn next(&mut self) -> Option<ChildCode> {
+    fn go_on(&mut self, k: u32, walking: &mut Vec<(u32, ChildCode)>) {
         while let Some((entry, code)) = self.stack.pop() {
             if entry <= self.boxes.far {
-                return Some(code);
+                walking.push((k, code));
+                return;
             }
         }
-        None
     }
 
     /// Goes on in other scaled coordinates. (Back in the first, these may be rounded otherwise than in
