@@ -1,6 +1,6 @@
 //! Control nets of eight pieces side by side.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
@@ -65,25 +65,36 @@ impl Default for LaneNet {
 }
 
 impl LaneNet {
-    /// Takes in the nets of pieces `first … first + 7`.
+    /// Takes in the nets of pieces `first … first + 7`; in lanes that are not `wanted`, of which there is one at
+    /// least, that of another lane.
     #[simd]
     pub(super) fn take<S: Simd>(
         &mut self,
         simd: S,
         form: Form,
-        pieces: &[&Piece; LANES],
-        first: usize,
+        (pieces, first): (&[&Piece; LANES], usize),
+        wanted: mask64x8<S>,
     ) {
         self.form = form;
         let length = form.row_length();
         let mut nets = [PieceNet::EMPTY; 8];
+        let wanted = wanted.to_bitmask();
         for (lane, room) in self.rooms.iter_mut().enumerate() {
+            if wanted >> lane & 1 == 0 {
+                continue;
+            }
             let patch = &pieces[first + lane].patch;
             self.weight[lane] = patch.weight().unwrap_or(1.0);
             nets[lane] = match patch.net_source() {
                 NetSource::Kept(net) => net,
                 NetSource::Spline(spline) => make(simd, &spline, room),
             };
+        }
+        let other = wanted.trailing_zeros() as usize % 8;
+        for lane in 0..8 {
+            if wanted >> lane & 1 == 0 {
+                (nets[lane], self.weight[lane]) = (nets[other], self.weight[other]);
+            }
         }
         for i in 0..=form.degree()[0] {
             let mut at = 0;

@@ -147,8 +147,8 @@ impl PairLanes {
             if wanted == 0 {
                 continue;
             }
-            self.net.take(simd, first.form, &pieces, 8 * half);
             let wanted = mask64x8::from_bitmask(simd, wanted);
+            self.net.take(simd, first.form, (&pieces, 8 * half), wanted);
             let rays = (&halves[half], normals[half]);
             let done = self.finish(simd, half, wanted, rays, &near.half(half));
             all.met |= done.met << (8 * half);
