@@ -19,11 +19,18 @@ impl Tracer<'_> {
         for shots in shots.chunks(FLIGHTS) {
             dispatch!(level, simd => trace(simd, self, shots));
             let first = answers.len();
+            answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
+            // Which rays have hits is as good as chance: those that have are put together without a branch.
+            let (mut met, mut count) = ([0; FLIGHTS], 0);
+            for k in 0..shots.len() {
+                met[count] = k;
+                count += usize::from(self.stream.is_met(k));
+            }
             let (scene, stream) = (self.bvh.scene(), &self.stream);
-            answers.extend(shots.iter().enumerate().map(|(k, shot)| {
-                let Some((hit, t_from_z)) = stream.hit(k) else { return Answer::default() };
-                Certain::new(&scene, shot.ray(), hit).answer(t_from_z)
-            }));
+            for &k in &met[..count] {
+                let (hit, t_from_z) = stream.hit(k);
+                answers[first + k] = Certain::new(&scene, shots[k].ray(), hit).answer(t_from_z);
+            }
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
                     self.findings.statistics.count_again();

@@ -61,11 +61,17 @@ pub(in crate::intersect) struct Stream {
 }
 
 impl Stream {
-    /// A ray's hit, if it has one, and what takes distances to its ray parameter.
+    /// Whether a ray has a hit.
     #[inline(always)]
-    pub(in crate::intersect) fn hit(&self, k: usize) -> Option<(&SingleHit, f64)> {
+    pub(in crate::intersect) fn is_met(&self, k: usize) -> bool {
+        self.flights[k].met
+    }
+
+    /// That hit, and what takes distances to its ray parameter.
+    #[inline(always)]
+    pub(in crate::intersect) fn hit(&self, k: usize) -> (&SingleHit, f64) {
         let flight = &self.flights[k];
-        flight.met.then_some((&flight.hit, flight.t_from_z))
+        (&flight.hit, flight.t_from_z)
     }
 
     /// Whether a ray must be traced by itself, whatever was found for it.
