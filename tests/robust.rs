@@ -44,3 +44,5 @@ mod same;
 mod survey;
 #[path = "robust/traps.rs"]
 mod traps;
+#[path = "robust/ways.rs"]
+mod ways;

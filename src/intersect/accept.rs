@@ -45,8 +45,9 @@ pub(super) fn accept(
         let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
         let too_coarse =
             st == solution.st || residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
-        if solution.proof_is_open() || too_coarse {
-            findings.doubt_at(z * ray.t_from_z);
+        if solution.proof.is_open() || too_coarse {
+            let earliest = solution.proof.earliest(z).max(ray.z_range[0]);
+            findings.doubt_at(earliest * ray.t_from_z);
         }
         return;
     }
@@ -214,9 +215,17 @@ const CLEAR_OF_POLE: f64 = 16.0;
 /// do there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;
 
-impl Solution {
-    /// Whether a miss would not be proved by the solution's own box.
-    fn proof_is_open(&self) -> bool {
-        matches!(self.proof, Proof::Contact(_) | Proof::Stretch(_))
+impl Proof {
+    /// Whether something is known to lie along a stretch of the ray only, as far as rounding tells.
+    pub(super) fn is_open(self) -> bool {
+        matches!(self, Self::Contact(_) | Self::Stretch(_))
+    }
+
+    /// Where something that was found at `z` may begin.
+    fn earliest(self, z: f64) -> f64 {
+        match self {
+            Self::Isolated(_) | Self::Collapsed => z,
+            Self::Contact([from, to]) | Self::Stretch([from, to]) => z.min(from).min(to),
+        }
     }
 }

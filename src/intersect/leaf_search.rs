@@ -90,12 +90,22 @@ pub(super) fn search_exactly(
     let boxes = findings.solver.boxes - before;
     findings.effort += boxes;
     findings.statistics.exact_boxes += boxes;
-    if !is_all && solutions.is_empty() {
-        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
-    }
+    let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
+    let earliest = earliest.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, question.ray, &mut solutions);
+    let known = findings.meetings.len();
     for solution in &solutions {
         accept(question, place, solution, None, findings);
+    }
+    if findings.meetings.len() == known {
+        let is_proved = |solution: &Solution| !solution.proof.is_open();
+        if !is_all && !solutions.iter().any(is_proved) {
+            findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+        }
+        // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
+        if earliest < f64::INFINITY && !leaf.is_trimmed() {
+            findings.doubt_at(earliest * question.ray.t_from_z);
+        }
     }
     findings.solutions = solutions;
 }
@@ -145,6 +155,14 @@ const BEYOND_SIDES: f64 = 16.0;
 /// and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
+/// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is
+/// proved, or beyond the range of interest.
+fn open_from(proof: Proof, task: &Task<'_>) -> Option<f64> {
+    let (Proof::Contact(z) | Proof::Stretch(z)) = proof else { return None };
+    let [from, to] = [z[0].min(z[1]).max(task.z_range[0]), z[0].max(z[1]).min(task.z_range[1])];
+    (from <= to).then_some(from)
+}
+
 /// No point of a piece is met before this: the least of its control points.
 fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
     let z = |c: DVec4| ray.axis.dot(c.truncate() / c.w - ray.origin);
@@ -153,7 +171,7 @@ fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
 }
 
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
-/// What is left where nothing was on it is the contact of one point of the border.
+/// What is left where nothing was on it is a contact with the border, somewhere along the stretch.
 fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     let is_stretch = |solution: &Solution| matches!(solution.proof, Proof::Stretch(_));
     // The solver reports both ends of a stretch, one after the other.
@@ -162,9 +180,15 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
             pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
             let [from, to] =
                 [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
-            let proof =
-                if from < to { Proof::Stretch([from, to]) } else { Proof::Contact([to, from]) };
-            pair.iter_mut().for_each(|end| end.proof = proof);
+            for end in pair {
+                end.proof = match end.proof {
+                    _ if from < to => Proof::Stretch([from, to]),
+                    Proof::Stretch([first, last]) => {
+                        Proof::Contact([to.min(first), from.max(last)])
+                    }
+                    other => other,
+                };
+            }
         }
     }
 }

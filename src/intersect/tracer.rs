@@ -260,12 +260,13 @@ pub(super) fn answer_of<'m>(
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
     let first = reachable.clone().min_by(order);
     // What is doubtful may come before where it was found, by as much as that may be off; but what was
-    // found at the place of the first is the first.
+    // found at the place of the first is the first, if it is known as well as that. (Of a stretch the end is.)
     let before = |first: &Meeting, meeting: &Meeting| {
         let reach = SAME_PLACE * (first.error + meeting.error);
-        !meeting.is_certain()
-            && meeting.t - meeting.t_error <= first.t
-            && meeting.jet.point.distance(first.jet.point) > reach
+        let earlier = first.t - (meeting.t - meeting.t_error);
+        let is_first = meeting.jet.point.distance(first.jet.point) <= reach
+            && (meeting.stretch.is_some() || earlier <= SAME_PLACE * first.t_error);
+        !meeting.is_certain() && earlier >= 0.0 && !is_first
     };
     let is_before = |first| reachable.clone().any(|meeting| before(first, meeting));
     let open = doubt < f64::INFINITY && first.is_none_or(|first| doubt <= first.t);

@@ -2,36 +2,13 @@
 
 use glam::{DVec3, DVec4};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
+use nurbray::intersect::{Answer, Occlusion, Query};
 use nurbray::math::Ray;
 
 use crate::model::Model;
 use crate::models;
 use crate::random::Random;
-
-/// Everything a kernel can be asked of rays: first hits, then whether they are occluded.
-fn all_ways(
-    model: &Model,
-    kernel: Kernel,
-    queries: &[Query],
-) -> (Vec<Vec<Answer>>, Vec<Vec<Occlusion>>) {
-    let bvh = model.bvh();
-    let mut tracer = bvh.tracer_with(kernel);
-    let mut answers = vec![queries.iter().map(|query| tracer.first_hit(query)).collect()];
-    let mut occlusions = vec![queries.iter().map(|query| tracer.occluded(query)).collect()];
-    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
-        tracer.first_hits(queries, coherence, &mut hits);
-        tracer.occlusions(queries, coherence, &mut occluded);
-        answers.push(hits);
-        occlusions.push(occluded);
-    }
-    (answers, occlusions)
-}
-
-fn kernels() -> impl Iterator<Item = Kernel> {
-    Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
-}
+use crate::ways::{all_ways, kernels};
 
 /// Rays through a border of a square, or past it by less than a point may be off; all numbers are
 /// exact, and so is `o + t d`.
@@ -281,4 +258,61 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
             }
         }
     }
+}
+
+/// Rays that start in a plane far from the origin, or within what points may be off of it, and pass its border on
+/// their way by less than half of that.
+#[test]
+fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
+    let mut random = Random::new(101);
+    for distance in [1e8, 1e9, 1e10, 1e11] {
+        let far = distance * DVec3::new(1.0, -2.0, 0.25);
+        let corners = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.5], [1.0, 0.0, 0.25], [1.0, 1.0, 0.75]];
+        let corners = corners.map(DVec3::from_array);
+        let knots = || KnotVector::bezier(1).unwrap();
+        // These sums are exact, and so is what is taken off again.
+        let net = corners.map(|corner| far + corner).to_vec();
+        let model = Model::new("plane", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+        let error = 24.0 * 0.5 * f64::EPSILON * 2.0 * distance;
+        let normal = (corners[2] - corners[0]).cross(corners[1] - corners[0]).normalize();
+        let borders = [[0, 1], [2, 3], [0, 2], [1, 3]].map(|side| side.map(|k| corners[k]));
+        let rays: Vec<Query> = (0..1000)
+            .filter_map(|_| {
+                let inside = random.unit() * corners[1] + random.unit() * corners[2];
+                let along = random.perpendicular(normal);
+                let slope = random.sign() * (error * random.power_of_ten(-5.0, 1.0)).min(0.3);
+                let direction = along + slope * normal;
+                let origin = far + inside + error * random.between(-0.6, 0.6) * normal;
+                let passed = |side: &[DVec3; 2]| {
+                    let (t, off) = passes(origin - far, direction, *side);
+                    t > 0.01 && off < 0.5 * error
+                };
+                let ray = Ray::new(origin, direction).unwrap();
+                borders.iter().any(passed).then_some(Query::primary(ray))
+            })
+            .collect();
+        assert!(rays.len() > 100, "{distance:e}: {} rays", rays.len());
+        for kernel in kernels() {
+            let (answers, occlusions) = all_ways(&model, kernel, &rays);
+            for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
+                let known = answer.hit.is_some() || answer.doubtful;
+                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+            }
+            for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
+                let known = occlusion.occluded || occlusion.doubtful;
+                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
+            }
+        }
+    }
+}
+
+/// Where a line comes nearest to a segment, along its direction, and how near.
+fn passes(origin: DVec3, direction: DVec3, [from, to]: [DVec3; 2]) -> (f64, f64) {
+    let (unit, side, w) = (direction.normalize(), to - from, from - origin);
+    let across = side - side.dot(unit) * unit;
+    let off = w - w.dot(unit) * unit;
+    let part = (-off.dot(across) / across.length_squared()).clamp(0.0, 1.0);
+    let nearest = w + part * side;
+    let t = nearest.dot(unit);
+    (t, (nearest - t * unit).length())
 }

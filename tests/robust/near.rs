@@ -7,7 +7,9 @@ use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
 
+use crate::model::Model;
 use crate::random::Random;
+use crate::ways::{all_ways, kernels};
 
 fn build(surfaces: &[NurbsSurface]) -> SurfaceBvh {
     SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
@@ -199,6 +201,47 @@ fn no_ray_leaves_a_closed_box() {
                 "box of {scale:e} at {shift:e}, turned {turned}: doubtful {}",
                 doubtful as f64 / count as f64
             );
+        }
+    }
+}
+
+/// Where a ray only just crosses a sphere, it may do so anywhere along some way: a plane on that way is not
+/// taken for the first that is met.
+#[test]
+fn what_may_be_met_before_a_plane_makes_it_doubtful() {
+    let mut random = Random::new(59);
+    for x in [-1e-7, -3e-7, -2e-6] {
+        let turned = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+        let upright = DAffine3::from_rotation_translation(turned, DVec3::new(x, 0.1, 0.07));
+        let plane = shapes::plane(3.0, 3.0).unwrap().transformed(&upright).unwrap();
+        for degree in [2, 3] {
+            let sphere = match degree {
+                2 => shapes::sphere_biquadratic(1.0),
+                _ => shapes::sphere(1.0),
+            };
+            let bodies = [sphere.unwrap(), plane.clone()].map(Into::into);
+            let model = Model { name: format!("{degree}"), surfaces: bodies.into(), closed: false };
+            let mut told = 0;
+            let rays: Vec<Query> = (0..2500)
+                .filter_map(|_| {
+                    // The sphere is crossed before the plane, by far more than points may be off.
+                    let half_chord = random.power_of_ten(x.abs().log10(), -3.0);
+                    let depth = 0.5 * (half_chord * half_chord - x * x);
+                    let (sine, cosine) = random.between(-0.1, 0.1).sin_cos();
+                    let radius = (1.0 - half_chord * half_chord).sqrt();
+                    let origin = DVec3::new(-5.0, radius * sine, random.sign() * radius * cosine);
+                    let ray = Ray::new(origin, DVec3::X).unwrap();
+                    (depth > 1e-13).then_some(Query::primary(ray))
+                })
+                .collect();
+            for kernel in kernels() {
+                for answer in all_ways(&model, kernel, &rays).0.iter().flatten() {
+                    let of_sphere = answer.hit.is_some_and(|hit| hit.surface == 0);
+                    assert!(of_sphere || answer.doubtful, "{kernel}, {degree}, {x:e}: {answer:?}");
+                    told += u64::from(!answer.doubtful);
+                }
+            }
+            assert!(told > 0, "not all is doubtful");
         }
     }
 }

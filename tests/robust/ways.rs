@@ -1,0 +1,30 @@
+//! All the ways rays can be asked about.
+
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
+
+use crate::model::Model;
+
+/// Everything a kernel can be asked of rays: first hits, then whether they are occluded.
+pub(crate) fn all_ways(
+    model: &Model,
+    kernel: Kernel,
+    queries: &[Query],
+) -> (Vec<Vec<Answer>>, Vec<Vec<Occlusion>>) {
+    let bvh = model.bvh();
+    let mut tracer = bvh.tracer_with(kernel);
+    let mut answers = vec![queries.iter().map(|query| tracer.first_hit(query)).collect()];
+    let mut occlusions = vec![queries.iter().map(|query| tracer.occluded(query)).collect()];
+    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+        tracer.first_hits(queries, coherence, &mut hits);
+        tracer.occlusions(queries, coherence, &mut occluded);
+        answers.push(hits);
+        occlusions.push(occluded);
+    }
+    (answers, occlusions)
+}
+
+/// Those that this processor has.
+pub(crate) fn kernels() -> impl Iterator<Item = Kernel> {
+    Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
+}
