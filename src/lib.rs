@@ -90,8 +90,8 @@
 //!   [doubtful](intersect::Answer::doubtful).
 //! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that in a pole,
 //!   where what passes it so near meets it.
-//! - Domains are closed: a ray that passes within `C ε M` of a border meets it (where it would touch
-//!   the surface there, within half of that), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
+//! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep one as a rule
+//!   within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
 //! - What trims keep of a surface is closed, too: a root that may lie on a trim edge, as far as
 //!   rounding lets one know, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
 //! - Answers depend on the ray and the surfaces only, pictures on the scene and its settings
