@@ -45,8 +45,9 @@ pub(super) fn accept(
         let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
         let too_coarse =
             st == solution.st || residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
-        if solution.proof.is_open() || too_coarse {
-            let earliest = solution.proof.earliest(z).max(ray.z_range[0]);
+        if solution.proof.stretch().is_some() || too_coarse {
+            let earliest = solution.proof.stretch().map_or(z, |[from, _]| from.min(z));
+            let earliest = earliest.max(ray.z_range[0]);
             findings.doubt_at(earliest * ray.t_from_z);
         }
         return;
@@ -214,18 +215,3 @@ const CLEAR_OF_POLE: f64 = 16.0;
 /// A ray aimed at a point of a border passes it by no more than this part of what rounding may
 /// do there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;
-
-impl Proof {
-    /// Whether something is known to lie along a stretch of the ray only, as far as rounding tells.
-    pub(super) fn is_open(self) -> bool {
-        matches!(self, Self::Contact(_) | Self::Stretch(_))
-    }
-
-    /// Where something that was found at `z` may begin.
-    fn earliest(self, z: f64) -> f64 {
-        match self {
-            Self::Isolated(_) | Self::Collapsed => z,
-            Self::Contact([from, to]) | Self::Stretch([from, to]) => z.min(from).min(to),
-        }
-    }
-}

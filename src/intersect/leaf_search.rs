@@ -98,7 +98,7 @@ pub(super) fn search_exactly(
         accept(question, place, solution, None, findings);
     }
     if findings.meetings.len() == known {
-        let is_proved = |solution: &Solution| !solution.proof.is_open();
+        let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
         if !is_all && !solutions.iter().any(is_proved) {
             findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
         }
@@ -158,9 +158,8 @@ const FARTHEST_BEYOND: f64 = 0.125;
 /// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is
 /// proved, or beyond the range of interest.
 fn open_from(proof: Proof, task: &Task<'_>) -> Option<f64> {
-    let (Proof::Contact(z) | Proof::Stretch(z)) = proof else { return None };
-    let [from, to] = [z[0].min(z[1]).max(task.z_range[0]), z[0].max(z[1]).min(task.z_range[1])];
-    (from <= to).then_some(from)
+    let ([from, to], [z_min, z_max]) = (proof.stretch()?, task.z_range);
+    (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
 
 /// No point of a piece is met before this: the least of its control points.
@@ -173,22 +172,19 @@ fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
 /// What is left where nothing was on it is a contact with the border, somewhere along the stretch.
 fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
-    let is_stretch = |solution: &Solution| matches!(solution.proof, Proof::Stretch(_));
     // The solver reports both ends of a stretch, one after the other.
     for ends in solutions.chunk_by_mut(|a, b| a.proof == b.proof) {
-        for pair in ends.chunks_exact_mut(2).filter(|pair| pair.iter().all(is_stretch)) {
+        let Proof::Stretch([first, last]) = ends[0].proof else { continue };
+        for pair in ends.chunks_exact_mut(2) {
             pair.iter_mut().for_each(|end| end.st = on_piece(piece, ray, end.st));
             let [from, to] =
                 [0, 1].map(|k| ray.axis.dot(piece.patch.point(pair[k].st) - ray.origin));
-            for end in pair {
-                end.proof = match end.proof {
-                    _ if from < to => Proof::Stretch([from, to]),
-                    Proof::Stretch([first, last]) => {
-                        Proof::Contact([to.min(first), from.max(last)])
-                    }
-                    other => other,
-                };
-            }
+            let proof = if from < to {
+                Proof::Stretch([from, to])
+            } else {
+                Proof::Contact([to.min(first), from.max(last)])
+            };
+            pair.iter_mut().for_each(|end| end.proof = proof);
         }
     }
 }

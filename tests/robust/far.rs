@@ -8,7 +8,7 @@ use nurbray::math::Ray;
 use crate::model::Model;
 use crate::models;
 use crate::random::Random;
-use crate::ways::{all_ways, kernels};
+use crate::ways::{all_ways, assert_met_or_doubted, kernels};
 
 /// Rays through a border of a square, or past it by less than a point may be off; all numbers are
 /// exact, and so is `o + t d`.
@@ -80,17 +80,7 @@ fn borders_that_are_silhouettes_are_met_or_doubted() {
                 Query::primary(Ray::new(from, -z * DVec3::Z).unwrap())
             })
             .collect();
-        for kernel in kernels() {
-            let (answers, occlusions) = all_ways(&model, kernel, &queries);
-            for (query, answer) in answers.iter().flat_map(|way| queries.iter().zip(way)) {
-                let known = answer.hit.is_some() || answer.doubtful;
-                assert!(known, "{name}, {kernel}: {:?}", query.ray);
-            }
-            for (query, occlusion) in occlusions.iter().flat_map(|way| queries.iter().zip(way)) {
-                let known = occlusion.occluded || occlusion.doubtful;
-                assert!(known, "{name}, {kernel}: {:?}", query.ray);
-            }
-        }
+        assert_met_or_doubted(name, &model, &queries);
     }
 }
 
@@ -198,17 +188,7 @@ fn borders_far_from_the_origin_are_met_or_doubted() {
                 Query::primary(Ray::new(origin, -DVec3::Z).unwrap())
             })
             .collect();
-        for kernel in kernels() {
-            let (answers, occlusions) = all_ways(&model, kernel, &rays);
-            for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
-                let known = answer.hit.is_some() || answer.doubtful;
-                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-            }
-            for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
-                let known = occlusion.occluded || occlusion.doubtful;
-                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-            }
-        }
+        assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
     }
 }
 
@@ -245,17 +225,7 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
                 })
                 .collect();
             let model = Model::new("far", surface);
-            for kernel in kernels() {
-                let (answers, occlusions) = all_ways(&model, kernel, &rays);
-                for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
-                    let known = answer.hit.is_some() || answer.doubtful;
-                    assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-                }
-                for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
-                    let known = occlusion.occluded || occlusion.doubtful;
-                    assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-                }
-            }
+            assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
         }
     }
 }
@@ -292,17 +262,7 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
             })
             .collect();
         assert!(rays.len() > 100, "{distance:e}: {} rays", rays.len());
-        for kernel in kernels() {
-            let (answers, occlusions) = all_ways(&model, kernel, &rays);
-            for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
-                let known = answer.hit.is_some() || answer.doubtful;
-                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-            }
-            for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
-                let known = occlusion.occluded || occlusion.doubtful;
-                assert!(known, "{kernel}, {distance:e}: {:?}", query.ray);
-            }
-        }
+        assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
     }
 }
 

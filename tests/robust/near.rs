@@ -241,7 +241,7 @@ fn what_may_be_met_before_a_plane_makes_it_doubtful() {
                     told += u64::from(!answer.doubtful);
                 }
             }
-            assert!(told > 0, "not all is doubtful");
+            assert!(told > 0, "{degree}, {x:e}: all is doubtful");
         }
     }
 }

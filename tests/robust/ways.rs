@@ -28,3 +28,18 @@ pub(crate) fn all_ways(
 pub(crate) fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
 }
+
+/// That every ray meets the model, or is doubtful, whichever way and by whichever kernel it is asked about.
+pub(crate) fn assert_met_or_doubted(context: &str, model: &Model, rays: &[Query]) {
+    for kernel in kernels() {
+        let (answers, occlusions) = all_ways(model, kernel, rays);
+        for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
+            let known = answer.hit.is_some() || answer.doubtful;
+            assert!(known, "{context}, {kernel}: {:?}", query.ray);
+        }
+        for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
+            let known = occlusion.occluded || occlusion.doubtful;
+            assert!(known, "{context}, {kernel}: {:?}", query.ray);
+        }
+    }
+}

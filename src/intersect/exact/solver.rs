@@ -93,6 +93,16 @@ pub(crate) enum Proof {
     Stretch([f64; 2]),
 }
 
+impl Proof {
+    /// From where to where along the ray what was found lies, where rounding tells no more of it.
+    pub(crate) fn stretch(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Isolated(_) | Self::Collapsed => None,
+            Self::Contact(z) | Self::Stretch(z) => Some(z),
+        }
+    }
+}
+
 /// A place where the ray meets the leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solution {
