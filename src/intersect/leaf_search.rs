@@ -103,7 +103,7 @@ pub(super) fn search_exactly(
             findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
-        if earliest < f64::INFINITY && !leaf.is_trimmed() {
+        if earliest < f64::INFINITY {
             findings.doubt_at(earliest * question.ray.t_from_z);
         }
     }

@@ -1,7 +1,8 @@
 //! Origins so far away that a point may be off a ray by more than f32 can tell.
 
-use glam::{DVec3, DVec4};
-use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+use glam::{DVec2, DVec3, DVec4};
+use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
+use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
 use nurbray::intersect::{Answer, Occlusion, Query};
 use nurbray::math::Ray;
 
@@ -242,7 +243,7 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
         let knots = || KnotVector::bezier(1).unwrap();
         // These sums are exact, and so is what is taken off again.
         let net = corners.map(|corner| far + corner).to_vec();
-        let model = Model::new("plane", NurbsSurface::new(knots(), knots(), net, None).unwrap());
+        let plane = NurbsSurface::new(knots(), knots(), net, None).unwrap();
         let error = 24.0 * 0.5 * f64::EPSILON * 2.0 * distance;
         let normal = (corners[2] - corners[0]).cross(corners[1] - corners[0]).normalize();
         let borders = [[0, 1], [2, 3], [0, 2], [1, 3]].map(|side| side.map(|k| corners[k]));
@@ -262,7 +263,16 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
             })
             .collect();
         assert!(rays.len() > 100, "{distance:e}: {} rays", rays.len());
-        assert_met_or_doubted(&format!("{distance:e}"), &model, &rays);
+        // Also with a hole that is far from all borders.
+        let hole = TrimLoop::circle(DVec2::splat(0.5), 0.02).unwrap();
+        let domain = TrimDomain::with_seams_of(&plane).unwrap();
+        let trims = Trims::new(domain, Kept::Even, &[hole]).unwrap();
+        let trimmed = TrimmedSurface::new(plane.clone(), trims).unwrap();
+        for (name, model) in
+            [("whole", Model::new("plane", plane)), ("with a hole", Model::new("plane", trimmed))]
+        {
+            assert_met_or_doubted(&format!("{distance:e}, {name}"), &model, &rays);
+        }
     }
 }
 
