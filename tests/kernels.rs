@@ -405,7 +405,8 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
     }
 }
 
-/// Of dense surfaces the Bézier points are not kept; of the same surfaces given in Bézier form they are.
+/// Of dense surfaces the Bézier points are not kept; of the same surfaces given in Bézier form they are. The
+/// scalar kernel has the same numbers of both, the others the same but for rounding.
 #[test]
 fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     let mut random = Random(17);
@@ -431,9 +432,19 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
                     }
                     answers
                 });
-                let [a, b] = answers.each_ref().map(|some| some.iter().map(bits));
-                assert!(a.eq(b), "{degree:?}, {kernel}: {what}");
-                assert_eq!(occlusions(&made, kernel, queries), occlusions(&kept, kernel, queries));
+                let [a, b] = &answers;
+                for (k, (a, b)) in a.iter().zip(b).enumerate() {
+                    if kernel == Kernel::Scalar {
+                        assert_eq!(bits(a), bits(b), "{degree:?}: {what}");
+                    } else {
+                        let name = format!("{degree:?}, {what}");
+                        compare(&name, kernel, 1.0, &queries[k % queries.len()], a, b);
+                    }
+                }
+                let [a, b] = [&made, &kept].map(|bvh| occlusions(bvh, kernel, queries));
+                for (a, b) in a.iter().zip(&b).filter(|(a, b)| !a.doubtful && !b.doubtful) {
+                    assert_eq!(a.occluded, b.occluded, "{degree:?}, {kernel}: {what}");
+                }
                 answers
             };
             let [answers, _] = same(&queries, "rays from outside");

@@ -5,21 +5,6 @@ use glam::DVec4;
 use super::KnotVector;
 use super::line::mix_by;
 
-/// What control points are mixed as: one of them, or several side by side.
-pub(crate) trait Mix: Copy {
-    /// `(1 − α) self + α other` for `1 − α` and `α`, coordinates that are equal kept as they are, bit for
-    /// bit as [`mix_by`].
-    #[must_use]
-    fn mixed(self, other: Self, by: [f64; 2]) -> Self;
-}
-
-impl Mix for DVec4 {
-    #[inline]
-    fn mixed(self, other: Self, by: [f64; 2]) -> Self {
-        mix_by(self, other, by)
-    }
-}
-
 /// How the Bézier points of a span come from the `p + 1` control points of a spline of degree 3 or
 /// less that govern it.
 ///
@@ -63,22 +48,27 @@ impl Extraction {
     }
 
     /// The Bézier points, from the control points; only `p + 1` of either count.
-    #[inline(always)] // for vectors of lanes
-    pub(crate) fn apply<M: Mix>(&self, degree: usize, [a, b, c, d]: [M; 4]) -> [M; 4] {
+    #[inline(always)] // degrees known in advance need no branches
+    pub(crate) fn apply(&self, degree: usize, [a, b, c, d]: [DVec4; 4]) -> [DVec4; 4] {
         let [first, near, left, right, last] = self.by;
         match degree {
             3 => {
                 // f(t₀,t₀,t₁) and f(t₀,t₁,t₁) of the span before, f(t₁,t₁,t₂), f(t₁,t₂,t₂), and
                 // f(t₂,t₂,t₃) of the span behind.
-                let before = a.mixed(b, first).mixed(b, near);
-                let second = b.mixed(c, left);
-                let third = second.mixed(c, right);
-                let behind = c.mixed(d, last);
-                [before.mixed(second, near), second, third, third.mixed(behind, right)]
+                let before = mix_by(mix_by(a, b, first), b, near);
+                let second = mix_by(b, c, left);
+                let third = mix_by(second, c, right);
+                let behind = mix_by(c, d, last);
+                [mix_by(before, second, near), second, third, mix_by(third, behind, right)]
             }
-            2 => [a.mixed(b, near), b, b.mixed(c, right), d],
+            2 => [mix_by(a, b, near), b, mix_by(b, c, right), d],
             _ => [a, b, c, d],
         }
+    }
+
+    /// How much of each control point there is in each Bézier point, by the latter.
+    pub(crate) fn shares(&self, degree: usize) -> [DVec4; 4] {
+        self.apply(degree, DVec4::AXES)
     }
 }
 

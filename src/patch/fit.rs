@@ -5,6 +5,7 @@ use glam::{DVec3, DVec4};
 use super::Piece;
 use super::fit_error::FitError;
 use super::part::Halving;
+use super::powers::powers;
 use super::tensor::euclidean;
 use crate::math::bernstein;
 
@@ -79,25 +80,6 @@ fn in_powers(coefficients: [[DVec3; 4]; 4]) -> (DVec3, Fit, [DVec3; 2]) {
     let [along_y, along_x] = [coefficients[0], [0, 1, 2, 3].map(|i| coefficients[i][0])];
     let across = |row: [DVec3; 4]| 2.0 * (row[1] + row[3]);
     (coefficients[0][0], fit, [across(along_x), across(along_y)])
-}
-
-/// From Bernstein coefficients of degree up to three on `[−1, 1]` to those of powers.
-fn powers(degree: usize, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
-    let zero = DVec3::ZERO;
-    match degree {
-        1 => [0.5 * (a + b), 0.5 * (b - a), zero, zero],
-        2 => [0.25 * (a + c) + 0.5 * b, 0.5 * (c - a), 0.25 * (a + c) - 0.5 * b, zero],
-        _ => {
-            let (outer, inner) = (a + d, 3.0 * (b + c));
-            let (across, between) = (d - a, c - b);
-            [
-                0.125 * (outer + inner),
-                0.375 * (across + between),
-                0.125 * (3.0 * outer - inner),
-                0.125 * (across - 3.0 * between),
-            ]
-        }
-    }
 }
 
 /// The Chebyshev points of degree four: `cos((2k + 1) π / 8)`.
@@ -187,20 +169,6 @@ const fn interpolation(nodes: [f64; 4]) -> [[f64; 4]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bernstein_coefficients_become_those_of_powers() {
-        let points = [1.0, -2.0, 0.5, 3.0].map(|x| DVec3::new(x, x * x, 1.0 - x));
-        for degree in 1..=3 {
-            let coefficients = powers(degree, points);
-            for x in [-1.0, -0.3, 0.0, 0.8, 1.0] {
-                let basis: [f64; 4] = crate::math::bernstein::basis(degree, 0.5 * (x + 1.0));
-                let wanted: DVec3 = (0..=degree).map(|i| basis[i] * points[i]).sum();
-                let value: DVec3 = (0..4).map(|i| x.powi(i as i32) * coefficients[i]).sum();
-                assert!(value.distance(wanted) < 1e-14, "degree {degree} at {x}");
-            }
-        }
-    }
 
     #[test]
     fn bicubic_maps_are_fitted_exactly() {

@@ -11,6 +11,18 @@
 //! `S(x + h) − S(x) − S'(x) h = (½ Y''(ξ)[h, h] + S'(x) h (W(x) − W(x + h))) / W(x + h)`:
 //! at most `M |h|²`, with second and first differences of the net for the derivatives.
 //!
+//! Less is left where second derivatives are taken along. A polynomial of degree `n` in each variable that
+//! is at most `B` on `D` has partial derivatives of at most `K B`, `K = n / √(FIT_DOMAIN² − x²)` (Bernstein 1912),
+//! `n` being the greater degree and `x` how far out it is asked. So, with `ω` no less than `|W'| / W` and `M (1 + 2 ω / K)` kept instead of `M`,
+//!
+//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ K M |h|³`,
+//! `|S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 K M |h|²` for the unit vectors `e`, and `|S''(x)[h, e]| ≤ 4 M |h|`,
+//!
+//! for `K |h| < 1`. Of polynomials these are Taylor's remainders. Else put `Y = X − S(x) W`, `σ = |S'|`,
+//! `m = ½ |Y''|`: then `M W ≥ m + σ |W'|`, and from Taylor's remainders of `Y` and `W` those of `S` are at most
+//! `(⅔ K m + K σ |W'|) / W + ω M` times `|h|³` and `(K m + 2 K σ |W'|) / W + 5 ω M` times `|h|²`, but for higher
+//! powers of `|h|`, which what was rounded up makes up for.
+//!
 //! *Slopes.* With `R = X − W Q` the slopes of `S` and `Q` differ by `(R' − (R / W) W') / W`. The
 //! degree times the longest difference of neighbouring Bernstein coefficients bounds `R'`, and
 //! `W'` likewise; `R / W` is at most `E`.
@@ -29,6 +41,16 @@ pub const FIT_DOMAIN: f64 = 1.2;
 /// A side of the rectangle they hold on.
 const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
+/// `K`, for the greater degree of a piece, as far out as the steps that are spoken of lead.
+#[inline(always)]
+pub fn steepest(degree: usize) -> f64 {
+    const PER_DEGREE: f64 = 2.1;
+    const FARTHEST: f64 = 1.1;
+    const _: () =
+        assert!(PER_DEGREE * PER_DEGREE * (FIT_DOMAIN * FIT_DOMAIN - FARTHEST * FARTHEST) > 1.0);
+    PER_DEGREE * degree as f64
+}
+
 /// Bounds of a bicubic approximation, in scene units.
 #[derive(Clone, Copy, Debug)]
 pub struct FitError {
@@ -36,7 +58,7 @@ pub struct FitError {
     pub value: f64,
     /// Of either partial derivative.
     pub slope: f64,
-    /// `M`.
+    /// `M`, or what is kept instead.
     pub bend: f64,
 }
 
@@ -63,15 +85,17 @@ impl FitError {
         // larger multiplies what they are off by up to `FIT_DOMAINᵖ⁺q`.
         let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
         let noise = 4.0 * patch.noise() * grown.max(1.0);
-        let [farthest, steepest] = difference(degree, &net, &in_bernstein_form(fit));
+        let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
         // Second differences are off by four times that, and have factors p(p − 1), q(q − 1) and 2pq:
         // half of all, over the square of a side, is less than this.
         let sum = (degree[0] + degree[1]) as f64;
-        let bend = bend(degree, &net, least) + noise * (0.35 * sum * sum).max(1.0);
+        let slope_of_weight = weight_slope(degree, &net);
+        let turning = 1.0 + 4.0 * slope_of_weight / (least * steepest(degree[0].max(degree[1])));
+        let bend = turning * bend(degree, &net, least) + noise * (0.35 * sum * sum).max(1.0);
         // Differences of coefficients that rounding has moved by `noise` each.
         let rounding = 2.0 * (degree[0].max(degree[1]) + 3) as f64 * noise;
-        let slope = (steepest + value * weight_slope(degree, &net)) / least + rounding;
+        let slope = (along + value * slope_of_weight) / least + rounding;
         if value.is_finite() && slope.is_finite() {
             Self { value, slope, bend }
         } else {
@@ -356,6 +380,36 @@ mod tests {
                     let (dx, dy) = (-step * x.signum(), 0.5 * step * y.signum());
                     let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
                     assert!(left.length() <= bound(leaf.fit_bend()) * step * step);
+                }
+                let (x, y) = (x.clamp(-1.1, 1.1), y.clamp(-1.1, 1.1));
+                let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
+                let at = patch.derivatives(st);
+                let steepest = steepest(patch.degree()[0].max(patch.degree()[1]));
+                let bend = f64::from(leaf.fit_bend());
+                for step in [0.1, 0.01, 1e-3].map(|step| step / steepest) {
+                    let (dx, dy) = (-step * x.signum(), -0.7 * step * y.signum());
+                    let (ds, dt) = (dx * half[0], dy * half[1]);
+                    let (turn_s, turn_t) = (at.duu * ds + at.duv * dt, at.duv * ds + at.dvv * dt);
+                    let next = patch.jet(st + DVec2::new(ds, dt));
+                    let along = (at.du + 0.5 * turn_s) * ds + (at.dv + 0.5 * turn_t) * dt;
+                    let left = (next.point - at.point - along).length();
+                    assert!(left <= steepest * bend * step.powi(3) + patch.noise(), "{left:e}");
+                    for (turned, half) in
+                        [(next.ds - at.du - turn_s, half[0]), (next.dt - at.dv - turn_t, half[1])]
+                    {
+                        let left = turned.length() * half;
+                        assert!(
+                            left <= 3.0 * steepest * bend * step * step + 4.0 * patch.noise(),
+                            "{left:e}"
+                        );
+                    }
+                    for turn in [turn_s * half[0], turn_t * half[1]] {
+                        assert!(
+                            turn.length() <= 4.0 * bend * step + 4.0 * patch.noise(),
+                            "{:e}",
+                            turn.length()
+                        );
+                    }
                 }
             }
         }

@@ -13,7 +13,7 @@
 //! steep enough to its mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`])
 //! are proved to hold all its points. Leaves are for searching only. Points are always computed
 //! on the whole piece, in one order of operations, so that neighbouring leaves agree on their
-//! common line.
+//! common line: by Bernstein functions, or, where speed counts, by powers (`powers`).
 //!
 //! [`Aabb`]: crate::math::Aabb
 
@@ -30,6 +30,7 @@ mod oriented_box;
 mod part;
 mod piece;
 mod piece_net;
+mod powers;
 mod rect;
 mod rounded;
 mod set;
@@ -58,7 +59,7 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
 pub use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
 pub use fit::Fit;
-pub use fit_error::{FIT_DOMAIN, FitError};
+pub use fit_error::{FIT_DOMAIN, FitError, steepest};
 pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};
@@ -66,6 +67,7 @@ pub use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
 pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, SplineNet};
+pub(crate) use powers::ToPowers;
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};

@@ -6,6 +6,7 @@ use glam::DVec4;
 use rayon::prelude::*;
 
 use super::piece_net::{LONGEST, numbers_a_point};
+use super::powers::{self, ToPowers};
 use super::{NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extraction, KnotVector, NurbsSurface};
@@ -58,6 +59,8 @@ pub(super) struct ChartNet {
     /// How pieces make their nets of these points, by the row and the column in which they begin;
     /// `None` where these are the Bézier points.
     extraction: Option<Box<[Vec<Extraction>; 2]>>,
+    /// What the sums of pieces are made of.
+    sums: Sums,
     /// For each direction and each row, or column: what is to be known of the pieces that
     /// begin there.
     pub(super) spans: [Vec<PieceSpan>; 2],
@@ -65,6 +68,17 @@ pub(super) struct ChartNet {
     pub(super) map: ChartMap,
     /// Which part of the chart is there; all of it without trims.
     pub(super) trims: Option<Arc<Trims>>,
+}
+
+/// What the sums of pieces are made of where speed counts.
+#[derive(Debug)]
+enum Sums {
+    /// Bernstein functions and the Bézier points.
+    Bernstein,
+    /// Powers: their nets, piece by piece.
+    Powers(Vec<f64>),
+    /// Powers, made when they are wanted, by the row and the column in which pieces begin.
+    PowersOf(Box<[Vec<ToPowers>; 2]>),
 }
 
 /// Homogeneous control points `(w x, w y, w z, w)`; of those that all have the same weight, it is
@@ -114,6 +128,9 @@ pub(super) struct PieceSpan {
     pub(super) border: [bool; 2],
     /// Whether something else begins at the far end.
     pub(super) open_end: bool,
+    /// How many pieces come before it in its direction, and in all.
+    number: u32,
+    count: u32,
 }
 
 impl ChartNet {
@@ -131,7 +148,11 @@ impl ChartNet {
             let counts = knots.map(KnotVector::point_count);
             // One more number: so that four can be read at any point.
             let control = Control::new(form.weight(), counts, 1, |i| form.row(i));
-            Self::over(chart, knots, control, None)
+            let (mut net, firsts) = Self::over(chart, knots, control, None);
+            if let Some(powers) = net.all_by_powers(&firsts) {
+                net.sums = Sums::Powers(powers);
+            }
+            (net, firsts)
         }
     }
 
@@ -148,8 +169,19 @@ impl ChartNet {
             }
             extraction
         });
+        let sums = if powers::suit_spline(knots.map(KnotVector::degree), surface.control()) {
+            let all = |k: usize| {
+                let of = |extraction| ToPowers::of(extraction, knots[k].degree());
+                extraction[k].iter().map(of).collect()
+            };
+            Sums::PowersOf(Box::new([all(0), all(1)]))
+        } else {
+            Sums::Bernstein
+        };
         let control = Control::new(surface.common_weight(), counts, LONGEST, row);
-        Self::over(chart, knots, control, Some(Box::new(extraction)))
+        let (mut net, firsts) = Self::over(chart, knots, control, Some(Box::new(extraction)));
+        net.sums = sums;
+        (net, firsts)
     }
 
     fn over(
@@ -168,7 +200,53 @@ impl ChartNet {
         ];
         let stride = knots[1].point_count();
         let (map, trims) = (chart.map, chart.trims.clone());
-        (Self { degree, control, stride, extraction, spans, map, trims }, firsts)
+        let sums = Sums::Bernstein;
+        (Self { degree, control, stride, extraction, sums, spans, map, trims }, firsts)
+    }
+
+    /// The nets by powers of all pieces that begin with these rows and columns, and a number more, if they are
+    /// all well conditioned.
+    fn all_by_powers(&self, [rows, columns]: &[Vec<u32>; 2]) -> Option<Vec<f64>> {
+        let [p, q] = self.degree;
+        if !powers::suit(self.degree) {
+            return None;
+        }
+        let count = rows.len() * columns.len();
+        let mut numbers = Vec::with_capacity(count * self.numbers_a_net() + 1);
+        for &row in rows {
+            for &column in columns {
+                let NetSource::Kept(bezier) = self.source([row, column]) else { return None };
+                let net = powers::net_of(self.degree, &bezier.points_of_cubic(self.degree))?;
+                for point in net[..=p].iter().flat_map(|row| &row[..=q]) {
+                    numbers.extend(&point.to_array()[..self.components()]);
+                }
+            }
+        }
+        numbers.push(0.0);
+        Some(numbers)
+    }
+
+    /// How many numbers the net of a piece has.
+    fn numbers_a_net(&self) -> usize {
+        let [p, q] = self.degree;
+        self.components() * (p + 1) * (q + 1)
+    }
+
+    /// What the sums of a piece are made of, by powers or by Bernstein functions.
+    #[inline(always)]
+    pub(super) fn sums_source(&self, first: [u32; 2]) -> NetSource<'_> {
+        let Sums::Powers(powers) = &self.sums else { return self.source(first) };
+        let spans = [0, 1].map(|k| &self.spans[k][first[k] as usize]);
+        let number = (spans[0].number * spans[1].count + spans[1].number) as usize;
+        let length = self.components() * (self.degree[1] + 1);
+        let numbers = &powers[self.numbers_a_net() * number..];
+        NetSource::Kept(PieceNet::new(numbers, length, length, self.control.weight))
+    }
+
+    /// Whether those are made by powers.
+    #[inline(always)]
+    pub(super) fn by_powers(&self) -> bool {
+        !matches!(self.sums, Sums::Bernstein)
     }
 
     /// The net of the piece that begins with a row and a column.
@@ -183,7 +261,12 @@ impl ChartNet {
             None => NetSource::Kept(points),
             Some([along_s, along_t]) => {
                 let extraction = [&along_s[row], &along_t[column]];
-                NetSource::Spline(SplineNet { degree: self.degree, points, extraction })
+                let to_powers = match &self.sums {
+                    Sums::PowersOf(both) => Some([&both[0][row], &both[1][column]]),
+                    _ => None,
+                };
+                let degree = self.degree;
+                NetSource::Spline(SplineNet { degree, points, extraction, to_powers })
             }
         }
     }
@@ -208,6 +291,11 @@ impl ChartNet {
         let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
         size_of::<Self>()
             + self.control.bytes()
+            + match &self.sums {
+                Sums::Bernstein => 0,
+                Sums::Powers(numbers) => size_of_val(&numbers[..]),
+                Sums::PowersOf(both) => both.iter().map(|some| size_of_val(&some[..])).sum(),
+            }
             + spans.sum::<usize>()
             + extraction.sum::<usize>()
             + trims
@@ -228,7 +316,8 @@ fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<Pie
     let (start, end) = knots.domain();
     let jumps = |t: f64| knots.multiplicity(t) > knots.degree();
     let mut spans = vec![PieceSpan::default(); knots.point_count()];
-    for span in knots.spans() {
+    let count = knots.spans().count() as u32;
+    for (number, span) in (0..count).zip(knots.spans()) {
         spans[span.index - knots.degree()] = PieceSpan {
             domain: [span.start, span.end],
             border: [
@@ -236,6 +325,8 @@ fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<Pie
                 if span.end == end { border[1] } else { jumps(span.end) },
             ],
             open_end: if span.end == end { open_end } else { jumps(span.end) },
+            number,
+            count,
         };
     }
     spans

@@ -6,6 +6,7 @@
 
 use glam::{DVec3, DVec4};
 
+use super::powers::ToPowers;
 use crate::geometry::Extraction;
 
 /// How many numbers are kept of a control point: its weight, too, where not all have the same.
@@ -49,6 +50,17 @@ impl<'a> PieceNet<'a> {
         &self.numbers[i * self.stride..=i * self.stride + self.length]
     }
 
+    /// The homogeneous control points of a net of degree three or less; other places are zero.
+    pub(super) fn points_of_cubic(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
+        let mut net = [[DVec4::ZERO; 4]; 4];
+        for (i, row) in net[..=p].iter_mut().enumerate() {
+            for (to, point) in row[..=q].iter_mut().zip(self.points(i)) {
+                *to = point;
+            }
+        }
+        net
+    }
+
     /// The homogeneous control points `(w x, w y, w z, w)` of a row.
     #[inline]
     pub(super) fn points(&self, i: usize) -> impl Iterator<Item = DVec4> + 'a {
@@ -77,6 +89,8 @@ pub(crate) struct SplineNet<'a> {
     pub(super) degree: [usize; 2],
     pub(super) points: PieceNet<'a>,
     pub(super) extraction: [&'a Extraction; 2],
+    /// How its net by powers comes from them; `None` where its sums are of Bernstein functions.
+    pub(super) to_powers: Option<[&'a ToPowers; 2]>,
 }
 
 /// The numbers of the longest row.
@@ -113,18 +127,18 @@ impl<'a> SplineNet<'a> {
         numbers_a_point(self.points.weight)
     }
 
+    /// What makes a net by powers of them, along `s` and `t`, if one is wanted.
+    #[inline(always)]
+    pub(crate) fn by_powers(&self) -> Option<[&'a ToPowers; 2]> {
+        self.to_powers
+    }
+
     /// The numbers of a row of control points, and those that follow in memory.
     #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> &'a [f64; LONGEST] {
         let from = &self.points.numbers[i * self.points.stride..];
         debug_assert!(from.len() >= LONGEST, "a chart keeps as many behind its last row");
         from.first_chunk().unwrap_or(&[0.0; LONGEST])
-    }
-
-    /// What makes Bézier points of them, along `s` (0) or `t` (1).
-    #[inline(always)]
-    pub(crate) fn along(&self, direction: usize) -> &'a Extraction {
-        self.extraction[direction]
     }
 
     /// The net that was made there.
@@ -167,7 +181,7 @@ impl<'a> SplineNet<'a> {
         net
     }
 
-    /// Makes the net where it has room.
+    /// Makes the Bézier net where it has room.
     pub(crate) fn make<'r>(&self, room: &'r mut NetRoom) -> PieceNet<'r> {
         let ([p, q], size) = (self.degree, self.size());
         for (i, row) in self.bezier_points()[..=p].iter().enumerate() {

@@ -108,6 +108,18 @@ impl TensorPatch {
         self.net.source(self.first)
     }
 
+    /// The same of what its sums are made of where speed counts.
+    #[inline(always)]
+    pub(crate) fn sums_source(&self) -> NetSource<'_> {
+        self.net.sums_source(self.first)
+    }
+
+    /// Whether those are sums of powers, of `2 s − 1` and `2 t − 1`, not of Bernstein functions.
+    #[inline(always)]
+    pub(crate) fn sums_by_powers(&self) -> bool {
+        self.net.by_powers()
+    }
+
     /// The control net, to be read row by row; made in the room if it is not kept, unless it is there
     /// already: a room is for one piece.
     #[inline(always)]
@@ -126,7 +138,7 @@ impl TensorPatch {
     #[inline(always)]
     pub(crate) fn prefetch_net(&self) {
         let (NetSource::Kept(net) | NetSource::Spline(SplineNet { points: net, .. })) =
-            self.net_source();
+            self.sums_source();
         for i in 0..=self.degree()[0] {
             let row = net.row(i);
             prefetch(&row[0]);

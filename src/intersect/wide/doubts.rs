@@ -10,7 +10,7 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::box_ray::SPARE;
-use super::distances::{Approximate, LaneDistances, Searched};
+use super::distances::LaneDistances;
 use super::jets::OneNet;
 use super::lane_parts::bytes_of;
 use super::lane_proof::{Errors, LaneProof, Parts};
@@ -221,7 +221,7 @@ fn settle_sixteen<S: Simd>(
         }
         let domain = part.widened(simd, GROWN);
         let start = part.widened(simd, START_GROWN);
-        let Searched { near, .. } = distances.newton(simd, part.middle, domain);
+        let near = distances.refine(simd, &distances.newton(simd, part.middle, domain));
         // Those of one leaf, and of the same sixteen rays, are finished together.
         let (mut left, mut open) = (lanes, 0);
         while left != 0 {
@@ -243,12 +243,7 @@ fn settle_sixteen<S: Simd>(
                     continue;
                 }
             }
-            let [inverse_x, inverse_y] = moved([near.inverse[0], near.inverse[1]], bytes);
-            let near = Approximate {
-                x: near.x.swizzle_dyn(bytes),
-                y: near.y.swizzle_dyn(bytes),
-                inverse: [inverse_x, inverse_y],
-            };
+            let near = near.map(|at| at.swizzle_dyn(bytes));
             let ground = Ground::Own(moved(domain, bytes));
             let mut room = None;
             let patch = &target.piece.patch;

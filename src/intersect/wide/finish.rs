@@ -4,7 +4,6 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f64x8, mask32x8, mask64x8,
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::distances::Approximate;
 use super::jets::OneNet;
 use super::nearest::comes_first;
 use super::newton::{Converged, Ends, Rays, Verdict, newton};
@@ -46,7 +45,7 @@ pub(super) fn finish<S: Simd>(
     packet: &mut Packet,
     base: usize,
     (wanted, ground): (mask64x8<S>, &Ground<S>),
-    near: &Approximate<f64x8<S>>,
+    near: &[f64x8<S>; 2],
 ) -> Done {
     let (certified, domain) = match ground {
         Ground::Certificate => (true, target.certified(simd)),

@@ -1,9 +1,11 @@
-//! The true surface at eight places, in f64: the same sums as [`TensorPatch::jet`], lane by lane;
-//! of one patch, or of eight patches of the same degrees.
+//! The true surface at eight places, in f64, lane by lane; of one patch, or of eight patches of one form:
+//! by powers ([`power_sums`](super::power_sums)), or by the same sums as [`TensorPatch::jet`].
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
+use super::form::Form;
+use super::power_sums;
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::{PieceNet, TensorPatch};
 
@@ -14,13 +16,13 @@ pub(super) trait Net<S: Simd> {
     where
         Self: 'a;
 
-    /// The degrees, and whether a control point has four numbers, its weight last, or three.
-    fn form(&self) -> ([usize; 2], bool);
+    /// The degrees, whether a control point has four numbers, its weight last, or three, and what it is.
+    fn form(&self) -> Form;
 
     /// The weight of all control points, where they have three numbers; `None` if it is one.
     fn weight(&self, simd: S) -> Option<f64x8<S>>;
 
-    /// The first numbers, so many, of the row of the `i`-th Bernstein function of `s`.
+    /// The first numbers, so many, of the row of the `i`-th Bernstein function of `s`, or power.
     fn row(&self, i: usize, length: usize) -> Self::Row<'_>;
 
     /// One of its control points, of `C` numbers.
@@ -29,7 +31,7 @@ pub(super) trait Net<S: Simd> {
         Self: 'a;
 }
 
-/// One patch for all lanes, and its net.
+/// One patch for all lanes, and the net for its sums.
 #[derive(Clone, Copy)]
 pub(super) struct OneNet<'a> {
     pub(super) patch: &'a TensorPatch,
@@ -43,8 +45,8 @@ impl<S: Simd> Net<S> for OneNet<'_> {
         Self: 'a;
 
     #[inline(always)]
-    fn form(&self) -> ([usize; 2], bool) {
-        (self.patch.degree(), self.patch.is_rational())
+    fn form(&self) -> Form {
+        Form::of(self.patch)
     }
 
     #[inline(always)]
@@ -75,162 +77,180 @@ impl<S: Simd> Net<S> for OneNet<'_> {
 /// Points of eight lanes and the derivatives there.
 pub(super) struct Jets<S: Simd> {
     pub(super) point: [f64x8<S>; 3],
-    pub(super) ds: [f64x8<S>; 3],
-    pub(super) dt: [f64x8<S>; 3],
+    /// `S_s`, `S_t`.
+    pub(super) first: [[f64x8<S>; 3]; 2],
+    /// `S_ss`, `S_st`, `S_tt`, if they are wanted.
+    pub(super) second: [[f64x8<S>; 3]; 3],
 }
 
-/// The true surface and its first derivatives at eight places: the same sums as
-/// [`TensorPatch::jet`], with unrolled loops and little scratch memory for the degrees met
-/// most.
-#[simd]
-pub(super) fn jets<S: Simd, T: Net<S>>(simd: S, net: &T, st: &[f64x8<S>; 2]) -> Jets<S> {
-    match net.form() {
-        ([3, 3], true) => jets_of::<S, T, 3, 3, 4, 4>(simd, net, st),
-        ([3, 3], false) => jets_of::<S, T, 3, 3, 4, 3>(simd, net, st),
-        ([2, 2], true) => jets_of::<S, T, 2, 2, 4, 4>(simd, net, st),
-        ([2, 1], true) => jets_of::<S, T, 2, 1, 4, 4>(simd, net, st),
-        ([1, 2], true) => jets_of::<S, T, 1, 2, 4, 4>(simd, net, st),
-        ([1, 1], false) => jets_of::<S, T, 1, 1, 4, 3>(simd, net, st),
-        ([p, q], true) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 4>(simd, net, st),
-        ([p, q], false) if p.max(q) < 8 => jets_of::<S, T, 0, 0, 8, 3>(simd, net, st),
-        (_, true) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, st),
-        (_, false) => jets_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, st),
-    }
+/// Sums of `C` components and their derivatives: by `s`, `t`, `ss`, `st`, `tt`.
+pub(super) struct Sums<S: Simd, const C: usize> {
+    pub(super) value: [f64x8<S>; C],
+    pub(super) first: [[f64x8<S>; C]; 2],
+    pub(super) second: [[f64x8<S>; C]; 3],
 }
 
-/// [`jets`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C`
-/// components: four for rational surfaces, else three.
+/// The true surface and its first derivatives at eight places, and the second if they are wanted.
 #[simd]
-fn jets_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
+pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
     net: &T,
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
-    let (bs, ds) = basis::<S, N>(simd, p, st[0]);
-    let (bt, dt) = basis::<S, N>(simd, q, st[1]);
-    let zero = f64x8::splat(simd, 0.0);
-    let mut value = [zero; C];
-    let mut along_s = [zero; C];
-    let mut along_t = [zero; C];
+    let form = net.form();
+    if form.by_powers {
+        return power_sums::jets::<S, T, SECOND>(simd, net, st);
+    }
+    let [p, q] = form.degree();
+    match (p.max(q) < 8, form.rational) {
+        (true, true) => jets_of::<S, T, SECOND, 8, 4>(simd, net, st),
+        (true, false) => jets_of::<S, T, SECOND, 8, 3>(simd, net, st),
+        (false, true) => jets_of::<S, T, SECOND, { MAX_DEGREE + 1 }, 4>(simd, net, st),
+        (false, false) => jets_of::<S, T, SECOND, { MAX_DEGREE + 1 }, 3>(simd, net, st),
+    }
+}
+
+/// [`jets`] for any degree below `N` and `C` components: four for rational surfaces, else three.
+#[simd]
+fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usize>(
+    simd: S,
+    net: &T,
+    st: &[f64x8<S>; 2],
+) -> Jets<S> {
+    let [p, q] = net.form().degree();
+    let [in_s, in_t] = [basis::<S, N>(simd, p, st[0]), basis::<S, N>(simd, q, st[1])];
+    let zero = [f64x8::splat(simd, 0.0); C];
+    let mut sums = Sums { value: zero, first: [zero; 2], second: [zero; 3] };
     for i in 0..=p {
         let row = net.row(i, C * (q + 1));
-        let (mut sum, mut slope) = ([zero; C], [zero; C]);
+        let [mut sum, mut slope, mut bend] = [zero; 3];
         for j in 0..=q {
             let control = T::control::<C>(simd, &row, j);
             for c in 0..C {
-                sum[c] = bt[j].mul_add(control[c], sum[c]);
-                slope[c] = dt[j].mul_add(control[c], slope[c]);
+                sum[c] = in_t.values[j].mul_add(control[c], sum[c]);
+                slope[c] = in_t.slopes[j].mul_add(control[c], slope[c]);
+                if SECOND {
+                    bend[c] = in_t.bends[j].mul_add(control[c], bend[c]);
+                }
             }
         }
+        let (value, [along_s, along_t], [ss, st, tt]) =
+            (&mut sums.value, &mut sums.first, &mut sums.second);
         for c in 0..C {
-            value[c] = bs[i].mul_add(sum[c], value[c]);
-            along_s[c] = ds[i].mul_add(sum[c], along_s[c]);
-            along_t[c] = bs[i].mul_add(slope[c], along_t[c]);
+            value[c] = in_s.values[i].mul_add(sum[c], value[c]);
+            along_s[c] = in_s.slopes[i].mul_add(sum[c], along_s[c]);
+            along_t[c] = in_s.values[i].mul_add(slope[c], along_t[c]);
+            if !SECOND {
+                continue;
+            }
+            ss[c] = in_s.bends[i].mul_add(sum[c], ss[c]);
+            st[c] = in_s.slopes[i].mul_add(slope[c], st[c]);
+            tt[c] = in_s.values[i].mul_add(bend[c], tt[c]);
         }
     }
-    let mut jets = Jets { point: [zero; 3], ds: [zero; 3], dt: [zero; 3] };
-    let weight = if C == 3 { net.weight(simd) } else { Some(value[C - 1]) };
-    let Some(weight) = weight else {
+    in_space::<S, T, SECOND, C>(simd, net, &sums)
+}
+
+/// From sums to points, by the quotient rule: `S_s = (X_s − S W_s) / W`,
+/// `S_st = (X_st − S_s W_t − S_t W_s − S W_st) / W`.
+#[inline(always)]
+pub(super) fn in_space<S: Simd, T: Net<S>, const SECOND: bool, const C: usize>(
+    simd: S,
+    net: &T,
+    &Sums { value, first: [s, t], second: [ss, st, tt] }: &Sums<S, C>,
+) -> Jets<S> {
+    let zero = [f64x8::splat(simd, 0.0); 3];
+    let mut jets = Jets { point: zero, first: [zero; 2], second: [zero; 3] };
+    let (point, [along_s, along_t], [by_ss, by_st, by_tt]) =
+        (&mut jets.point, &mut jets.first, &mut jets.second);
+    if C == 4 {
+        let inverse = f64x8::splat(simd, 1.0) / value[C - 1];
+        let [ws, wt] = [s[C - 1] * inverse, t[C - 1] * inverse];
+        let [wss, wst, wtt] = [ss[C - 1] * inverse, st[C - 1] * inverse, tt[C - 1] * inverse];
+        let [ws2, wt2] = [ws + ws, wt + wt];
         for i in 0..3 {
-            (jets.point[i], jets.ds[i], jets.dt[i]) = (value[i], along_s[i], along_t[i]);
+            let at = value[i] * inverse;
+            let along = [s[i] * inverse - ws * at, t[i] * inverse - wt * at];
+            point[i] = at;
+            (along_s[i], along_t[i]) = (along[0], along[1]);
+            if !SECOND {
+                continue;
+            }
+            by_ss[i] = ss[i] * inverse - wss * at - ws2 * along[0];
+            by_st[i] = st[i] * inverse - wst * at - ws * along[1] - wt * along[0];
+            by_tt[i] = tt[i] * inverse - wtt * at - wt2 * along[1];
         }
         return jets;
-    };
-    let inverse = f64x8::splat(simd, 1.0) / weight;
+    }
     for i in 0..3 {
-        jets.point[i] = value[i] * inverse;
-        if C == 4 {
-            along_s[i] -= along_s[C - 1] * jets.point[i];
-            along_t[i] -= along_t[C - 1] * jets.point[i];
+        point[i] = value[i];
+        (along_s[i], along_t[i]) = (s[i], t[i]);
+        if SECOND {
+            (by_ss[i], by_st[i], by_tt[i]) = (ss[i], st[i], tt[i]);
         }
-        jets.ds[i] = along_s[i] * inverse;
-        jets.dt[i] = along_t[i] * inverse;
+    }
+    if let Some(weight) = net.weight(simd) {
+        let inverse = f64x8::splat(simd, 1.0) / weight;
+        for i in 0..3 {
+            point[i] *= inverse;
+            for along in &mut jets.first {
+                along[i] *= inverse;
+            }
+            for along in &mut jets.second {
+                along[i] *= inverse;
+            }
+        }
     }
     jets
 }
 
-/// The true surface at eight places: the point of [`jets`], but for rounding.
-#[simd]
-pub(super) fn points<S: Simd, T: Net<S>>(simd: S, net: &T, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
-    match net.form() {
-        ([3, 3], true) => points_of::<S, T, 3, 3, 4, 4>(simd, net, st),
-        ([3, 3], false) => points_of::<S, T, 3, 3, 4, 3>(simd, net, st),
-        ([2, 2], true) => points_of::<S, T, 2, 2, 4, 4>(simd, net, st),
-        ([2, 1], true) => points_of::<S, T, 2, 1, 4, 4>(simd, net, st),
-        ([1, 2], true) => points_of::<S, T, 1, 2, 4, 4>(simd, net, st),
-        ([1, 1], false) => points_of::<S, T, 1, 1, 4, 3>(simd, net, st),
-        ([p, q], true) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 4>(simd, net, st),
-        ([p, q], false) if p.max(q) < 8 => points_of::<S, T, 0, 0, 8, 3>(simd, net, st),
-        (_, true) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, net, st),
-        (_, false) => points_of::<S, T, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, net, st),
-    }
+/// Bernstein functions, their first and second derivatives.
+struct Basis<S: Simd, const N: usize> {
+    values: [f64x8<S>; N],
+    slopes: [f64x8<S>; N],
+    bends: [f64x8<S>; N],
 }
 
-/// [`points`] for degrees and components as in [`jets_of`].
+/// Bernstein functions of a degree and their derivatives: from those of one degree less and two less, by the
+/// recurrence.
 #[simd]
-fn points_of<S: Simd, T: Net<S>, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    net: &T,
-    st: &[f64x8<S>; 2],
-) -> [f64x8<S>; 3] {
-    let [p, q] = if P == 0 { net.form().0 } else { [P, Q] };
-    let (bs, _) = basis::<S, N>(simd, p, st[0]);
-    let (bt, _) = basis::<S, N>(simd, q, st[1]);
-    let zero = f64x8::splat(simd, 0.0);
-    let mut value = [zero; C];
-    for i in 0..=p {
-        let row = net.row(i, C * (q + 1));
-        let mut sum = [zero; C];
-        for j in 0..=q {
-            let control = T::control::<C>(simd, &row, j);
-            for c in 0..C {
-                sum[c] = bt[j].mul_add(control[c], sum[c]);
-            }
-        }
-        for c in 0..C {
-            value[c] = bs[i].mul_add(sum[c], value[c]);
-        }
-    }
-    let weight = if C == 3 { net.weight(simd) } else { Some(value[C - 1]) };
-    let Some(weight) = weight else { return [value[0], value[1], value[2]] };
-    let inverse = f64x8::splat(simd, 1.0) / weight;
-    [value[0] * inverse, value[1] * inverse, value[2] * inverse]
-}
-
-/// Bernstein functions and their derivatives: those of one degree less, then the recurrence.
-#[simd]
-fn basis<S: Simd, const N: usize>(
-    simd: S,
-    degree: usize,
-    t: f64x8<S>,
-) -> ([f64x8<S>; N], [f64x8<S>; N]) {
-    let zero = f64x8::splat(simd, 0.0);
-    let one = f64x8::splat(simd, 1.0);
+fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<S, N> {
+    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let rest = one - t;
+    let mut basis = Basis { values: [zero; N], slopes: [zero; N], bends: [zero; N] };
+    let Basis { values, slopes, bends } = &mut basis;
     let mut lower = [zero; N];
-    let mut power = one;
-    let binomials = binomials(degree - 1);
-    for i in 0..degree {
-        lower[i] = power * f64x8::splat(simd, binomials[i]);
-        power *= t;
+    lower[0] = one;
+    if degree > 1 {
+        let (mut lowest, mut power) = ([zero; N], one);
+        let binomials = binomials(degree - 2);
+        for i in 0..degree - 1 {
+            lowest[i] = power * f64x8::splat(simd, binomials[i]);
+            power *= t;
+        }
+        power = one;
+        for i in (0..degree - 1).rev() {
+            lowest[i] *= power;
+            power *= rest;
+        }
+        let factor = f64x8::splat(simd, (degree * (degree - 1)) as f64);
+        let (mut before, mut two_before) = (zero, zero);
+        for i in 0..=degree {
+            let here = if i < degree - 1 { lowest[i] } else { zero };
+            if i < degree {
+                lower[i] = rest.mul_add(here, t * before);
+            }
+            bends[i] = factor * (two_before - (before + before) + here);
+            (two_before, before) = (before, here);
+        }
     }
-    power = one;
-    for i in (0..degree).rev() {
-        lower[i] *= power;
-        power *= rest;
-    }
-    let mut values = [zero; N];
-    let mut slopes = [zero; N];
     let p = f64x8::splat(simd, degree as f64);
-    values[0] = rest * lower[0];
-    slopes[0] = p * -lower[0];
-    for i in 1..degree {
-        let (before, here) = (lower[i - 1], lower[i]);
+    let mut before = zero;
+    for i in 0..=degree {
+        let here = if i < degree { lower[i] } else { zero };
         values[i] = rest.mul_add(here, t * before);
         slopes[i] = p * (before - here);
+        before = here;
     }
-    values[degree] = t * lower[degree - 1];
-    slopes[degree] = p * lower[degree - 1];
-    (values, slopes)
+    basis
 }

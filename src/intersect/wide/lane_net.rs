@@ -4,46 +4,17 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
+use super::form::Form;
 use super::frames::transposed;
 use super::jets::Net;
 use super::spline_net::make;
-use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch};
+use crate::patch::{NetRoom, NetSource, Piece, PieceNet};
 
 /// Pieces of higher degrees have too large nets to hold eight of them side by side.
-const MOST_DEGREE: usize = 7;
+pub(super) const MOST_DEGREE: usize = 7;
 
 /// The numbers of the largest net.
 const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);
-
-/// The degrees of a piece, and whether its weights differ: pieces that share them can be searched
-/// side by side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Form {
-    degree: [u8; 2],
-    rational: bool,
-}
-
-impl Form {
-    /// The form of a piece, if pairs can have it.
-    #[inline(always)]
-    pub(super) fn of(patch: &TensorPatch) -> Option<Self> {
-        let [p, q] = patch.degree();
-        let degree = [p as u8, q as u8];
-        (p.max(q) <= MOST_DEGREE).then(|| Self { degree, rational: patch.is_rational() })
-    }
-
-    /// The degrees in `s` and `t`.
-    #[inline(always)]
-    pub(super) fn degree(self) -> [usize; 2] {
-        self.degree.map(usize::from)
-    }
-
-    /// Numbers in a row of the net.
-    #[inline(always)]
-    fn row_length(self) -> usize {
-        (if self.rational { 4 } else { 3 }) * (self.degree()[1] + 1)
-    }
-}
 
 /// Eight nets of one form: number by number, row by row.
 #[derive(Clone, Debug)]
@@ -58,7 +29,7 @@ pub(super) struct LaneNet {
 
 impl Default for LaneNet {
     fn default() -> Self {
-        let form = Form { degree: [1, 1], rational: false };
+        let form = Form::default();
         let rooms = std::array::from_fn(|_| NetRoom::new());
         Self { form, weight: [0.0; 8], numbers: [[0.0; 8]; MOST_NUMBERS], rooms }
     }
@@ -85,7 +56,7 @@ impl LaneNet {
             }
             let patch = &pieces[first + lane].patch;
             self.weight[lane] = patch.weight().unwrap_or(1.0);
-            nets[lane] = match patch.net_source() {
+            nets[lane] = match patch.sums_source() {
                 NetSource::Kept(net) => net,
                 NetSource::Spline(spline) => make(simd, &spline, room),
             };
@@ -127,8 +98,8 @@ impl<S: Simd> Net<S> for LaneNet {
     type Row<'a> = &'a [[f64; 8]];
 
     #[inline(always)]
-    fn form(&self) -> ([usize; 2], bool) {
-        (self.form.degree(), self.form.rational)
+    fn form(&self) -> Form {
+        self.form
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::distances::Approximate;
+use super::distances::widened;
 use super::doubts::settle;
 use super::finish::{away_from_pole, finish};
 use super::jets::OneNet;
@@ -101,7 +101,7 @@ pub(super) fn search_leaf<S: Simd>(
                 let lanes = (certain, Ground::Certificate);
                 let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
                 let about = (&*target, &*closer, &surface);
-                let near = &searched.near;
+                let near = &work.distances.refine(simd, &searched);
                 done = finish_all(simd, about, (&mut *packet, base), lanes, near);
                 doubted |= done.open;
             }
@@ -143,7 +143,7 @@ pub(super) fn finish_all<S: Simd>(
     about: (&Target<'_>, &Closer, &OneNet<'_>),
     (packet, base): (&mut Packet, usize),
     (lanes, ground): (u32, Ground<S>),
-    near: &Approximate<f32x16<S>>,
+    near: &[f32x16<S>; 2],
 ) -> Done {
     let mut all = Done::default();
     for half in 0..2 {
@@ -152,7 +152,7 @@ pub(super) fn finish_all<S: Simd>(
             continue;
         }
         let wanted = mask64x8::from_bitmask(simd, wanted);
-        let (base, near) = (base + 8 * half, near.half(half));
+        let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
         let done = finish(simd, about, packet, base, (wanted, &ground), &near);
         all.open |= (done.open as u32) << (8 * half);
         all.judged |= (done.judged as u32) << (8 * half);

@@ -4,7 +4,7 @@
 //! tested at once against a packet of rays (`traverse`), or sixteen of its rays against a box where they
 //! have little in common (`apart`); sixteen rays at once against a leaf
 //! (`leaf`, `search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
-//! iteration a start from which one or two steps on the true surface, in f64, reach the
+//! iteration a start from which one step on the true surface, in f64, as a rule reaches the
 //! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
 //! hit will do, that it is (`screen`).
 //!
@@ -37,8 +37,9 @@
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
-//! All stand on the surface in lanes (`jets`, for leaves of one patch by `target`, of many by
-//! `lane_net`, their nets made by `spline_net` if they are not kept), on bicubic polynomials (`cubic`),
+//! All stand on the surface in lanes (`jets`, or `power_sums` for the degrees met most, as the `form` of a piece
+//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made by `spline_net` if they are
+//! not kept), on bicubic polynomials (`cubic`),
 //! on what becomes of a ray that leaves a root (`start`, `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;
@@ -48,6 +49,7 @@ mod departure;
 mod distances;
 mod doubts;
 mod finish;
+mod form;
 mod frames;
 mod jets;
 mod lane_net;
@@ -61,6 +63,7 @@ mod outline;
 mod packet;
 mod pair_finish;
 mod pairs;
+mod power_sums;
 mod scene;
 mod screen;
 mod search;

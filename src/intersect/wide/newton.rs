@@ -4,30 +4,31 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::distances::Approximate;
 use super::jets::Jets;
 use super::search::dot_d;
 use super::single_finish::COARSEST;
 use super::single_ray::WITH_SLACK;
 
-/// Steps in f64 with the surface's own tangents: one is usual.
+/// Steps in f64: one is usual.
 const MOST_STEPS: usize = 4;
 
 /// How much of the promised error a last step may leave behind.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
-/// A bound of how far the normal may turn in the last step, in radians. It is some times as large
-/// as the turn itself, of which the approximation's second derivatives, linear over the leaf,
-/// leave a hundredth or so.
-const MOST_TURN: f64 = 1e-9;
+/// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound, that
+/// is ten times what is left or more.
+const MOST_TURN: f64 = 1e-10;
+
+/// The longest step, in half sides, that is spoken of.
+const LONGEST_STEP: f64 = 1e-3;
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
 pub(super) trait Leaves<S: Simd> {
-    /// Points and first derivatives.
+    /// Points, first and second derivatives.
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
-    /// The points alone.
-    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3];
+    /// The same without second derivatives.
+    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
     /// Half the sides of their rectangles, one over that, and their middles.
     fn half(&self, simd: S) -> [f64x8<S>; 2];
@@ -37,15 +38,12 @@ pub(super) trait Leaves<S: Simd> {
     /// Where there is one root at most: from and to in `s`, then in `t`.
     fn domain(&self, simd: S) -> [f64x8<S>; 4];
 
-    /// See [`FitError`](crate::patch::FitError).
+    /// `M` and `K` of [`FitError`](crate::patch::FitError).
     fn bend(&self, simd: S) -> f64x8<S>;
+    fn steepest(&self, simd: S) -> f64x8<S>;
 
     /// Whether normals are asked for; else those that are found do for error bounds only.
     fn asks_normals(&self) -> bool;
-
-    /// A coordinate of the approximation's second derivatives at a place, both in box coordinates:
-    /// twice by the first, by both, twice by the second.
-    fn second(&self, simd: S, axis: usize, place: [f64x8<S>; 2]) -> [f64x8<S>; 3];
 
     /// How far beyond a side of the piece a root must lie, in box coordinates, for all of the piece in the
     /// domain to be missed; infinite where nothing is known.
@@ -77,7 +75,7 @@ pub(super) trait Rays<S: Simd> {
     }
 }
 
-/// A step of the iteration, before it is taken.
+/// A step of the iteration, by first derivatives alone.
 #[derive(Clone, Copy)]
 pub(super) struct Step<S: Simd> {
     /// From where, and by how much it goes back.
@@ -94,6 +92,8 @@ pub(super) struct Converged<S: Simd> {
     pub(super) found: mask64x8<S>,
     /// Those that should have.
     pub(super) open: mask64x8<S>,
+    /// Those whose normals are known.
+    known: mask64x8<S>,
     pub(super) st: [f64x8<S>; 2],
     /// How far along the ray.
     pub(super) z: f64x8<S>,
@@ -110,8 +110,9 @@ pub(super) struct Converged<S: Simd> {
 /// Where a step from a place leads, and what is known of it.
 #[derive(Clone, Copy)]
 struct Landed<S: Simd> {
-    /// The lanes that have converged there.
+    /// The lanes that have converged there, and those whose normals are known.
     done: mask64x8<S>,
+    known: mask64x8<S>,
     st: [f64x8<S>; 2],
     step: Step<S>,
     /// As in [`Converged`].
@@ -130,29 +131,32 @@ struct Landed<S: Simd> {
 /// piece is within the error (`clearance`), and where a step surely leads away, which is asked where the leaf's
 /// certificate speaks of the ray (`certified`).
 ///
-/// The first step takes the true surface's point but the approximation's tangents: it leaves
-/// about 1e-11 half sides, for little more than half of what a step with its own tangents costs.
+/// Steps take second derivatives, too (Chebyshev's method): they leave the third power of their length, and
+/// as the search in f32 ends within about 1e-5 half sides, as a rule the first is the last. (One with first
+/// derivatives alone, and another from where it leads, take longer than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
 pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
     leaves: &T,
     rays: &R,
     (wanted, certified): (mask64x8<S>, bool),
-    near: &Approximate<f64x8<S>>,
+    [x, y]: &[f64x8<S>; 2],
 ) -> Converged<S> {
-    let at = first_step(simd, leaves, rays, near);
-    // As a rule the next step is the last, for all lanes.
+    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
+    let place = [x.mul_add(half_s, middle_s), y.mul_add(half_t, middle_t)];
+    let at = within(place, leaves.domain(simd));
     let landed = land(simd, leaves, rays, &at);
     let mut root = Converged {
         found: landed.done & wanted,
         open: !landed.done & wanted,
+        known: landed.known,
         st: landed.st,
         z: landed.z,
         point: landed.point,
         cross: landed.cross,
         speed: landed.speed,
         inverse_det: landed.inverse_det,
-        steps: 2 * wanted.to_bitmask().count_ones(),
+        steps: wanted.to_bitmask().count_ones(),
     };
     if root.open.any_true() {
         // Copies: whose address is known to others is kept in memory, even where they are not asked.
@@ -162,7 +166,6 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     }
 
     // The leaf and its slack.
-    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
     let reach = f64x8::splat(simd, WITH_SLACK);
     root.found &= (root.st[0] - middle_s).abs().simd_le(half_s * reach)
         & (root.st[1] - middle_t).abs().simd_le(half_t * reach);
@@ -170,7 +173,28 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
         let st = root.st;
         root.found &= !beyond_piece(simd, leaves, rays, &st);
     }
+    let unknown = root.found & !root.known;
+    if leaves.asks_normals() && unknown.any_true() {
+        let st = root.st;
+        let cross = normals(simd, leaves, &st);
+        for i in 0..3 {
+            root.cross[i] = unknown.select(cross[i], root.cross[i]);
+        }
+    }
     root
+}
+
+/// `S_s × S_t` at some places.
+#[cold]
+#[simd]
+fn normals<S: Simd, T: Leaves<S>>(simd: S, leaves: &T, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
+    let Jets { first: [ds, dt], .. } = leaves.tangents(simd, st);
+    cross(ds, dt)
+}
+
+#[inline(always)]
+fn cross<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The places on the piece.
@@ -196,31 +220,19 @@ fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
     over_s.max(over_t).simd_gt(leaves.clearance(simd, rays))
 }
 
-/// The step with the approximation's tangents.
-#[simd]
-fn first_step<S: Simd, T: Leaves<S>, R: Rays<S>>(
-    simd: S,
-    leaves: &T,
-    rays: &R,
-    near: &Approximate<f64x8<S>>,
-) -> [f64x8<S>; 2] {
-    let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
-    let place = [near.x.mul_add(half_s, middle_s), near.y.mul_add(half_t, middle_t)];
-    let st = within(place, leaves.domain(simd));
-    let [f1, f2] = rays.distances(simd, leaves.points(simd, &st));
-    let [[xx, xy], [yx, yy]] = near.inverse;
-    let place =
-        [st[0] - half_s * xx.mul_add(f1, xy * f2), st[1] - half_t * yx.mul_add(f1, yy * f2)];
-    within(place, leaves.domain(simd))
-}
-
 /// Steps stay where there is one root at most; NaN becomes a bound.
 #[inline(always)]
 fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2] {
     [s.max(domain[0]).min(domain[1]), t.max(domain[2]).min(domain[3])]
 }
 
-/// A step with the surface's own tangents.
+/// A step from a place.
+///
+/// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
+/// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
+/// is `H[h, e] + ½ H[e, e]`, at most `4 M d |e|`, and what second derivatives leave of the surface, at most
+/// `K M d³`; of the tangents that are taken along it is `4 M |e| + 3 K M d²`, where
+/// [`FitError`](crate::patch::FitError) has `M` and `K`.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -228,69 +240,68 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     rays: &R,
     st: &[f64x8<S>; 2],
 ) -> Landed<S> {
-    let jets = leaves.jets(simd, st);
+    let Jets { point: start, first: [ds, dt], second: [dss, dst, dtt] } = leaves.jets(simd, st);
     let [s, t] = *st;
-    let [f1, f2] = rays.distances(simd, jets.point);
+    let [f1, f2] = rays.distances(simd, start);
     let [n1, n2] = rays.normals(simd);
-    let (a1, a2) = (dot_d(n1, jets.ds), dot_d(n2, jets.ds));
-    let (b1, b2) = (dot_d(n1, jets.dt), dot_d(n2, jets.dt));
+    let (a1, a2) = (dot_d(n1, ds), dot_d(n2, ds));
+    let (b1, b2) = (dot_d(n1, dt), dot_d(n2, dt));
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let inverse_det = one / (a1 * b2 - a2 * b1);
-    let step_s = (f1 * b2 - f2 * b1) * inverse_det;
-    let step_t = (a1 * f2 - a2 * f1) * inverse_det;
-    let new_s = s - step_s;
-    let new_t = t - step_t;
-    // The normal after the step.
-    let ([half_s, half_t], [sides_s, sides_t]) = (leaves.half(simd), leaves.per_half(simd));
-    let (move_x, move_y) = (step_s * sides_s, step_t * sides_t);
-    let mut tangents = [jets.ds, jets.dt];
-    if leaves.asks_normals() {
-        let [middle_s, middle_t] = leaves.middle(simd);
-        let place = [(s - middle_s) * sides_s, (t - middle_t) * sides_t];
-        for i in 0..3 {
-            let [xx, xy, yy] = leaves.second(simd, i, place);
-            tangents[0][i] -= xx.mul_add(move_x, xy * move_y) * sides_s;
-            tangents[1][i] -= xy.mul_add(move_x, yy * move_y) * sides_t;
-        }
-    }
-    let mut cross = [zero; 3];
+    let solved = |f1: f64x8<S>, f2: f64x8<S>| {
+        [(f1 * b2 - f2 * b1) * inverse_det, (a1 * f2 - a2 * f1) * inverse_det]
+    };
+    let [step_s, step_t] = solved(f1, f2);
+    // By how much the tangents turn on the way, and what that moves the point by.
+    let (mut tangents, mut moved) = ([ds, dt], [zero; 3]);
+    let (half_step_s, half_step_t) =
+        (step_s * f64x8::splat(simd, 0.5), step_t * f64x8::splat(simd, 0.5));
     for i in 0..3 {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        cross[i] = tangents[0][j] * tangents[1][k] - tangents[0][k] * tangents[1][j];
+        let turn_s = dss[i].mul_add(step_s, dst[i] * step_t);
+        let turn_t = dst[i].mul_add(step_s, dtt[i] * step_t);
+        tangents[0][i] -= turn_s;
+        tangents[1][i] -= turn_t;
+        moved[i] = turn_s.mul_add(half_step_s, turn_t * half_step_t);
     }
+    let [more_s, more_t] = solved(dot_d(n1, moved), dot_d(n2, moved));
+    let (all_s, all_t) = (step_s + more_s, step_t + more_t);
+    let (new_s, new_t) = (s - all_s, t - all_t);
+    let cross = cross(tangents[0], tangents[1]);
 
-    // Converged where the residual is within the error; or will be after this step, which
-    // the bend bounds, as it does the turn of the normal.
+    // Converged where the residual is within the error; or will be after this step.
     let error = rays.error();
     let residual = f1.mul_add(f1, f2 * f2);
     let close = residual.simd_le(error * error);
-    let longest = move_x.abs().max(move_y.abs());
-    let bent = leaves.bend(simd) * longest;
-    let (speed_s, speed_t) = (sum_of_sizes(jets.ds), sum_of_sizes(jets.dt));
+    let ([half_s, half_t], [sides_s, sides_t]) = (leaves.half(simd), leaves.per_half(simd));
+    let size = |s: f64x8<S>, t: f64x8<S>| (s * sides_s).abs().max((t * sides_t).abs());
+    let more = size(more_s, more_t);
+    let longest = size(step_s, step_t) + more;
+    let (bend, four) = (leaves.bend(simd), f64x8::splat(simd, 4.0));
+    let third = leaves.steepest(simd) * longest * longest;
     let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    let mut straight = (bent * longest).simd_le(least);
-    if leaves.asks_normals() {
-        let sides = half_s * speed_s + half_t * speed_t;
-        let turn = (bent + bent) * sides;
-        let least_turn = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
-        straight &= (turn * turn).simd_le(least_turn * least_turn * dot_d(cross, cross));
-    }
+    let straight = (bend * longest * four.mul_add(more, third)).simd_le(least)
+        & longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
+    let (speed_s, speed_t) = (sum_of_sizes(ds), sum_of_sizes(dt));
+    let sides = half_s * speed_s + half_t * speed_t;
+    let turn = bend * four.mul_add(more, third + third + third) * sides;
+    let most = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
+    let known = (turn * turn).simd_le(most * most * dot_d(cross, cross));
     let domain = leaves.domain(simd);
     let inside = new_s.simd_ge(domain[0])
         & new_s.simd_le(domain[1])
         & new_t.simd_ge(domain[2])
         & new_t.simd_le(domain[3]);
 
-    // What is left of the distance is taken off along the tangent plane.
     let (origin, axis) = (rays.origin(simd), rays.axis(simd));
-    let (mut point, mut z) = (jets.point, zero);
+    let (mut point, mut z) = (start, zero);
     for i in 0..3 {
-        point[i] = jets.point[i] - jets.ds[i] * step_s - jets.dt[i] * step_t;
+        point[i] = start[i] - ds[i] * all_s - dt[i] * all_t + moved[i];
         z = axis[i].mul_add(point[i] - origin[i], z);
     }
     Landed {
         // False for NaN, which nothing is known of.
         done: (close | straight) & inside,
+        known,
         st: [new_s, new_t],
         step: Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] },
         z,
@@ -332,6 +343,7 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
         root.z = new.select(landed.z, root.z);
         root.speed = new.select(landed.speed, root.speed);
         root.inverse_det = new.select(landed.inverse_det, root.inverse_det);
+        root.known = landed.known & new | root.known & !new;
         root.found |= new;
         root.open &= !new;
     }
@@ -363,6 +375,13 @@ pub(super) struct Verdict<S: Simd> {
 }
 
 impl<S: Simd> Converged<S> {
+    /// The points and the normals of the places themselves.
+    #[inline(always)]
+    pub(super) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
+        let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, &self.st);
+        (self.point, self.cross) = (point, cross(ds, dt));
+    }
+
     /// Roots just outside the piece, and those too near the ray's ends, are judged elsewhere.
     #[inline(always)]
     pub(super) fn verdict(

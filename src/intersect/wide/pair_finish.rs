@@ -3,13 +3,13 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
-use super::distances::Approximate;
 use super::frames::Frames;
-use super::jets::{Jets, jets, points};
+use super::jets::{Jets, jets};
 use super::lane_net::LaneNet;
 use super::newton::{Ends, Leaves, Rays, Step, newton};
 use super::pairs::{Outcomes, PairLanes, eight};
 use super::single_ray::WIDENED;
+use crate::patch::steepest;
 
 impl PairLanes {
     /// Newton's steps in f64 for one half of the pairs.
@@ -20,7 +20,7 @@ impl PairLanes {
         half: usize,
         wanted: mask64x8<S>,
         (frames, normals): (&Frames<S>, [[f64x8<S>; 3]; 2]),
-        near: &Approximate<f64x8<S>>,
+        near: &[f64x8<S>; 2],
     ) -> Outcomes {
         let widened = f64x8::splat(simd, WIDENED);
         let error = self.error(simd, frames, half, self.net.form);
@@ -46,12 +46,7 @@ impl PairLanes {
             return Outcomes { open, steps, ..Outcomes::default() };
         }
         // The point and the normal of the place itself, not of one a last step away.
-        let Jets { point, ds, dt } = jets(simd, &self.net, &root.st);
-        root.point = point;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            root.cross[i] = ds[j] * dt[k] - ds[k] * dt[j];
-        }
+        root.look(simd, &leaves);
         let from_error = Some(eight(simd, &self.from_error, half));
         let ends = Ends { z: frames.ends, from_error };
         let verdict = root.verdict(simd, &ends, error, true);
@@ -113,12 +108,12 @@ struct Eight<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets(simd, self.net, st)
+        jets::<_, _, true>(simd, self.net, st)
     }
 
     #[inline(always)]
-    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
-        points(simd, self.net, st)
+    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
+        jets::<_, _, false>(simd, self.net, st)
     }
 
     #[inline(always)]
@@ -147,15 +142,16 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
         self.bend
     }
 
+    #[inline(always)]
+    fn steepest(&self, simd: S) -> f64x8<S> {
+        let [p, q] = self.net.form.degree();
+        f64x8::splat(simd, steepest(p.max(q)))
+    }
+
     /// Normals are looked at where the roots are.
     #[inline(always)]
     fn asks_normals(&self) -> bool {
         false
-    }
-
-    #[inline(always)]
-    fn second(&self, simd: S, _: usize, _: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
-        [f64x8::splat(simd, 0.0); 3]
     }
 
     #[inline(always)]

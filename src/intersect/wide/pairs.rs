@@ -8,9 +8,10 @@ use fearless_simd_macros::simd;
 use glam::DVec2;
 
 use super::LANES;
-use super::distances::{LaneDistances, Searched};
+use super::distances::{self, LaneDistances};
+use super::form::Form;
 use super::frames::{Frames, perpendicular, transposed};
-use super::lane_net::{Form, LaneNet};
+use super::lane_net::LaneNet;
 use super::lane_proof::missed;
 use super::scene::Scene;
 use super::search::{bits, dot_d};
@@ -132,11 +133,12 @@ impl PairLanes {
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
         let widened = f32x16::splat(simd, WIDENED as f32);
-        let Searched { near, .. } = self.distances.newton(simd, start, [[-widened, widened]; 2]);
+        let searched = self.distances.newton(simd, start, [[-widened, widened]; 2]);
+        let near = self.distances.refine(simd, &searched);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
-        let farthest = near.x.abs().max(near.y.abs());
+        let farthest = near[0].abs().max(near[1].abs());
         let outside = wanted & !bits(farthest.simd_lt(widened));
         if outside != 0 {
             all.open = outside & !self.missed(simd, outside, &halves, &normals, first.form);
@@ -150,7 +152,8 @@ impl PairLanes {
             let wanted = mask64x8::from_bitmask(simd, wanted);
             self.net.take(simd, first.form, (&pieces, 8 * half), wanted);
             let rays = (&halves[half], normals[half]);
-            let done = self.finish(simd, half, wanted, rays, &near.half(half));
+            let near = near.map(|at| distances::widened(at, half));
+            let done = self.finish(simd, half, wanted, rays, &near);
             all.met |= done.met << (8 * half);
             all.judged |= done.judged << (8 * half);
             all.open |= done.open << (8 * half);

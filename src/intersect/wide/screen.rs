@@ -26,7 +26,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::distances::{Approximate, LaneDistances, LastStep, Searched};
+use super::distances::{LaneDistances, LastStep, Searched};
 use super::packet::Packet;
 use super::search::{Crossing, bits, load3, upright};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
@@ -110,9 +110,8 @@ impl<S: Simd> Screen<'_, S> {
     /// What the last step of the search says of them, whatever the part of the rays that counts.
     #[inline(always)]
     fn ask(&self, simd: S, searched: &Searched<S>) -> Screened {
-        let Searched { near: Approximate { inverse, .. }, last } = *searched;
-        let LastStep { from, to, distances: [f1, f2], slopes: [[a1, a2], [b1, b2]] } = last;
-        let [[xx, xy], [yx, yy]] = inverse;
+        let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
+        let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.target.leaf;
 
         // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of

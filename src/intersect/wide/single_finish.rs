@@ -11,9 +11,10 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::form::Form;
 use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
-use super::single_jet;
+use super::single_jet::{Bernstein, Powers, Sums};
 use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -72,32 +73,47 @@ pub(super) fn finish<S: Simd>(
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
-    match (surface.patch.degree(), surface.patch.is_rational()) {
-        ([3, 3], true) => finish_of::<S, 3, 3, 4, 4>(simd, leaf, surface, ray, task, found),
-        ([3, 3], false) => finish_of::<S, 3, 3, 4, 3>(simd, leaf, surface, ray, task, found),
-        ([2, 2], true) => finish_of::<S, 2, 2, 4, 4>(simd, leaf, surface, ray, task, found),
-        ([2, 1], true) => finish_of::<S, 2, 1, 4, 4>(simd, leaf, surface, ray, task, found),
-        ([1, 2], true) => finish_of::<S, 1, 2, 4, 4>(simd, leaf, surface, ray, task, found),
-        ([1, 1], false) => finish_of::<S, 1, 1, 4, 3>(simd, leaf, surface, ray, task, found),
-        ([p, q], true) if p.max(q) < 8 => {
-            finish_of::<S, 0, 0, 8, 4>(simd, leaf, surface, ray, task, found)
+    let form = Form::of(surface.patch);
+    let [p, q] = form.degree();
+    match (form.by_powers, [p, q], form.rational) {
+        (true, [3, 3], true) => {
+            finish_of::<S, Powers<3, 3, 4>>(simd, leaf, surface, ray, task, found)
         }
-        ([p, q], false) if p.max(q) < 8 => {
-            finish_of::<S, 0, 0, 8, 3>(simd, leaf, surface, ray, task, found)
+        (true, [3, 3], false) => {
+            finish_of::<S, Powers<3, 3, 3>>(simd, leaf, surface, ray, task, found)
         }
-        (_, true) => {
-            finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 4>(simd, leaf, surface, ray, task, found)
+        (true, [2, 2], true) => {
+            finish_of::<S, Powers<2, 2, 4>>(simd, leaf, surface, ray, task, found)
         }
-        (_, false) => {
-            finish_of::<S, 0, 0, { MAX_DEGREE + 1 }, 3>(simd, leaf, surface, ray, task, found)
+        (true, [2, 1], true) => {
+            finish_of::<S, Powers<2, 1, 4>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, [1, 2], true) => {
+            finish_of::<S, Powers<1, 2, 4>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, [1, 1], false) => {
+            finish_of::<S, Powers<1, 1, 3>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, _, true) => finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, task, found),
+        (true, _, false) => finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, task, found),
+        (false, _, true) if p.max(q) < 8 => {
+            finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, task, found)
+        }
+        (false, _, false) if p.max(q) < 8 => {
+            finish_of::<S, Bernstein<8, 3>>(simd, leaf, surface, ray, task, found)
+        }
+        (false, _, true) => {
+            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 4>>(simd, leaf, surface, ray, task, found)
+        }
+        (false, _, false) => {
+            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 3>>(simd, leaf, surface, ray, task, found)
         }
     }
 }
 
-/// [`finish`] for degrees `P` and `Q`, zero standing for any degree below `N`, and `C` numbers a
-/// control point: four where weights differ, else three.
+/// [`finish`] for one form of sums.
 #[simd]
-fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
+fn finish_of<S: Simd, F: Sums<S>>(
     simd: S,
     leaf: &Leaf,
     surface: &OneNet<'_>,
@@ -116,7 +132,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
     let mut y = within(f64::from(near[1]), domain[1]);
     for step in 1..=MOST_STEPS {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
-        let sums = single_jet::sums::<S, P, Q, N, C>(simd, surface, s, t);
+        let sums = F::at(simd, surface, s, t);
         // In the ray's coordinates, by box coordinate.
         let along_x = sums[1] * f64x4::splat(simd, half_s);
         let along_y = sums[2] * f64x4::splat(simd, half_t);
@@ -146,8 +162,7 @@ fn finish_of<S: Simd, const P: usize, const Q: usize, const N: usize, const C: u
             // The weight goes along the same plane as what is divided by it.
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
-                let [value, along_s, along_t] =
-                    single_jet::sums::<S, P, Q, N, C>(simd, surface, st.x, st.y);
+                let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
                 tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);

@@ -4,36 +4,82 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4
 
 use super::jets::OneNet;
 use crate::math::bernstein::binomials;
+use crate::patch::TensorPatch;
 
-/// `X, W` and their derivatives by `s` and by `t`: the same sums as in [`TensorPatch::jet`],
-/// lanes for the coordinates.
-#[inline(always)]
-pub(super) fn sums<S: Simd, const P: usize, const Q: usize, const N: usize, const C: usize>(
-    simd: S,
-    OneNet { patch, net }: &OneNet<'_>,
-    s: f64,
-    t: f64,
-) -> [f64x4<S>; 3] {
-    let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
-    let mut bases = [Basis::<N>::ZERO; 2];
-    bases[0].fill(p, s);
-    bases[1].fill(q, t);
-    let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
-    let [ds, dt] = bases.each_ref().map(|basis| &basis.slopes);
-    let zero = f64x4::splat(simd, 0.0);
-    let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
-    for i in 0..=p {
-        let row = net.row(i);
-        let (mut sum, mut slope) = (zero, zero);
-        for j in 0..=q {
-            let control = load::<S, C>(simd, row, j);
-            sum = control.mul_add(f64x4::splat(simd, bt[j]), sum);
-            slope = control.mul_add(f64x4::splat(simd, dt[j]), slope);
+/// How the sums of a patch are made at one place.
+pub(super) trait Sums<S: Simd> {
+    /// `X, W` and their derivatives by `s` and by `t`, lanes for the coordinates.
+    fn at(simd: S, surface: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3];
+}
+
+/// By powers (Horner), for degrees `P` and `Q`, zero standing for any up to three, and `C` numbers a
+/// point: four where weights differ, else three.
+pub(super) struct Powers<const P: usize, const Q: usize, const C: usize>;
+
+impl<S: Simd, const P: usize, const Q: usize, const C: usize> Sums<S> for Powers<P, Q, C> {
+    #[inline(always)]
+    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
+        let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
+        let (x, y) = (f64x4::splat(simd, s + s - 1.0), f64x4::splat(simd, t + t - 1.0));
+        let zero = f64x4::splat(simd, 0.0);
+        // Rows do not wait for each other.
+        let (mut sums, mut slopes) = ([zero; 4], [zero; 4]);
+        for i in 0..=p {
+            let row = net.row(i);
+            let (mut sum, mut slope) = (load::<S, C>(simd, row, q), zero);
+            for j in (0..q).rev() {
+                slope = if j + 1 == q { sum } else { slope.mul_add(y, sum) };
+                sum = sum.mul_add(y, load::<S, C>(simd, row, j));
+            }
+            (sums[i], slopes[i]) = (sum, slope);
         }
-        value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
-        along_s = sum.mul_add(f64x4::splat(simd, ds[i]), along_s);
-        along_t = slope.mul_add(f64x4::splat(simd, bs[i]), along_t);
+        let (mut value, mut along_x, mut along_y) = (sums[p], zero, slopes[p]);
+        for i in (0..p).rev() {
+            along_x = if i + 1 == p { value } else { along_x.mul_add(x, value) };
+            value = value.mul_add(x, sums[i]);
+            along_y = along_y.mul_add(x, slopes[i]);
+        }
+        // The unit square has sides of two.
+        weighted::<S, C>(patch, [value, along_x + along_x, along_y + along_y])
     }
+}
+
+/// By Bernstein functions, the same sums as in [`TensorPatch::jet`], of any degree below `N`.
+pub(super) struct Bernstein<const N: usize, const C: usize>;
+
+impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
+    #[inline(always)]
+    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
+        let [p, q] = patch.degree();
+        let mut bases = [Basis::<N>::ZERO; 2];
+        bases[0].fill(p, s);
+        bases[1].fill(q, t);
+        let [bs, bt] = bases.each_ref().map(|basis| &basis.values);
+        let [ds, dt] = bases.each_ref().map(|basis| &basis.slopes);
+        let zero = f64x4::splat(simd, 0.0);
+        let (mut value, mut along_s, mut along_t) = (zero, zero, zero);
+        for i in 0..=p {
+            let row = net.row(i);
+            let (mut sum, mut slope) = (zero, zero);
+            for j in 0..=q {
+                let control = load::<S, C>(simd, row, j);
+                sum = control.mul_add(f64x4::splat(simd, bt[j]), sum);
+                slope = control.mul_add(f64x4::splat(simd, dt[j]), slope);
+            }
+            value = sum.mul_add(f64x4::splat(simd, bs[i]), value);
+            along_s = sum.mul_add(f64x4::splat(simd, ds[i]), along_s);
+            along_t = slope.mul_add(f64x4::splat(simd, bs[i]), along_t);
+        }
+        weighted::<S, C>(patch, [value, along_s, along_t])
+    }
+}
+
+/// With the one weight of all points, where they have three numbers.
+#[inline(always)]
+fn weighted<S: Simd, const C: usize>(
+    patch: &TensorPatch,
+    [value, along_s, along_t]: [f64x4<S>; 3],
+) -> [f64x4<S>; 3] {
     if C == 4 {
         return [value, along_s, along_t];
     }

@@ -1,41 +1,18 @@
-//! Control nets of pieces that are made of a B-spline's control points: in lanes, the numbers that the
-//! scalar code makes, to the last bit.
+//! The nets for sums of pieces that are made of a B-spline's control points, in lanes.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdCombine, SimdSplit, f64x4, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f64x4, f64x8};
 use fearless_simd_macros::simd;
 
-use crate::geometry::Mix;
-use crate::patch::{NetRoom, NetSource, PieceNet, SplineNet, TensorPatch};
+use crate::patch::{NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers};
 
-/// Two control points side by side.
-#[derive(Clone, Copy)]
-struct Two<S: Simd>(f64x8<S>);
-
-impl<S: Simd> Mix for Two<S> {
-    /// Not fused: the scalar code has no such operation.
-    #[inline(always)]
-    fn mixed(self, other: Self, [beta, alpha]: [f64; 2]) -> Self {
-        let (a, b, simd) = (self.0, other.0, self.0.simd);
-        let sum = a * f64x8::splat(simd, beta) + b * f64x8::splat(simd, alpha);
-        Self(a.simd_eq(b).select(a, sum))
-    }
-}
-
-impl<S: Simd> Two<S> {
-    #[inline(always)]
-    fn of(a: f64x4<S>, b: f64x4<S>) -> Self {
-        Self(a.combine(b))
-    }
-}
-
-/// [`TensorPatch::net`], made in lanes.
+/// [`TensorPatch::sums_source`], made in lanes.
 #[inline(always)]
 pub(super) fn net_of<'n, S: Simd>(
     simd: S,
     patch: &'n TensorPatch,
     room: &'n mut Option<NetRoom>,
 ) -> PieceNet<'n> {
-    match patch.net_source() {
+    match patch.sums_source() {
         NetSource::Kept(net) => net,
         NetSource::Spline(spline) => {
             let is_made = room.is_some();
@@ -45,65 +22,84 @@ pub(super) fn net_of<'n, S: Simd>(
     }
 }
 
-/// Makes a net: of the degrees met most in lanes.
+/// Makes a net for sums.
 #[simd]
 pub(super) fn make<'r, S: Simd>(
     simd: S,
     spline: &SplineNet<'_>,
     room: &'r mut NetRoom,
 ) -> PieceNet<'r> {
-    match (spline.degree(), spline.size()) {
-        ([3, 3], 3) => make_of::<S, 3, 3>(simd, spline, room),
-        ([3, 3], 4) => make_of::<S, 3, 4>(simd, spline, room),
-        ([2, 2], 3) => make_of::<S, 2, 3>(simd, spline, room),
-        _ => {
+    match (spline.by_powers(), spline.degree(), spline.size()) {
+        (None, ..) => {
             spline.make(room);
         }
+        // Unrolled for the degrees met most.
+        (Some(along), [3, 3], 3) => make_of(simd, (spline, along), ([3, 3], 3), room),
+        (Some(along), [3, 3], 4) => make_of(simd, (spline, along), ([3, 3], 4), room),
+        (Some(along), [2, 2], 3) => make_of(simd, (spline, along), ([2, 2], 3), room),
+        (Some(along), degree, size) => make_of(simd, (spline, along), (degree, size), room),
     }
     spline.made(room)
 }
 
-/// [`make`] for the same degree `P` in both directions, and `C` numbers a point.
+/// [`make`] by powers, for these degrees and numbers a point: two columns, then two rows, at a time.
 #[inline(always)]
-fn make_of<S: Simd, const P: usize, const C: usize>(
+fn make_of<S: Simd>(
     simd: S,
-    spline: &SplineNet<'_>,
+    (spline, [along_s, along_t]): (&SplineNet<'_>, [&ToPowers; 2]),
+    ([p, q], size): ([usize; 2], usize),
     room: &mut NetRoom,
 ) {
     let zero = f64x4::splat(simd, 0.0);
-    // Along s: columns 0 and 1, then 2 and 3.
     let mut halves = [[[zero; 2]; 4]; 2];
-    for k in 0..2 {
-        let (first, second) = (2 * k * C, (2 * k + 1).min(P) * C);
-        let mut points = [Two::of(zero, zero); 4];
-        for i in 0..=P {
+    for k in 0..=q / 2 {
+        let (first, second) = (2 * k * size, (2 * k + 1).min(q) * size);
+        let mut points = [f64x8::splat(simd, 0.0); 4];
+        for i in 0..=p {
             let row = spline.row(i);
-            points[i] = Two::of(
-                f64x4::from_slice(simd, &row[first..first + 4]),
-                f64x4::from_slice(simd, &row[second..second + 4]),
-            );
+            let one = f64x4::from_slice(simd, &row[first..first + 4]);
+            points[i] = one.combine(f64x4::from_slice(simd, &row[second..second + 4]));
         }
-        points = spline.along(0).apply(P, points);
-        for i in 0..=P {
-            let (first, second) = points[i].0.split();
+        let coefficients = coefficients(simd, along_s, p, points);
+        for i in 0..=p {
+            let (first, second) = coefficients[i].split();
             halves[k][i] = [first, second];
         }
     }
-    // Along t: rows 0 and 1, then 2 and 3.
-    for k in 0..2 {
-        let (first, second) = (2 * k, (2 * k + 1).min(P));
-        let mut points = [Two::of(zero, zero); 4];
-        for j in 0..=P {
-            points[j] = Two::of(halves[j / 2][first][j % 2], halves[j / 2][second][j % 2]);
+    for k in 0..=p / 2 {
+        let (first, second) = (2 * k, (2 * k + 1).min(p));
+        let mut points = [f64x8::splat(simd, 0.0); 4];
+        for j in 0..=q {
+            points[j] = halves[j / 2][first][j % 2].combine(halves[j / 2][second][j % 2]);
         }
-        points = spline.along(1).apply(P, points);
+        let coefficients = coefficients(simd, along_t, q, points);
         // The last numbers of points of three are those of the next ones.
-        for j in 0..=P {
-            let (one, other) = points[j].0.split();
-            one.store_slice(&mut room.row(first)[C * j..C * j + 4]);
-            other.store_slice(&mut room.row(second)[C * j..C * j + 4]);
+        for j in 0..=q {
+            let (one, other) = coefficients[j].split();
+            one.store_slice(&mut room.row(first)[size * j..size * j + 4]);
+            other.store_slice(&mut room.row(second)[size * j..size * j + 4]);
         }
     }
+}
+
+/// The coefficients of powers, from control points.
+#[inline(always)]
+fn coefficients<S: Simd>(
+    simd: S,
+    to_powers: &ToPowers,
+    degree: usize,
+    points: [f64x8<S>; 4],
+) -> [f64x8<S>; 4] {
+    let mut coefficients = [f64x8::splat(simd, 0.0); 4];
+    coefficients[0] = points[0];
+    for k in 1..=degree {
+        let other = points[k] - points[0];
+        for i in 0..=degree {
+            let share = f64x8::splat(simd, to_powers.shares(i)[k - 1]);
+            coefficients[i] = other.mul_add(share, coefficients[i]);
+        }
+    }
+    coefficients
 }
 
 #[cfg(test)]
@@ -114,6 +110,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
+    use crate::math::bernstein::{self, Basis};
     use crate::patch::PatchSet;
 
     /// A surface with more Bézier points than are kept.
@@ -137,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_make_the_nets_of_knot_insertion() {
+    fn scalar_nets_are_those_of_knot_insertion() {
         for degree in [[3, 3], [3, 2], [2, 3], [2, 2], [3, 1], [1, 3]] {
             for rational in [false, true] {
                 let surface = dense(degree, rational);
@@ -156,22 +153,56 @@ mod tests {
                     let scalar: Vec<_> = piece.patch.control().collect();
                     assert!(truth.eq(&scalar), "{degree:?}, piece {k}");
                     let size = if rational { 4 } else { 3 };
-                    let bits = |numbers: &[f64]| -> Vec<u64> {
-                        numbers.iter().map(|number| number.to_bits()).collect()
-                    };
-                    let check = |net: PieceNet<'_>| {
-                        for (i, row) in scalar.chunks_exact(q + 1).enumerate() {
-                            for (j, point) in row.iter().enumerate() {
-                                let numbers = &net.row(i)[size * j..size * (j + 1)];
-                                let truth = &point.to_array()[..size];
-                                assert_eq!(bits(numbers), bits(truth), "{degree:?}, piece {k}");
-                            }
+                    let mut room = NetRoom::new();
+                    let net = spline.make(&mut room);
+                    for (i, row) in scalar.chunks_exact(q + 1).enumerate() {
+                        for (j, point) in row.iter().enumerate() {
+                            let numbers = &net.row(i)[size * j..size * (j + 1)];
+                            assert_eq!(numbers, &point.to_array()[..size], "{degree:?}, {k}");
                         }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The sums by powers are those of Bernstein functions: of the numbers of a net, row by row.
+    #[test]
+    fn lanes_make_the_same_surface_by_powers() {
+        for degree in [[3, 3], [3, 2], [2, 3], [2, 2], [3, 1], [1, 3]] {
+            for rational in [false, true] {
+                let surface = dense(degree, rational);
+                let (set, _) = PatchSet::new(std::slice::from_ref(&surface)).unwrap();
+                let size = if rational { 4 } else { 3 };
+                let [p, q] = degree;
+                for piece in set.pieces() {
+                    let patch = &piece.patch;
+                    assert!(patch.sums_by_powers());
+                    let NetSource::Spline(spline) = patch.sums_source() else {
+                        panic!("its points are kept");
                     };
-                    check(spline.make(&mut NetRoom::new()));
+                    let control: Vec<_> = patch.control().collect();
+                    let most = 8.0 * f64::EPSILON * patch.magnitude().max(1.0) * 1.3;
                     for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
                         let mut room = NetRoom::new();
-                        dispatch!(level, simd => check(make(simd, &spline, &mut room)));
+                        let net = dispatch!(level, simd => make(simd, &spline, &mut room));
+                        for (s, t) in [(0.0, 1.0), (0.3, 0.9), (0.5, 0.5), (1.0, 0.2)] {
+                            let in_s: Basis = bernstein::basis(p, s);
+                            let in_t: Basis = bernstein::basis(q, t);
+                            let (x, y) = (2.0 * s - 1.0, 2.0 * t - 1.0);
+                            for c in 0..size {
+                                let (mut by_powers, mut truth) = (0.0, 0.0);
+                                for i in 0..=p {
+                                    for j in 0..=q {
+                                        let power = f64::powi(x, i as i32) * f64::powi(y, j as i32);
+                                        by_powers += net.row(i)[size * j + c] * power;
+                                        truth += control[i * (q + 1) + j][c] * (in_s[i] * in_t[j]);
+                                    }
+                                }
+                                let off = f64::abs(by_powers - truth);
+                                assert!(off <= most, "{degree:?} at {s}, {t}: {off:e}, {most:e}");
+                            }
+                        }
                     }
                 }
             }

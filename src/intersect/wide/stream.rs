@@ -10,8 +10,8 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push_unforeseen};
+use super::form::Form;
 use super::frames::{Frames, Narrow};
-use super::lane_net::Form;
 use super::nearest::{Kept, keep};
 use super::pairs::{Pair, PairLanes};
 use super::scene::Scene;
@@ -325,7 +325,7 @@ impl Task<'_> {
             if self.start.is_done_with(simd, (leaf, patch), axis, (guess.is_some(), error)) {
                 continue;
             }
-            if let (Some(guess), Some(form)) = (guess, Form::of(patch)) {
+            if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
                 leaf.prefetch(); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;

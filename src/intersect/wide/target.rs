@@ -5,14 +5,14 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::distances::widened;
-use super::jets::{Jets, OneNet, jets, points};
+use super::jets::{Jets, OneNet, jets};
 use super::newton::{Leaves, Rays, Step};
 use super::scene::Scene;
 use super::search::dot_d;
 use super::single_ray::WITH_SLACK;
 use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
-use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
+use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING, steepest};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -48,8 +48,7 @@ pub(super) struct Closer {
     pub(super) open_end: [Option<f64>; 2],
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
-    /// See [`Leaf::higher_derivatives`].
-    higher: [DVec3; 7],
+    steepest: f64,
 }
 
 impl<'a> Target<'a> {
@@ -77,7 +76,7 @@ impl<'a> Target<'a> {
                 *near = near.max(BESIDE_COLLAPSED);
             }
         }
-        let bend = f64::from(self.leaf.fit_bend());
+        let [p, q] = self.piece.patch.degree();
         let [[s0, s1], [t0, t1]] = self.rect;
         Closer {
             near_sides,
@@ -88,8 +87,8 @@ impl<'a> Target<'a> {
             magnitude: self.piece.patch.magnitude(),
             uv_domain: self.piece.domain(),
             open_end: [self.piece.open_end(0), self.piece.open_end(1)],
-            bend,
-            higher: self.leaf.higher_derivatives(),
+            bend: f64::from(self.leaf.fit_bend()),
+            steepest: steepest(p.max(q)),
         }
     }
 
@@ -182,12 +181,12 @@ pub(super) struct Ground8<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets(simd, self.surface, st)
+        jets::<_, _, true>(simd, self.surface, st)
     }
 
     #[inline(always)]
-    fn points(&self, simd: S, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
-        points(simd, self.surface, st)
+    fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
+        jets::<_, _, false>(simd, self.surface, st)
     }
 
     #[inline(always)]
@@ -216,24 +215,13 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     }
 
     #[inline(always)]
-    fn asks_normals(&self) -> bool {
-        self.normals
+    fn steepest(&self, simd: S) -> f64x8<S> {
+        f64x8::splat(simd, self.closer.steepest)
     }
 
     #[inline(always)]
-    fn second(&self, simd: S, axis: usize, [x, y]: [f64x8<S>; 2]) -> [f64x8<S>; 3] {
-        let h = &self.closer.higher;
-        let xxy = f64x8::splat(simd, h[4][axis]);
-        let xyy = f64x8::splat(simd, h[5][axis]);
-        [
-            f64x8::splat(simd, h[3][axis])
-                .mul_add(x, xxy.mul_add(y, f64x8::splat(simd, h[0][axis]))),
-            xxy.mul_add(x, xyy.mul_add(y, f64x8::splat(simd, h[1][axis]))),
-            xyy.mul_add(
-                x,
-                f64x8::splat(simd, h[6][axis]).mul_add(y, f64x8::splat(simd, h[2][axis])),
-            ),
-        ]
+    fn asks_normals(&self) -> bool {
+        self.normals
     }
 
     #[inline(always)]

@@ -1,0 +1,204 @@
+//! The true surface at eight places, in f64, by powers about the middle of its pieces (Horner): the jets of
+//! [`jets`](super::jets) in less than half as many operations, for degrees up to three.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
+use fearless_simd_macros::simd;
+
+use super::jets::{Jets, Net, Sums, in_space};
+
+/// [`jets`](super::jets::jets), with unrolled loops for the degrees met most.
+#[simd]
+pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
+    simd: S,
+    net: &T,
+    st: &[f64x8<S>; 2],
+) -> Jets<S> {
+    let form = net.form();
+    match (form.degree(), form.rational) {
+        ([3, 3], true) => jets_of::<S, T, SECOND, 3, 3, 4>(simd, net, st),
+        ([3, 3], false) => jets_of::<S, T, SECOND, 3, 3, 3>(simd, net, st),
+        ([2, 2], true) => jets_of::<S, T, SECOND, 2, 2, 4>(simd, net, st),
+        ([2, 1], true) => jets_of::<S, T, SECOND, 2, 1, 4>(simd, net, st),
+        ([1, 2], true) => jets_of::<S, T, SECOND, 1, 2, 4>(simd, net, st),
+        ([1, 1], false) => jets_of::<S, T, SECOND, 1, 1, 3>(simd, net, st),
+        (_, true) => jets_of::<S, T, SECOND, 0, 0, 4>(simd, net, st),
+        (_, false) => jets_of::<S, T, SECOND, 0, 0, 3>(simd, net, st),
+    }
+}
+
+/// [`jets`] for degrees `P` and `Q`, zero standing for any, and `C` components: four for rational
+/// surfaces, else three.
+#[simd]
+fn jets_of<
+    S: Simd,
+    T: Net<S>,
+    const SECOND: bool,
+    const P: usize,
+    const Q: usize,
+    const C: usize,
+>(
+    simd: S,
+    net: &T,
+    st: &[f64x8<S>; 2],
+) -> Jets<S> {
+    let [p, q] = if P == 0 { net.form().degree() } else { [P, Q] };
+    let one = f64x8::splat(simd, 1.0);
+    let [x, y] = [st[0] + st[0] - one, st[1] + st[1] - one];
+    let zero = [f64x8::splat(simd, 0.0); C];
+    // With half of the second derivatives by x alone and y alone, as Horner's scheme has them.
+    let [mut value, mut by_x, mut by_y, mut by_xx, mut by_xy, mut by_yy] = [zero; 6];
+    for i in (0..=p).rev() {
+        let row = net.row(i, C * (q + 1));
+        let (mut sum, mut slope, mut bend) = (T::control::<C>(simd, &row, q), zero, zero);
+        for j in (0..q).rev() {
+            let control = T::control::<C>(simd, &row, j);
+            for c in 0..C {
+                if SECOND {
+                    bend[c] = next(bend[c], y, slope[c], (q - 1 - j, 2));
+                }
+                slope[c] = next(slope[c], y, sum[c], (q - 1 - j, 1));
+                sum[c] = sum[c].mul_add(y, control[c]);
+            }
+        }
+        for c in 0..C {
+            if i == p {
+                (value[c], by_y[c], by_yy[c]) = (sum[c], slope[c], bend[c]);
+                continue;
+            }
+            if SECOND {
+                by_xx[c] = next(by_xx[c], x, by_x[c], (p - 1 - i, 2));
+                by_xy[c] = next(by_xy[c], x, by_y[c], (p - 1 - i, 1));
+                by_yy[c] = by_yy[c].mul_add(x, bend[c]);
+            }
+            by_x[c] = next(by_x[c], x, value[c], (p - 1 - i, 1));
+            value[c] = value[c].mul_add(x, sum[c]);
+            by_y[c] = by_y[c].mul_add(x, slope[c]);
+        }
+    }
+    // The unit square has sides of two in x and y.
+    let [two, four, eight] = [2.0, 4.0, 8.0].map(|factor| f64x8::splat(simd, factor));
+    for c in 0..C {
+        (by_x[c], by_y[c]) = (by_x[c] * two, by_y[c] * two);
+        (by_xx[c], by_xy[c], by_yy[c]) = (by_xx[c] * eight, by_xy[c] * four, by_yy[c] * eight);
+    }
+    in_space::<S, T, SECOND, C>(
+        simd,
+        net,
+        &Sums { value, first: [by_x, by_y], second: [by_xx, by_xy, by_yy] },
+    )
+}
+
+/// The next sum of a derivative in Horner's scheme, after so many steps: from that of one order less. At first it is
+/// zero, so nothing is multiplied.
+#[inline(always)]
+fn next<S: Simd>(
+    sum: f64x8<S>,
+    x: f64x8<S>,
+    lower: f64x8<S>,
+    (step, order): (usize, usize),
+) -> f64x8<S> {
+    if step + 1 < order {
+        sum
+    } else if step + 1 == order {
+        lower
+    } else {
+        sum.mul_add(x, lower)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use fearless_simd::dispatch;
+    use glam::{DVec2, DVec3, DVec4};
+    use proptest::prelude::*;
+
+    use super::super::jets::{self, OneNet};
+    use super::*;
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::intersect::Kernel;
+    use crate::intersect::wide::spline_net::net_of;
+    use crate::patch::{PatchSet, TensorPatch};
+
+    /// A wild net of some degrees: its points within one of the origin, its weights within a factor.
+    fn nets() -> impl Strategy<Value = NurbsSurface> {
+        let degrees = (1usize..=5, 1usize..=5, prop_oneof![Just(1.0), 1.0..15.9f64]);
+        degrees.prop_flat_map(|(p, q, factor)| {
+            let point = prop::array::uniform4(-1.0..1.0f64);
+            prop::collection::vec(point, (p + 1) * (q + 1)).prop_filter_map(
+                "no area",
+                move |points| {
+                    let control = points.iter().map(|&[x, y, z, w]| {
+                        let weight = f64::powf(factor, 0.5 * (w + 1.0));
+                        (weight * DVec3::new(x, y, z)).extend(weight)
+                    });
+                    let [u, v] = [p, q].map(|degree| KnotVector::bezier(degree).unwrap());
+                    NurbsSurface::from_homogeneous(u, v, control.collect::<Vec<DVec4>>()).ok()
+                },
+            )
+        })
+    }
+
+    /// The largest differences from the scalar code: of points, of first derivatives, and of second, for the size of
+    /// these.
+    fn off(patch: &TensorPatch, places: &[DVec2; 8]) -> [f64; 3] {
+        let mut most = [0f64; 3];
+        for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
+            let mut room = None;
+            dispatch!(level, simd => {
+                let mut st = [f64x8::splat(simd, 0.0); 2];
+                for lane in 0..8 {
+                    (st[0][lane], st[1][lane]) = (places[lane].x, places[lane].y);
+                }
+                let net = OneNet { patch, net: net_of(simd, patch, &mut room) };
+                let jets = jets::jets::<_, _, true>(simd, &net, &st);
+                let firsts = jets::jets::<_, _, false>(simd, &net, &st);
+                assert_eq!(bits(&jets.point), bits(&firsts.point));
+                assert_eq!(jets.first.each_ref().map(bits), firsts.first.each_ref().map(bits));
+                for (lane, &place) in places.iter().enumerate() {
+                    let vector = |v: [f64x8<_>; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
+                    let truth = patch.derivatives(place);
+                    let firsts = [truth.du, truth.dv];
+                    let seconds = [truth.duu, truth.duv, truth.dvv];
+                    // They are larger, the more weights differ.
+                    let largest = seconds.iter().map(|v| v.length()).fold(1.0, f64::max);
+                    most[0] = most[0].max(vector(jets.point).distance(truth.point));
+                    for k in 0..2 {
+                        most[1] = most[1].max(vector(jets.first[k]).distance(firsts[k]));
+                    }
+                    for k in 0..3 {
+                        let off = vector(jets.second[k]).distance(seconds[k]);
+                        most[2] = most[2].max(off / largest);
+                    }
+                }
+            });
+        }
+        most
+    }
+
+    fn bits<S: Simd>(vector: &[f64x8<S>; 3]) -> [[u64; 8]; 3] {
+        vector.map(|lanes| std::array::from_fn(|lane| lanes[lane].to_bits()))
+    }
+
+    #[test]
+    fn jets_are_those_of_the_scalar_code() {
+        let place = (-0.02..1.02f64, -0.02..1.02f64).prop_map(|(s, t)| DVec2::new(s, t));
+        let places = prop::array::uniform8(place);
+        let by_powers = Cell::new(0);
+        proptest!(ProptestConfig { cases: 600, max_shrink_iters: 200, ..ProptestConfig::default() }, |(surface in nets(), places in places)| {
+            let (set, _) = PatchSet::new(&[surface]).unwrap();
+            let patch = &set.pieces()[0].patch;
+            let [p, q] = patch.degree();
+            prop_assert!(!patch.sums_by_powers() || p.max(q) <= 3);
+            by_powers.set(by_powers.get() + u32::from(patch.sums_by_powers()));
+            let [point, first, second] = off(patch, &places);
+            // Both are off; half of the promise is for other things.
+            let bound = patch.error_bound(0.0);
+            prop_assert!(point <= 0.5 * bound, "{:e} of {:e}", point, bound);
+            prop_assert!(first <= 200.0 * bound, "{:e} of {:e}", first, bound);
+            prop_assert!(second <= 2e4 * bound, "{:e} of {:e}", second, bound);
+        });
+        assert!(by_powers.get() > 60, "{} of 600", by_powers.get());
+    }
+}
