@@ -13,7 +13,8 @@
 //!
 //! Less is left where second derivatives are taken along. A polynomial of degree `n` in each variable that
 //! is at most `B` on `D` has partial derivatives of at most `K B`, `K = n / √(FIT_DOMAIN² − x²)` (Bernstein 1912),
-//! `n` being the greater degree and `x` how far out it is asked. So, with `ω` no less than `|W'| / W` and `M (1 + 2 ω / K)` kept instead of `M`,
+//! `n` being the greater degree and `x` how far out it is asked. So, with `ω` no less than `|W'| / W` and
+//! `M (1 + 2 ω / K)` kept instead of `M`,
 //!
 //! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ K M |h|³`,
 //! `|S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 K M |h|²` for the unit vectors `e`, and `|S''(x)[h, e]| ≤ 4 M |h|`,
@@ -43,7 +44,7 @@ const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
 /// `K`, for the greater degree of a piece, as far out as the steps that are spoken of lead.
 #[inline(always)]
-pub fn steepest(degree: usize) -> f64 {
+pub(crate) fn steepest(degree: usize) -> f64 {
     const PER_DEGREE: f64 = 2.1;
     const FARTHEST: f64 = 1.1;
     const _: () =

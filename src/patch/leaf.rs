@@ -143,26 +143,11 @@ impl Leaf {
         &self.fit
     }
 
-    /// The approximation's second and third derivatives in the middle, by box coordinates: `xx`,
-    /// `xy`, `yy`, `xxx`, `xxy`, `xyy`, `yyy`.
+    /// The approximation's second derivatives in the middle, by box coordinates: `xx`, `xy`, `yy`.
     #[inline(always)]
-    pub fn higher_derivatives(&self) -> [DVec3; 7] {
-        let term = |m: usize| DVec3::new(self.term(0, m), self.term(1, m), self.term(2, m));
-        let [two, six] = [2.0, 6.0];
-        [
-            two * term(8),
-            term(5),
-            two * term(2),
-            six * term(12),
-            two * term(9),
-            two * term(6),
-            six * term(3),
-        ]
-    }
-
-    #[inline(always)]
-    fn term(&self, axis: usize, m: usize) -> f64 {
-        f64::from(self.fit[axis][m])
+    pub fn second_derivatives(&self) -> [DVec3; 3] {
+        let term = |m: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.fit[axis][m])));
+        [2.0 * term(8), term(5), 2.0 * term(2)]
     }
 
     /// How far the approximation may be from the surface: see [`FitError`](super::FitError).

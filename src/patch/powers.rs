@@ -17,11 +17,12 @@ use crate::geometry::Extraction;
 /// The highest degree that is written by powers.
 const MOST_DEGREE: usize = 3;
 
-/// How many times the coordinates of a piece the terms of its sums may be.
+/// How many times the coordinates of a piece the terms of its sums may be, at the places where that is looked
+/// at: a measure of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of pieces whose terms are not looked at. They are those of dense
-/// splines, whose nets do not zigzag.
+/// The largest weight, over the smallest, of pieces whose terms are not looked at, as that takes time. They are
+/// those of dense splines, most of whose knots are simple: their nets zigzag less than their control points.
 const MOST_WEIGHT: f64 = 2.0;
 
 /// Whether pieces of these degrees can be written by powers.

@@ -161,10 +161,7 @@ fn evaluate<S: Simd>(
     let mut row = [zero; 4];
     let mut slope = [zero; 4];
     for j in 0..4 {
-        let c0 = f32x16::from_slice(simd, &lanes[j]);
-        let c1 = f32x16::from_slice(simd, &lanes[4 + j]);
-        let c2 = f32x16::from_slice(simd, &lanes[8 + j]);
-        let c3 = f32x16::from_slice(simd, &lanes[12 + j]);
+        let [c0, c1, c2, c3] = coefficients(simd, lanes, j);
         row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
         slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
     }
@@ -175,15 +172,18 @@ fn evaluate<S: Simd>(
     ]
 }
 
+/// The coefficients of `xⁱ yʲ` for one `j`.
+#[inline(always)]
+fn coefficients<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], j: usize) -> [f32x16<S>; 4] {
+    [0, 4, 8, 12].map(|row| f32x16::from_slice(simd, &lanes[row + j]))
+}
+
 /// A bicubic polynomial alone.
 #[inline(always)]
 fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     let mut row = [y; 4];
     for j in 0..4 {
-        let c0 = f32x16::from_slice(simd, &lanes[j]);
-        let c1 = f32x16::from_slice(simd, &lanes[4 + j]);
-        let c2 = f32x16::from_slice(simd, &lanes[8 + j]);
-        let c3 = f32x16::from_slice(simd, &lanes[12 + j]);
+        let [c0, c1, c2, c3] = coefficients(simd, lanes, j);
         row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
     }
     row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0])

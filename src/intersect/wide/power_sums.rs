@@ -186,7 +186,9 @@ mod tests {
         let place = (-0.02..1.02f64, -0.02..1.02f64).prop_map(|(s, t)| DVec2::new(s, t));
         let places = prop::array::uniform8(place);
         let by_powers = Cell::new(0);
-        proptest!(ProptestConfig { cases: 600, max_shrink_iters: 200, ..ProptestConfig::default() }, |(surface in nets(), places in places)| {
+        let config =
+            ProptestConfig { cases: 600, max_shrink_iters: 200, ..ProptestConfig::default() };
+        proptest!(config, |(surface in nets(), places in places)| {
             let (set, _) = PatchSet::new(&[surface]).unwrap();
             let patch = &set.pieces()[0].patch;
             let [p, q] = patch.degree();

@@ -198,7 +198,7 @@ impl Tangents {
         let point = moved * inverse;
         let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
         let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
-        let [xx, xy, yy, ..] = leaf.higher_derivatives();
+        let [xx, xy, yy] = leaf.second_derivatives();
         let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
         let along_x = vector(along_x) - (xx * step_x + xy * step_y);
         let along_y = vector(along_y) - (xy * step_x + yy * step_y);
