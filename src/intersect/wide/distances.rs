@@ -175,7 +175,9 @@ fn evaluate<S: Simd>(
 /// The coefficients of `xⁱ yʲ` for one `j`.
 #[inline(always)]
 fn coefficients<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], j: usize) -> [f32x16<S>; 4] {
-    [0, 4, 8, 12].map(|row| f32x16::from_slice(simd, &lanes[row + j]))
+    // Written out: where `map` of an array is not inlined, its vectors go through memory.
+    let of = |row: usize| f32x16::from_slice(simd, &lanes[row + j]);
+    [of(0), of(4), of(8), of(12)]
 }
 
 /// A bicubic polynomial alone.

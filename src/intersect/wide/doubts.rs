@@ -243,7 +243,7 @@ fn settle_sixteen<S: Simd>(
                     continue;
                 }
             }
-            let near = near.map(|at| at.swizzle_dyn(bytes));
+            let near = [near[0].swizzle_dyn(bytes), near[1].swizzle_dyn(bytes)];
             let ground = Ground::Own(moved(domain, bytes));
             let mut room = None;
             let patch = &target.piece.patch;

@@ -152,7 +152,7 @@ impl PairLanes {
             let wanted = mask64x8::from_bitmask(simd, wanted);
             self.net.take(simd, first.form, (&pieces, 8 * half), wanted);
             let rays = (&halves[half], normals[half]);
-            let near = near.map(|at| distances::widened(at, half));
+            let near = [distances::widened(near[0], half), distances::widened(near[1], half)];
             let done = self.finish(simd, half, wanted, rays, &near);
             all.met |= done.met << (8 * half);
             all.judged |= done.judged << (8 * half);

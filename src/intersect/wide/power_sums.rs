@@ -76,7 +76,8 @@ fn jets_of<
         }
     }
     // The unit square has sides of two in x and y.
-    let [two, four, eight] = [2.0, 4.0, 8.0].map(|factor| f64x8::splat(simd, factor));
+    let of = |factor| f64x8::splat(simd, factor);
+    let (two, four, eight) = (of(2.0), of(4.0), of(8.0));
     for c in 0..C {
         (by_x[c], by_y[c]) = (by_x[c] * two, by_y[c] * two);
         (by_xx[c], by_xy[c], by_yy[c]) = (by_xx[c] * eight, by_xy[c] * four, by_yy[c] * eight);

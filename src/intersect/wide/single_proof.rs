@@ -221,7 +221,7 @@ impl<S: Simd> Local<S> {
         let least = c0.min(c1).min(c2.min(c3));
         let most = c0.max(c1).max(c2.max(c3));
         let off = [error * (b1.abs() + b2.abs()), error * (a1.abs() + a2.abs())];
-        let off = off.map(|off| off + UNDERFLOW);
+        let off = [off[0] + UNDERFLOW, off[1] + UNDERFLOW];
         let mut missed = false;
         for k in 0..2 {
             let (mut low, mut high) = (least[4 * k], most[4 * k]);
@@ -258,10 +258,10 @@ impl<S: Simd> Local<S> {
                 *slopes = size.mul_add(f32x8::from_slice(simd, &weights[j]), *slopes);
             }
         }
-        let [[xx, yx], [xy, yy]] = slopes.map(halves);
+        let ([xx, yx], [xy, yy]) = (halves(slopes[0]), halves(slopes[1]));
         let slope_error = slope_error + 2.0 * ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
-        let off = reach.map(|reach| reach * slope_error);
+        let off = [reach[0] * slope_error, reach[1] * slope_error];
         // What is wanted of g' is part of the sums: 1. All are false for NaN.
         let (left_x, left_y) = (2.0 - xx - off[0], 2.0 - yy - off[1]);
         let (xy, yx) = (xy + off[0], yx + off[1]);
