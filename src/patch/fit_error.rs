@@ -6,23 +6,18 @@
 //! *Values.* With `S = X / W`, the polynomial `X − W Q` has a Bernstein form; the largest of
 //! its coefficients over the least weight bounds `|S − Q|` by `E`.
 //!
-//! *Bend.* For `x` and `x + h` in `D` and `|h|` the larger component, put `Y = X − S(x) W`.
-//! Then `Y(x) = 0`, `Y'(x) h = W(x) S'(x) h`, and
-//! `S(x + h) − S(x) − S'(x) h = (½ Y''(ξ)[h, h] + S'(x) h (W(x) − W(x + h))) / W(x + h)`:
-//! at most `M |h|²`, with second and first differences of the net for the derivatives.
+//! *Derivatives.* A derivative of order `k` is a form `D[h₁, …, hₖ]` in directions `hᵢ`, whose larger components are
+//! at most 1 here: it is at most the sum of its `2ᵏ` entries, and the differences of the net bound those of `X` and
+//! of `W`, by `Xₖ` and `Wₖ`. Leibniz's rule for `X = S W` then gives bounds `Sₖ` of those of `S` on `D`, `S₀` being
+//! the largest distance of a control point from the middle and `w` the least weight:
 //!
-//! Less is left where second derivatives are taken along. A polynomial of degree `n` in each variable that
-//! is at most `B` on `D` has partial derivatives of at most `K B`, `K = n / √(FIT_DOMAIN² − x²)` (Bernstein 1912),
-//! `n` being the greater degree and `x` how far out it is asked. So, with `ω` no less than `|W'| / W` and
-//! `M (1 + 2 ω / K)` kept instead of `M`,
+//! `w Sₖ = Xₖ + S₀ Wₖ + Σ C(k, i) Sᵢ Wₖ₋ᵢ`, over `i = 1 … k − 1`.
 //!
-//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ K M |h|³`,
-//! `|S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 K M |h|²` for the unit vectors `e`, and `|S''(x)[h, e]| ≤ 4 M |h|`,
+//! By Taylor's theorem along the segment from `x` to `x + h` in `D`, with `M = S₂ / 2`, `T = S₃ / 6`:
 //!
-//! for `K |h| < 1`. Of polynomials these are Taylor's remainders. Else put `Y = X − S(x) W`, `σ = |S'|`,
-//! `m = ½ |Y''|`: then `M W ≥ m + σ |W'|`, and from Taylor's remainders of `Y` and `W` those of `S` are at most
-//! `(⅔ K m + K σ |W'|) / W + ω M` times `|h|³` and `(K m + 2 K σ |W'|) / W + 5 ω M` times `|h|²`, but for higher
-//! powers of `|h|`, which what was rounded up makes up for.
+//! `|S(x + h) − S(x) − S'(x) h| ≤ M |h|²`,
+//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ T |h|³`, and, for a unit vector `e`,
+//! `|S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 T |h|²`, `|S''(x)[h, e]| ≤ 2 M |h|`.
 //!
 //! *Slopes.* With `R = X − W Q` the slopes of `S` and `Q` differ by `(R' − (R / W) W') / W`. The
 //! degree times the longest difference of neighbouring Bernstein coefficients bounds `R'`, and
@@ -42,16 +37,6 @@ pub const FIT_DOMAIN: f64 = 1.2;
 /// A side of the rectangle they hold on.
 const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
-/// `K`, for the greater degree of a piece, as far out as the steps that are spoken of lead.
-#[inline(always)]
-pub(crate) fn steepest(degree: usize) -> f64 {
-    const PER_DEGREE: f64 = 2.1;
-    const FARTHEST: f64 = 1.1;
-    const _: () =
-        assert!(PER_DEGREE * PER_DEGREE * (FIT_DOMAIN * FIT_DOMAIN - FARTHEST * FARTHEST) > 1.0);
-    PER_DEGREE * degree as f64
-}
-
 /// Bounds of a bicubic approximation, in scene units.
 #[derive(Clone, Copy, Debug)]
 pub struct FitError {
@@ -59,13 +44,20 @@ pub struct FitError {
     pub value: f64,
     /// Of either partial derivative.
     pub slope: f64,
-    /// `M`, or what is kept instead.
+    /// `M`.
     pub bend: f64,
+    /// `T`.
+    pub third: f64,
 }
 
 impl FitError {
     /// Nothing is known.
-    const UNKNOWN: Self = Self { value: f64::INFINITY, slope: f64::INFINITY, bend: f64::INFINITY };
+    const UNKNOWN: Self = Self {
+        value: f64::INFINITY,
+        slope: f64::INFINITY,
+        bend: f64::INFINITY,
+        third: f64::INFINITY,
+    };
 
     /// The bounds for a part of a piece and its approximation; infinite where nothing is known.
     pub(super) fn new(halving: &Halving, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
@@ -88,17 +80,17 @@ impl FitError {
         let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        // Second differences are off by four times that, and have factors p(p − 1), q(q − 1) and 2pq:
-        // half of all, over the square of a side, is less than this.
+        // Differences of order k are off by 2ᵏ times that, and the factors of all of them are (p + q)ᵏ together,
+        // at most: over the k-th power of a side, and 2 and 6, less than these.
         let sum = (degree[0] + degree[1]) as f64;
-        let slope_of_weight = weight_slope(degree, &net);
-        let turning = 1.0 + 4.0 * slope_of_weight / (least * steepest(degree[0].max(degree[1])));
-        let bend = turning * bend(degree, &net, least) + noise * (0.35 * sum * sum).max(1.0);
+        let [slope_of_weight, bend, third] = derivatives(degree, &net, least);
+        let bend = bend + noise * (0.35 * sum * sum).max(1.0);
+        let third = third + noise * (0.1 * sum * sum * sum).max(1.0);
         // Differences of coefficients that rounding has moved by `noise` each.
         let rounding = 2.0 * (degree[0].max(degree[1]) + 3) as f64 * noise;
         let slope = (along + value * slope_of_weight) / least + rounding;
         if value.is_finite() && slope.is_finite() {
-            Self { value, slope, bend }
+            Self { value, slope, bend, third }
         } else {
             Self::UNKNOWN
         }
@@ -109,8 +101,9 @@ impl FitError {
     /// The bounds for a polynomial that only differs from its approximation by rounding each
     /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32.
     pub(super) fn of_polynomial(coefficients: &[[DVec3; 4]; 4], piece: &Piece) -> Self {
-        let (mut sum, mut slopes, mut bound) = (0.0, 0.0, 0.0);
-        let mut weight_x = [1.0, 0.0, 0.0];
+        let (mut sum, mut slopes, mut bend, mut third) = (0.0, 0.0, 0.0, 0.0);
+        // `FIT_DOMAIN` to the power of the degree, and less 1, 2 and 3.
+        let mut weight_x = [1.0, 0.0, 0.0, 0.0];
         for i in 0..4 {
             let mut weight = weight_x;
             for j in 0..4 {
@@ -118,10 +111,12 @@ impl FitError {
                 let length = coefficients[i][j].length();
                 sum += length * weight[0];
                 slopes += length * power * weight[1];
-                bound += 0.5 * length * power * (power - 1.0) * weight[2];
-                weight = [weight[0] * FIT_DOMAIN, weight[0], weight[1]];
+                let twice = power * (power - 1.0);
+                bend += 0.5 * length * twice * weight[2];
+                third += length * twice * (power - 2.0) / 6.0 * weight[3];
+                weight = [weight[0] * FIT_DOMAIN, weight[0], weight[1], weight[2]];
             }
-            weight_x = [weight_x[0] * FIT_DOMAIN, weight_x[0], weight_x[1]];
+            weight_x = [weight_x[0] * FIT_DOMAIN, weight_x[0], weight_x[1], weight_x[2]];
         }
         // Larger coefficients are infinite in f32.
         let in_range = sum <= f64::from(f32::MAX); // false for NaN
@@ -133,7 +128,8 @@ impl FitError {
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let noise = 4.0 * piece.patch.noise();
         let (value, slope) = (rounding(sum) + noise, rounding(slopes) + 96.0 * noise);
-        Self { value, slope, bend: bound + noise }
+        // Third derivatives have factors of 56 at most, over 6.
+        Self { value, slope, bend: bend + noise, third: third + 30.0 * noise }
     }
 }
 
@@ -222,69 +218,62 @@ fn difference_net(
     (difference, columns)
 }
 
-/// A bound of the weight's derivatives by box coordinates.
-fn weight_slope([p, q]: [usize; 2], net: &[DVec4]) -> f64 {
-    let mut slope = 0f64;
-    for i in 0..=p {
-        for j in 0..=q {
-            let here = net[i * (q + 1) + j].w;
-            if i < p {
-                slope = slope.max(p as f64 * (net[(i + 1) * (q + 1) + j].w - here).abs());
+/// What bounds the first derivatives of the weight by box coordinates; and `M` and `T` of a net of
+/// `(w (P − c), w)`.
+fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
+    // Of points and of weights, by order less one; and the larger of the weight's two slopes.
+    let (mut of_points, mut of_weights, mut slope) = ([0.0; 3], [0.0; 3], 0f64);
+    let mut room: SmallVec<[DVec4; 36]>;
+    let mut rows: SmallVec<[DVec4; 36]> = SmallVec::from_slice(net);
+    // By s `i` times, …
+    for i in 0..=p.min(3) {
+        if i > 0 {
+            differences(&mut rows, (q + 1, (p + 1 - i) as f64));
+        }
+        room = rows.clone();
+        // … and by t `j` times.
+        for j in 0..=q.min(3 - i) {
+            if j > 0 {
+                // Along rows that are as long as before; what runs from one into the next is left out below.
+                differences(&mut room, (1, (q + 1 - j) as f64));
             }
-            if j < q {
-                slope = slope.max(q as f64 * (net[i * (q + 1) + j + 1].w - here).abs());
+            if i + j == 0 {
+                continue;
+            }
+            let (mut points, mut weights) = (0f64, 0f64);
+            for (k, c) in room.iter().enumerate() {
+                if k % (q + 1) <= q - j {
+                    points = points.max(c.truncate().length_squared());
+                    weights = weights.max(c.w.abs());
+                }
+            }
+            // So many entries are the same.
+            let order = i + j;
+            let alike = if i > 0 && j > 0 { order as f64 } else { 1.0 };
+            of_points[order - 1] += alike * points.sqrt();
+            of_weights[order - 1] += alike * weights;
+            if order == 1 {
+                slope = slope.max(weights);
             }
         }
-    }
-    slope / SIDE
-}
-
-/// The bound `M` of a net of `(w (P − c), w)`.
-fn bend([p, q]: [usize; 2], net: &[DVec4], least: f64) -> f64 {
-    let at = |i: usize, j: usize| net[i * (q + 1) + j];
-    let (mut first, mut second) = ((0f64, 0f64), (0f64, 0f64));
-    // Of the squares, of points and of weights.
-    let larger = |sum: &mut (f64, f64), c: DVec4, factor: f64| {
-        let (x, w) = (factor * c.truncate(), factor * c.w);
-        *sum = (sum.0.max(x.length_squared()), sum.1.max(w * w));
-    };
-    let (pf, qf) = (p as f64, q as f64);
-    let mut sums = [(0.0, 0.0); 5];
-    for i in 0..=p {
-        for j in 0..=q {
-            let here = at(i, j);
-            if i < p {
-                larger(&mut sums[0], at(i + 1, j) - here, pf);
-            }
-            if j < q {
-                larger(&mut sums[1], at(i, j + 1) - here, qf);
-            }
-            if i + 2 <= p {
-                let bent = at(i + 2, j) - 2.0 * at(i + 1, j) + here;
-                larger(&mut sums[2], bent, pf * (pf - 1.0));
-            }
-            if j + 2 <= q {
-                let bent = at(i, j + 2) - 2.0 * at(i, j + 1) + here;
-                larger(&mut sums[3], bent, qf * (qf - 1.0));
-            }
-            if i < p && j < q {
-                let twist = at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + here;
-                larger(&mut sums[4], twist, 2.0 * pf * qf);
-            }
-        }
-    }
-    for (x, w) in &sums[..2] {
-        first = (first.0 + x.sqrt(), first.1 + w.sqrt());
-    }
-    for (x, w) in &sums[2..] {
-        second = (second.0 + x.sqrt(), second.1 + w.sqrt());
     }
     let radius = net.iter().map(|c| (c.truncate() / c.w).length_squared()).fold(0.0, f64::max);
     let radius = radius.sqrt();
-    let slope = (first.0 + radius * first.1) / least;
-    let bound = (0.5 * (second.0 + radius * second.1) + slope * first.1) / least;
+    let ([x1, x2, x3], [w1, w2, w3]) = (of_points, of_weights);
+    let s1 = (x1 + radius * w1) / least;
+    let s2 = (x2 + radius * w2 + 2.0 * s1 * w1) / least;
+    let s3 = (x3 + radius * w3 + 3.0 * (s1 * w2 + s2 * w1)) / least;
     // From sides of the rectangle to half sides of the leaf.
-    bound / (SIDE * SIDE)
+    [slope / SIDE, s2 / (2.0 * SIDE * SIDE), s3 / (6.0 * SIDE * SIDE * SIDE)]
+}
+
+/// Differences of the points that are `step` apart, times a factor, in place; there are `step` less.
+fn differences(points: &mut SmallVec<[DVec4; 36]>, (step, factor): (usize, f64)) {
+    let left = points.len() - step;
+    for k in 0..left {
+        points[k] = factor * (points[k + step] - points[k]);
+    }
+    points.truncate(left);
 }
 
 #[cfg(test)]
@@ -382,31 +371,29 @@ mod tests {
                     let left = true_jet(x + dx, y - dy).point - s.point - s.ds * dx + s.dt * dy;
                     assert!(left.length() <= bound(leaf.fit_bend()) * step * step);
                 }
-                let (x, y) = (x.clamp(-1.1, 1.1), y.clamp(-1.1, 1.1));
                 let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
                 let at = patch.derivatives(st);
-                let steepest = steepest(patch.degree()[0].max(patch.degree()[1]));
-                let bend = f64::from(leaf.fit_bend());
-                for step in [0.1, 0.01, 1e-3].map(|step| step / steepest) {
+                let (bend, third) = (f64::from(leaf.fit_bend()), f64::from(leaf.fit_third()));
+                for step in [1.0, 0.1, 0.01] {
                     let (dx, dy) = (-step * x.signum(), -0.7 * step * y.signum());
                     let (ds, dt) = (dx * half[0], dy * half[1]);
                     let (turn_s, turn_t) = (at.duu * ds + at.duv * dt, at.duv * ds + at.dvv * dt);
                     let next = patch.jet(st + DVec2::new(ds, dt));
                     let along = (at.du + 0.5 * turn_s) * ds + (at.dv + 0.5 * turn_t) * dt;
                     let left = (next.point - at.point - along).length();
-                    assert!(left <= steepest * bend * step.powi(3) + patch.noise(), "{left:e}");
+                    assert!(left <= third * step.powi(3) + patch.noise(), "{left:e}");
                     for (turned, half) in
                         [(next.ds - at.du - turn_s, half[0]), (next.dt - at.dv - turn_t, half[1])]
                     {
                         let left = turned.length() * half;
                         assert!(
-                            left <= 3.0 * steepest * bend * step * step + 4.0 * patch.noise(),
+                            left <= 3.0 * third * step * step + 4.0 * patch.noise(),
                             "{left:e}"
                         );
                     }
                     for turn in [turn_s * half[0], turn_t * half[1]] {
                         assert!(
-                            turn.length() <= 4.0 * bend * step + 4.0 * patch.noise(),
+                            turn.length() <= 2.0 * bend * step + 4.0 * patch.noise(),
                             "{:e}",
                             turn.length()
                         );

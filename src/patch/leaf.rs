@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::fit::{Approximation, Fit};
 use super::oriented_box::Axes;
 use super::part::Halving;
-use super::rounded::Up16;
+use super::rounded::{Up8, Up16};
 use super::tangents::Net;
 use super::{
     Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, OrientedBox, Part, Piece, SceneFrame,
@@ -44,6 +44,8 @@ pub struct Leaf {
     fit_error: Up16,
     slope_error: Up16,
     fit_bend: Up16,
+    /// Over [`fit_bend`](Self::fit_bend).
+    fit_third: Up8,
     stretch: Up16,
     trimmed: bool,
 }
@@ -64,6 +66,7 @@ impl Leaf {
         let spacing = part.rect.ranges().map(|[from, to]| rounding::UNIT_ROUNDOFF / (to - from));
         let net = Net { degree, control: &widened, noise, rational, spacing };
         let certificate = Certificate::new(&net, collapsed, &axes, &oriented);
+        let fit_bend = Up16::above(error.bend);
         let leaf = Self {
             fit,
             middle,
@@ -72,7 +75,8 @@ impl Leaf {
             certificate,
             fit_error: Up16::above(error.value),
             slope_error: Up16::above(error.slope),
-            fit_bend: Up16::above(error.bend),
+            fit_bend,
+            fit_third: Up8::above(error.third / f64::from(fit_bend.value())),
             stretch: Up16::above(stretch(&fit, error.slope)),
             trimmed: part.trimmed,
         };
@@ -166,6 +170,12 @@ impl Leaf {
     #[inline(always)]
     pub fn fit_bend(&self) -> f32 {
         self.fit_bend.value()
+    }
+
+    /// `T` of [`FitError`](super::FitError).
+    #[inline(always)]
+    pub fn fit_third(&self) -> f32 {
+        self.fit_third.value() * self.fit_bend()
     }
 
     /// How much farther apart two places of the leaf, or a little outside, are at most than their

@@ -59,7 +59,6 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
 pub use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
 pub use fit::Fit;
-pub(crate) use fit_error::steepest;
 pub use fit_error::{FIT_DOMAIN, FitError};
 pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};

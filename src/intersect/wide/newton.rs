@@ -16,8 +16,8 @@ const MOST_STEPS: usize = 4;
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
 /// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound, that
-/// is ten times what is left or more.
-const MOST_TURN: f64 = 1e-10;
+/// is some eight times what is left.
+const MOST_TURN: f64 = 5e-12;
 
 /// The longest step, in half sides, that is spoken of.
 const LONGEST_STEP: f64 = 1e-3;
@@ -38,9 +38,9 @@ pub(super) trait Leaves<S: Simd> {
     /// Where there is one root at most: from and to in `s`, then in `t`.
     fn domain(&self, simd: S) -> [f64x8<S>; 4];
 
-    /// `M` and `K` of [`FitError`](crate::patch::FitError).
+    /// `M` and `T` of [`FitError`](crate::patch::FitError).
     fn bend(&self, simd: S) -> f64x8<S>;
-    fn steepest(&self, simd: S) -> f64x8<S>;
+    fn third(&self, simd: S) -> f64x8<S>;
 
     /// Whether normals are asked for; else those that are found do for error bounds only.
     fn asks_normals(&self) -> bool;
@@ -230,9 +230,9 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 ///
 /// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
 /// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
-/// is `H[h, e] + ½ H[e, e]`, at most `4 M d |e|`, and what second derivatives leave of the surface, at most
-/// `K M d³`; of the tangents that are taken along it is `4 M |e| + 3 K M d²`, where
-/// [`FitError`](crate::patch::FitError) has `M` and `K`.
+/// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, and what second derivatives leave of the surface, at most
+/// `T d³`; of the tangents that are taken along it is `2 M |e| + 3 T d²`, where
+/// [`FitError`](crate::patch::FitError) has `M` and `T`.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -276,14 +276,15 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let size = |s: f64x8<S>, t: f64x8<S>| (s * sides_s).abs().max((t * sides_t).abs());
     let more = size(more_s, more_t);
     let longest = size(step_s, step_t) + more;
-    let (bend, four) = (leaves.bend(simd), f64x8::splat(simd, 4.0));
-    let third = leaves.steepest(simd) * longest * longest;
+    let three = f64x8::splat(simd, 3.0);
+    let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
+    let turned_back = (bend + bend) * more;
     let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    let straight = (bend * longest * four.mul_add(more, third)).simd_le(least)
+    let straight = (longest * (turned_back + third)).simd_le(least)
         & longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
     let (speed_s, speed_t) = (sum_of_sizes(ds), sum_of_sizes(dt));
     let sides = half_s * speed_s + half_t * speed_t;
-    let turn = bend * four.mul_add(more, third + third + third) * sides;
+    let turn = third.mul_add(three, turned_back) * sides;
     let most = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
     let known = (turn * turn).simd_le(most * most * dot_d(cross, cross));
     let domain = leaves.domain(simd);

@@ -9,7 +9,6 @@ use super::lane_net::LaneNet;
 use super::newton::{Ends, Leaves, Rays, Step, newton};
 use super::pairs::{Outcomes, PairLanes, eight};
 use super::single_ray::WIDENED;
-use crate::patch::steepest;
 
 impl PairLanes {
     /// Newton's steps in f64 for one half of the pairs.
@@ -38,6 +37,7 @@ impl PairLanes {
                 middle[1] + sides[1] * widened,
             ],
             bend: eight(simd, &self.bend, half),
+            third: eight(simd, &self.third, half),
             clearance: eight(simd, &self.clearance, half),
         };
         let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
@@ -102,6 +102,7 @@ struct Eight<'a, S: Simd> {
     middle: [f64x8<S>; 2],
     domain: [f64x8<S>; 4],
     bend: f64x8<S>,
+    third: f64x8<S>,
     clearance: f64x8<S>,
 }
 
@@ -143,9 +144,8 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
     }
 
     #[inline(always)]
-    fn steepest(&self, simd: S) -> f64x8<S> {
-        let [p, q] = self.net.form.degree();
-        f64x8::splat(simd, steepest(p.max(q)))
+    fn third(&self, _: S) -> f64x8<S> {
+        self.third
     }
 
     /// Normals are looked at where the roots are.

@@ -46,6 +46,7 @@ pub(super) struct PairLanes {
     pub(super) half: [Lanes; 2],
     pub(super) middle: [Lanes; 2],
     pub(super) bend: Lanes,
+    pub(super) third: Lanes,
     /// See [`Guess::clearance`].
     pub(super) clearance: Lanes,
     magnitude: Lanes,
@@ -85,6 +86,7 @@ impl Default for PairLanes {
             half: [lanes; 2],
             middle: [lanes; 2],
             bend: lanes,
+            third: lanes,
             clearance: lanes,
             magnitude: lanes,
             fit_error: [0.0; LANES],
@@ -249,6 +251,7 @@ impl PairLanes {
             self.leaf_middle[i][lane] = leaf.middle[i];
         }
         self.bend[lane] = f64::from(leaf.fit_bend());
+        self.third[lane] = f64::from(leaf.fit_third());
         self.clearance[lane] = guess.clearance;
         self.magnitude[lane] = piece.patch.magnitude();
         self.fit_error[lane] = leaf.fit_error();

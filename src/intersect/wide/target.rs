@@ -12,7 +12,7 @@ use super::search::dot_d;
 use super::single_ray::WITH_SLACK;
 use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
-use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING, steepest};
+use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
 /// A leaf, its piece, and which leaf it is.
 #[derive(Clone, Copy)]
@@ -48,7 +48,7 @@ pub(super) struct Closer {
     pub(super) open_end: [Option<f64>; 2],
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
-    steepest: f64,
+    third: f64,
 }
 
 impl<'a> Target<'a> {
@@ -76,7 +76,6 @@ impl<'a> Target<'a> {
                 *near = near.max(BESIDE_COLLAPSED);
             }
         }
-        let [p, q] = self.piece.patch.degree();
         let [[s0, s1], [t0, t1]] = self.rect;
         Closer {
             near_sides,
@@ -88,7 +87,7 @@ impl<'a> Target<'a> {
             uv_domain: self.piece.domain(),
             open_end: [self.piece.open_end(0), self.piece.open_end(1)],
             bend: f64::from(self.leaf.fit_bend()),
-            steepest: steepest(p.max(q)),
+            third: f64::from(self.leaf.fit_third()),
         }
     }
 
@@ -215,8 +214,8 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     }
 
     #[inline(always)]
-    fn steepest(&self, simd: S) -> f64x8<S> {
-        f64x8::splat(simd, self.closer.steepest)
+    fn third(&self, simd: S) -> f64x8<S> {
+        f64x8::splat(simd, self.closer.third)
     }
 
     #[inline(always)]
