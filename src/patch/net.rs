@@ -77,8 +77,31 @@ enum Sums {
     Bernstein,
     /// Powers: their nets, piece by piece.
     Powers(Vec<f64>),
-    /// Powers, made when they are wanted, by the row and the column in which pieces begin.
-    PowersOf(Box<[Vec<ToPowers>; 2]>),
+    /// Powers, made when they are wanted, but for pieces that are not well conditioned.
+    PowersOf(Box<MadePowers>),
+}
+
+/// Nets by powers that are made when they are wanted.
+#[derive(Debug)]
+struct MadePowers {
+    /// How, by the row and the column in which pieces begin.
+    along: [Vec<ToPowers>; 2],
+    /// The rows and columns of those whose sums stay in Bernstein functions, in order.
+    but_for: Vec<[u32; 2]>,
+}
+
+impl MadePowers {
+    /// How the net of a piece is made, if it is well conditioned.
+    #[inline(always)]
+    fn of(&self, first: [u32; 2]) -> Option<[&ToPowers; 2]> {
+        let suits = self.but_for.is_empty() || self.but_for.binary_search(&first).is_err();
+        suits.then(|| [0, 1].map(|k| &self.along[k][first[k] as usize]))
+    }
+
+    fn bytes(&self) -> usize {
+        let along: usize = self.along.iter().map(|some| size_of_val(&some[..])).sum();
+        size_of::<Self>() + along + size_of_val(&self.but_for[..])
+    }
 }
 
 /// Homogeneous control points `(w x, w y, w z, w)`; of those that all have the same weight, it is
@@ -169,18 +192,11 @@ impl ChartNet {
             }
             extraction
         });
-        let sums = if powers::suit_spline(knots.map(KnotVector::degree), surface.control()) {
-            let all = |k: usize| {
-                let of = |extraction| ToPowers::of(extraction, knots[k].degree());
-                extraction[k].iter().map(of).collect()
-            };
-            Sums::PowersOf(Box::new([all(0), all(1)]))
-        } else {
-            Sums::Bernstein
-        };
         let control = Control::new(surface.common_weight(), counts, LONGEST, row);
         let (mut net, firsts) = Self::over(chart, knots, control, Some(Box::new(extraction)));
-        net.sums = sums;
+        if let Some(powers) = net.made_by_powers(&firsts, surface.control()) {
+            net.sums = Sums::PowersOf(Box::new(powers));
+        }
         (net, firsts)
     }
 
@@ -226,6 +242,33 @@ impl ChartNet {
         Some(numbers)
     }
 
+    /// How nets by powers are made of these control points, and for which pieces they are not.
+    fn made_by_powers(
+        &self,
+        [rows, columns]: &[Vec<u32>; 2],
+        control: &[DVec4],
+    ) -> Option<MadePowers> {
+        if !powers::suit(self.degree) {
+            return None;
+        }
+        let extraction = self.extraction.as_deref()?;
+        let along = [0, 1]
+            .map(|k| extraction[k].iter().map(|span| ToPowers::of(span, self.degree[k])).collect());
+        let suits = |first| match self.source(first) {
+            NetSource::Kept(_) => true,
+            // Their weights differ: all four numbers of the points are known.
+            NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_points()).is_some(),
+        };
+        let but_for = if powers::suit_all(control) {
+            Vec::new()
+        } else {
+            let firsts_of = |&row| columns.iter().map(move |&column| [row, column]);
+            let firsts = rows.par_iter().flat_map_iter(firsts_of);
+            firsts.filter(|&first| !suits(first)).collect()
+        };
+        Some(MadePowers { along, but_for })
+    }
+
     /// How many numbers the net of a piece has.
     fn numbers_a_net(&self) -> usize {
         let [p, q] = self.degree;
@@ -245,8 +288,12 @@ impl ChartNet {
 
     /// Whether those are made by powers.
     #[inline(always)]
-    pub(super) fn by_powers(&self) -> bool {
-        !matches!(self.sums, Sums::Bernstein)
+    pub(super) fn by_powers(&self, first: [u32; 2]) -> bool {
+        match &self.sums {
+            Sums::Bernstein => false,
+            Sums::Powers(_) => true,
+            Sums::PowersOf(made) => made.of(first).is_some(),
+        }
     }
 
     /// The net of the piece that begins with a row and a column.
@@ -262,7 +309,7 @@ impl ChartNet {
             Some([along_s, along_t]) => {
                 let extraction = [&along_s[row], &along_t[column]];
                 let to_powers = match &self.sums {
-                    Sums::PowersOf(both) => Some([&both[0][row], &both[1][column]]),
+                    Sums::PowersOf(made) => made.of(first),
                     _ => None,
                 };
                 let degree = self.degree;
@@ -294,7 +341,7 @@ impl ChartNet {
             + match &self.sums {
                 Sums::Bernstein => 0,
                 Sums::Powers(numbers) => size_of_val(&numbers[..]),
-                Sums::PowersOf(both) => both.iter().map(|some| size_of_val(&some[..])).sum(),
+                Sums::PowersOf(made) => made.bytes(),
             }
             + spans.sum::<usize>()
             + extraction.sum::<usize>()

@@ -17,12 +17,13 @@ use crate::geometry::Extraction;
 /// The highest degree that is written by powers.
 const MOST_DEGREE: usize = 3;
 
-/// How many times the coordinates of a piece the terms of its sums may be, at the places where that is looked
-/// at: a measure of how many digits are lost, not a proof.
+/// How many times the coordinates of a piece the terms of its sums may be. Where a bound of all of them is not
+/// as good, which is rare, they are looked at at some places: a measure of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of pieces whose terms are not looked at, as that takes time. They are
-/// those of dense splines, most of whose knots are simple: their nets zigzag less than their control points.
+/// The largest weight, over the smallest, of splines whose pieces are not looked at, as that takes a tenth of the
+/// time to build them. They are dense, and most of their knots simple: their nets zigzag less than their control
+/// points.
 const MOST_WEIGHT: f64 = 2.0;
 
 /// Whether pieces of these degrees can be written by powers.
@@ -30,11 +31,11 @@ pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
 
-/// Whether the pieces of a spline with these control points are written by powers.
-pub(super) fn suit_spline(degree: [usize; 2], control: &[DVec4]) -> bool {
+/// Whether all pieces of a spline are taken to be well conditioned, by its control points.
+pub(super) fn suit_all(control: &[DVec4]) -> bool {
     let weights = control.iter().map(|point| point.w);
     let (least, most) = weights.fold((f64::INFINITY, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    suit(degree) && most <= MOST_WEIGHT * least
+    most <= MOST_WEIGHT * least
 }
 
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
@@ -42,20 +43,23 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[[DVec4; 4]; 4]) -> Option<[[D
     let [p, q] = degree;
     let net = in_both_directions(degree, *bezier);
     let control = bezier[..=p].iter().flat_map(|row| &row[..=q]);
-    let magnitude = control.map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
+    let magnitude =
+        control.clone().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
     // With the sizes of all terms, or as they are.
     let sum = |x: f64, y: f64, term: fn(DVec4) -> DVec4| {
         let row =
             |row: &[DVec4; 4]| row[..=q].iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
         net[..=p].iter().rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
     };
-    let places = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let known = places.iter().flat_map(|&x| places.map(|y| (x, y))).all(|(x, y): (f64, f64)| {
+    // With `x` and `y` no larger than these, where the weight is no less than that.
+    let suits = |x: f64, y: f64, weight: f64| {
         let sizes = sum(x.abs(), y.abs(), DVec4::abs);
-        let most = MOST_CONDITION * magnitude * sum(x, y, |c| c).w;
-        sizes.truncate().max_element() + sizes.w * magnitude <= most
-    });
-    known.then_some(net)
+        sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
+    };
+    let places = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    let suits_all = suits(1.0, 1.0, control.map(|c| c.w).fold(f64::INFINITY, f64::min))
+        || places.iter().all(|&x| places.iter().all(|&y| suits(x, y, sum(x, y, |c| c).w)));
+    suits_all.then_some(net)
 }
 
 /// From Bernstein coefficients of degree up to three on `[−1, 1]` to those of powers; what is beyond the

@@ -117,7 +117,7 @@ impl TensorPatch {
     /// Whether those are sums of powers, of `2 s − 1` and `2 t − 1`, not of Bernstein functions.
     #[inline(always)]
     pub(crate) fn sums_by_powers(&self) -> bool {
-        self.net.by_powers()
+        self.net.by_powers(self.first)
     }
 
     /// The control net, to be read row by row; made in the room if it is not kept, unless it is there

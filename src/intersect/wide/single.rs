@@ -28,9 +28,10 @@ use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Guess, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
-use super::spline_net::net_of;
+use super::spline_net::LastNet;
 use crate::intersect::Statistics;
 use crate::intersect::tree::Child;
+use crate::patch::Leaf;
 
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
@@ -46,6 +47,8 @@ pub(in crate::intersect) struct SingleWork {
     pub(in crate::intersect) rest: Vec<u32>,
     /// Newton's steps in f64 since the beginning.
     pub(in crate::intersect) steps: u64,
+    /// Of the scene that is traced.
+    last_net: Option<Box<LastNet>>,
 }
 
 /// Finds a ray's nearest certified hit, or any if that is all it asks; `work.rest` names the
@@ -155,15 +158,28 @@ pub(super) fn search_ahead<S: Simd>(
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     // Most will want it; made now, it is ready when the search in f32 is.
-    let mut room = None;
-    let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
+    let mut last_net = work.last_net.take();
+    let net = LastNet::net_of(&mut last_net, simd, (leaf.piece, patch));
+    search_net(simd, scene, (index, leaf, &OneNet { patch, net }), (guess, error), (ray, work));
+    work.last_net = last_net;
+}
+
+/// The same, once there is a net for sums.
+#[inline(always)]
+fn search_net<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    (index, leaf, surface): (u32, &Leaf, &OneNet<'_>),
+    (guess, error): (Option<Guess>, f64),
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
     let distances = Distances::new(simd, leaf, ray);
     if let Some(Guess { start, clearance }) = guess {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
-            let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
+            let (outcome, steps) = finish(simd, leaf, surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -182,7 +198,7 @@ pub(super) fn search_ahead<S: Simd>(
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
         let task = Task { near, domain, error, clearance: f64::INFINITY };
-        let (outcome, steps) = finish(simd, leaf, &surface, ray, &task, work.other());
+        let (outcome, steps) = finish(simd, leaf, surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -29,7 +29,7 @@ pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// A bound of how far the normal may turn in a last step, in radians, that second derivatives are
 /// to make up for: they leave a tenth or so.
-const MOST_TURN: f64 = 1e-13;
+const MOST_TURN: f64 = 1e-12;
 
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
