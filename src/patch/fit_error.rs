@@ -223,14 +223,13 @@ fn difference_net(
 fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     // Of points and of weights, by order less one; and the larger of the weight's two slopes.
     let (mut of_points, mut of_weights, mut slope) = ([0.0; 3], [0.0; 3], 0f64);
-    let mut room: SmallVec<[DVec4; 36]>;
     let mut rows: SmallVec<[DVec4; 36]> = SmallVec::from_slice(net);
     // By s `i` times, …
     for i in 0..=p.min(3) {
         if i > 0 {
             differences(&mut rows, (q + 1, (p + 1 - i) as f64));
         }
-        room = rows.clone();
+        let mut room = rows.clone();
         // … and by t `j` times.
         for j in 0..=q.min(3 - i) {
             if j > 0 {
