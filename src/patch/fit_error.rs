@@ -80,8 +80,8 @@ impl FitError {
         let noise = 4.0 * patch.noise() * grown.max(1.0);
         let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        // Differences of order k are off by 2ᵏ times that, and the factors of all of them are (p + q)ᵏ together,
-        // at most: over the k-th power of a side, and 2 and 6, less than these.
+        // Differences of order k are off by 2ᵏ times that where weights hardly differ, and the factors of all of them
+        // are (p + q)ᵏ together, at most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
         let sum = (degree[0] + degree[1]) as f64;
         let [slope_of_weight, bend, third] = derivatives(degree, &net, least);
         let bend = bend + noise * (0.35 * sum * sum).max(1.0);
@@ -128,7 +128,7 @@ impl FitError {
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let noise = 4.0 * piece.patch.noise();
         let (value, slope) = (rounding(sum) + noise, rounding(slopes) + 96.0 * noise);
-        // Third derivatives have factors of 56 at most, over 6.
+        // What coefficients are off by comes to 17 times the noise in third derivatives over 6, at most.
         Self { value, slope, bend: bend + noise, third: third + 30.0 * noise }
     }
 }
@@ -218,8 +218,8 @@ fn difference_net(
     (difference, columns)
 }
 
-/// What bounds the first derivatives of the weight by box coordinates; and `M` and `T` of a net of
-/// `(w (P − c), w)`.
+/// Three bounds for a net of `(w (P − c), w)`, by box coordinates: of either first derivative of the weight, `M`
+/// and `T`.
 fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     // Of points and of weights, by order less one; and the larger of the weight's two slopes.
     let (mut of_points, mut of_weights, mut slope) = ([0.0; 3], [0.0; 3], 0f64);
@@ -246,7 +246,7 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
                     weights = weights.max(c.w.abs());
                 }
             }
-            // So many entries are the same.
+            // So many entries of the form are this one.
             let order = i + j;
             let alike = if i > 0 && j > 0 { order as f64 } else { 1.0 };
             of_points[order - 1] += alike * points.sqrt();
@@ -372,7 +372,7 @@ mod tests {
                 }
                 let st = DVec2::new(middle[0] + x * half[0], middle[1] + y * half[1]);
                 let at = patch.derivatives(st);
-                let (bend, third) = (f64::from(leaf.fit_bend()), f64::from(leaf.fit_third()));
+                let (bend, third) = (f64::from(leaf.fit_bend()), leaf.fit_third());
                 for step in [1.0, 0.1, 0.01] {
                     let (dx, dy) = (-step * x.signum(), -0.7 * step * y.signum());
                     let (ds, dt) = (dx * half[0], dy * half[1]);

@@ -44,7 +44,7 @@ pub struct Leaf {
     fit_error: Up16,
     slope_error: Up16,
     fit_bend: Up16,
-    /// Over [`fit_bend`](Self::fit_bend).
+    /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
     trimmed: bool,
@@ -174,8 +174,9 @@ impl Leaf {
 
     /// `T` of [`FitError`](super::FitError).
     #[inline(always)]
-    pub fn fit_third(&self) -> f32 {
-        self.fit_third.value() * self.fit_bend()
+    pub fn fit_third(&self) -> f64 {
+        // Exact; in f32 it might be rounded down to nothing.
+        f64::from(self.fit_third.value()) * f64::from(self.fit_bend())
     }
 
     /// How much farther apart two places of the leaf, or a little outside, are at most than their

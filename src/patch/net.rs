@@ -255,7 +255,7 @@ impl ChartNet {
         let along = [0, 1]
             .map(|k| extraction[k].iter().map(|span| ToPowers::of(span, self.degree[k])).collect());
         let suits = |first| match self.source(first) {
-            NetSource::Kept(_) => true,
+            NetSource::Kept(_) => true, // these are not
             // Their weights differ: all four numbers of the points are known.
             NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_points()).is_some(),
         };

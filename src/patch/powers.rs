@@ -17,8 +17,8 @@ use crate::geometry::Extraction;
 /// The highest degree that is written by powers.
 const MOST_DEGREE: usize = 3;
 
-/// How many times the coordinates of a piece the terms of its sums may be. Where a bound of all of them is not
-/// as good, which is rare, they are looked at at some places: a measure of how many digits are lost, not a proof.
+/// How many times the coordinates of a piece the terms of its sums may be. All are bounded at once; only where that
+/// does not do they are looked at at 25 places: a measure of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
 /// The largest weight, over the smallest, of splines whose pieces are not looked at, as that takes a tenth of the

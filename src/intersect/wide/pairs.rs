@@ -251,7 +251,7 @@ impl PairLanes {
             self.leaf_middle[i][lane] = leaf.middle[i];
         }
         self.bend[lane] = f64::from(leaf.fit_bend());
-        self.third[lane] = f64::from(leaf.fit_third());
+        self.third[lane] = leaf.fit_third();
         self.clearance[lane] = guess.clearance;
         self.magnitude[lane] = piece.patch.magnitude();
         self.fit_error[lane] = leaf.fit_error();

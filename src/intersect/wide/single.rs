@@ -47,7 +47,7 @@ pub(in crate::intersect) struct SingleWork {
     pub(in crate::intersect) rest: Vec<u32>,
     /// Newton's steps in f64 since the beginning.
     pub(in crate::intersect) steps: u64,
-    /// Of the scene that is traced.
+    /// The net of the piece that was searched last. Pieces are numbered scene by scene: this is for one.
     last_net: Option<Box<LastNet>>,
 }
 

@@ -248,6 +248,7 @@ mod tests {
             }
         }
     }
+
     /// One heavy point among many: only the pieces it governs are badly conditioned by powers.
     #[test]
     fn pieces_are_told_apart_by_their_condition() {

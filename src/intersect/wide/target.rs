@@ -87,7 +87,7 @@ impl<'a> Target<'a> {
             uv_domain: self.piece.domain(),
             open_end: [self.piece.open_end(0), self.piece.open_end(1)],
             bend: f64::from(self.leaf.fit_bend()),
-            third: f64::from(self.leaf.fit_third()),
+            third: self.leaf.fit_third(),
         }
     }
 
