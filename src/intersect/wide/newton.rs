@@ -15,11 +15,11 @@ const MOST_STEPS: usize = 4;
 /// How much of the promised error a last step may leave behind.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
-/// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound, that
-/// is some eight times what is left.
+/// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound. With
+/// 1e-10 normals were seen to be off by 1.2e-11.
 const MOST_TURN: f64 = 5e-12;
 
-/// The longest step, in half sides, that is spoken of.
+/// The longest step, in half sides, that is spoken of: in longer ones rounding of second derivatives might count.
 const LONGEST_STEP: f64 = 1e-3;
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
