@@ -91,22 +91,36 @@ pub(super) struct Sums<S: Simd, const C: usize> {
 }
 
 /// The true surface and its first derivatives at eight places, and the second if they are wanted.
-#[simd]
+#[inline(always)]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
     net: &T,
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
     let form = net.form();
-    if form.by_powers {
-        return power_sums::jets::<S, T, SECOND>(simd, net, st);
-    }
     let [p, q] = form.degree();
-    match (p.max(q) < 8, form.rational) {
-        (true, true) => jets_of::<S, T, SECOND, 8, 4>(simd, net, st),
-        (true, false) => jets_of::<S, T, SECOND, 8, 3>(simd, net, st),
-        (false, true) => jets_of::<S, T, SECOND, { MAX_DEGREE + 1 }, 4>(simd, net, st),
-        (false, false) => jets_of::<S, T, SECOND, { MAX_DEGREE + 1 }, 3>(simd, net, st),
+    if form.by_powers {
+        power_sums::jets::<S, T, SECOND>(simd, net, st)
+    } else if p.max(q) < 8 {
+        by_bernstein::<S, T, SECOND, 8>(simd, net, st)
+    } else {
+        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, net, st)
+    }
+}
+
+/// The same by Bernstein functions of degrees below `N`. Each by itself: they need much of the stack, which takes
+/// time even where it is not used.
+#[inline(never)]
+#[simd]
+fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
+    simd: S,
+    net: &T,
+    st: &[f64x8<S>; 2],
+) -> Jets<S> {
+    if net.form().rational {
+        jets_of::<S, T, SECOND, N, 4>(simd, net, st)
+    } else {
+        jets_of::<S, T, SECOND, N, 3>(simd, net, st)
     }
 }
 

@@ -248,10 +248,8 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (b1, b2) = (dot_d(n1, dt), dot_d(n2, dt));
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let inverse_det = one / (a1 * b2 - a2 * b1);
-    let solved = |f1: f64x8<S>, f2: f64x8<S>| {
-        [(f1 * b2 - f2 * b1) * inverse_det, (a1 * f2 - a2 * f1) * inverse_det]
-    };
-    let [step_s, step_t] = solved(f1, f2);
+    let slopes = [[a1, a2], [b1, b2]];
+    let [step_s, step_t] = solved(slopes, inverse_det, [f1, f2]);
     // By how much the tangents turn on the way, and what that moves the point by.
     let (mut tangents, mut moved) = ([ds, dt], [zero; 3]);
     let (half_step_s, half_step_t) =
@@ -263,7 +261,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         tangents[1][i] -= turn_t;
         moved[i] = turn_s.mul_add(half_step_s, turn_t * half_step_t);
     }
-    let [more_s, more_t] = solved(dot_d(n1, moved), dot_d(n2, moved));
+    let [more_s, more_t] = solved(slopes, inverse_det, [dot_d(n1, moved), dot_d(n2, moved)]);
     let (all_s, all_t) = (step_s + more_s, step_t + more_t);
     let (new_s, new_t) = (s - all_s, t - all_t);
     let cross = cross(tangents[0], tangents[1]);
@@ -272,10 +270,9 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let error = rays.error();
     let residual = f1.mul_add(f1, f2 * f2);
     let close = residual.simd_le(error * error);
-    let ([half_s, half_t], [sides_s, sides_t]) = (leaves.half(simd), leaves.per_half(simd));
-    let size = |s: f64x8<S>, t: f64x8<S>| (s * sides_s).abs().max((t * sides_t).abs());
-    let more = size(more_s, more_t);
-    let longest = size(step_s, step_t) + more;
+    let ([half_s, half_t], per_half) = (leaves.half(simd), leaves.per_half(simd));
+    let more = half_sides([more_s, more_t], per_half);
+    let longest = half_sides([step_s, step_t], per_half) + more;
     let three = f64x8::splat(simd, 3.0);
     let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
     let turned_back = (bend + bend) * more;
@@ -311,6 +308,25 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         speed: speed_s + speed_t,
         inverse_det,
     }
+}
+
+/// The solution of `J h = f`, with the columns of `J` and one over its determinant.
+#[inline(always)]
+fn solved<S: Simd>(
+    [[a1, a2], [b1, b2]]: [[f64x8<S>; 2]; 2],
+    inverse_det: f64x8<S>,
+    [f1, f2]: [f64x8<S>; 2],
+) -> [f64x8<S>; 2] {
+    [(f1 * b2 - f2 * b1) * inverse_det, (a1 * f2 - a2 * f1) * inverse_det]
+}
+
+/// How long a step is, in half sides: the larger of its two components.
+#[inline(always)]
+fn half_sides<S: Simd>(
+    [s, t]: [f64x8<S>; 2],
+    [per_half_s, per_half_t]: [f64x8<S>; 2],
+) -> f64x8<S> {
+    (s * per_half_s).abs().max((t * per_half_t).abs())
 }
 
 /// The steps that follow, for lanes that are still open.
