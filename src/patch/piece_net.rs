@@ -50,6 +50,18 @@ impl<'a> PieceNet<'a> {
         &self.numbers[i * self.stride..=i * self.stride + self.length]
     }
 
+    /// Whether each row follows the one before at once.
+    #[inline(always)]
+    pub(crate) fn is_without_gaps(&self) -> bool {
+        self.stride == self.length
+    }
+
+    /// So many numbers from the beginning of a row on.
+    #[inline(always)]
+    pub(crate) fn numbers_from(&self, i: usize, count: usize) -> &'a [f64] {
+        &self.numbers[i * self.stride..][..count]
+    }
+
     /// The homogeneous control points of a net of degree three or less; other places are zero.
     pub(super) fn points_of_cubic(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
         let mut net = [[DVec4::ZERO; 4]; 4];
@@ -125,6 +137,12 @@ impl<'a> SplineNet<'a> {
     #[inline(always)]
     pub(crate) fn size(&self) -> usize {
         numbers_a_point(self.points.weight)
+    }
+
+    /// Those control points.
+    #[inline(always)]
+    pub(crate) fn points(&self) -> PieceNet<'a> {
+        self.points
     }
 
     /// What makes a net by powers of them, along `s` and `t`, if one is wanted.

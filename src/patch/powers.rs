@@ -102,10 +102,10 @@ impl ToPowers {
         Self { shares }
     }
 
-    /// The shares of the other points in a coefficient.
+    /// The shares of the second to the fourth point in each coefficient.
     #[inline(always)]
-    pub(crate) fn shares(&self, i: usize) -> &[f64; 3] {
-        &self.shares[i]
+    pub(crate) fn shares(&self) -> &[[f64; 3]; 4] {
+        &self.shares
     }
 }
 

@@ -146,6 +146,16 @@ impl LaneDistances {
     }
 }
 
+/// The sums of the sizes of a leaf's approximation's coefficients, by coordinate.
+#[inline(always)]
+pub(super) fn sizes<S: Simd>(simd: S, leaf: &Leaf) -> [f32; 3] {
+    let mut sizes = [0.0; 3];
+    for axis in 0..3 {
+        sizes[axis] = f32x16::from_slice(simd, &leaf.fit()[axis]).abs().reduce_sum();
+    }
+    sizes
+}
+
 /// A bicubic polynomial and its derivatives by `x` and `y` (Horner).
 #[simd]
 fn evaluate<S: Simd>(

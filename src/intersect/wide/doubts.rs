@@ -10,7 +10,7 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::box_ray::SPARE;
-use super::distances::LaneDistances;
+use super::distances::{LaneDistances, sizes};
 use super::jets::OneNet;
 use super::lane_parts::bytes_of;
 use super::lane_proof::{Errors, LaneProof, Parts};
@@ -20,7 +20,7 @@ use super::packet::Packet;
 use super::scene::Scene;
 use super::search::bits;
 use super::single_proof::{GROWN, LARGEST, ROUNDING, START_GROWN};
-use super::spline_net::net_of;
+use super::spline_net::RecentNets;
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use crate::intersect::Statistics;
@@ -98,7 +98,7 @@ impl Doubts {
         (lanes, entry, error): (u32, f32x16<S>, f32x16<S>),
     ) -> u32 {
         let leaf = target.leaf;
-        let terms = distances.terms(simd, target.sizes(simd), packet, base);
+        let terms = distances.terms(simd, sizes(simd, target.leaf), packet, base);
         // False for NaN.
         let known = lanes & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, ROUNDING);
@@ -174,7 +174,8 @@ pub(super) fn settle<S: Simd>(
     let mut found = false;
     while work.doubts.are_many() || all && work.doubts.count > 0 {
         let taken = work.doubts.take(simd);
-        let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, &mut work.parts);
+        let room = (&mut work.parts, &mut work.nets);
+        let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, room);
         found |= done.found;
         statistics.newton_iterations += u64::from(done.steps);
         let mut rest = rest;
@@ -203,7 +204,7 @@ fn settle_sixteen<S: Simd>(
     scene: &Scene<'_>,
     packet: &mut Packet,
     taken: &Taken<S>,
-    parts: &mut Parts,
+    (parts, nets): (&mut Parts, &mut RecentNets),
 ) -> Settled {
     let Taken { pairs, count, distances, errors, lengths } = taken;
     let mut asked = 0;
@@ -245,9 +246,9 @@ fn settle_sixteen<S: Simd>(
             }
             let near = [near[0].swizzle_dyn(bytes), near[1].swizzle_dyn(bytes)];
             let ground = Ground::Own(moved(domain, bytes));
-            let mut room = None;
             let patch = &target.piece.patch;
-            let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
+            let net = nets.net_of(simd, (target.leaf.piece, patch));
+            let surface = OneNet { patch, net };
             let about = (&target, &target.closer(), &surface);
             let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
             all.found |= done.found;

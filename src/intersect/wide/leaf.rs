@@ -13,7 +13,6 @@ use super::scene::Scene;
 use super::screen::{Screened, screen};
 use super::search::{bits, certify, cross_box};
 use super::single_ray::WIDENED;
-use super::spline_net::net_of;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
@@ -34,7 +33,7 @@ pub(super) fn search_leaf<S: Simd>(
 ) {
     // The boxes of most leaves are missed by most rays: their data are only touched when they
     // are needed.
-    let (mut target, mut closer, mut room) = (None, None, None);
+    let (mut target, mut closer) = (None, None);
     let mut found = false;
     let mut groups = groups;
     while groups != 0 {
@@ -99,7 +98,8 @@ pub(super) fn search_leaf<S: Simd>(
             if certain != 0 {
                 let closer = closer.get_or_insert_with(|| target.closer());
                 let lanes = (certain, Ground::Certificate);
-                let surface = OneNet { patch, net: net_of(simd, patch, &mut room) };
+                let net = work.nets.net_of(simd, (target.leaf.piece, patch));
+                let surface = OneNet { patch, net };
                 let about = (&*target, &*closer, &surface);
                 let near = &work.distances.refine(simd, &searched);
                 done = finish_all(simd, about, (&mut *packet, base), lanes, near);

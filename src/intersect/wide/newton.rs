@@ -322,10 +322,7 @@ fn solved<S: Simd>(
 
 /// How long a step is, in half sides: the larger of its two components.
 #[inline(always)]
-fn half_sides<S: Simd>(
-    [s, t]: [f64x8<S>; 2],
-    [per_half_s, per_half_t]: [f64x8<S>; 2],
-) -> f64x8<S> {
+fn half_sides<S: Simd>([s, t]: [f64x8<S>; 2], [per_half_s, per_half_t]: [f64x8<S>; 2]) -> f64x8<S> {
     (s * per_half_s).abs().max((t * per_half_t).abs())
 }
 

@@ -38,7 +38,6 @@ pub(super) type Lanes = [f64; LANES];
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct PairLanes {
-    pub(super) fit: [[[f32; LANES]; 16]; 3],
     start: [[f32; LANES]; 2],
     distances: LaneDistances,
     /// Of the leaves.
@@ -79,7 +78,6 @@ impl Default for PairLanes {
     fn default() -> Self {
         let lanes = [0.0; LANES];
         Self {
-            fit: [[[0.0; LANES]; 16]; 3],
             start: [[0.0; LANES]; 2],
             distances: LaneDistances::default(),
             leaf_middle: [lanes; 3],
@@ -127,11 +125,10 @@ impl PairLanes {
             self.take(lane, pair.guess, leaves[lane], pieces[lane]);
             self.from_error[lane] = from.map_or(0.0, |root| root.error);
         }
-        self.take_fits(simd, &leaves);
 
         let halves = [frames_of(simd, &rays, 0), frames_of(simd, &rays, 8)];
         let normals = [perpendicular(simd, halves[0].axis), perpendicular(simd, halves[1].axis)];
-        self.take_distances(simd, &halves, &normals);
+        self.take_distances(simd, &leaves, &halves, &normals);
         let start =
             [f32x16::from_slice(simd, &self.start[0]), f32x16::from_slice(simd, &self.start[1])];
         let widened = f32x16::splat(simd, WIDENED as f32);
@@ -143,7 +140,8 @@ impl PairLanes {
         let farthest = near[0].abs().max(near[1].abs());
         let outside = wanted & !bits(farthest.simd_lt(widened));
         if outside != 0 {
-            all.open = outside & !self.missed(simd, outside, &halves, &normals, first.form);
+            let of = (&leaves, first.form);
+            all.open = outside & !self.missed(simd, (outside, of), &halves, &normals);
             wanted &= !outside;
         }
         for half in 0..2 {
@@ -170,16 +168,16 @@ impl PairLanes {
     fn missed<S: Simd>(
         &self,
         simd: S,
-        asked: u32,
+        (asked, (leaves, form)): (u32, (&[&Leaf; LANES], Form)),
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
-        form: Form,
     ) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
         let mut sizes = [zero; 3];
-        for axis in 0..3 {
-            for m in 0..16 {
-                sizes[axis] += f32x16::from_slice(simd, &self.fit[axis][m]).abs();
+        for (lane, leaf) in leaves.iter().enumerate() {
+            let of_leaf = distances::sizes(simd, leaf);
+            for axis in 0..3 {
+                sizes[axis][lane] = of_leaf[axis];
             }
         }
         let mut terms = zero;
@@ -257,26 +255,12 @@ impl PairLanes {
         self.fit_error[lane] = leaf.fit_error();
     }
 
-    /// Takes in the leaves' approximations.
-    #[simd]
-    fn take_fits<S: Simd>(&mut self, simd: S, leaves: &[&Leaf; LANES]) {
-        for axis in 0..3 {
-            let mut rows = [f32x16::splat(simd, 0.0); LANES];
-            for lane in 0..LANES {
-                rows[lane] = f32x16::from_slice(simd, &leaves[lane].fit()[axis]);
-            }
-            let columns = transposed(rows);
-            for m in 0..16 {
-                columns[m].store_slice(&mut self.fit[axis][m]);
-            }
-        }
-    }
-
     /// The distances of the approximations from the rays' planes, as in [`LaneDistances::take`].
     #[simd]
     fn take_distances<S: Simd>(
         &mut self,
         simd: S,
+        leaves: &[&Leaf; LANES],
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) {
@@ -292,18 +276,25 @@ impl PairLanes {
             }
         }
         for k in 0..2 {
-            let ([x0, y0, z0], [x1, y1, z1]) = (normals[0][k], normals[1][k]);
-            let nx = simd.narrow_f64x8(x0, x1);
-            let ny = simd.narrow_f64x8(y0, y1);
-            let nz = simd.narrow_f64x8(z0, z1);
+            let mut normal = [[0.0; LANES]; 3];
+            for i in 0..3 {
+                let both = simd.narrow_f64x8(normals[0][k][i], normals[1][k][i]);
+                both.store_slice(&mut normal[i]);
+            }
+            // First each lane's sixteen coefficients: so two matrices are transposed, not three.
+            let mut rows = [f32x16::splat(simd, 0.0); LANES];
+            for lane in 0..LANES {
+                let [x, y, z] = leaves[lane].fit();
+                let sum = f32x16::splat(simd, normal[0][lane]) * f32x16::from_slice(simd, x);
+                let ny = f32x16::splat(simd, normal[1][lane]);
+                let sum = ny.mul_add(f32x16::from_slice(simd, y), sum);
+                let nz = f32x16::splat(simd, normal[2][lane]);
+                rows[lane] = nz.mul_add(f32x16::from_slice(simd, z), sum);
+            }
+            let mut columns = transposed(rows);
+            columns[0] += simd.narrow_f64x8(middle[k][0], middle[k][1]);
             for m in 0..16 {
-                let x = nx * f32x16::from_slice(simd, &self.fit[0][m]);
-                let y = ny.mul_add(f32x16::from_slice(simd, &self.fit[1][m]), x);
-                let mut c = nz.mul_add(f32x16::from_slice(simd, &self.fit[2][m]), y);
-                if m == 0 {
-                    c += simd.narrow_f64x8(middle[k][0], middle[k][1]);
-                }
-                c.store_slice(&mut self.distances.of[k][m]);
+                columns[m].store_slice(&mut self.distances.of[k][m]);
             }
         }
     }

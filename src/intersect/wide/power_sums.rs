@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::Kernel;
-    use crate::intersect::wide::spline_net::net_of;
+    use crate::intersect::wide::spline_net::RecentNets;
     use crate::patch::{PatchSet, TensorPatch};
 
     /// A wild net of some degrees: its points within one of the origin, its weights within a factor.
@@ -146,13 +146,13 @@ mod tests {
     fn off(patch: &TensorPatch, places: &[DVec2; 8]) -> [f64; 3] {
         let mut most = [0f64; 3];
         for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
-            let mut room = None;
+            let mut nets = RecentNets::default();
             dispatch!(level, simd => {
                 let mut st = [f64x8::splat(simd, 0.0); 2];
                 for lane in 0..8 {
                     (st[0][lane], st[1][lane]) = (places[lane].x, places[lane].y);
                 }
-                let net = OneNet { patch, net: net_of(simd, patch, &mut room) };
+                let net = OneNet { patch, net: nets.net_of(simd, (0, patch)) };
                 let jets = jets::jets::<_, _, true>(simd, &net, &st);
                 let firsts = jets::jets::<_, _, false>(simd, &net, &st);
                 assert_eq!(bits(&jets.point), bits(&firsts.point));

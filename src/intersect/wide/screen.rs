@@ -26,7 +26,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::distances::{LaneDistances, LastStep, Searched};
+use super::distances::{LaneDistances, LastStep, Searched, sizes};
 use super::packet::Packet;
 use super::search::{Crossing, bits, load3, upright};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
@@ -81,7 +81,7 @@ pub(super) fn screen<S: Simd>(
         target,
         normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
         upright: upright(simd, target.leaf, crossing.slopes),
-        terms: distances.terms(simd, target.sizes(simd), packet, base),
+        terms: distances.terms(simd, sizes(simd, target.leaf), packet, base),
         error,
     };
     let Screened { missed, met } = screen.ask(simd, searched);

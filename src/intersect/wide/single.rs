@@ -28,7 +28,7 @@ use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Guess, SingleHit, SingleRay, WIDENED};
 use super::single_search::Distances;
-use super::spline_net::LastNet;
+use super::spline_net::RecentNets;
 use crate::intersect::Statistics;
 use crate::intersect::tree::Child;
 use crate::patch::Leaf;
@@ -47,8 +47,7 @@ pub(in crate::intersect) struct SingleWork {
     pub(in crate::intersect) rest: Vec<u32>,
     /// Newton's steps in f64 since the beginning.
     pub(in crate::intersect) steps: u64,
-    /// The net of the piece that was searched last. Pieces are numbered scene by scene: this is for one.
-    last_net: Option<Box<LastNet>>,
+    nets: RecentNets,
 }
 
 /// Finds a ray's nearest certified hit, or any if that is all it asks; `work.rest` names the
@@ -158,10 +157,10 @@ pub(super) fn search_ahead<S: Simd>(
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     // Most will want it; made now, it is ready when the search in f32 is.
-    let mut last_net = work.last_net.take();
-    let net = LastNet::net_of(&mut last_net, simd, (leaf.piece, patch));
+    let mut nets = std::mem::take(&mut work.nets);
+    let net = nets.net_of(simd, (leaf.piece, patch));
     search_net(simd, scene, (index, leaf, &OneNet { patch, net }), (guess, error), (ray, work));
-    work.last_net = last_net;
+    work.nets = nets;
 }
 
 /// The same, once there is a net for sums.

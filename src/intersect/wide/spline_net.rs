@@ -5,42 +5,37 @@ use fearless_simd_macros::simd;
 
 use crate::patch::{NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers};
 
-/// [`TensorPatch::sums_source`], made in lanes.
-#[inline(always)]
-pub(super) fn net_of<'n, S: Simd>(
-    simd: S,
-    patch: &'n TensorPatch,
-    room: &'n mut Option<NetRoom>,
-) -> PieceNet<'n> {
-    match patch.sums_source() {
-        NetSource::Kept(net) => net,
-        NetSource::Spline(spline) => {
-            let is_made = room.is_some();
-            let room = room.get_or_insert_with(NetRoom::new);
-            if is_made { spline.made(room) } else { make(simd, &spline, room) }
-        }
-    }
-}
+/// How many nets are kept. More than the pieces that one packet meets, as a rule: the packets beside it meet some
+/// of them, too.
+const KEPT: usize = 16;
 
-/// The net of the piece that was searched last: neighbouring rays often meet the same one.
+/// Nets that were made for the last searches, of a scene's pieces: neighbouring rays often meet the same ones.
+/// There is room for them once one is made.
+#[derive(Debug, Default)]
+pub(super) struct RecentNets(Option<Box<[RecentNet; KEPT]>>);
+
 #[derive(Debug)]
-pub(super) struct LastNet {
+struct RecentNet {
     piece: u32,
     room: NetRoom,
 }
 
-impl LastNet {
-    /// [`net_of`] a piece of the scene, that is made anew only if the last was another's.
+impl RecentNets {
+    /// [`TensorPatch::sums_source`] of a piece, made in lanes where it is not here.
     #[inline(always)]
     pub(super) fn net_of<'n, S: Simd>(
-        last: &'n mut Option<Box<Self>>,
+        &'n mut self,
         simd: S,
         (piece, patch): (u32, &'n TensorPatch),
     ) -> PieceNet<'n> {
         match patch.sums_source() {
             NetSource::Kept(net) => net,
             NetSource::Spline(spline) => {
-                let Self { piece: made, room } = &mut **last.get_or_insert_with(Self::none);
+                // Each piece has its place (multiplicative hashing, Knuth 1973): rows of pieces are often as long
+                // as a power of two.
+                let place = piece.wrapping_mul(0x9e37_79b9) >> (u32::BITS - KEPT.ilog2());
+                let nets = self.0.get_or_insert_with(Self::none);
+                let RecentNet { piece: made, room } = &mut nets[place as usize];
                 if *made == piece {
                     return spline.made(room);
                 }
@@ -51,8 +46,9 @@ impl LastNet {
     }
 
     #[cold]
-    fn none() -> Box<Self> {
-        Box::new(Self { piece: u32::MAX, room: NetRoom::new() })
+    fn none() -> Box<[RecentNet; KEPT]> {
+        let none = || RecentNet { piece: u32::MAX, room: NetRoom::new() };
+        Box::new(std::array::from_fn(|_| none()))
     }
 }
 
@@ -84,6 +80,7 @@ fn make_of<S: Simd>(
     ([p, q], size): ([usize; 2], usize),
     room: &mut NetRoom,
 ) {
+    let [along_s, along_t] = [in_all_lanes(simd, along_s), in_all_lanes(simd, along_t)];
     let zero = f64x4::splat(simd, 0.0);
     let mut halves = [[[zero; 2]; 4]; 2];
     for k in 0..=q / 2 {
@@ -94,7 +91,7 @@ fn make_of<S: Simd>(
             let one = f64x4::from_slice(simd, &row[first..first + 4]);
             points[i] = one.combine(f64x4::from_slice(simd, &row[second..second + 4]));
         }
-        let coefficients = coefficients(simd, along_s, p, points);
+        let coefficients = coefficients(simd, &along_s, p, points);
         for i in 0..=p {
             let (first, second) = coefficients[i].split();
             halves[k][i] = [first, second];
@@ -106,7 +103,7 @@ fn make_of<S: Simd>(
         for j in 0..=q {
             points[j] = halves[j / 2][first][j % 2].combine(halves[j / 2][second][j % 2]);
         }
-        let coefficients = coefficients(simd, along_t, q, points);
+        let coefficients = coefficients(simd, &along_t, q, points);
         // The last numbers of points of three are those of the next ones.
         for j in 0..=q {
             let (one, other) = coefficients[j].split();
@@ -116,11 +113,25 @@ fn make_of<S: Simd>(
     }
 }
 
+/// The shares of the second to the fourth control point in each coefficient.
+pub(super) type Shares<S> = [[f64x8<S>; 3]; 4];
+
+#[inline(always)]
+fn in_all_lanes<S: Simd>(simd: S, to_powers: &ToPowers) -> Shares<S> {
+    let mut shares = [[f64x8::splat(simd, 0.0); 3]; 4];
+    for i in 0..4 {
+        for k in 0..3 {
+            shares[i][k] = f64x8::splat(simd, to_powers.shares()[i][k]);
+        }
+    }
+    shares
+}
+
 /// The coefficients of powers, from control points.
 #[inline(always)]
-fn coefficients<S: Simd>(
+pub(super) fn coefficients<S: Simd>(
     simd: S,
-    to_powers: &ToPowers,
+    shares: &Shares<S>,
     degree: usize,
     points: [f64x8<S>; 4],
 ) -> [f64x8<S>; 4] {
@@ -129,8 +140,7 @@ fn coefficients<S: Simd>(
     for k in 1..=degree {
         let other = points[k] - points[0];
         for i in 0..=degree {
-            let share = f64x8::splat(simd, to_powers.shares(i)[k - 1]);
-            coefficients[i] = other.mul_add(share, coefficients[i]);
+            coefficients[i] = other.mul_add(shares[i][k - 1], coefficients[i]);
         }
     }
     coefficients

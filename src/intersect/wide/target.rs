@@ -91,16 +91,6 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The sums of the sizes of the approximation's coefficients, by coordinate.
-    #[inline(always)]
-    pub(super) fn sizes<S: Simd>(&self, simd: S) -> [f32; 3] {
-        let mut sizes = [0.0; 3];
-        for axis in 0..3 {
-            sizes[axis] = f32x16::from_slice(simd, &self.leaf.fit()[axis]).abs().reduce_sum();
-        }
-        sizes
-    }
-
     /// See [`OrientedBox::unit_axes`].
     #[inline(always)]
     pub(super) fn unit_axes(&self) -> [DVec3; 3] {

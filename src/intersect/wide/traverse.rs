@@ -14,6 +14,7 @@ use super::outline::outline;
 use super::packet::{Packet, PacketBounds};
 use super::scene::Scene;
 use super::search::bits;
+use super::spline_net::RecentNets;
 use super::{LANES, PACKET};
 use crate::intersect::read_ahead::Ahead;
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
@@ -34,6 +35,7 @@ pub(in crate::intersect) struct Work {
     /// Rays and leaves to be looked at closer, and parts of such leaves.
     pub(super) doubts: Box<Doubts>,
     pub(super) parts: Parts,
+    pub(super) nets: RecentNets,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) rest_rays: u64,
 }
