@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::piece_net::{LONGEST, numbers_a_point};
 use super::powers::{self, ToPowers};
-use super::{NetSource, PieceNet, SplineNet};
+use super::{ControlNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extraction, KnotVector, NurbsSurface};
 
@@ -76,9 +76,28 @@ enum Sums {
     /// Bernstein functions and the Bézier points.
     Bernstein,
     /// Powers: their nets, piece by piece.
-    Powers(Vec<f64>),
-    /// Powers, made when they are wanted, but for pieces that are not well conditioned.
+    Powers(Box<KeptPowers>),
+    /// Powers, made when they are wanted.
     PowersOf(Box<MadePowers>),
+}
+
+/// Pieces that are not well conditioned, whose sums stay in Bernstein functions: the rows and columns in which they
+/// begin, in order.
+#[derive(Debug)]
+struct Others(Vec<[u32; 2]>);
+
+impl Others {
+    #[inline(always)]
+    fn contain(&self, first: [u32; 2]) -> bool {
+        !self.0.is_empty() && self.0.binary_search(&first).is_ok()
+    }
+}
+
+/// Nets by powers, and those of Bézier points of other pieces.
+#[derive(Debug)]
+struct KeptPowers {
+    numbers: Vec<f64>,
+    others: Others,
 }
 
 /// Nets by powers that are made when they are wanted.
@@ -86,21 +105,26 @@ enum Sums {
 struct MadePowers {
     /// How, by the row and the column in which pieces begin.
     along: [Vec<ToPowers>; 2],
-    /// The rows and columns of those whose sums stay in Bernstein functions, in order.
-    but_for: Vec<[u32; 2]>,
+    others: Others,
+}
+
+impl KeptPowers {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.numbers[..]) + size_of_val(&self.others.0[..])
+    }
 }
 
 impl MadePowers {
     /// How the net of a piece is made, if it is well conditioned.
     #[inline(always)]
     fn of(&self, first: [u32; 2]) -> Option<[&ToPowers; 2]> {
-        let suits = self.but_for.is_empty() || self.but_for.binary_search(&first).is_err();
+        let suits = !self.others.contain(first);
         suits.then(|| [0, 1].map(|k| &self.along[k][first[k] as usize]))
     }
 
     fn bytes(&self) -> usize {
         let along: usize = self.along.iter().map(|some| size_of_val(&some[..])).sum();
-        size_of::<Self>() + along + size_of_val(&self.but_for[..])
+        size_of::<Self>() + along + size_of_val(&self.others.0[..])
     }
 }
 
@@ -173,7 +197,7 @@ impl ChartNet {
             let control = Control::new(form.weight(), counts, 1, |i| form.row(i));
             let (mut net, firsts) = Self::over(chart, knots, control, None);
             if let Some(powers) = net.all_by_powers(&firsts) {
-                net.sums = Sums::Powers(powers);
+                net.sums = Sums::Powers(Box::new(powers));
             }
             (net, firsts)
         }
@@ -220,26 +244,32 @@ impl ChartNet {
         (Self { degree, control, stride, extraction, sums, spans, map, trims }, firsts)
     }
 
-    /// The nets by powers of all pieces that begin with these rows and columns, and a number more, if they are
-    /// all well conditioned.
-    fn all_by_powers(&self, [rows, columns]: &[Vec<u32>; 2]) -> Option<Vec<f64>> {
-        let [p, q] = self.degree;
+    /// The nets by powers of the pieces that begin with these rows and columns, if most are well conditioned.
+    fn all_by_powers(&self, [rows, columns]: &[Vec<u32>; 2]) -> Option<KeptPowers> {
         if !powers::suit(self.degree) {
             return None;
         }
+        let (mut others, size) = (Vec::new(), self.components());
         let count = rows.len() * columns.len();
         let mut numbers = Vec::with_capacity(count * self.numbers_a_net() + 1);
+        let mut bezier = ControlNet::new();
         for &row in rows {
             for &column in columns {
-                let NetSource::Kept(bezier) = self.source([row, column]) else { return None };
-                let net = powers::net_of(self.degree, &bezier.points_of_cubic(self.degree))?;
-                for point in net[..=p].iter().flat_map(|row| &row[..=q]) {
-                    numbers.extend(&point.to_array()[..self.components()]);
+                let NetSource::Kept(net) = self.source([row, column]) else { return None };
+                bezier.clear();
+                bezier.extend((0..=self.degree[0]).flat_map(|i| net.points(i)));
+                let by_powers = powers::net_of(self.degree, &bezier);
+                if by_powers.is_none() {
+                    others.push([row, column]);
+                }
+                for point in by_powers.as_ref().unwrap_or(&bezier) {
+                    numbers.extend(&point.to_array()[..size]);
                 }
             }
         }
+        // So that four can be read at any point.
         numbers.push(0.0);
-        Some(numbers)
+        (2 * others.len() < count).then_some(KeptPowers { numbers, others: Others(others) })
     }
 
     /// How nets by powers are made of these control points, and for which pieces they are not.
@@ -257,16 +287,16 @@ impl ChartNet {
         let suits = |first| match self.source(first) {
             NetSource::Kept(_) => true, // these are not
             // Their weights differ: all four numbers of the points are known.
-            NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_points()).is_some(),
+            NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_net()).is_some(),
         };
-        let but_for = if powers::suit_all(control) {
+        let others = if powers::suit_all(control) {
             Vec::new()
         } else {
             let firsts_of = |&row| columns.iter().map(move |&column| [row, column]);
             let firsts = rows.par_iter().flat_map_iter(firsts_of);
             firsts.filter(|&first| !suits(first)).collect()
         };
-        Some(MadePowers { along, but_for })
+        Some(MadePowers { along, others: Others(others) })
     }
 
     /// How many numbers the net of a piece has.
@@ -282,7 +312,7 @@ impl ChartNet {
         let spans = [0, 1].map(|k| &self.spans[k][first[k] as usize]);
         let number = (spans[0].number * spans[1].count + spans[1].number) as usize;
         let length = self.components() * (self.degree[1] + 1);
-        let numbers = &powers[self.numbers_a_net() * number..];
+        let numbers = &powers.numbers[self.numbers_a_net() * number..];
         NetSource::Kept(PieceNet::new(numbers, length, length, self.control.weight))
     }
 
@@ -291,7 +321,7 @@ impl ChartNet {
     pub(super) fn by_powers(&self, first: [u32; 2]) -> bool {
         match &self.sums {
             Sums::Bernstein => false,
-            Sums::Powers(_) => true,
+            Sums::Powers(powers) => !powers.others.contain(first),
             Sums::PowersOf(made) => made.of(first).is_some(),
         }
     }
@@ -340,7 +370,7 @@ impl ChartNet {
             + self.control.bytes()
             + match &self.sums {
                 Sums::Bernstein => 0,
-                Sums::Powers(numbers) => size_of_val(&numbers[..]),
+                Sums::Powers(powers) => powers.bytes(),
                 Sums::PowersOf(made) => made.bytes(),
             }
             + spans.sum::<usize>()

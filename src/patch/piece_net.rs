@@ -6,6 +6,7 @@
 
 use glam::{DVec3, DVec4};
 
+use super::ControlNet;
 use super::powers::ToPowers;
 use crate::geometry::Extraction;
 
@@ -60,17 +61,6 @@ impl<'a> PieceNet<'a> {
     #[inline(always)]
     pub(crate) fn numbers_from(&self, i: usize, count: usize) -> &'a [f64] {
         &self.numbers[i * self.stride..][..count]
-    }
-
-    /// The homogeneous control points of a net of degree three or less; other places are zero.
-    pub(super) fn points_of_cubic(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
-        let mut net = [[DVec4::ZERO; 4]; 4];
-        for (i, row) in net[..=p].iter_mut().enumerate() {
-            for (to, point) in row[..=q].iter_mut().zip(self.points(i)) {
-                *to = point;
-            }
-        }
-        net
     }
 
     /// The homogeneous control points `(w x, w y, w z, w)` of a row.
@@ -197,6 +187,12 @@ impl<'a> SplineNet<'a> {
             *row = self.extraction[1].apply(q, *row);
         }
         net
+    }
+
+    /// The same points, row by row, and no others.
+    pub(super) fn bezier_net(&self) -> ControlNet {
+        let [p, q] = self.degree;
+        self.bezier_points()[..=p].iter().flat_map(|row| &row[..=q]).copied().collect()
     }
 
     /// Makes the Bézier net where it has room.

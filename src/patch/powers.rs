@@ -2,20 +2,23 @@
 //!
 //! Horner's scheme takes half the operations of sums of Bernstein functions. What that costs in digits is
 //! little for low degrees, as powers are taken about the middle of a piece and no farther from it than one, and
-//! differences of neighbouring control points are exact or nearly so: rounding is some units of
+//! differences of control points are exact or nearly so: rounding is some units of
 //! `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical condition of polynomials
-//! in Bernstein form"). Where that is many times the coordinates of the piece, as on nets of degree three that
-//! zigzag, which reach 25 times, or where weights differ much, sums stay in Bernstein functions, whose terms are
-//! never larger than their sum may be.
+//! in Bernstein form"). Where that is many times the coordinates of the piece, as on nets that zigzag, which reach
+//! 25 times in degree three and 470 in degree seven, or where weights differ much, sums stay in Bernstein
+//! functions, whose terms are never larger than their sum may be.
 
 use std::ops::{Add, Mul, Sub};
 
 use glam::DVec4;
 
+use super::ControlNet;
 use crate::geometry::Extraction;
+use crate::math::bernstein::binomials;
 
-/// The highest degree that is written by powers.
-const MOST_DEGREE: usize = 3;
+/// The highest degree that is written by powers. Of those above few pieces would be well conditioned, and eight
+/// nets are not held side by side.
+const MOST_DEGREE: usize = 7;
 
 /// How many times the coordinates of a piece the terms of its sums may be. All are bounded at once; only where that
 /// does not do they are looked at at 25 places: a measure of how many digits are lost, not a proof.
@@ -39,17 +42,15 @@ pub(super) fn suit_all(control: &[DVec4]) -> bool {
 }
 
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
-pub(super) fn net_of(degree: [usize; 2], bezier: &[[DVec4; 4]; 4]) -> Option<[[DVec4; 4]; 4]> {
-    let [p, q] = degree;
-    let net = in_both_directions(degree, *bezier);
-    let control = bezier[..=p].iter().flat_map(|row| &row[..=q]);
+pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<ControlNet> {
+    let columns = degree[1] + 1;
+    let net = in_both_directions(degree, bezier);
     let magnitude =
-        control.clone().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
+        bezier.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
     // With the sizes of all terms, or as they are.
     let sum = |x: f64, y: f64, term: fn(DVec4) -> DVec4| {
-        let row =
-            |row: &[DVec4; 4]| row[..=q].iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
-        net[..=p].iter().rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
+        let row = |row: &[DVec4]| row.iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
+        net.chunks_exact(columns).rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
     };
     // With `x` and `y` no larger than these, where the weight is no less than that.
     let suits = |x: f64, y: f64, weight: f64| {
@@ -57,7 +58,7 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[[DVec4; 4]; 4]) -> Option<[[D
         sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
     };
     let places = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let suits_all = suits(1.0, 1.0, control.map(|c| c.w).fold(f64::INFINITY, f64::min))
+    let suits_all = suits(1.0, 1.0, bezier.iter().map(|c| c.w).fold(f64::INFINITY, f64::min))
         || places.iter().all(|&x| places.iter().all(|&y| suits(x, y, sum(x, y, |c| c).w)));
     suits_all.then_some(net)
 }
@@ -85,6 +86,61 @@ where
     }
 }
 
+/// The same of degrees up to [`MOST_DEGREE`], in place: of every `step`-th point, from the first on.
+fn to_powers(degree: usize, points: &mut [DVec4], step: usize) {
+    let mut from = [DVec4::ZERO; MOST_DEGREE + 1];
+    for (k, point) in from[..=degree].iter_mut().enumerate() {
+        *point = points[k * step];
+    }
+    if degree <= 3 {
+        let [a, b, c, d, ..] = from;
+        let made = powers(degree, [a, b, c, d]);
+        for (k, &coefficient) in made[..=degree].iter().enumerate() {
+            points[k * step] = coefficient;
+        }
+        return;
+    }
+    let [first, others @ ..] = from;
+    for (i, shares) in SHARES[degree][..=degree].iter().enumerate() {
+        let start = if i == 0 { first } else { DVec4::ZERO };
+        let terms = others[..degree].iter().zip(&shares[1..]);
+        points[i * step] = terms.fold(start, |sum, (&point, &share)| sum + (point - first) * share);
+    }
+}
+
+/// How much of each Bernstein coefficient is in each coefficient of powers, by degree; all exact:
+/// `C(p, j) / 2ᵖ` times the coefficients of `(1 + x)ʲ (1 − x)ᵖ⁻ʲ`.
+const SHARES: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
+    let mut shares = [[[0.0; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1];
+    let (mut p, mut scale) = (0, 1.0);
+    while p <= MOST_DEGREE {
+        let mut j = 0;
+        while j <= p {
+            let mut product = [0.0; MOST_DEGREE + 1];
+            product[0] = scale * binomials(p)[j];
+            let mut factor = 0;
+            while factor < p {
+                // Times `1 + x`, or `1 − x`.
+                let sign = if factor < j { 1.0 } else { -1.0 };
+                let mut i = factor + 1;
+                while i > 0 {
+                    product[i] += sign * product[i - 1];
+                    i -= 1;
+                }
+                factor += 1;
+            }
+            let mut i = 0;
+            while i <= p {
+                shares[p][i][j] = product[i];
+                i += 1;
+            }
+            j += 1;
+        }
+        (p, scale) = (p + 1, 0.5 * scale);
+    }
+    shares
+};
+
 /// How the coefficients of powers of a span come from the control points that govern it: from their
 /// differences from the first, which are exact or nearly so, and zero where points are equal.
 #[derive(Clone, Copy, Debug)]
@@ -109,39 +165,51 @@ impl ToPowers {
     }
 }
 
-/// A net by powers in both directions, of so many rows and columns that matter.
-#[inline(always)]
-fn in_both_directions([p, q]: [usize; 2], mut net: [[DVec4; 4]; 4]) -> [[DVec4; 4]; 4] {
+/// A net by powers in both directions.
+fn in_both_directions([p, q]: [usize; 2], bezier: &[DVec4]) -> ControlNet {
+    let mut net = ControlNet::from_slice(bezier);
     for j in 0..=q {
-        let column = powers(p, [net[0][j], net[1][j], net[2][j], net[3][j]]);
-        for i in 0..=p {
-            net[i][j] = column[i];
-        }
+        to_powers(p, &mut net[j..], q + 1);
     }
-    for row in &mut net[..=p] {
-        *row = powers(q, *row);
+    for row in net.chunks_exact_mut(q + 1) {
+        to_powers(q, row, 1);
     }
     net
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::math::bernstein;
 
     #[test]
     fn bernstein_coefficients_become_those_of_powers() {
-        let points = [1.0, -2.0, 0.5, 3.0].map(|x| DVec3::new(x, x * x, 1.0 - x));
-        for degree in 1..=3 {
-            let coefficients = powers(degree, points);
+        for degree in 1..=MOST_DEGREE {
+            let points: Vec<_> = (0..=degree)
+                .map(|k| (1.0 + k as f64).sin())
+                .map(|x| DVec4::new(x, x * x, 1.0 - x, 2.0 * x))
+                .collect();
+            // Every third of some; others stay as they are.
+            let mut coefficients = vec![DVec4::NAN; 3 * degree + 2];
+            for (k, &point) in points.iter().enumerate() {
+                coefficients[3 * k] = point;
+            }
+            to_powers(degree, &mut coefficients, 3);
             for x in [-1.0, -0.3, 0.0, 0.8, 1.0] {
-                let basis: [f64; 4] = bernstein::basis(degree, 0.5 * (x + 1.0));
-                let wanted: DVec3 = (0..=degree).map(|i| basis[i] * points[i]).sum();
-                let value: DVec3 = (0..=degree).map(|i| x.powi(i as i32) * coefficients[i]).sum();
+                let basis: [f64; 8] = bernstein::basis(degree, 0.5 * (x + 1.0));
+                let wanted: DVec4 = (0..=degree).map(|i| basis[i] * points[i]).sum();
+                let power = |i: usize| x.powi(i as i32) * coefficients[3 * i];
+                let value: DVec4 = (0..=degree).map(power).sum();
                 assert!(value.distance(wanted) < 1e-14, "degree {degree} at {x}");
             }
+            assert!(coefficients[1].is_nan() && coefficients[3 * degree + 1].is_nan());
         }
+    }
+
+    #[test]
+    fn equal_points_have_no_other_powers() {
+        let net = net_of([5, 7], &[DVec4::new(0.1, -0.7, 0.3, 1.0); 48]).unwrap();
+        assert_eq!(net[0], DVec4::new(0.1, -0.7, 0.3, 1.0));
+        assert!(net[1..].iter().all(|&c| c == DVec4::ZERO));
     }
 }

@@ -94,8 +94,18 @@ pub(super) fn finish<S: Simd>(
         (true, [1, 1], false) => {
             finish_of::<S, Powers<1, 1, 3>>(simd, leaf, surface, ray, task, found)
         }
-        (true, _, true) => finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, task, found),
-        (true, _, false) => finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, task, found),
+        (true, _, true) if p.max(q) < 4 => {
+            finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, _, false) if p.max(q) < 4 => {
+            finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, _, true) => {
+            finish_of::<S, Powers<0, 0, 4, 8>>(simd, leaf, surface, ray, task, found)
+        }
+        (true, _, false) => {
+            finish_of::<S, Powers<0, 0, 3, 8>>(simd, leaf, surface, ray, task, found)
+        }
         (false, _, true) if p.max(q) < 8 => {
             finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, task, found)
         }

@@ -12,18 +12,20 @@ pub(super) trait Sums<S: Simd> {
     fn at(simd: S, surface: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3];
 }
 
-/// By powers (Horner), for degrees `P` and `Q`, zero standing for any up to three, and `C` numbers a
+/// By powers (Horner), for degrees `P` and `Q`, zero standing for any below `N`, and `C` numbers a
 /// point: four where weights differ, else three.
-pub(super) struct Powers<const P: usize, const Q: usize, const C: usize>;
+pub(super) struct Powers<const P: usize, const Q: usize, const C: usize, const N: usize = 4>;
 
-impl<S: Simd, const P: usize, const Q: usize, const C: usize> Sums<S> for Powers<P, Q, C> {
+impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Sums<S>
+    for Powers<P, Q, C, N>
+{
     #[inline(always)]
     fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
         let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
         let (x, y) = (f64x4::splat(simd, s + s - 1.0), f64x4::splat(simd, t + t - 1.0));
         let zero = f64x4::splat(simd, 0.0);
         // Rows do not wait for each other.
-        let (mut sums, mut slopes) = ([zero; 4], [zero; 4]);
+        let (mut sums, mut slopes) = ([zero; N], [zero; N]);
         for i in 0..=p {
             let row = net.row(i);
             let (mut sum, mut slope) = (load::<S, C>(simd, row, q), zero);
