@@ -76,7 +76,7 @@ enum Sums {
     /// Bernstein functions and the Bézier points.
     Bernstein,
     /// Powers: their nets, piece by piece.
-    Powers(Box<KeptPowers>),
+    Powers(KeptPowers),
     /// Powers, made when they are wanted.
     PowersOf(Box<MadePowers>),
 }
@@ -197,7 +197,7 @@ impl ChartNet {
             let control = Control::new(form.weight(), counts, 1, |i| form.row(i));
             let (mut net, firsts) = Self::over(chart, knots, control, None);
             if let Some(powers) = net.all_by_powers(&firsts) {
-                net.sums = Sums::Powers(Box::new(powers));
+                net.sums = Sums::Powers(powers);
             }
             (net, firsts)
         }

@@ -231,8 +231,9 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 /// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
 /// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
 /// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, and what second derivatives leave of the surface, at most
-/// `T d³`; of the tangents that are taken along it is `2 M |e| + 3 T d²`, where
-/// [`FitError`](crate::patch::FitError) has `M` and `T`.
+/// `T d³`; of both tangents together that are taken along it is `2 M |e| + 3 T d²`, where
+/// [`FitError`](crate::patch::FitError) has `M` and `T`. What is left of one tangent turns the normal by its part
+/// along the normal, times the length of the other tangent, over their cross product.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -279,11 +280,11 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let least = error * f64x8::splat(simd, PART_OF_ERROR);
     let straight = (longest * (turned_back + third)).simd_le(least)
         & longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
-    let (speed_s, speed_t) = (sum_of_sizes(ds), sum_of_sizes(dt));
-    let sides = half_s * speed_s + half_t * speed_t;
-    let turn = third.mul_add(three, turned_back) * sides;
-    let most = f64x8::splat(simd, MOST_TURN) * half_s * half_t;
-    let known = (turn * turn).simd_le(most * most * dot_d(cross, cross));
+    let off = third.mul_add(three, turned_back);
+    let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
+    let longer = (squared_s * dot_d(ds, ds)).max(squared_t * dot_d(dt, dt));
+    let most = f64x8::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
+    let known = (off * off * longer).simd_le(most * dot_d(cross, cross));
     let domain = leaves.domain(simd);
     let inside = new_s.simd_ge(domain[0])
         & new_s.simd_le(domain[1])
@@ -305,7 +306,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         z,
         point,
         cross,
-        speed: speed_s + speed_t,
+        speed: sum_of_sizes(ds) + sum_of_sizes(dt),
         inverse_det,
     }
 }
