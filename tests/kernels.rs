@@ -51,6 +51,15 @@ fn sheet(degree: (usize, usize), points: usize, rational: bool) -> NurbsSurface 
     NurbsSurface::new(knots(degree.0), knots(degree.1), net.collect(), weights).unwrap()
 }
 
+/// The surface with some control points forty times as heavy as they were: the pieces that they govern are badly
+/// conditioned by powers, their neighbours are not.
+fn with_heavy_points(surface: &NurbsSurface) -> NurbsSurface {
+    let control = surface.control().iter().enumerate();
+    let control = control.map(|(k, &point)| if k % 97 == 50 { 40.0 * point } else { point });
+    let (u, v) = (surface.knots_u().clone(), surface.knots_v().clone());
+    NurbsSurface::from_homogeneous(u, v, control.collect()).unwrap()
+}
+
 /// A surface cut by a polygon, an island in it, a circle beyond the border, and a hole across
 /// what may be a seam.
 fn trimmed(surface: NurbsSurface) -> TrimmedSurface {
@@ -406,14 +415,24 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
 }
 
 /// Of dense surfaces the Bézier points are not kept; of the same surfaces given in Bézier form they are. The
-/// scalar kernel has the same numbers of both, the others the same but for rounding.
+/// scalar kernel has the same numbers of both, up to degree three; else they are the same but for rounding.
 #[test]
 fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     let mut random = Random(17);
     let build = |surface: Surface| SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
-    let sheets = [((3, 3), 40, false), ((3, 3), 40, true), ((3, 2), 60, false), ((2, 2), 60, true)];
+    let sheets = [
+        ((3, 3), 40, false),
+        ((3, 3), 40, true),
+        ((3, 2), 60, false),
+        ((2, 2), 60, true),
+        ((3, 3), 40, true),
+        ((5, 5), 30, false),
+        ((4, 7), 24, true),
+    ];
     for (k, (degree, points, rational)) in sheets.into_iter().enumerate() {
         let own = sheet(degree, points, rational);
+        let own = if k == 4 { with_heavy_points(&own) } else { own };
+        let low = degree.0.max(degree.1) <= 3;
         let bezier = own.bezier_form();
         let [own, bezier] = [own, bezier].map(|surface| {
             if k == 1 { Surface::from(trimmed(surface)) } else { Surface::from(surface) }
@@ -434,14 +453,18 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
                 });
                 let [a, b] = &answers;
                 for (k, (a, b)) in a.iter().zip(b).enumerate() {
-                    if kernel == Kernel::Scalar {
+                    if kernel == Kernel::Scalar && low {
                         assert_eq!(bits(a), bits(b), "{degree:?}: {what}");
                     } else {
                         let name = format!("{degree:?}, {what}");
                         compare(&name, kernel, 1.0, &queries[k % queries.len()], a, b);
                     }
                 }
-                assert_eq!(occlusions(&made, kernel, queries), occlusions(&kept, kernel, queries));
+                let [a, b] = [&made, &kept].map(|bvh| occlusions(bvh, kernel, queries));
+                for ((query, a), b) in queries.iter().zip(&a).zip(&b) {
+                    let same = a == b || !low && (a.doubtful || b.doubtful);
+                    assert!(same, "{degree:?}, {kernel}, {what}: {query:?}\n{a:?}\n{b:?}");
+                }
                 answers
             };
             let [answers, _] = same(&queries, "rays from outside");

@@ -1,15 +1,181 @@
-//! Bézier points of one span, straight from the control points that govern it.
+//! Bézier points of one span, straight from the control points that govern it: Bézier extraction (Borden, Scott,
+//! Evans and Hughes 2011).
 
-use glam::DVec4;
+use glam::{BVec4, DVec4};
 
 use super::KnotVector;
 use super::line::mix_by;
 
+/// How the Bézier points of all spans of a clamped spline come from its control points; by the first of those that
+/// govern a span.
+#[derive(Debug)]
+pub(crate) enum Extractions {
+    /// Of degree 3 or less.
+    Steps(Vec<Steps>),
+    /// Of a higher degree: operators, `(p + 1)²` numbers each.
+    Operators {
+        /// The degree.
+        degree: usize,
+        /// Row by row, one for each Bézier point: how much of each control point there is in it.
+        shares: Vec<f64>,
+    },
+}
+
+/// The same of one span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Extraction<'a> {
+    /// Of degree 3 or less.
+    Steps(&'a Steps),
+    /// Of a higher degree.
+    Operator(&'a [f64]),
+}
+
+impl Extractions {
+    /// The highest degree.
+    pub(crate) const MOST_DEGREE: usize = 7;
+
+    /// The most control points of a span.
+    pub(crate) const MOST_POINTS: usize = Self::MOST_DEGREE + 1;
+
+    /// Those of a clamped knot vector.
+    pub(crate) fn of(knots: &KnotVector) -> Self {
+        let degree = knots.degree();
+        let count = knots.point_count();
+        if degree <= Steps::MOST_DEGREE {
+            let mut steps = vec![Steps::default(); count];
+            for span in knots.spans() {
+                steps[span.index - degree] = Steps::of(knots, span.index);
+            }
+            return Self::Steps(steps);
+        }
+        let size = (degree + 1) * (degree + 1);
+        let mut shares = vec![0.0; size * count];
+        let mut before = None;
+        for span in knots.spans() {
+            let first = span.index - degree;
+            let (done, rest) = shares.split_at_mut(size * first);
+            let own = &mut rest[..size];
+            fill_operator(knots, span.index, own);
+            // Neighbours share the point between them: by the same operations on the same points. There are as
+            // many knots there as control points that govern the one before only.
+            if let Some(before) = before.filter(|before| before + degree >= first) {
+                let last_row: &[f64] = &done[size * (before + 1) - (degree + 1)..][..degree + 1];
+                let (common, others) = own[..degree + 1].split_at_mut(before + degree + 1 - first);
+                common.copy_from_slice(&last_row[first - before..]);
+                others.fill(0.0);
+            }
+            before = Some(first);
+        }
+        Self::Operators { degree, shares }
+    }
+
+    /// That of the span that begins with a control point.
+    #[inline(always)]
+    pub(crate) fn at(&self, first: usize) -> Extraction<'_> {
+        match self {
+            Self::Steps(steps) => Extraction::Steps(&steps[first]),
+            Self::Operators { degree, shares } => {
+                let size = (degree + 1) * (degree + 1);
+                Extraction::Operator(&shares[size * first..][..size])
+            }
+        }
+    }
+
+    /// The memory held, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + match self {
+                Self::Steps(steps) => size_of_val(&steps[..]),
+                Self::Operators { shares, .. } => size_of_val(&shares[..]),
+            }
+    }
+}
+
+/// The operator of a span: Bézier points are values of its polar form (Ramshaw 1989), with the start of the span as
+/// some arguments and its end as the others, which de Boor's scheme makes of the control points by convex combinations.
+fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
+    const MOST: usize = Extractions::MOST_POINTS;
+    let (p, values) = (knots.degree(), knots.values());
+    let span = [values[index], values[index + 1]];
+    for (k, row) in operator.chunks_exact_mut(p + 1).enumerate() {
+        let mut shares = [[0.0; MOST]; MOST];
+        for (j, own) in shares.iter_mut().enumerate() {
+            own[j] = 1.0;
+        }
+        for level in 1..=p {
+            let argument = span[usize::from(level > p - k)];
+            for j in (level..=p).rev() {
+                let (left, right) = (values[index - p + j], values[index + 1 + j - level]);
+                let alpha = (argument - left) / (right - left);
+                let before = shares[j - 1];
+                for (share, before) in shares[j].iter_mut().zip(before) {
+                    *share = (1.0 - alpha) * before + alpha * *share;
+                }
+            }
+        }
+        row.copy_from_slice(&shares[p][..=p]);
+    }
+}
+
+impl Extraction<'_> {
+    /// From the control points to the Bézier points, in place: of every `step`-th of some points, from the first on.
+    pub(crate) fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
+        let mut from = [DVec4::ZERO; Extractions::MOST_POINTS];
+        for (k, point) in from[..=degree].iter_mut().enumerate() {
+            *point = points[k * step];
+        }
+        match self {
+            Self::Steps(steps) => {
+                let [a, b, c, d, ..] = from;
+                let made = steps.apply(degree, [a, b, c, d]);
+                for (k, &point) in made[..=degree].iter().enumerate() {
+                    points[k * step] = point;
+                }
+            }
+            Self::Operator(operator) => {
+                for (k, shares) in operator.chunks_exact(degree + 1).enumerate() {
+                    points[k * step] = mixed(&from[..=degree], shares);
+                }
+            }
+        }
+    }
+
+    /// How much of control point `j` there is in each Bézier point.
+    pub(crate) fn shares_of(&self, degree: usize, j: usize) -> [f64; Extractions::MOST_POINTS] {
+        let mut shares = [0.0; Extractions::MOST_POINTS];
+        match self {
+            Self::Steps(steps) => {
+                for (share, of) in shares.iter_mut().zip(steps.apply(degree, DVec4::AXES)) {
+                    *share = of[j];
+                }
+            }
+            Self::Operator(operator) => {
+                for (share, row) in shares.iter_mut().zip(operator.chunks_exact(degree + 1)) {
+                    *share = row[j];
+                }
+            }
+        }
+        shares
+    }
+}
+
+/// A convex combination; coordinates that are equal in all points that have a share in it are kept as they are.
+fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
+    let mut sum = DVec4::ZERO;
+    let (mut one, mut alike) = (None, BVec4::TRUE);
+    for (&point, &share) in points.iter().zip(shares) {
+        if share != 0.0 {
+            sum += share * point;
+            alike &= point.cmpeq(*one.get_or_insert(point));
+        }
+    }
+    DVec4::select(alike, one.unwrap_or(sum), sum)
+}
+
 /// How the Bézier points of a span come from the `p + 1` control points of a spline of degree 3 or
 /// less that govern it.
 ///
-/// Bézier extraction (Borden, Scott, Evans and Hughes 2011), not by a matrix but by the steps of knot
-/// insertion: every point comes from the same numbers by the same operations as if all knots of the
+/// Not by a matrix but by the steps of knot insertion: every point comes from the same numbers by the same operations as if all knots of the
 /// clamped spline were inserted from left to right, as [`Insertions`](super::line::Insertions) does. So
 /// it is the same to the last bit, but for the sign of zeros, and neighbouring spans share the point
 /// between them.
@@ -19,21 +185,18 @@ use super::line::mix_by;
 /// `f(t₂,t₃,t₄)`. Each step mixes two points that differ in one argument, `a` and `b`, to one that has
 /// `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α is 0 or 1.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Extraction {
+pub(crate) struct Steps {
     /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁` between
     /// `t₀` and `t₃`; `t₂` between `t₁` and `t₃`; `t₂` between `t₁` and `t₄`. Lower degrees need fewer.
     by: [[f64; 2]; 5],
 }
 
-impl Extraction {
+impl Steps {
     /// The highest degree.
-    pub(crate) const MOST_DEGREE: usize = 3;
+    const MOST_DEGREE: usize = 3;
 
-    /// The most control points of a span.
-    pub(crate) const MOST_POINTS: usize = Self::MOST_DEGREE + 1;
-
-    /// That of the span that begins with the knot of an index, in a clamped knot vector.
-    pub(crate) fn of(knots: &KnotVector, index: usize) -> Self {
+    /// Those of the span that begins with the knot of an index, in a clamped knot vector.
+    fn of(knots: &KnotVector, index: usize) -> Self {
         // Of lower degrees a clamped vector may end sooner; what is made of other knots then has no use.
         let values = knots.values();
         let knot = |k: isize| values[index.saturating_add_signed(k).min(values.len() - 1)];
@@ -65,11 +228,6 @@ impl Extraction {
             _ => [a, b, c, d],
         }
     }
-
-    /// How much of each control point there is in each Bézier point, by the latter.
-    pub(crate) fn shares(&self, degree: usize) -> [DVec4; 4] {
-        self.apply(degree, DVec4::AXES)
-    }
 }
 
 #[cfg(test)]
@@ -82,7 +240,7 @@ mod tests {
     /// Knot vectors with knots of every multiplicity, and control points with and without equal
     /// coordinates.
     fn splines() -> impl Strategy<Value = (KnotVector, Vec<DVec4>)> {
-        let knots = (1usize..=3).prop_flat_map(|p| {
+        let knots = (1usize..=Extractions::MOST_DEGREE).prop_flat_map(|p| {
             let inner = prop::collection::vec((1..=p + 1, 0.01..2.0f64), 0..7);
             (Just(p), inner)
         });
@@ -99,7 +257,10 @@ mod tests {
             let point = (coordinate(), coordinate(), coordinate(), 0.1..4.0f64);
             let points = prop::collection::vec(point, count);
             (Just(KnotVector::new(p, values).unwrap()), points).prop_map(|(knots, points)| {
-                let points = points.into_iter().map(|(x, y, z, w)| DVec4::new(x, y, z, w));
+                let low = knots.degree() <= 3;
+                let points = points
+                    .into_iter()
+                    .map(|(x, y, z, w)| DVec4::new(x, y, z, if low { w } else { 1.75 }));
                 (knots, points.collect())
             })
         })
@@ -111,16 +272,29 @@ mod tests {
             let p = knots.degree();
             let missing = knots.missing_for_bezier();
             let all = refine(&knots, &points, &missing);
-            let mut first = 0;
+            let extractions = Extractions::of(&knots);
+            let (mut first, mut end) = (0, None);
             for span in knots.spans() {
                 // Where the spline may jump, the next span has a point of its own.
-                if span.index > p && knots.multiplicity(span.start) > p {
-                    first += 1;
+                let jumps = span.index > p && knots.multiplicity(span.start) > p;
+                first += usize::from(jumps);
+                let mut made = points[span.index - p..=span.index].to_vec();
+                extractions.at(span.index - p).apply(p, &mut made, 1);
+                let truth = &all[first..=first + p];
+                if p <= 3 {
+                    prop_assert_eq!(&made[..], truth, "the span at {}", span.start);
+                } else {
+                    for (made, truth) in made.iter().zip(truth) {
+                        let off = (*made - *truth).abs().max_element();
+                        prop_assert!(off < 3e-14, "{:e} in the span at {}", off, span.start);
+                    }
+                    // Neighbours share the point between them, to the last bit.
+                    let start = made[0];
+                    prop_assert!(end.is_none_or(|end| jumps || end == start));
+                    // What is equal in all points stays as it is.
+                    prop_assert!(made.iter().all(|point| point.w == 1.75));
                 }
-                let mut own = [DVec4::ZERO; 4];
-                own[..=p].copy_from_slice(&points[span.index - p..=span.index]);
-                let made = Extraction::of(&knots, span.index).apply(p, own);
-                prop_assert_eq!(&made[..=p], &all[first..=first + p], "the span at {}", span.start);
+                end = Some(made[p]);
                 first += p;
             }
             prop_assert_eq!(first + 1, all.len());

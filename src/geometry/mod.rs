@@ -72,7 +72,7 @@ pub use corner_cutting::{CornerCutting, PolygonEnds};
 pub use curve::{CurveDerivatives, NurbsCurve};
 pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
-pub(crate) use extraction::Extraction;
+pub(crate) use extraction::{Extraction, Extractions};
 pub use knot_error::KnotError;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
 pub use matrix_form::{MatrixForm, matrix_patch};

@@ -66,7 +66,7 @@ pub use oriented_box::{OrientedBox, Passage};
 pub use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
-pub(crate) use piece_net::{NetRoom, NetSource, PieceNet, SplineNet};
+pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
 pub(crate) use powers::ToPowers;
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};

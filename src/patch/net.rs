@@ -9,7 +9,7 @@ use super::piece_net::{LONGEST, numbers_a_point};
 use super::powers::{self, ToPowers};
 use super::{ControlNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
-use crate::geometry::{BezierForm, Chart, ChartMap, Extraction, KnotVector, NurbsSurface};
+use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
 
 /// How the control points of charts are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +58,7 @@ pub(super) struct ChartNet {
     stride: usize,
     /// How pieces make their nets of these points, by the row and the column in which they begin;
     /// `None` where these are the Bézier points.
-    extraction: Option<Box<[Vec<Extraction>; 2]>>,
+    extraction: Option<Box<[Extractions; 2]>>,
     /// What the sums of pieces are made of.
     sums: Sums,
     /// For each direction and each row, or column: what is to be known of the pieces that
@@ -103,8 +103,9 @@ struct KeptPowers {
 /// Nets by powers that are made when they are wanted.
 #[derive(Debug)]
 struct MadePowers {
-    /// How, by the row and the column in which pieces begin.
-    along: [Vec<ToPowers>; 2],
+    /// How, by the row and the column in which pieces begin: the numbers of [`ToPowers`] one after another.
+    along: [Vec<f64>; 2],
+    degree: [usize; 2],
     others: Others,
 }
 
@@ -117,9 +118,13 @@ impl KeptPowers {
 impl MadePowers {
     /// How the net of a piece is made, if it is well conditioned.
     #[inline(always)]
-    fn of(&self, first: [u32; 2]) -> Option<[&ToPowers; 2]> {
+    fn of(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
+        let along = |k: usize| {
+            let length = self.degree[k] * (self.degree[k] + 1);
+            ToPowers::new(&self.along[k][length * first[k] as usize..][..length])
+        };
         let suits = !self.others.contain(first);
-        suits.then(|| [0, 1].map(|k| &self.along[k][first[k] as usize]))
+        suits.then(|| [along(0), along(1)])
     }
 
     fn bytes(&self) -> usize {
@@ -186,7 +191,7 @@ impl ChartNet {
         let surface = &*chart.surface;
         let degree = [surface.knots_u().degree(), surface.knots_v().degree()];
         let saves = bezier_point_count(surface) >= LEAST_SAVING * surface.control().len();
-        let can_be_made = degree.iter().all(|&degree| degree <= Extraction::MOST_DEGREE);
+        let can_be_made = degree.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
         if keeping == Keeping::Spline && saves && can_be_made {
             Self::of_spline(chart, surface)
         } else {
@@ -209,13 +214,7 @@ impl ChartNet {
         let knots = [surface.knots_u(), surface.knots_v()];
         let counts @ [_, length] = knots.map(KnotVector::point_count);
         let row = |i: usize| &surface.control()[i * length..(i + 1) * length];
-        let extraction = knots.map(|knots| {
-            let mut extraction = vec![Extraction::default(); knots.point_count()];
-            for span in knots.spans() {
-                extraction[span.index - knots.degree()] = Extraction::of(knots, span.index);
-            }
-            extraction
-        });
+        let extraction = knots.map(Extractions::of);
         let control = Control::new(surface.common_weight(), counts, LONGEST, row);
         let (mut net, firsts) = Self::over(chart, knots, control, Some(Box::new(extraction)));
         if let Some(powers) = net.made_by_powers(&firsts, surface.control()) {
@@ -228,7 +227,7 @@ impl ChartNet {
         chart: &Chart<'_>,
         knots: [&KnotVector; 2],
         control: Control,
-        extraction: Option<Box<[Vec<Extraction>; 2]>>,
+        extraction: Option<Box<[Extractions; 2]>>,
     ) -> (Self, [Vec<u32>; 2]) {
         let degree = knots.map(KnotVector::degree);
         let firsts = knots
@@ -282,21 +281,29 @@ impl ChartNet {
             return None;
         }
         let extraction = self.extraction.as_deref()?;
-        let along = [0, 1]
-            .map(|k| extraction[k].iter().map(|span| ToPowers::of(span, self.degree[k])).collect());
+        let along = [0, 1].map(|k| {
+            let degree = self.degree[k];
+            let length = degree * (degree + 1);
+            let mut shares = vec![0.0; length * self.spans[k].len()];
+            for &first in [rows, columns][k] {
+                let (first, own) = (first as usize, length * first as usize);
+                let own = &mut shares[own..own + length];
+                powers::shares_of_points(extraction[k].at(first), degree, own);
+            }
+            shares
+        });
         let suits = |first| match self.source(first) {
             NetSource::Kept(_) => true, // these are not
-            // Their weights differ: all four numbers of the points are known.
             NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_net()).is_some(),
         };
-        let others = if powers::suit_all(control) {
+        let others = if powers::suit_all(self.degree, control) {
             Vec::new()
         } else {
             let firsts_of = |&row| columns.iter().map(move |&column| [row, column]);
             let firsts = rows.par_iter().flat_map_iter(firsts_of);
             firsts.filter(|&first| !suits(first)).collect()
         };
-        Some(MadePowers { along, others: Others(others) })
+        Some(MadePowers { along, degree: self.degree, others: Others(others) })
     }
 
     /// How many numbers the net of a piece has.
@@ -336,15 +343,18 @@ impl ChartNet {
         let points = PieceNet::new(numbers, size * self.stride, length, self.control.weight);
         match self.extraction.as_deref() {
             None => NetSource::Kept(points),
-            Some([along_s, along_t]) => {
-                let extraction = [&along_s[row], &along_t[column]];
-                let to_powers = match &self.sums {
-                    Sums::PowersOf(made) => made.of(first),
-                    _ => None,
-                };
-                let degree = self.degree;
-                NetSource::Spline(SplineNet { degree, points, extraction, to_powers })
+            Some(extraction) => {
+                NetSource::Spline(SplineNet::new((self, extraction), points, first))
             }
+        }
+    }
+
+    /// What makes the net by powers of a piece of the control points that govern it, if that is how it is made.
+    #[inline(always)]
+    pub(super) fn to_powers(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
+        match &self.sums {
+            Sums::PowersOf(made) => made.of(first),
+            _ => None,
         }
     }
 
@@ -364,7 +374,7 @@ impl ChartNet {
     pub(super) fn bytes(&self) -> usize {
         let spans = self.spans.iter().map(|spans| size_of_val(&spans[..]));
         let extraction = self.extraction.iter().flat_map(|both| both.iter());
-        let extraction = extraction.map(|some| size_of_val(some) + size_of_val(&some[..]));
+        let extraction = extraction.map(Extractions::bytes);
         let trims = self.trims.as_ref().map_or(0, |trims| trims.bytes());
         size_of::<Self>()
             + self.control.bytes()

@@ -7,8 +7,9 @@
 use glam::{DVec3, DVec4};
 
 use super::ControlNet;
+use super::net::ChartNet;
 use super::powers::ToPowers;
-use crate::geometry::Extraction;
+use crate::geometry::{Extraction, Extractions};
 
 /// How many numbers are kept of a control point: its weight, too, where not all have the same.
 #[inline(always)]
@@ -84,43 +85,60 @@ pub(crate) enum NetSource<'a> {
     Spline(SplineNet<'a>),
 }
 
-/// The control points of a B-spline that govern a piece, of degree 3 or less in both directions, and how
-/// its Bézier points come from them.
+/// The control points of a B-spline that govern a piece, of degree 7 or less in both directions, and what its
+/// nets are made of them by.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SplineNet<'a> {
-    pub(super) degree: [usize; 2],
-    pub(super) points: PieceNet<'a>,
-    pub(super) extraction: [&'a Extraction; 2],
-    /// How its net by powers comes from them; `None` where its sums are of Bernstein functions.
-    pub(super) to_powers: Option<[&'a ToPowers; 2]>,
+    chart: &'a ChartNet,
+    extraction: &'a [Extractions; 2],
+    points: PieceNet<'a>,
+    /// The row and the column of the first of them.
+    first: [u32; 2],
 }
 
-/// The numbers of the longest row.
-pub(super) const LONGEST: usize = 4 * Extraction::MOST_POINTS;
+/// The numbers of the longest row, and those of the longest of degree 3.
+pub(crate) const LONGEST: usize = 4 * Extractions::MOST_POINTS;
+pub(crate) const LONGEST_OF_CUBIC: usize = 16;
 
 /// Room for a net that is made: a row more, as one more number may be read.
 #[derive(Clone, Debug)]
-pub(crate) struct NetRoom([[f64; LONGEST]; Extraction::MOST_POINTS + 1]);
+pub(crate) struct NetRoom([f64; LONGEST * (Extractions::MOST_POINTS + 1)]);
 
 impl NetRoom {
     /// No net yet.
     #[inline(always)]
     pub(crate) fn new() -> Self {
-        Self([[0.0; LONGEST]; Extraction::MOST_POINTS + 1])
+        Self([0.0; LONGEST * (Extractions::MOST_POINTS + 1)])
     }
 
-    /// A row of it.
+    /// All of it, eight numbers at a time.
     #[inline(always)]
-    pub(crate) fn row(&mut self, i: usize) -> &mut [f64; LONGEST] {
-        &mut self.0[i]
+    pub(crate) fn eights(&mut self) -> &mut [[f64; 8]] {
+        self.0.as_chunks_mut().0
+    }
+
+    /// A row of it, of those that have so much room.
+    #[inline(always)]
+    pub(crate) fn row<const N: usize>(&mut self, i: usize) -> &mut [f64; N] {
+        &mut self.0.as_chunks_mut().0[i]
     }
 }
 
 impl<'a> SplineNet<'a> {
+    /// That of a chart's piece, by the row and the column of the first point.
+    #[inline(always)]
+    pub(super) fn new(
+        (chart, extraction): (&'a ChartNet, &'a [Extractions; 2]),
+        points: PieceNet<'a>,
+        first: [u32; 2],
+    ) -> Self {
+        Self { chart, extraction, points, first }
+    }
+
     /// The degrees in `s` and `t`.
     #[inline(always)]
     pub(crate) fn degree(&self) -> [usize; 2] {
-        self.degree
+        self.chart.degree
     }
 
     /// How many numbers a point has.
@@ -135,73 +153,131 @@ impl<'a> SplineNet<'a> {
         self.points
     }
 
-    /// What makes a net by powers of them, along `s` and `t`, if one is wanted.
+    /// What makes a net by powers of them, along `s` and `t`; `None` where sums are of Bernstein functions.
     #[inline(always)]
-    pub(crate) fn by_powers(&self) -> Option<[&'a ToPowers; 2]> {
-        self.to_powers
+    pub(crate) fn by_powers(&self) -> Option<[ToPowers<'a>; 2]> {
+        self.chart.to_powers(self.first)
     }
 
     /// The numbers of a row of control points, and those that follow in memory.
     #[inline(always)]
-    pub(crate) fn row(&self, i: usize) -> &'a [f64; LONGEST] {
+    pub(crate) fn row<const N: usize>(&self, i: usize) -> &'a [f64; N] {
         let from = &self.points.numbers[i * self.points.stride..];
-        debug_assert!(from.len() >= LONGEST, "a chart keeps as many behind its last row");
-        from.first_chunk().unwrap_or(&[0.0; LONGEST])
+        debug_assert!(from.len() >= N, "a chart keeps as many behind its last row");
+        from.first_chunk().unwrap_or(&[0.0; N])
+    }
+
+    /// How much room a row has in a net that is made.
+    #[inline(always)]
+    fn row_room(&self) -> usize {
+        if self.is_cubic() { LONGEST_OF_CUBIC } else { LONGEST }
+    }
+
+    /// Whether it is of degree 3 or less in both directions.
+    #[inline(always)]
+    fn is_cubic(&self) -> bool {
+        self.degree()[0].max(self.degree()[1]) <= 3
     }
 
     /// The net that was made there.
     #[inline(always)]
     pub(crate) fn made<'r>(&self, room: &'r NetRoom) -> PieceNet<'r> {
-        PieceNet::new(room.0.as_flattened(), LONGEST, self.points.length, self.points.weight)
+        PieceNet::new(&room.0, self.row_room(), self.points.length, self.points.weight)
     }
 
-    /// The Bézier points, with room for those of degree 3: what every other way to make them must agree
-    /// with, bit for bit. Where points have three numbers, the fourth is any number.
-    pub(super) fn bezier_points(&self) -> [[DVec4; 4]; 4] {
+    /// The Bézier points, row by row: what every other way to make them must agree with, bit for bit.
+    pub(super) fn bezier_net(&self) -> ControlNet {
+        let mut net = if self.is_cubic() { self.cubic_net() } else { self.long_net() };
+        if let Some(weight) = self.points.weight {
+            for point in &mut net {
+                point.w = weight;
+            }
+        }
+        net
+    }
+
+    /// The same for degree 3 or less, but for the weight of all points.
+    fn cubic_net(&self) -> ControlNet {
         // Degrees known in advance need no branches.
-        match self.degree {
+        let points = match self.degree() {
             [3, 3] => self.bezier_points_of([3, 3]),
             [2, 2] => self.bezier_points_of([2, 2]),
             degree => self.bezier_points_of(degree),
+        };
+        let [p, q] = self.degree();
+        let mut net = ControlNet::from_slice(points.as_flattened());
+        if q < 3 {
+            for i in 1..=p {
+                net.copy_within(4 * i..4 * i + q + 1, i * (q + 1));
+            }
         }
+        net.truncate((p + 1) * (q + 1));
+        net
     }
 
+    /// The same for any degrees.
+    fn long_net(&self) -> ControlNet {
+        let ([p, q], size) = (self.degree(), self.size());
+        let mut net = ControlNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
+        for (i, to) in net.chunks_exact_mut(q + 1).enumerate() {
+            let row = self.points.row(i);
+            for (j, to) in to.iter_mut().enumerate() {
+                *to = DVec4::from_slice(&row[size * j..size * j + 4]);
+            }
+        }
+        let [along_s, along_t] = self.extraction();
+        for j in 0..=q {
+            along_s.apply(p, &mut net[j..], q + 1);
+        }
+        for row in net.chunks_exact_mut(q + 1) {
+            along_t.apply(q, row, 1);
+        }
+        net
+    }
+
+    /// How the Bézier points come from the control points, along `s` and `t`.
+    #[inline(always)]
+    fn extraction(&self) -> [Extraction<'a>; 2] {
+        let [along_s, along_t] = self.extraction;
+        [along_s.at(self.first[0] as usize), along_t.at(self.first[1] as usize)]
+    }
+
+    /// The Bézier points for degree 3 or less, with room for those of degree 3. Where points have three numbers,
+    /// the fourth is any number.
     #[inline(always)]
     fn bezier_points_of(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
         let size = self.size();
         let mut net = [[DVec4::ZERO; 4]; 4];
+        let [Extraction::Steps(along_s), Extraction::Steps(along_t)] = self.extraction() else {
+            return net; // of such degrees there are steps
+        };
         for (i, to) in net[..=p].iter_mut().enumerate() {
-            let row = self.row(i);
+            let row = self.row::<LONGEST_OF_CUBIC>(i);
             for (j, to) in to[..=q].iter_mut().enumerate() {
                 *to = DVec4::from_slice(&row[size * j..size * j + 4]);
             }
         }
         for j in 0..=q {
             let column = [net[0][j], net[1][j], net[2][j], net[3][j]];
-            let column = self.extraction[0].apply(p, column);
+            let column = along_s.apply(p, column);
             for i in 0..=p {
                 net[i][j] = column[i];
             }
         }
         for row in &mut net[..=p] {
-            *row = self.extraction[1].apply(q, *row);
+            *row = along_t.apply(q, *row);
         }
         net
     }
 
-    /// The same points, row by row, and no others.
-    pub(super) fn bezier_net(&self) -> ControlNet {
-        let [p, q] = self.degree;
-        self.bezier_points()[..=p].iter().flat_map(|row| &row[..=q]).copied().collect()
-    }
-
     /// Makes the Bézier net where it has room.
     pub(crate) fn make<'r>(&self, room: &'r mut NetRoom) -> PieceNet<'r> {
-        let ([p, q], size) = (self.degree, self.size());
-        for (i, row) in self.bezier_points()[..=p].iter().enumerate() {
-            // The last numbers of points of three are those of the next ones.
-            for (j, point) in row[..=q].iter().enumerate() {
-                room.row(i)[size * j..size * j + 4].copy_from_slice(&point.to_array());
+        let (columns, size, length) = (self.degree()[1] + 1, self.size(), self.row_room());
+        for (i, row) in self.bezier_net().chunks_exact(columns).enumerate() {
+            let room = &mut room.0[i * length..];
+            // The fourth number of points of three is the first of the next one.
+            for (j, point) in row.iter().enumerate() {
+                room[size * j..size * j + 4].copy_from_slice(&point.to_array());
             }
         }
         self.made(room)

@@ -24,8 +24,8 @@ const MOST_DEGREE: usize = 7;
 /// does not do they are looked at at 25 places: a measure of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of splines whose pieces are not looked at, as that takes a tenth of the
-/// time to build them. They are dense, and most of their knots simple: their nets zigzag less than their control
+/// The largest weight, over the smallest, of splines up to degree three whose pieces are not looked at, as that takes
+/// a tenth of the time to build them. They are dense, and most of their knots simple: their nets zigzag less than their control
 /// points.
 const MOST_WEIGHT: f64 = 2.0;
 
@@ -34,11 +34,11 @@ pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
 
-/// Whether all pieces of a spline are taken to be well conditioned, by its control points.
-pub(super) fn suit_all(control: &[DVec4]) -> bool {
+/// Whether all pieces of a spline of these degrees are taken to be well conditioned, by its control points.
+pub(super) fn suit_all([p, q]: [usize; 2], control: &[DVec4]) -> bool {
     let weights = control.iter().map(|point| point.w);
     let (least, most) = weights.fold((f64::INFINITY, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    most <= MOST_WEIGHT * least
+    p.max(q) <= 3 && most <= MOST_WEIGHT * least
 }
 
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
@@ -86,25 +86,30 @@ where
     }
 }
 
-/// The same of degrees up to [`MOST_DEGREE`], in place: of every `step`-th point, from the first on.
-fn to_powers(degree: usize, points: &mut [DVec4], step: usize) {
-    let mut from = [DVec4::ZERO; MOST_DEGREE + 1];
-    for (k, point) in from[..=degree].iter_mut().enumerate() {
-        *point = points[k * step];
+/// The same of degrees up to [`MOST_DEGREE`], in place: of every `step`-th of some, from the first on.
+fn to_powers<V>(degree: usize, coefficients: &mut [V], step: usize)
+where
+    V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
+{
+    let first = coefficients[0];
+    let mut from = [first; MOST_DEGREE + 1];
+    for (k, coefficient) in from[..=degree].iter_mut().enumerate() {
+        *coefficient = coefficients[k * step];
     }
     if degree <= 3 {
         let [a, b, c, d, ..] = from;
         let made = powers(degree, [a, b, c, d]);
         for (k, &coefficient) in made[..=degree].iter().enumerate() {
-            points[k * step] = coefficient;
+            coefficients[k * step] = coefficient;
         }
         return;
     }
-    let [first, others @ ..] = from;
+    let nothing = first * 0.0;
     for (i, shares) in SHARES[degree][..=degree].iter().enumerate() {
-        let start = if i == 0 { first } else { DVec4::ZERO };
-        let terms = others[..degree].iter().zip(&shares[1..]);
-        points[i * step] = terms.fold(start, |sum, (&point, &share)| sum + (point - first) * share);
+        let start = if i == 0 { first } else { nothing };
+        let terms = from[1..=degree].iter().zip(&shares[1..]);
+        let sum = terms.fold(start, |sum, (&of, &share)| sum + (of - first) * share);
+        coefficients[i * step] = sum;
     }
 }
 
@@ -144,24 +149,32 @@ const SHARES: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
 /// How the coefficients of powers of a span come from the control points that govern it: from their
 /// differences from the first, which are exact or nearly so, and zero where points are equal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ToPowers {
-    /// For each coefficient the shares of the second to the fourth point.
-    shares: [[f64; 3]; 4],
+pub(crate) struct ToPowers<'a> {
+    /// For each coefficient the shares of the second and later points.
+    shares: &'a [f64],
 }
 
-impl ToPowers {
-    pub(super) fn of(extraction: &Extraction, degree: usize) -> Self {
-        let shares = powers(degree, extraction.shares(degree)).map(|of| {
-            let [_, b, c, d] = of.to_array();
-            [b, c, d]
-        });
+impl<'a> ToPowers<'a> {
+    /// What it is made of.
+    pub(super) fn new(shares: &'a [f64]) -> Self {
         Self { shares }
     }
 
-    /// The shares of the second to the fourth point in each coefficient.
+    /// For each coefficient the shares of the second and later points, as many as the degree.
     #[inline(always)]
-    pub(crate) fn shares(&self) -> &[[f64; 3]; 4] {
-        &self.shares
+    pub(crate) fn shares(&self) -> &'a [f64] {
+        self.shares
+    }
+}
+
+/// The shares of which [`ToPowers`] is made: `p (p + 1)` numbers.
+pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares: &mut [f64]) {
+    for j in 1..=degree {
+        let mut of_point = extraction.shares_of(degree, j);
+        to_powers(degree, &mut of_point, 1);
+        for (shares, of_point) in shares.chunks_exact_mut(degree).zip(of_point) {
+            shares[j - 1] = of_point;
+        }
     }
 }
 

@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::net::{ChartNet, Coarse};
-use super::{ControlNet, NetRoom, NetSource, PieceNet, SplineNet};
+use super::piece_net::LONGEST_OF_CUBIC;
+use super::{ControlNet, NetRoom, NetSource, PieceNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, prefetch, rounding};
@@ -91,13 +92,7 @@ impl TensorPatch {
                     }
                 }
             }
-            (NetSource::Spline(spline), weight) => {
-                for ((_, row), made) in rows.zip(spline.bezier_points()) {
-                    for (point, made) in row.iter_mut().zip(made) {
-                        *point = made.truncate().extend(weight.unwrap_or(made.w));
-                    }
-                }
-            }
+            (NetSource::Spline(spline), _) => return spline.bezier_net(),
         }
         net
     }
@@ -134,15 +129,21 @@ impl TensorPatch {
         }
     }
 
-    /// Asks for both ends of each row of the points that are kept, for those who will want them soon.
+    /// Asks for the rows of the points that are kept, for those who will want them soon: short ones have two cache
+    /// lines, as a rule.
     #[inline(always)]
     pub(crate) fn prefetch_net(&self) {
-        let (NetSource::Kept(net) | NetSource::Spline(SplineNet { points: net, .. })) =
-            self.sums_source();
+        let net = match self.sums_source() {
+            NetSource::Kept(net) => net,
+            NetSource::Spline(spline) => spline.points(),
+        };
         for i in 0..=self.degree()[0] {
             let row = net.row(i);
             prefetch(&row[0]);
             prefetch(&row[row.len() - 1]);
+            if row.len() > LONGEST_OF_CUBIC + 1 {
+                row.iter().step_by(8).for_each(prefetch);
+            }
         }
     }
 

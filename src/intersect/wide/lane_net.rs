@@ -7,7 +7,7 @@ use super::LANES;
 use super::form::Form;
 use super::frames::transposed;
 use super::jets::Net;
-use super::spline_net::{Shares, coefficients, make};
+use super::spline_net::{LONG, Lines, Shares, coefficients, make, make_lines};
 use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers};
 
 /// Pieces of higher degrees have too large nets to hold eight of them side by side.
@@ -23,8 +23,8 @@ pub(super) struct LaneNet {
     pub(super) form: Form,
     weight: [f64; 8],
     numbers: Numbers,
-    /// Room for nets that are not kept.
-    rooms: [NetRoom; 8],
+    /// Room for nets that are not kept, elsewhere: most are made in `numbers`.
+    rooms: Box<[NetRoom; 8]>,
 }
 
 type Numbers = [[f64; 8]; MOST_NUMBERS];
@@ -32,7 +32,7 @@ type Numbers = [[f64; 8]; MOST_NUMBERS];
 impl Default for LaneNet {
     fn default() -> Self {
         let form = Form::default();
-        let rooms = std::array::from_fn(|_| NetRoom::new());
+        let rooms = Box::new(std::array::from_fn(|_| NetRoom::new()));
         Self { form, weight: [0.0; 8], numbers: [[0.0; 8]; MOST_NUMBERS], rooms }
     }
 }
@@ -87,7 +87,7 @@ impl LaneNet {
 fn all_from_splines<'p>(
     patches: &[&'p TensorPatch; 8],
     points: &mut [PieceNet<'p>; 8],
-) -> Option<[[&'p ToPowers; 8]; 2]> {
+) -> Option<[[ToPowers<'p>; 8]; 2]> {
     let NetSource::Spline(first) = patches[0].sums_source() else { return None };
     let [along_s, along_t] = first.by_powers()?;
     let mut along = [[along_s; 8], [along_t; 8]];
@@ -149,28 +149,31 @@ fn put_row<S: Simd>(simd: S, rows: &[&[f64]; 8], numbers: &mut [[f64; 8]]) {
 
 /// Makes nets by powers of the control points that are in lanes, by the operations of [`make`].
 #[inline(always)]
-fn make_all<S: Simd>(simd: S, form: Form, along: &[[&ToPowers; 8]; 2], numbers: &mut Numbers) {
+fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], numbers: &mut Numbers) {
     match (form.degree(), form.rational) {
         // Unrolled for the degrees met most.
         ([3, 3], false) => make_all_of(simd, ([3, 3], 12), along, numbers),
-        (degree, _) => make_all_of(simd, (degree, form.row_length()), along, numbers),
+        (degree @ [p, q], _) if p.max(q) <= 3 => {
+            make_all_of(simd, (degree, form.row_length()), along, numbers);
+        }
+        (degree, _) => make_all_long(simd, (degree, form.row_length()), along, numbers),
     }
 }
 
-/// The same for these degrees and numbers in a row: all columns, then all rows.
+/// The same for these degrees, up to three, and numbers in a row: all columns, then all rows.
 #[inline(always)]
 fn make_all_of<S: Simd>(
     simd: S,
     ([p, q], length): ([usize; 2], usize),
-    [along_s, along_t]: &[[&ToPowers; 8]; 2],
+    [along_s, along_t]: &[[ToPowers<'_>; 8]; 2],
     numbers: &mut Numbers,
 ) {
     let size = length / (q + 1);
-    let shares = in_lanes(simd, along_s);
+    let shares = in_lanes::<S, 4>(simd, (along_s, p));
     for column in 0..length {
         make_line(simd, &shares, p, (column, length), numbers);
     }
-    let shares = in_lanes(simd, along_t);
+    let shares = in_lanes::<S, 4>(simd, (along_t, q));
     for i in 0..=p {
         for c in 0..size {
             make_line(simd, &shares, q, (i * length + c, size), numbers);
@@ -178,11 +181,28 @@ fn make_all_of<S: Simd>(
     }
 }
 
+/// The same for any degrees.
+#[simd]
+fn make_all_long<S: Simd>(
+    simd: S,
+    ([p, q], length): ([usize; 2], usize),
+    [along_s, along_t]: &[[ToPowers<'_>; 8]; 2],
+    numbers: &mut Numbers,
+) {
+    let shares = in_lanes::<S, LONG>(simd, (along_s, p));
+    let columns = Lines { blocks: 1, apart: 0, count: length, step: length };
+    make_lines(simd, (&shares, p), columns, numbers);
+    let shares = in_lanes::<S, LONG>(simd, (along_t, q));
+    let size = length / (q + 1);
+    let rows = Lines { blocks: p + 1, apart: length, count: size, step: size };
+    make_lines(simd, (&shares, q), rows, numbers);
+}
+
 /// From points to coefficients of powers: of every `step`-th number, from the first on.
 #[inline(always)]
 fn make_line<S: Simd>(
     simd: S,
-    shares: &Shares<S>,
+    shares: &Shares<S, 4>,
     degree: usize,
     (first, step): (usize, usize),
     numbers: &mut Numbers,
@@ -199,17 +219,21 @@ fn make_line<S: Simd>(
 
 /// What makes the nets of all lanes.
 #[inline(always)]
-fn in_lanes<S: Simd>(simd: S, to_powers: &[&ToPowers; 8]) -> Shares<S> {
+fn in_lanes<S: Simd, const N: usize>(
+    simd: S,
+    (to_powers, degree): (&[ToPowers<'_>; 8], usize),
+) -> Shares<S, N> {
     let mut rows = [&[][..]; 8];
     for lane in 0..8 {
-        rows[lane] = to_powers[lane].shares().as_flattened();
+        rows[lane] = &to_powers[lane].shares()[..degree * (degree + 1)];
     }
-    let mut numbers = [[0.0; 8]; 12];
-    put_row(simd, &rows, &mut numbers);
-    let mut shares = [[f64x8::splat(simd, 0.0); 3]; 4];
-    for i in 0..4 {
-        for k in 0..3 {
-            shares[i][k] = f64x8::from_slice(simd, &numbers[3 * i + k]);
+    let mut numbers = [[[0.0; 8]; N]; N];
+    let numbers = &mut numbers.as_flattened_mut()[..degree * (degree + 1)];
+    put_row(simd, &rows, numbers);
+    let mut shares = [[f64x8::splat(simd, 0.0); N]; N];
+    for i in 0..=degree {
+        for k in 0..degree {
+            shares[i][k] = f64x8::from_slice(simd, &numbers[degree * i + k]);
         }
     }
     shares
