@@ -7,7 +7,8 @@ use super::LANES;
 use super::form::Form;
 use super::frames::transposed;
 use super::jets::Net;
-use super::spline_net::{LONG, Lines, Shares, coefficients, make, make_lines};
+use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
+use super::spline_net::make;
 use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers};
 
 /// Pieces of higher degrees have too large nets to hold eight of them side by side.

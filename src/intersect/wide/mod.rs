@@ -37,9 +37,9 @@
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
-//! All stand on the surface in lanes (`jets`, or `power_sums` for the degrees met most, as the `form` of a piece
-//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made by `spline_net` if they are
-//! not kept), on bicubic polynomials (`cubic`),
+//! All stand on the surface in lanes (`jets`, or `power_sums` where it is well conditioned, as the `form` of a piece
+//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made by `spline_net`, of
+//! `power_lines`, if they are not kept), on bicubic polynomials (`cubic`),
 //! on what becomes of a ray that leaves a root (`start`, `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;
@@ -63,6 +63,7 @@ mod outline;
 mod packet;
 mod pair_finish;
 mod pairs;
+mod power_lines;
 mod power_sums;
 mod scene;
 mod screen;

@@ -1,8 +1,9 @@
 //! The nets for sums of pieces that are made of a B-spline's control points, in lanes.
 
-use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f64x4, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdCombine, SimdSplit, f64x4, f64x8};
 use fearless_simd_macros::simd;
 
+use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
 use crate::patch::{
     LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers,
 };
@@ -114,64 +115,6 @@ fn make_long<S: Simd>(
     }
 }
 
-/// Lines of points, eight numbers each, that lie every `step` eights: so many blocks of so many, one beside the other.
-#[derive(Clone, Copy)]
-pub(super) struct Lines {
-    pub(super) blocks: usize,
-    /// How far apart blocks begin.
-    pub(super) apart: usize,
-    pub(super) count: usize,
-    pub(super) step: usize,
-}
-
-/// From points to coefficients of powers, in place, for any degree up to seven.
-#[inline(always)]
-pub(super) fn make_lines<S: Simd>(
-    simd: S,
-    (shares, degree): (&Shares<S, LONG>, usize),
-    lines: Lines,
-    numbers: &mut [[f64; 8]],
-) {
-    match degree {
-        1 => make_lines_of::<S, 2>(simd, shares, lines, numbers),
-        2 => make_lines_of::<S, 3>(simd, shares, lines, numbers),
-        3 => make_lines_of::<S, 4>(simd, shares, lines, numbers),
-        4 => make_lines_of::<S, 5>(simd, shares, lines, numbers),
-        5 => make_lines_of::<S, 6>(simd, shares, lines, numbers),
-        6 => make_lines_of::<S, 7>(simd, shares, lines, numbers),
-        _ => make_lines_of::<S, 8>(simd, shares, lines, numbers),
-    }
-}
-
-/// The same for lines of `N` points, by the operations of [`coefficients`]: unrolled, sums stay in registers.
-#[simd]
-fn make_lines_of<S: Simd, const N: usize>(
-    simd: S,
-    shares: &Shares<S, LONG>,
-    lines: Lines,
-    numbers: &mut [[f64; 8]],
-) {
-    for block in 0..lines.blocks {
-        for line in 0..lines.count {
-            let first = block * lines.apart + line;
-            let mut points = [f64x8::splat(simd, 0.0); N];
-            for k in 0..N {
-                points[k] = f64x8::from_slice(simd, &numbers[first + k * lines.step]);
-            }
-            for k in 1..N {
-                points[k] -= points[0];
-            }
-            for i in 0..N {
-                let mut sum = if i == 0 { points[0] } else { f64x8::splat(simd, 0.0) };
-                for k in 1..N {
-                    sum = points[k].mul_add(shares[i][k - 1], sum);
-                }
-                sum.store_slice(&mut numbers[first + i * lines.step]);
-            }
-        }
-    }
-}
-
 /// [`make`] by powers, for these degrees and numbers a point: two columns, then two rows, at a time.
 #[inline(always)]
 fn make_of<S: Simd>(
@@ -214,12 +157,6 @@ fn make_of<S: Simd>(
     }
 }
 
-/// Room for what degree seven needs.
-pub(super) const LONG: usize = 8;
-
-/// The shares of the second and later control points in each coefficient, for degrees below `N`.
-pub(super) type Shares<S, const N: usize> = [[f64x8<S>; N]; N];
-
 #[inline(always)]
 fn in_all_lanes<S: Simd, const N: usize>(
     simd: S,
@@ -234,25 +171,6 @@ fn in_all_lanes<S: Simd, const N: usize>(
         }
     }
     shares
-}
-
-/// The coefficients of powers, from control points.
-#[inline(always)]
-pub(super) fn coefficients<S: Simd>(
-    simd: S,
-    shares: &Shares<S, 4>,
-    degree: usize,
-    points: [f64x8<S>; 4],
-) -> [f64x8<S>; 4] {
-    let mut coefficients = [f64x8::splat(simd, 0.0); 4];
-    coefficients[0] = points[0];
-    for k in 1..=degree {
-        let other = points[k] - points[0];
-        for i in 0..=degree {
-            coefficients[i] = other.mul_add(shares[i][k - 1], coefficients[i]);
-        }
-    }
-    coefficients
 }
 
 #[cfg(test)]
