@@ -45,6 +45,17 @@ fn net(part: &Part) -> &Net {
     net
 }
 
+/// To the last bit: a unit there is within what is promised of hits, but not what the file says.
+#[test]
+fn numbers_are_those_of_the_file() {
+    for k in 1..400 {
+        let number = (f64::from(k) * 0.618_033_988_749_894_9).fract();
+        let model = model(&changed("0.5", &number.to_string()));
+        let z = net(&model.parts[0]).points.value[5].z;
+        assert_eq!(z.to_bits(), number.to_bits(), "{number} became {z}");
+    }
+}
+
 #[test]
 fn one_surface_in_every_wrapping() {
     let flat = SURFACE.replace("\"control_points\": {\n    \"points\":", "\"control_points\":");
