@@ -67,7 +67,7 @@ pub use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
 pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
-pub(crate) use powers::ToPowers;
+pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};

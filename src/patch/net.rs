@@ -25,7 +25,9 @@ pub(super) enum Keeping {
 /// for each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94 to 1.0 times as fast.
 const MOST_BEZIER_BYTES: usize = 1 << 18;
 
-/// Charts with fewer than so many times as many Bézier points as control points keep them all the same.
+/// Charts with fewer than so many times as many Bézier points as control points keep them all the same; so do those
+/// of so few spans that their control points, with what makes nets of them, take more than one part in so many of
+/// the memory.
 const LEAST_SAVING: usize = 2;
 
 impl Keeping {
@@ -46,6 +48,22 @@ fn bezier_point_count(surface: &NurbsSurface) -> usize {
     let counts = [surface.knots_u(), surface.knots_v()]
         .map(|knots| knots.spans().count() * knots.degree() + 1);
     counts[0] * counts[1]
+}
+
+/// Whether a surface's Bézier points are many times as many as its control points, and take much more memory with
+/// nets by powers, which are kept beside them, than control points with what makes nets of them.
+fn spline_saves(surface: &NurbsSurface) -> bool {
+    let knots = [surface.knots_u(), surface.knots_v()];
+    let (bezier, control) = (bezier_point_count(surface), surface.control().len());
+    let by_powers: usize =
+        knots.iter().map(|knots| knots.spans().count() * (knots.degree() + 1)).product();
+    let makers = knots.iter().map(|knots| {
+        let p = knots.degree();
+        knots.point_count() * (Extractions::numbers_a_span(p) + p * (p + 1))
+    });
+    let size = numbers_a_point(surface.common_weight());
+    let kept = size * control + makers.sum::<usize>();
+    bezier >= LEAST_SAVING * control && size * (bezier + by_powers) >= LEAST_SAVING * kept
 }
 
 /// The control points of a chart, and where its pieces lie.
@@ -87,6 +105,11 @@ enum Sums {
 struct Others(Vec<[u32; 2]>);
 
 impl Others {
+    /// Whether they are less than half of so many pieces.
+    fn are_few(&self, count: usize) -> bool {
+        2 * self.0.len() < count
+    }
+
     #[inline(always)]
     fn contain(&self, first: [u32; 2]) -> bool {
         !self.0.is_empty() && self.0.binary_search(&first).is_ok()
@@ -190,9 +213,8 @@ impl ChartNet {
     pub(super) fn new(chart: &Chart<'_>, keeping: Keeping) -> (Self, [Vec<u32>; 2]) {
         let surface = &*chart.surface;
         let degree = [surface.knots_u().degree(), surface.knots_v().degree()];
-        let saves = bezier_point_count(surface) >= LEAST_SAVING * surface.control().len();
         let can_be_made = degree.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
-        if keeping == Keeping::Spline && saves && can_be_made {
+        if keeping == Keeping::Spline && can_be_made && spline_saves(surface) {
             Self::of_spline(chart, surface)
         } else {
             let form = BezierForm::new(surface);
@@ -268,10 +290,12 @@ impl ChartNet {
         }
         // So that four can be read at any point.
         numbers.push(0.0);
-        (2 * others.len() < count).then_some(KeptPowers { numbers, others: Others(others) })
+        let others = Others(others);
+        others.are_few(count).then_some(KeptPowers { numbers, others })
     }
 
-    /// How nets by powers are made of these control points, and for which pieces they are not.
+    /// How nets by powers are made of these control points, and for which pieces they are not, if most are well
+    /// conditioned.
     fn made_by_powers(
         &self,
         [rows, columns]: &[Vec<u32>; 2],
@@ -303,7 +327,9 @@ impl ChartNet {
             let firsts = rows.par_iter().flat_map_iter(firsts_of);
             firsts.filter(|&first| !suits(first)).collect()
         };
-        Some(MadePowers { along, degree: self.degree, others: Others(others) })
+        let count = rows.len() * columns.len();
+        let others = Others(others);
+        others.are_few(count).then_some(MadePowers { along, degree: self.degree, others })
     }
 
     /// How many numbers the net of a piece has.

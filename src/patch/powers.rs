@@ -1,26 +1,33 @@
 //! Pieces by powers about their middle: `Σ Bᵢ(s) Bⱼ(t) Pᵢⱼ = Σ cᵢⱼ xⁱ yʲ`, `x = 2 s − 1`, `y = 2 t − 1`.
 //!
 //! Horner's scheme takes half the operations of sums of Bernstein functions. What that costs in digits is
-//! little for low degrees, as powers are taken about the middle of a piece and no farther from it than one, and
-//! differences of control points are exact or nearly so: rounding is some units of
-//! `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical condition of polynomials
-//! in Bernstein form"). Where that is many times the coordinates of the piece, as on nets that zigzag, which reach
-//! 25 times in degree three and 470 in degree seven, or where weights differ much, sums stay in Bernstein
-//! functions, whose terms are never larger than their sum may be.
+//! little for low degrees, as powers are taken about the middle of a piece and no farther from it than one: rounding
+//! of the sums is some units of `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical
+//! condition of polynomials in Bernstein form"). Where that is many times the coordinates of the piece, as on nets
+//! that zigzag, which reach 8 times in degree three and more than 100 in degree seven, or where weights differ much,
+//! sums stay in Bernstein functions, whose terms are never larger than their sum may be.
+//!
+//! The coefficients are made of differences of points from one in the middle, as far from all others as can be:
+//! with that they are zero where points are equal. A control point of a spline at either end of those that govern a
+//! piece may be far larger than anything on it, as its share there is `1 / p!` at most; differences from that one
+//! would be rounded in units that are worth more than the promise.
 
 use std::ops::{Add, Mul, Sub};
 
 use glam::DVec4;
 
 use super::ControlNet;
-use crate::geometry::Extraction;
+use crate::geometry::{Extraction, Extractions};
 use crate::math::bernstein::binomials;
 
 /// The highest degree that is written by powers. Of those above few pieces would be well conditioned, and eight
 /// nets are not held side by side.
-const MOST_DEGREE: usize = 7;
+pub(crate) const MOST_DEGREE: usize = 7;
 
-/// How many times the coordinates of a piece the terms of its sums may be. All are bounded at once; only where that
+const _: () =
+    assert!(Extractions::MOST_DEGREE <= MOST_DEGREE, "nets of splines are made by powers");
+
+/// How many times the coordinates of a piece the terms of its sums may be, those of the weight among them. All are bounded at once; only where that
 /// does not do they are looked at at 25 places: a measure of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
@@ -104,18 +111,19 @@ where
         }
         return;
     }
-    let nothing = first * 0.0;
-    for (i, shares) in SHARES[degree][..=degree].iter().enumerate() {
-        let start = if i == 0 { first } else { nothing };
-        let terms = from[1..=degree].iter().zip(&shares[1..]);
-        let sum = terms.fold(start, |sum, (&of, &share)| sum + (of - first) * share);
+    let middle = from[ToPowers::middle(degree)];
+    let nothing = middle * 0.0;
+    for (i, shares) in BERNSTEIN_TO_POWERS[degree][..=degree].iter().enumerate() {
+        let start = if i == 0 { middle } else { nothing };
+        let terms = from[..=degree].iter().zip(shares);
+        let sum = terms.fold(start, |sum, (&of, &share)| sum + (of - middle) * share);
         coefficients[i * step] = sum;
     }
 }
 
 /// How much of each Bernstein coefficient is in each coefficient of powers, by degree; all exact:
 /// `C(p, j) / 2ᵖ` times the coefficients of `(1 + x)ʲ (1 − x)ᵖ⁻ʲ`.
-const SHARES: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
+const BERNSTEIN_TO_POWERS: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
     let mut shares = [[[0.0; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1];
     let (mut p, mut scale) = (0, 1.0);
     while p <= MOST_DEGREE {
@@ -146,11 +154,11 @@ const SHARES: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
     shares
 };
 
-/// How the coefficients of powers of a span come from the control points that govern it: from their
-/// differences from the first, which are exact or nearly so, and zero where points are equal.
+/// How the coefficients of powers of a span come from the control points that govern it: from the
+/// [middle](Self::middle) one, which is part of the first coefficient, and the differences of the others from it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToPowers<'a> {
-    /// For each coefficient the shares of the second and later points.
+    /// For each coefficient the shares of these differences.
     shares: &'a [f64],
 }
 
@@ -160,7 +168,14 @@ impl<'a> ToPowers<'a> {
         Self { shares }
     }
 
-    /// For each coefficient the shares of the second and later points, as many as the degree.
+    /// Which of the control points that govern a span is taken for the middle one.
+    #[inline(always)]
+    pub(crate) fn middle(degree: usize) -> usize {
+        degree / 2
+    }
+
+    /// For each coefficient the shares of the differences from it, in the order of the other points: as many as
+    /// the degree.
     #[inline(always)]
     pub(crate) fn shares(&self) -> &'a [f64] {
         self.shares
@@ -169,11 +184,12 @@ impl<'a> ToPowers<'a> {
 
 /// The shares of which [`ToPowers`] is made: `p (p + 1)` numbers.
 pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares: &mut [f64]) {
-    for j in 1..=degree {
+    let others = (0..=degree).filter(|&j| j != ToPowers::middle(degree));
+    for (k, j) in others.enumerate() {
         let mut of_point = extraction.shares_of(degree, j);
         to_powers(degree, &mut of_point, 1);
         for (shares, of_point) in shares.chunks_exact_mut(degree).zip(of_point) {
-            shares[j - 1] = of_point;
+            shares[k] = of_point;
         }
     }
 }

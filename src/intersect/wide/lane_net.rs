@@ -9,10 +9,12 @@ use super::frames::transposed;
 use super::jets::Net;
 use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
 use super::spline_net::make;
-use crate::patch::{NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers};
+use crate::patch::{
+    MOST_DEGREE_BY_POWERS, NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers,
+};
 
 /// Pieces of higher degrees have too large nets to hold eight of them side by side.
-pub(super) const MOST_DEGREE: usize = 7;
+pub(super) const MOST_DEGREE: usize = MOST_DEGREE_BY_POWERS;
 
 /// The numbers of the largest net.
 const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);

@@ -38,8 +38,8 @@
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
 //! All stand on the surface in lanes (`jets`, or `power_sums` where it is well conditioned, as the `form` of a piece
-//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made by `spline_net`, of
-//! `power_lines`, if they are not kept), on bicubic polynomials (`cubic`),
+//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made there or by
+//! `spline_net`, both by `power_lines`, if they are not kept), on bicubic polynomials (`cubic`),
 //! on what becomes of a ray that leaves a root (`start`, `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;

@@ -278,13 +278,14 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
     let turned_back = (bend + bend) * more;
     let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    let straight = (longest * (turned_back + third)).simd_le(least)
-        & longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
+    let short = longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
+    let straight = short & (longest * (turned_back + third)).simd_le(least);
     let off = third.mul_add(three, turned_back);
     let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
-    let longer = (squared_s * dot_d(ds, ds)).max(squared_t * dot_d(dt, dt));
+    let [turned_s, turned_t] = tangents;
+    let longer = (squared_s * dot_d(turned_s, turned_s)).max(squared_t * dot_d(turned_t, turned_t));
     let most = f64x8::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
-    let known = (off * off * longer).simd_le(most * dot_d(cross, cross));
+    let known = short & (off * off * longer).simd_le(most * dot_d(cross, cross));
     let domain = leaves.domain(simd);
     let inside = new_s.simd_ge(domain[0])
         & new_s.simd_le(domain[1])

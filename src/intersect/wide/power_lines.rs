@@ -4,10 +4,12 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
-/// Room for what degree seven needs.
-pub(super) const LONG: usize = 8;
+use crate::patch::{MOST_DEGREE_BY_POWERS, ToPowers};
 
-/// The shares of the second and later control points in each coefficient, for degrees below `N`.
+/// The most points of a line.
+pub(super) const LONG: usize = MOST_DEGREE_BY_POWERS + 1;
+
+/// For each coefficient the [shares](ToPowers::shares) of control points, for degrees below `N`.
 pub(super) type Shares<S, const N: usize> = [[f64x8<S>; N]; N];
 
 /// The coefficients of powers, from control points, for degrees up to three.
@@ -19,11 +21,12 @@ pub(super) fn coefficients<S: Simd>(
     points: [f64x8<S>; 4],
 ) -> [f64x8<S>; 4] {
     let mut coefficients = [f64x8::splat(simd, 0.0); 4];
-    coefficients[0] = points[0];
-    for k in 1..=degree {
-        let other = points[k] - points[0];
+    let middle = ToPowers::middle(degree);
+    coefficients[0] = points[middle];
+    for k in 0..degree {
+        let other = points[k + usize::from(k >= middle)] - points[middle];
         for i in 0..=degree {
-            coefficients[i] = other.mul_add(shares[i][k - 1], coefficients[i]);
+            coefficients[i] = other.mul_add(shares[i][k], coefficients[i]);
         }
     }
     coefficients
@@ -55,7 +58,7 @@ pub(super) fn make_lines<S: Simd>(
         4 => make_lines_of::<S, 5>(simd, shares, lines, numbers),
         5 => make_lines_of::<S, 6>(simd, shares, lines, numbers),
         6 => make_lines_of::<S, 7>(simd, shares, lines, numbers),
-        _ => make_lines_of::<S, 8>(simd, shares, lines, numbers),
+        _ => make_lines_of::<S, LONG>(simd, shares, lines, numbers),
     }
 }
 
@@ -70,17 +73,17 @@ fn make_lines_of<S: Simd, const N: usize>(
     for block in 0..lines.blocks {
         for line in 0..lines.count {
             let first = block * lines.apart + line;
-            let mut points = [f64x8::splat(simd, 0.0); N];
-            for k in 0..N {
-                points[k] = f64x8::from_slice(simd, &numbers[first + k * lines.step]);
-            }
-            for k in 1..N {
-                points[k] -= points[0];
+            let point = |k: usize| f64x8::from_slice(simd, &numbers[first + k * lines.step]);
+            let at = ToPowers::middle(N - 1);
+            let middle = point(at);
+            let mut others = [f64x8::splat(simd, 0.0); N];
+            for k in 0..N - 1 {
+                others[k] = point(k + usize::from(k >= at)) - middle;
             }
             for i in 0..N {
-                let mut sum = if i == 0 { points[0] } else { f64x8::splat(simd, 0.0) };
-                for k in 1..N {
-                    sum = points[k].mul_add(shares[i][k - 1], sum);
+                let mut sum = if i == 0 { middle } else { f64x8::splat(simd, 0.0) };
+                for k in 0..N - 1 {
+                    sum = others[k].mul_add(shares[i][k], sum);
                 }
                 sum.store_slice(&mut numbers[first + i * lines.step]);
             }

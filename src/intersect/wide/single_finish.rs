@@ -14,6 +14,7 @@ use glam::{DVec2, DVec3};
 use super::form::Form;
 use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
+use super::power_lines::LONG;
 use super::single_jet::{Bernstein, Powers, Sums};
 use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
 use crate::math::bernstein::MAX_DEGREE;
@@ -101,10 +102,10 @@ pub(super) fn finish<S: Simd>(
             finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, task, found)
         }
         (true, _, true) => {
-            finish_of::<S, Powers<0, 0, 4, 8>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 4, LONG>>(simd, leaf, surface, ray, task, found)
         }
         (true, _, false) => {
-            finish_of::<S, Powers<0, 0, 3, 8>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 3, LONG>>(simd, leaf, surface, ray, task, found)
         }
         (false, _, true) if p.max(q) < 8 => {
             finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, task, found)
