@@ -2,7 +2,7 @@
 
 use super::borders::{at_border, error_bound};
 use super::meeting::{Meeting, occlusion};
-use super::read_ahead::{Ahead, ReadAhead};
+use super::read_ahead::{Ahead, Moment, ReadAhead};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
 use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
@@ -33,7 +33,9 @@ impl Tracer<'_> {
             near.read(rest);
             let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
             let (packet, others) = rest.split_at(alike);
-            self.trace_packet(level, packet, &mut Ahead::none(), Wanted::First);
+            near.while_tracing(others, Moment::Finish, |ahead| {
+                self.trace_packet(level, packet, ahead, Wanted::First);
+            });
             self.search_rest(packet, Wanted::First);
             let first = answers.len();
             self.answer_packet(packet, answers);
@@ -62,7 +64,7 @@ impl Tracer<'_> {
         while !rest.is_empty() {
             near.read(rest);
             let (packet, others) = rest.split_at(rest.len().min(PACKET));
-            near.while_tracing(others, |ahead| {
+            near.while_tracing(others, Moment::Box, |ahead| {
                 self.trace_packet(level, packet, ahead, Wanted::Any);
             });
             rest = others;

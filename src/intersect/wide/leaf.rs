@@ -17,16 +17,17 @@ use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
+use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
 /// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
 /// set in `groups`.
 #[simd]
-pub(super) fn search_leaf<S: Simd>(
+pub(super) fn search_leaf<S: Simd, Q>(
     simd: S,
     scene: &Scene<'_>,
-    (index, oriented, groups): (u32, &OrientedBox, u32),
+    (index, oriented, groups, ahead): (u32, &OrientedBox, u32, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -96,6 +97,7 @@ pub(super) fn search_leaf<S: Simd>(
                 found = true;
             }
             if certain != 0 {
+                ahead.ask(Moment::Finish);
                 let closer = closer.get_or_insert_with(|| target.closer());
                 let lanes = (certain, Ground::Certificate);
                 let net = work.nets.net_of(simd, (target.leaf.piece, patch));

@@ -16,7 +16,7 @@ use super::scene::Scene;
 use super::search::bits;
 use super::spline_net::RecentNets;
 use super::{LANES, PACKET};
-use crate::intersect::read_ahead::Ahead;
+use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
@@ -87,10 +87,11 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         if entry > packet.farthest {
             continue;
         }
-        ahead.ask();
+        ahead.ask(Moment::Box);
         match code.child() {
             Child::Block(index) => {
-                search_block(simd, scene, (index, rays), packet, work, statistics);
+                let block = (index, rays, &mut *ahead);
+                search_block(simd, scene, block, packet, work, statistics);
             }
             Child::Node(index) => {
                 statistics.nodes += 1;
@@ -271,10 +272,10 @@ fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
 
 /// The leaves of a block, near ones first.
 #[simd]
-fn search_block<S: Simd>(
+fn search_block<S: Simd, Q>(
     simd: S,
     scene: &Scene<'_>,
-    (index, rays): (u32, u64),
+    (index, rays, ahead): (u32, u64, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -305,7 +306,7 @@ fn search_block<S: Simd>(
         for k in 0..PACKET / LANES {
             groups |= (apart[k] >> nearest & 1) << k;
         }
-        let leaf = (first + nearest as u32, &oriented, groups);
+        let leaf = (first + nearest as u32, &oriented, groups, &mut *ahead);
         search_leaf(simd, scene, leaf, packet, work, statistics);
     }
 }
