@@ -184,10 +184,10 @@ fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
 /// How the Bézier points of a span come from the `p + 1` control points of a spline of degree 3 or
 /// less that govern it.
 ///
-/// Not by a matrix but by the steps of knot insertion: every point comes from the same numbers by the same operations as if all knots of the
-/// clamped spline were inserted from left to right, as [`Insertions`](super::line::Insertions) does. So
-/// it is the same to the last bit, but for the sign of zeros, and neighbouring spans share the point
-/// between them.
+/// Not by a matrix but by the steps of knot insertion: every point comes from the same numbers by the same
+/// operations as if all knots of the clamped spline were inserted from left to right, as
+/// [`Insertions`](super::line::Insertions) does. So it is the same to the last bit, but for the sign of zeros, and
+/// neighbouring spans share the point between them.
 ///
 /// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄` about
 /// its span `t₁ … t₂`, the control points are `f(t₋₁,t₀,t₁)`, `f(t₀,t₁,t₂)`, `f(t₁,t₂,t₃)` and

@@ -151,8 +151,8 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
 const BEYOND_SIDES: f64 = 16.0;
 
 /// But no farther than so many sides of the leaf, over the degree: what rounding does to control points grows there
-/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold twice what points may be off by,
-/// and nothing is found, it is doubtful whether the leaf is met.
+/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold twice what points may be
+/// off by, and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
 /// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is

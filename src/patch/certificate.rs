@@ -51,11 +51,11 @@ use crate::math::Interval;
 /// component of known sign, and let the ray be certified: the determinant has one sign on all of `D`, that of
 /// `N·d` (not of `n·d`). If it met the leaf at `y`,
 /// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
-/// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And
-/// for all `b̄` it has the sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|`
-/// with the largest `|σ₁|` and `|σ₃|`; each of the three products is taken with what `F` may be off to spare. The same holds for `t`, with `ρ₂` and `ρ₃`. (These are of each
-/// tangent of its own, and nothing is known of them where one turns too far; the determinant's sign may
-/// come from both together.)
+/// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And for all `b̄` it has the
+/// sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|` with the largest `|σ₁|` and `|σ₃|`; each of
+/// the three products is taken with what `F` may be off to spare. The same holds for `t`, with `ρ₂` and `ρ₃`.
+/// (These are of each tangent of its own, and nothing is known of them where one turns too far; the determinant's
+/// sign may come from both together.)
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
@@ -70,12 +70,11 @@ use crate::math::Interval;
 ///
 /// # What is kept
 /// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
-/// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The
-/// factors are kept in units of the third slope, in sixteen bits, those of misses in eight. Those of `N` are rounded, and `r` and `q`
-/// reach from what they have become; all else is rounded up: every condition
-/// becomes a little harder to meet, by less than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their
-/// length; that, and nine roundings of f32 of each of the three slopes, are covered by
-/// what `turning` returns last.
+/// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The factors are kept in units
+/// of the third slope, in sixteen bits, those of misses in eight. Those of `N` are rounded, and `r` and `q` reach
+/// from what they have become; all else is rounded up: every condition becomes a little harder to meet, by less
+/// than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their length; that, and nine roundings of f32 of each of
+/// the three slopes, are covered by what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificate {
     /// A ray with slopes `a, b, c` is `e = |c + lean₀ a + lean₁ b|` steep, and meets the widened leaf at

@@ -7,13 +7,13 @@
 //! a patch with its place: which surface, which rectangle of its knot domain, which sides
 //! are borders, which are collapsed to a point.
 //!
-//! A piece is halved until it is flat: that gives [`Part`]s. Of dense surfaces those of neighbouring
-//! pieces are to be kept together ([`GroupedParts`]), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part
-//! to search it: an approximation, and a [`Certificate`]: the proof, made once, that every ray
-//! steep enough to its mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`])
-//! are proved to hold all its points. Leaves are for searching only. Points are always computed
-//! on the whole piece, in one order of operations, so that neighbouring leaves agree on their
-//! common line: by Bernstein functions, or, where speed counts, by powers (`powers`).
+//! A piece is halved until it is flat: that gives [`Part`]s. Of dense surfaces those of neighbouring pieces are to
+//! be kept together ([`GroupedParts`]), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part
+//! to search it: an approximation, and a [`Certificate`]: the proof, made once, that every ray steep enough to its
+//! mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`]) are proved to hold all its points.
+//! Leaves are for searching only. Points are always computed on the whole piece, in one order of operations, so
+//! that neighbouring leaves agree on their common line: by Bernstein functions, or, where speed counts, by powers
+//! (`powers`).
 //!
 //! [`Aabb`]: crate::math::Aabb
 

@@ -27,13 +27,14 @@ pub(crate) const MOST_DEGREE: usize = 7;
 const _: () =
     assert!(Extractions::MOST_DEGREE <= MOST_DEGREE, "nets of splines are made by powers");
 
-/// How many times the coordinates of a piece the terms of its sums may be, those of the weight among them. All are bounded at once; only where that
-/// does not do they are looked at at 25 places: a measure of how many digits are lost, not a proof.
+/// How many times the coordinates of a piece the terms of its sums may be, those of the weight among them. All are
+/// bounded at once; only where that does not do they are looked at at 25 places: a measure of how many digits are
+/// lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of splines up to degree three whose pieces are not looked at, as that takes
-/// a tenth of the time to build them. They are dense, and most of their knots simple: their nets zigzag less than their control
-/// points.
+/// The largest weight, over the smallest, of splines up to degree three whose pieces are not looked at, as that
+/// takes a tenth of the time to build them. They are dense, and most of their knots simple: their nets zigzag less
+/// than their control points.
 const MOST_WEIGHT: f64 = 2.0;
 
 /// Whether pieces of these degrees can be written by powers.

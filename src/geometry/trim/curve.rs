@@ -67,8 +67,8 @@ impl TrimCurve {
     /// The Bézier curve of these control points; without weights it is polynomial.
     ///
     /// # Errors
-    /// When there are fewer than 2 points, more than [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) + 1, one is not finite,
-    /// or a weight is not usable.
+    /// When there are fewer than 2 points, more than [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) + 1, one is not
+    /// finite, or a weight is not usable.
     pub fn bezier(points: &[DVec2], weights: Option<&[f64]>) -> Result<Self, TrimCurveError> {
         check_points(points)?;
         KnotVector::bezier(points.len() - 1)?;

@@ -12,8 +12,8 @@ use crate::math::bernstein::restrict;
 /// A monotone stretch is halved at most so often: a cusp never becomes flat.
 const MOST_HALVINGS: u32 = 6;
 
-/// The segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours share their ends bit
-/// for bit, and the outer ends are the piece's own.
+/// The segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours share their
+/// ends bit for bit, and the outer ends are the piece's own.
 ///
 /// A stretch whose derivative is no more than rounding counts as monotone: between the cuts
 /// the piece leaves the rectangle of its ends by no more than that, and segments are held

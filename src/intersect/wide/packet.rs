@@ -62,7 +62,8 @@ pub(in crate::intersect) struct Packet {
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
-    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal is to be looked at closely.
+    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal is to be looked at
+    /// closely.
     pub(super) needs_look: u64,
     /// The ray parameter.
     pub(super) ray_t: [f64; PACKET],
