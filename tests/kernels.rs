@@ -512,6 +512,24 @@ fn nor_does_that_of_dense_sheets() {
     }
 }
 
+/// Nor where weights are so different that they vanish just beyond a piece, where the surface may be anywhere: what
+/// a packet comes to there on behalf of its other rays has no say.
+#[test]
+fn nor_does_that_of_sheets_of_wild_weights() {
+    let mut random = Random(11);
+    for degree in [(3, 1), (5, 1), (2, 2)] {
+        let control = sheet(degree, 24, false).control().to_vec();
+        let mut wild = || 10f64.powf(6.0 * random.next() - 3.0);
+        let control = control.into_iter().map(|point| wild() * point).collect();
+        let knots = |degree| KnotVector::clamped_uniform(degree, 24).unwrap();
+        let surface =
+            NurbsSurface::from_homogeneous(knots(degree.0), knots(degree.1), control).unwrap();
+        let bvh = SurfaceBvh::build(&[surface.clone()], &BuildOptions::default()).unwrap();
+        let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
+        in_any_company(&format!("wild sheet {degree:?}"), &bvh, &queries, &mut random);
+    }
+}
+
 /// Lines that touch a sheet in the shape of a cubic, to within rounding or a little more, and cross the same
 /// leaf elsewhere: of some of its parts one root is proved, of others nothing.
 #[test]

@@ -1,5 +1,7 @@
 //! Which meetings are one crossing.
 
+use glam::DVec2;
+
 use super::HitFlags;
 use super::meeting::Meeting;
 use crate::patch::Piece;
@@ -115,14 +117,59 @@ fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
         let apart = (a.jet.ds * d.x).length() + (a.jet.dt * d.y).length();
         return apart <= reach;
     }
-    let at_side = |m: &Meeting| {
-        if m.flags.contains(HitFlags::TRIM_EDGE) {
-            return true;
-        }
-        let distances = pieces[m.piece as usize].side_distances(m.st, &m.jet);
-        distances.into_iter().any(|distance| distance <= reach)
-    };
-    at_side(a) && at_side(b)
+    let [a, b] = [a, b].map(|m| AtSides::new(m, &pieces[m.piece as usize], reach));
+    if a.at_end && b.at_end {
+        return true;
+    }
+    if a.meeting.surface != b.meeting.surface {
+        return false;
+    }
+    if !a.piece.shares_chart_with(b.piece) {
+        // The charts of a surface meet along any of their sides.
+        return (a.at_end || a.sides != [false; 4]) && (b.at_end || b.sides != [false; 4]);
+    }
+    a.adjoins(&b) || b.adjoins(&a) || a.is_beside(&b, reach) || b.is_beside(&a, reach)
+}
+
+/// The sides of its piece that a meeting is at.
+struct AtSides<'a> {
+    meeting: &'a Meeting,
+    piece: &'a Piece,
+    /// `s = 0`, `s = 1`, `t = 0`, `t = 1`.
+    sides: [bool; 4],
+    /// Whether one of them is a border of the surface or collapsed to a point, or there is a trim edge: what else
+    /// ends there may be met at the same place.
+    at_end: bool,
+}
+
+impl<'a> AtSides<'a> {
+    fn new(meeting: &'a Meeting, piece: &'a Piece, reach: f64) -> Self {
+        let distances = piece.side_distances(meeting.st, &meeting.jet);
+        let sides = distances.map(|distance| distance <= reach);
+        let ends = |side: usize| piece.is_border(side) || piece.collapsed(side).is_some();
+        let at_end = meeting.flags.contains(HitFlags::TRIM_EDGE)
+            || (0..4).any(|side| sides[side] && ends(side));
+        Self { meeting, piece, sides, at_end }
+    }
+
+    /// Whether both are at a knot line between their pieces, this one before it.
+    fn adjoins(&self, after: &Self) -> bool {
+        let (before, behind) = (self.piece.domain(), after.piece.domain());
+        let touch = (0..2).all(|k| before[k][0] <= behind[k][1] && behind[k][0] <= before[k][1]);
+        let at_line =
+            |k: usize| before[k][1] == behind[k][0] && self.sides[2 * k + 1] && after.sides[2 * k];
+        touch && (0..2).any(at_line)
+    }
+
+    /// Whether another meeting is at the same parameters, to within four times `reach`: there may be a thin piece
+    /// between theirs.
+    fn is_beside(&self, other: &Self, reach: f64) -> bool {
+        let [here, there] = [self, other].map(|at| at.piece.chart_uv(at.meeting.st));
+        let lengths = self.piece.domain().map(|[from, to]| to - from);
+        let d = (here - there) / DVec2::from_array(lengths);
+        let Meeting { jet, .. } = self.meeting;
+        (jet.ds * d.x).length() + (jet.dt * d.y).length() <= 4.0 * reach
+    }
 }
 
 /// Drops the ends of stretches that lie inside another stretch of the same surface.

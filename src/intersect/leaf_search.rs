@@ -1,10 +1,11 @@
 //! One leaf, one ray: what is found, and how it is known.
 
-use glam::{DVec2, DVec4};
+use glam::DVec2;
 
 use super::accept::accept;
 use super::borders::{error_bound, holds, on_piece};
 use super::exact::{Proof, Rect, Solution, Task};
+use super::hull::Hull;
 use super::meeting::{Findings, Place, Question};
 use super::newton::{Grounds, Newton, newton};
 use crate::math::RayFrame;
@@ -55,23 +56,32 @@ pub(super) fn search(
             Newton::Failed => {}
         }
     }
-    search_exactly(question, place, z_limit, findings);
+    search_exactly(question, place, passage, z_limit, findings);
 }
 
 /// The exact way: all roots by subdivision, whatever the certificate says.
+///
+/// Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on behalf of
+/// other rays. So what is doubted depends on the leaf alone, not on how it was come to: where the ray passes the hull
+/// of the leaf's control points nothing is, nor before it enters the leaf's box.
 pub(super) fn search_exactly(
     question: &Question<'_>,
     place: &Place<'_>,
+    passage: &Passage,
     z_limit: f64,
     findings: &mut Findings,
 ) {
     let Place { leaf, piece, .. } = *place;
+    let error = error_bound(piece, question.ray);
     if findings.effort >= MOST_BOXES {
-        findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+        let hull = Hull::of(leaf, piece, question.ray);
+        if !hull.is_passed_by(2.0 * error) {
+            let nearest = hull.nearest_z().max(passage.entry) - error;
+            findings.doubt_at(nearest.max(question.ray.z_range[0]) * question.ray.t_from_z);
+        }
         return;
     }
-    let error = error_bound(piece, question.ray);
-    let (rect, is_all) = searched(leaf, piece, error);
+    let (rect, mut is_all) = searched(leaf, piece, error);
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
@@ -90,23 +100,35 @@ pub(super) fn search_exactly(
     let boxes = findings.solver.boxes - before;
     findings.effort += boxes;
     findings.statistics.exact_boxes += boxes;
+    let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
+    let mut nearest = f64::NEG_INFINITY;
+    if !is_all || !solutions.iter().all(is_proved) {
+        let hull = Hull::of(leaf, piece, question.ray);
+        if hull.is_passed_by(2.0 * error) {
+            // In the slack weights may vanish, and the surface be anywhere.
+            solutions.retain(is_proved);
+            is_all = true;
+        }
+        nearest = hull.nearest_z().max(passage.entry) - error;
+    }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, question.ray, &mut solutions);
     let known = findings.meetings.len();
+    let doubt = std::mem::replace(&mut findings.doubt, f64::INFINITY);
     for solution in &solutions {
         accept(question, place, solution, None, findings);
     }
     if findings.meetings.len() == known {
-        let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
         if !is_all && !solutions.iter().any(is_proved) {
-            findings.doubt_at(nearest_z(piece, question.ray) * question.ray.t_from_z);
+            findings.doubt_at(question.ray.z_range[0] * question.ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
         if earliest < f64::INFINITY {
             findings.doubt_at(earliest * question.ray.t_from_z);
         }
     }
+    findings.doubt = doubt.min(findings.doubt.max(nearest * question.ray.t_from_z));
     findings.solutions = solutions;
 }
 
@@ -160,13 +182,6 @@ const FARTHEST_BEYOND: f64 = 0.125;
 fn open_from(proof: Proof, task: &Task<'_>) -> Option<f64> {
     let ([from, to], [z_min, z_max]) = (proof.stretch()?, task.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
-}
-
-/// No point of a piece is met before this: the least of its control points.
-fn nearest_z(piece: &Piece, ray: &RayFrame) -> f64 {
-    let z = |c: DVec4| ray.axis.dot(c.truncate() / c.w - ray.origin);
-    let nearest = piece.patch.control().map(z).fold(f64::INFINITY, f64::min);
-    (nearest - error_bound(piece, ray)).max(ray.z_range[0])
 }
 
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.

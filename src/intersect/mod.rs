@@ -80,6 +80,7 @@ mod exact;
 mod grazing;
 mod hierarchy;
 mod hit;
+mod hull;
 mod kept_pole;
 mod kernel;
 mod leaf_search;

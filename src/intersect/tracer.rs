@@ -223,12 +223,12 @@ impl<'a> Tracer<'a> {
 fn exactly(
     question: &Question<'_>,
     place: &Place<'_>,
-    _: &Passage,
+    passage: &Passage,
     limit: f64,
     findings: &mut Findings,
 ) {
     findings.statistics.leaf_tests += 1;
-    leaf_search::search_exactly(question, place, limit, findings);
+    leaf_search::search_exactly(question, place, passage, limit, findings);
 }
 
 impl SurfaceBvh {

@@ -78,7 +78,7 @@ impl Piece {
     }
 
     /// The same in the parameters of its chart.
-    fn chart_uv(&self, st: DVec2) -> DVec2 {
+    pub(crate) fn chart_uv(&self, st: DVec2) -> DVec2 {
         let domain = self.domain();
         let at = |k: usize| {
             let [from, to] = domain[k];
@@ -122,6 +122,11 @@ impl Piece {
     /// end.
     pub fn open_end(&self, k: usize) -> Option<f64> {
         (self.open_end >> k & 1 != 0).then(|| self.domain()[k][1])
+    }
+
+    /// Whether another piece is of the same chart.
+    pub fn shares_chart_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.patch.net, &other.patch.net)
     }
 
     /// Whether its chart's parameters are not the surface's own.

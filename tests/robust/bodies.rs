@@ -1,9 +1,10 @@
 //! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
-//! their seams, and none is said to enter without leaving, not even past a sharp edge.
+//! their seams, and none is said to enter without leaving, not even past a sharp edge. Sheets that cross: each is
+//! met.
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::{Cage, KnotVector, NurbsSurface, Surface};
-use nurbray::intersect::{Hit, Kernel, Query, Tracer};
+use nurbray::intersect::{BuildOptions, Hit, Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -277,4 +278,29 @@ fn limit_surfaces_pass_through_the_limit_points_of_vertices() {
         }
     }
     assert!(seen > 8 * 40, "{seen}");
+}
+
+/// Sheets that cross each other may do so on knot lines of both: those are not adjoining pieces of one crossing.
+#[test]
+fn sheets_that_cross_on_knot_lines_are_both_met() {
+    let knots = |points| KnotVector::clamped_uniform(1, points).unwrap();
+    let strip = |path: &[(f64, f64)]| {
+        let net = path.iter().flat_map(|&(x, z)| [0.0, 1.0].map(|y| DVec3::new(x, y, z)));
+        NurbsSurface::new(knots(path.len()), knots(2), net.collect(), None).unwrap()
+    };
+    // Up through the origin, back far below, and once more through it.
+    let loop_of = [(-1.0, -0.5), (0.0, 0.0), (1.0, 0.5), (3.0, -4.0), (-3.0, -4.0), (-1.0, -2.0)];
+    let twice = strip(&[&loop_of[..], &[(0.0, 0.0), (1.0, 2.0)]].concat());
+    let flat = strip(&[(-1.0, -0.5), (0.0, 0.0), (1.0, 0.5)]);
+    let steep = strip(&[(-1.0, -2.0), (0.0, 0.0), (1.0, 2.0)]);
+    let ray = Ray::new(DVec3::new(0.0, 0.3, 5.0), DVec3::NEG_Z).unwrap();
+    for (surfaces, wanted) in
+        [(vec![twice], vec![5.0, 5.0, 9.0]), (vec![flat, steep], vec![5.0; 2])]
+    {
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let mut hits = Vec::new();
+        let doubtful = bvh.tracer().all_hits(&Query::primary(ray), &mut hits);
+        let found: Vec<f64> = hits.iter().map(|hit| hit.t).collect();
+        assert_eq!((found, doubtful), (wanted, false));
+    }
 }
