@@ -505,7 +505,8 @@ fn nor_does_that_of_dense_sheets() {
     {
         let own = sheet(degree, points, rational);
         for surface in [own.clone(), with_heavy_points(&own)] {
-            let bvh = SurfaceBvh::build(&[surface.clone()], &BuildOptions::default()).unwrap();
+            let bvh = SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default())
+                .unwrap();
             let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
             in_any_company(&format!("dense sheet {degree:?}"), &bvh, &queries, &mut random);
         }
@@ -524,7 +525,8 @@ fn nor_does_that_of_sheets_of_wild_weights() {
         let knots = |degree| KnotVector::clamped_uniform(degree, 24).unwrap();
         let surface =
             NurbsSurface::from_homogeneous(knots(degree.0), knots(degree.1), control).unwrap();
-        let bvh = SurfaceBvh::build(&[surface.clone()], &BuildOptions::default()).unwrap();
+        let bvh =
+            SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default()).unwrap();
         let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
         in_any_company(&format!("wild sheet {degree:?}"), &bvh, &queries, &mut random);
     }
