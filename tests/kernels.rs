@@ -513,8 +513,7 @@ fn nor_does_that_of_dense_sheets() {
     }
 }
 
-/// Nor where weights are so different that they vanish just beyond a piece, where the surface may be anywhere: what
-/// a packet comes to there on behalf of its other rays has no say.
+/// Nor where neighbouring weights differ by up to a million times.
 #[test]
 fn nor_does_that_of_sheets_of_wild_weights() {
     let mut random = Random(11);
