@@ -62,8 +62,7 @@ pub(super) fn search(
 /// The exact way: all roots by subdivision, whatever the certificate says.
 ///
 /// Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on behalf of
-/// other rays. So what is doubted depends on the leaf alone, not on how it was come to: where the ray passes the hull
-/// of the leaf's control points nothing is, nor before it enters the leaf's box.
+/// other rays. So what is doubted depends on the leaf alone ([`met_from`]), not on how it was come to.
 pub(super) fn search_exactly(
     question: &Question<'_>,
     place: &Place<'_>,
@@ -74,10 +73,8 @@ pub(super) fn search_exactly(
     let Place { leaf, piece, .. } = *place;
     let error = error_bound(piece, question.ray);
     if findings.effort >= MOST_BOXES {
-        let hull = Hull::of(leaf, piece, question.ray);
-        if !hull.is_passed_by(2.0 * error) {
-            let nearest = hull.nearest_z().max(passage.entry) - error;
-            findings.doubt_at(nearest.max(question.ray.z_range[0]) * question.ray.t_from_z);
+        if let Some(z) = met_from(place, passage, question.ray) {
+            findings.doubt_at(z * question.ray.t_from_z);
         }
         return;
     }
@@ -103,13 +100,13 @@ pub(super) fn search_exactly(
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
     let mut nearest = f64::NEG_INFINITY;
     if !is_all || !solutions.iter().all(is_proved) {
-        let hull = Hull::of(leaf, piece, question.ray);
-        if hull.is_passed_by(2.0 * error) {
+        if let Some(z) = met_from(place, passage, question.ray) {
+            nearest = z;
+        } else {
             // In the slack weights may vanish, and the surface be anywhere.
             solutions.retain(is_proved);
             is_all = true;
         }
-        nearest = hull.nearest_z().max(passage.entry) - error;
     }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
@@ -121,7 +118,7 @@ pub(super) fn search_exactly(
     }
     if findings.meetings.len() == known {
         if !is_all && !solutions.iter().any(is_proved) {
-            findings.doubt_at(question.ray.z_range[0] * question.ray.t_from_z);
+            findings.doubt_at(nearest * question.ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
         if earliest < f64::INFINITY {
@@ -130,6 +127,14 @@ pub(super) fn search_exactly(
     }
     findings.doubt = doubt.min(findings.doubt.max(nearest * question.ray.t_from_z));
     findings.solutions = solutions;
+}
+
+/// From where on the ray may meet a leaf, or pass it within rounding: not before it enters the leaf's box, nor before
+/// all of the control points. `None` where it passes their hull.
+fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
+    let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
+    let nearest = hull.nearest_z().max(passage.entry) - error;
+    (!hull.is_passed_by(2.0 * error)).then_some(nearest.max(ray.z_range[0]))
 }
 
 /// How many boxes the exact solver looks at for one ray before it leaves further leaves undecided,

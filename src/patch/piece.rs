@@ -125,7 +125,7 @@ impl Piece {
     }
 
     /// Whether another piece is of the same chart.
-    pub fn shares_chart_with(&self, other: &Self) -> bool {
+    pub(crate) fn shares_chart_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.patch.net, &other.patch.net)
     }
 

@@ -9,8 +9,8 @@
 //!
 //! The coefficients are made of differences of points from one in the middle, as far from all others as can be:
 //! with that they are zero where points are equal. A control point of a spline at either end of those that govern a
-//! piece may be far larger than anything on it, as its share there is `1 / p!` at most; differences from that one
-//! would be rounded in units that are worth more than the promise.
+//! piece may be far larger than anything on it, as its share there is small (`1 / p!` where knots are evenly spaced);
+//! differences from that one would be rounded in units that are worth more than the promise.
 
 use std::ops::{Add, Mul, Sub};
 
