@@ -257,7 +257,7 @@ fn compare(
     query: &Query,
     (wide, scalar): (&Answer, &Answer),
 ) {
-    let ray = &query.ray;
+    let ray = query.ray();
     let context = || format!("{name}, {kernel}: {ray:?}\n{wide:?}\n{scalar:?}");
     if wide.doubtful || scalar.doubtful {
         return; // counted by the caller

@@ -120,7 +120,7 @@ fn a_plane_with_a_hole_is_met_beyond_its_radius() {
             let queries: Vec<Query> = points
                 .iter()
                 .map(|point| {
-                    let flat = through(point.extend(0.0), &mut random).ray;
+                    let flat = *through(point.extend(0.0), &mut random).ray();
                     let origin = map.transform_point3(flat.origin());
                     Query::primary(
                         Ray::new(origin, map.transform_vector3(flat.direction())).unwrap(),
@@ -206,16 +206,16 @@ fn a_ray_goes_on_behind_what_is_cut_off() {
     for (who, hits) in asked(&bvh, &queries) {
         let mut tracer = bvh.tracer();
         for (query, hit) in queries.iter().zip(&hits) {
-            let (surface, t) = first_met(&query.ray, 6.0).unwrap();
+            let (surface, t) = first_met(query.ray(), 6.0).unwrap();
             let hit = hit.expect("no doubt").unwrap();
             assert_eq!(hit.surface, surface, "{who}: {query:?}");
             assert!((hit.t - t).abs() < 1e-13);
             if surface == 4 {
                 continue;
             }
-            let onwards = Ray::new(hit.point, query.ray.direction()).unwrap();
+            let onwards = Ray::new(hit.point, query.ray().direction()).unwrap();
             let next = tracer.first_hit(&Query::leaving(onwards, &hit)).hit.unwrap();
-            let (surface, _) = first_met(&query.ray, hit.point.z - 0.5).unwrap();
+            let (surface, _) = first_met(query.ray(), hit.point.z - 0.5).unwrap();
             assert_eq!(next.surface, surface, "{who}: leaving {query:?}");
         }
     }
@@ -289,15 +289,15 @@ fn complementary_trims_make_a_closed_body() {
             assert!(!doubtful, "{query:?}");
             assert_eq!(hits.len(), 2, "{query:?}: {hits:#?}");
             edges += hits.iter().filter(|hit| hit.flags.contains(HitFlags::TRIM_EDGE)).count();
-            assert!(hits[0].normal.dot(query.ray.direction()) < 0.0);
-            assert!(hits[1].normal.dot(query.ray.direction()) > 0.0);
+            assert!(hits[0].normal.dot(query.ray().direction()) < 0.0);
+            assert!(hits[1].normal.dot(query.ray().direction()) > 0.0);
         }
         assert!(edges > 1000, "{edges} of the rays at edges met them");
         // Out of the body there is no way, whoever looks for it: from inside all rays hit.
         let out: Vec<Query> = queries
             .iter()
             .map(|query| {
-                let end = query.ray.at(tracer.first_hit(query).hit.unwrap().t);
+                let end = query.ray().at(tracer.first_hit(query).hit.unwrap().t);
                 Query::primary(Ray::new(0.3 * random.direction(), end).unwrap())
             })
             .collect();
@@ -379,7 +379,7 @@ fn a_hole_across_the_seam_is_as_one_away_from_it() {
     let half_turn: Vec<Query> = queries
         .iter()
         .map(|query| {
-            let (o, d) = (turned(query.ray.origin()), turned(query.ray.direction()));
+            let (o, d) = (turned(query.ray().origin()), turned(query.ray().direction()));
             Query::primary(Ray::new(o, d).unwrap())
         })
         .collect();

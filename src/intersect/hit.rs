@@ -87,13 +87,13 @@ impl HitFlags {
 }
 
 /// A ray to trace and, if it is a secondary ray, the root it leaves.
+///
+/// That root is not reported again, and where it is the one root there may be, not even searched for: so only
+/// [`Query::leaving`] names one, which has seen that the ray starts there.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
-    /// The ray.
-    pub ray: Ray,
-    /// The root the ray starts on, within its error: that root itself is not reported again. See
-    /// [`Query::leaving`].
-    pub from: Option<Root>,
+    pub(super) ray: Ray,
+    pub(super) from: Option<Root>,
 }
 
 impl Query {
@@ -110,6 +110,16 @@ impl Query {
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
         let starts_there = ray.origin().distance(hit.point) <= 2.0 * hit.root.error;
         Self { ray, from: starts_there.then_some(hit.root) }
+    }
+
+    /// The ray.
+    pub fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    /// The root the ray starts on, to within its error.
+    pub fn from(&self) -> Option<&Root> {
+        self.from.as_ref()
     }
 }
 

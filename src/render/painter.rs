@@ -110,7 +110,7 @@ fn first_hit(query: &Query, answer: &Answer) -> Option<FirstHit> {
     let hit = answer.hit.as_ref()?;
     let normal = if hit.normal.is_nan() { [0.0; 3] } else { hit.normal.as_vec3().to_array() };
     Some(FirstHit {
-        distance: (hit.t * query.ray.direction().length()) as f32,
+        distance: (hit.t * query.ray().direction().length()) as f32,
         point: hit.point.as_vec3().to_array(),
         normal,
         uv: hit.uv.as_vec2().to_array(),

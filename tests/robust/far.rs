@@ -37,7 +37,7 @@ fn borders_are_met_or_doubted_from_anywhere() {
         queries.insert(9 * k, Query::primary(ray));
     }
     let meets = |query: &Query| {
-        let (o, d) = (query.ray.origin(), query.ray.direction());
+        let (o, d) = (query.ray().origin(), query.ray().direction());
         o.abs().max_element() < 1e100 && (d != DVec3::NEG_Z || o.x <= 1.0)
     };
     for kernel in kernels() {
@@ -45,13 +45,13 @@ fn borders_are_met_or_doubted_from_anywhere() {
         for (way, answers) in answers.iter().enumerate() {
             for (query, answer) in queries.iter().zip(answers) {
                 let hit_or_doubt = answer.hit.is_some() || answer.doubtful;
-                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray);
+                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray());
             }
         }
         for (way, occlusions) in occlusions.iter().enumerate() {
             for (query, occlusion) in queries.iter().zip(occlusions) {
                 let hit_or_doubt = occlusion.occluded || occlusion.doubtful;
-                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray);
+                assert_eq!(hit_or_doubt, meets(query), "{kernel}, way {way}: {:?}", query.ray());
             }
         }
     }
@@ -103,9 +103,9 @@ fn boxes_are_met_as_far_off_as_points_may_be() {
         for query in &rays {
             let (answers, occlusions) = all_ways(&model, kernel, &[*query]);
             let met = |answer: &Answer| answer.hit.is_some() || answer.doubtful;
-            assert!(answers.iter().flatten().all(met), "{kernel}: {:?}", query.ray);
+            assert!(answers.iter().flatten().all(met), "{kernel}: {:?}", query.ray());
             let met = |occlusion: &Occlusion| occlusion.occluded || occlusion.doubtful;
-            assert!(occlusions.iter().flatten().all(met), "{kernel}: {:?}", query.ray);
+            assert!(occlusions.iter().flatten().all(met), "{kernel}: {:?}", query.ray());
         }
     }
 }
@@ -134,7 +134,7 @@ fn kernels_agree_from_anywhere() {
                 for ((query, answer), truth) in queries.iter().zip(&answers).zip(&truth) {
                     let decided = !answer.doubtful && !truth.doubtful;
                     let same = answer.hit.is_some() == truth.hit.is_some();
-                    assert!(!decided || same, "{kernel}: {:?}", query.ray);
+                    assert!(!decided || same, "{kernel}: {:?}", query.ray());
                 }
             }
         }

@@ -299,7 +299,7 @@ fn rays_along_the_tangent_plane_of_a_pole_are_no_certain_misses() {
                     said.extend(answers);
                 }
                 for (query, answer) in asked.chain(&queries).zip(&said) {
-                    let t = met_again(&query.ray);
+                    let t = met_again(query.ray());
                     let near = answer.hit.is_some_and(|hit| (hit.t - t).abs() <= 0.01 * t);
                     assert!(near || answer.doubtful, "{query:?}: {answer:?}");
                     found += u32::from(near);

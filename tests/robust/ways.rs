@@ -35,11 +35,11 @@ pub(crate) fn assert_met_or_doubted(context: &str, model: &Model, rays: &[Query]
         let (answers, occlusions) = all_ways(model, kernel, rays);
         for (query, answer) in answers.iter().flat_map(|way| rays.iter().zip(way)) {
             let known = answer.hit.is_some() || answer.doubtful;
-            assert!(known, "{context}, {kernel}: {:?}", query.ray);
+            assert!(known, "{context}, {kernel}: {:?}", query.ray());
         }
         for (query, occlusion) in occlusions.iter().flat_map(|way| rays.iter().zip(way)) {
             let known = occlusion.occluded || occlusion.doubtful;
-            assert!(known, "{context}, {kernel}: {:?}", query.ray);
+            assert!(known, "{context}, {kernel}: {:?}", query.ray());
         }
     }
 }

@@ -89,7 +89,7 @@ fn chunk(
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
-        tally.add(&shot.query.ray, judge.judge(&shot, &answer, &truth));
+        tally.add(shot.query.ray(), judge.judge(&shot, &answer, &truth));
         tally.undecided += u64::from(undecided);
     }
     tally

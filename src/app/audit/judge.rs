@@ -97,7 +97,7 @@ impl<'a> Judge<'a> {
 
     /// Compares the fast path's answer with what is known.
     pub(crate) fn judge(&self, shot: &Shot, answer: &Answer, truth: &Truth<'_>) -> Finding {
-        let ray = &shot.query.ray;
+        let ray = shot.query.ray();
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
         let doubtful = answer.doubtful;
@@ -119,7 +119,7 @@ impl<'a> Judge<'a> {
         (hit, measure): (&Hit, &Measure),
         truth: &Truth<'_>,
     ) -> Option<Fault> {
-        let ray = &shot.query.ray;
+        let ray = shot.query.ray();
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         let on_both = measure.residual <= measure.bound; // false for NaN
         if !(in_range && on_both) || self.cut_off(hit, measure) {
@@ -161,7 +161,7 @@ impl<'a> Judge<'a> {
         if !(kept || on_edge) {
             return None;
         }
-        let ray = &shot.query.ray;
+        let ray = shot.query.ray();
         let length = ray.direction().length();
         let surface = &self.surfaces[site.surface];
         let normal = surface.normal(site.uv).unwrap_or_default();

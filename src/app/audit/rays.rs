@@ -145,7 +145,7 @@ impl<'a> RaySource<'a> {
         let t_min = if random.coin() { t - before } else { f64::NEG_INFINITY };
         let t_max = if random.coin() { t + beyond } else { f64::INFINITY };
         let shot = self.shoot(site, t, direction)?;
-        let ray = shot.query.ray;
+        let ray = *shot.query.ray();
         let ray = Ray::with_range(ray.origin(), ray.direction(), t_min, t_max).ok()?;
         Some(Shot { query: Query::primary(ray), ..shot })
     }
@@ -286,7 +286,7 @@ mod tests {
         let mut tracer = bvh.tracer();
         let mut ray = |seed, index| {
             let source = RaySource::new(&surfaces, seed).unwrap();
-            source.shot(Class::Aimed, index, &mut tracer).unwrap().query.ray
+            *source.shot(Class::Aimed, index, &mut tracer).unwrap().query.ray()
         };
         assert_eq!(ray(1, 2), ray(1, 2));
         assert_ne!(ray(1, 2), ray(1, 3));
@@ -303,7 +303,7 @@ mod tests {
             for index in 0..100 {
                 let shot = source.shot(class, index, &mut tracer).unwrap();
                 let (site, t) = shot.target.unwrap();
-                let off = shot.query.ray.at(t).distance(surfaces[0].point_at(site.uv));
+                let off = shot.query.ray().at(t).distance(surfaces[0].point_at(site.uv));
                 assert!(off < 4e-15, "{} {index}: {off}", class.name());
             }
         }
@@ -317,7 +317,7 @@ mod tests {
         let source = RaySource::new(&surfaces, 4).unwrap();
         for k in 1..=10 {
             for index in 0..50 {
-                let ray = source.shot(Class::Grazing(k), index, &mut tracer).unwrap().query.ray;
+                let ray = *source.shot(Class::Grazing(k), index, &mut tracer).unwrap().query.ray();
                 let distance = ray.origin().cross(ray.direction()).length();
                 let off = (distance / 2.0 - 1.0).abs();
                 let wanted = f64::powi(10.0, -i32::from(k));
@@ -342,7 +342,7 @@ mod tests {
         let in_plane =
             (0..100).filter_map(|index| source.shot(Class::SeamPlanes, index, &mut tracer));
         for shot in in_plane {
-            let ray = shot.query.ray;
+            let ray = shot.query.ray();
             assert!(normal.dot(ray.origin()).abs() < 1e-13, "{ray:?}");
             assert!(normal.dot(ray.direction()).abs() < 1e-12, "{ray:?}");
         }

@@ -207,8 +207,8 @@ impl Compared<'_> {
         let mut pictures = Pictures { position: blank(), normal: blank() };
         let both = self.rays.queries.iter().zip(self.ours).zip(entry.hits());
         for (((query, ours), hit), [x, y]) in both.zip(tiled_pixels(self.size)) {
-            let theirs = hit.map(|hit| sight::on_mesh(&hit, &query.ray, meshes));
-            let verdict = judge.judge(&query.ray, ours, theirs.as_ref());
+            let theirs = hit.map(|hit| sight::on_mesh(&hit, query.ray(), meshes));
+            let verdict = judge.judge(query.ray(), ours, theirs.as_ref());
             findings.hits += usize::from(theirs.is_some() && verdict != Verdict::Open);
             findings.count(verdict);
             let mut colors = match verdict {
@@ -221,7 +221,7 @@ impl Compared<'_> {
                 let along = (ours.distance - theirs.distance).abs() / self.model.diagonal;
                 let normal = degrees(ours.normal, theirs.normal);
                 errors[0].push(along);
-                errors[1].push(along * ours.incidence(&query.ray));
+                errors[1].push(along * ours.incidence(query.ray()));
                 errors[2].push(normal);
                 errors[3].push(degrees(ours.facet, theirs.facet));
                 colors = [POSITION.color(along), NORMAL.color(normal)];

@@ -212,7 +212,7 @@ fn pixels(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Pixel> {
     for ((view, query), [x, y]) in views.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
         let cosine = |sight: &Sight| match sight.normal.is_nan() {
             true => 0.0,
-            false => sight.incidence(&query.ray),
+            false => sight.incidence(query.ray()),
         };
         pixels[y * size[0] as usize + x] = match view {
             View::Known(sight) => Pixel::Known(sight.as_ref().map(cosine)),

@@ -69,7 +69,7 @@ pub(super) fn exact(bvh: &SurfaceBvh, rays: &Rays) -> Vec<View> {
     });
     let answers = chunks.collect::<Vec<_>>().concat();
     let both = answers.iter().zip(queries);
-    both.map(|(answer, query)| View::new(answer, &query.ray)).collect()
+    both.map(|(answer, query)| View::new(answer, query.ray())).collect()
 }
 
 /// What a ray meets on a surface.

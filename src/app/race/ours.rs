@@ -135,7 +135,7 @@ impl<'a> Ours<'a> {
 }
 
 fn first_hit(answer: &Answer, query: &Query) -> Outcome {
-    let direction = query.ray.direction();
+    let direction = query.ray().direction();
     let Some(hit) = answer.hit else {
         return Outcome { distance: None, incidence: 1.0, doubtful: answer.doubtful };
     };

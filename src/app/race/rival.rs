@@ -139,11 +139,11 @@ impl<'a> Entry<'a> {
             Question::AnyHit => CLEARANCE * rival.distance,
         };
         let chunks = rays.queries.par_chunks(CHUNK).map(|queries| {
-            let rays: Vec<Ray> = queries.iter().map(|query| clear(&query.ray, t_near)).collect();
+            let rays: Vec<Ray> = queries.iter().map(|query| clear(query.ray(), t_near)).collect();
             rival.scene.rays(&rays, width, coherence)
         });
         let chunks = chunks.collect();
-        let length = |query: &Query| query.ray.direction().length();
+        let length = |query: &Query| query.ray().direction().length();
         let lengths = rays.queries.iter().map(length).collect();
         Self { rival, question, width, lengths, chunks, t_near }
     }

@@ -52,7 +52,7 @@ impl Direct {
                 continue;
             };
             batch.radiance.push([0.0; 3]);
-            let normal = facing(hit.normal, query.ray.direction());
+            let normal = facing(hit.normal, query.ray().direction());
             self.points.push(Shaded { index, hit, normal, albedo: albedo(world, &hit) });
         }
 

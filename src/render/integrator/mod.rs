@@ -75,7 +75,7 @@ impl Integrator {
                 let Batch { queries, answers, radiance } = batch;
                 let seen = queries.iter().zip(answers.iter());
                 radiance.extend(seen.map(|(query, answer)| match &answer.hit {
-                    Some(hit) => color.of(world, &query.ray, hit),
+                    Some(hit) => color.of(world, query.ray(), hit),
                     None => [0.0; 3],
                 }));
             }
