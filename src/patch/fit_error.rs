@@ -70,19 +70,20 @@ impl FitError {
             *c = (c.truncate() - c.w * middle).extend(c.w);
         }
         let least = net.iter().map(|c| c.w).fold(f64::INFINITY, f64::min);
+        let heaviest = net.iter().map(|c| c.w).fold(0.0, f64::max);
         let positive = least > 0.0; // false for NaN
         if !positive {
             return Self::UNKNOWN;
         }
 
-        // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u; making it
-        // larger multiplies what they are off by up to `FIT_DOMAINᵖ⁺q`.
+        // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u, times the heaviest weight;
+        // making it larger multiplies what they are off by up to `FIT_DOMAINᵖ⁺q`.
         let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
-        let noise = 4.0 * patch.noise() * grown.max(1.0);
+        let noise = 4.0 * patch.noise() * grown.max(1.0) * (heaviest / least);
         let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        // Differences of order k are off by 2ᵏ times that where weights hardly differ, and the factors of all of them
-        // are (p + q)ᵏ together, at most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
+        // Differences of order k are off by 2ᵏ times that, and the factors of all of them are (p + q)ᵏ together, at
+        // most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
         let sum = (degree[0] + degree[1]) as f64;
         let [slope_of_weight, bend, third] = derivatives(degree, &net, least);
         let bend = bend + noise * (0.35 * sum * sum).max(1.0);
