@@ -2,10 +2,12 @@
 
 use std::sync::Mutex;
 
+use glam::DVec3;
+
 use super::test_worlds::{sphere_over_floor, sphere_over_tiles};
 use super::*;
 use crate::intersect::Coherence;
-use crate::scene::{IntegratorKind, World};
+use crate::scene::{Camera, IntegratorKind, Projection, View, World};
 
 fn settings() -> RenderSettings {
     RenderSettings {
@@ -31,6 +33,16 @@ fn both_worlds() -> [World; 2] {
     let told = |k: usize| worlds[k].neighbours(settings().size.into()).first_hits;
     assert_eq!([told(0), told(1)], [Coherence::Coherent, Coherence::Incoherent]);
     worlds
+}
+
+/// From within the bounding box of all, whose nearest point says nothing of how far away surfaces are.
+#[test]
+fn how_far_apart_rays_are_is_told_by_what_they_meet() {
+    let mut world = sphere_over_tiles();
+    let view = View { look_from: DVec3::new(2.5, -2.5, 0.5), look_at: DVec3::ZERO, up: DVec3::Z };
+    world.camera = Camera::new(view, Projection::Perspective { fov: 40.0 }).unwrap();
+    assert_eq!(world.neighbours([50, 37]).first_hits, Coherence::Incoherent);
+    assert_eq!(world.neighbours([5000, 3700]).first_hits, Coherence::Coherent);
 }
 
 /// Every number of every pixel of a rectangle, as bits.

@@ -22,6 +22,7 @@ mod plot_error;
 mod plotted;
 mod settings;
 mod shape;
+mod spacing;
 mod subdivision;
 mod transform;
 mod triangle;

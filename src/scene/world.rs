@@ -10,7 +10,7 @@ use super::{
     UnknownName, Written,
 };
 use crate::geometry::Surface;
-use crate::intersect::{BuildOptions, Neighbours, SurfaceBvh};
+use crate::intersect::{BuildOptions, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
 #[derive(Debug)]
@@ -65,18 +65,6 @@ impl World {
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         Placed::new(scene)?.build()
-    }
-
-    /// How the camera's rays, and those that leave their hits, are best traced in a picture of
-    /// this size.
-    ///
-    /// Told by how far apart rays are where the bounding box is nearest: the same for all of the
-    /// picture, whatever part of it is made.
-    pub fn neighbours(&self, size: [u32; 2]) -> Neighbours {
-        let eye = self.camera.view().look_from;
-        let (min, max) = self.bvh.bounds().unwrap_or((eye, eye));
-        let depth = eye.distance(eye.clamp(min, max));
-        self.bvh.neighbours(self.camera.pixel_width(size, depth))
     }
 }
 
