@@ -1,12 +1,13 @@
 //! What a solution comes to: a meeting, a doubt, or nothing.
 
-use super::borders::{at_border, error_bound, holds, on_piece, rounding_at, trim_side};
-use super::exact::{AT_POLE, END, Proof, STRETCH, Solution};
+use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
+use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use super::grazing::Known;
 use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::{HitFlags, Root};
 use crate::geometry::trim::Side;
+use crate::math::RayFrame;
 use crate::math::rounding;
 use crate::patch::{Jet, Leaf, Piece};
 
@@ -19,87 +20,67 @@ pub(super) fn accept(
     findings: &mut Findings,
 ) {
     let Place { leaf, piece, .. } = *place;
-    let ray = question.ray;
+    let (ray, proof) = (question.ray, solution.proof);
     let error = error_bound(piece, ray);
-
-    // The piece is closed: a root a little outside counts as the nearest point of the
-    // border, if that is within rounding of the ray.
-    let mut st = on_piece(piece, ray, solution.st);
-    let (mut jet, mut z) = match known {
-        Some(known) if st == solution.st => known,
-        _ => {
-            let jet = piece.patch.jet(st);
-            (jet, ray.axis.dot(jet.point - ray.origin))
+    let OnRay { spot, z, residual, allowed } = match on_ray(place, ray, solution, known) {
+        Ok(on_ray) => on_ray,
+        Err(doubt) => {
+            if let Some(z) = doubt {
+                findings.doubt_at(z.max(ray.z_range[0]) * ray.t_from_z);
+            }
+            return;
         }
     };
-    let nearest = st;
-    let residual = ray.coordinates(jet.point).truncate().length();
-    let (allowed, mut flags) = match solution.proof {
-        Proof::Isolated(_) => (error, HitFlags::NONE),
-        Proof::Collapsed => (AT_POLE * error, HitFlags::NONE),
-        Proof::Contact(_) => (2.0 * error, HitFlags::DOUBTFUL),
-        Proof::Stretch(_) => (4.0 * error, HitFlags::DOUBTFUL.with(HitFlags::INSIDE)),
+    let mut flags = match proof {
+        Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
+        Proof::Contact(_) => HitFlags::DOUBTFUL,
+        Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
     };
-    if residual > allowed {
-        // Where parameters are too coarse, the root lies between two of them.
-        let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
-        let too_coarse =
-            st == solution.st || residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
-        if solution.proof.stretch().is_some() || too_coarse {
-            let earliest = solution.proof.stretch().map_or(z, |[from, _]| from.min(z));
-            let earliest = earliest.max(ray.z_range[0]);
-            findings.doubt_at(earliest * ray.t_from_z);
-        }
-        return;
-    }
-
-    let mut normal = piece.normal(st, &jet);
-    let mut cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
-    if solution.proof == Proof::Collapsed && may_touch(leaf, &jet, cosine, error) {
+    let (normal, cosine) = spot.normal_along(ray);
+    if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
         flags.insert(HitFlags::DOUBTFUL);
     }
-    let z_error = error_along(solution.proof, error, (z, cosine));
+    let z_error = error_along(proof, error, (z, cosine));
+    let moved = spot.st != solution.st;
 
     // What trims cut off is not there; their edges are. In a pole is what any kept parameter
     // leads to.
-    let (mut piece, mut piece_index) = (piece, leaf.piece);
+    let (mut kept, mut z, mut normal, mut cosine) = (spot, z, normal, cosine);
     let known = Known { ray, error, along: z_error };
-    match trim_side(leaf, piece, (st, &jet), &known) {
+    match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
         Side::Inside => {}
         Side::Edge { inside, .. } => {
             flags.insert(HitFlags::TRIM_EDGE);
-            let spot = Spot { index: piece_index, piece, st, jet };
             let pole = leaf.collapsed(piece).filter(|_| !inside);
-            let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
-            if let Some(kept) = kept {
-                Spot { index: piece_index, piece, st, jet } = kept;
-                z = ray.axis.dot(jet.point - ray.origin);
-                normal = piece.normal(st, &jet);
-                cosine = normal.map_or(0.0, |normal| normal.dot(ray.axis));
+            if let Some(other) = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)))
+            {
+                kept = other;
+                z = ray.axis.dot(kept.jet.point - ray.origin);
+                (normal, cosine) = kept.normal_along(ray);
             }
         }
         Side::Outside => {
             // The ray may run on inside the surface to where that is kept.
-            if matches!(solution.proof, Proof::Stretch(_)) {
+            if matches!(proof, Proof::Stretch(_)) {
                 findings.doubt_at(z.max(ray.z_range[0]) * ray.t_from_z);
             }
             return;
         }
     }
+    let Spot { index: piece_index, piece, st, jet } = kept;
 
     // The root the ray starts on is not met again.
     if let Some((root, start)) = question.start_on(piece.surface) {
-        let reach = start_reach(solution.proof, error, z_error, cosine) + root.error;
+        let reach = start_reach(proof, error, z_error, cosine) + root.error;
         if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
             // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
             let touches = flags.contains(HitFlags::DOUBTFUL);
-            if touches || !is_same_root(solution.proof, leaf, (root, start), reach) {
+            if touches || !is_same_root(proof, leaf, (root, start), reach) {
                 findings.doubt_at(0.0);
             }
             return;
         }
     }
-
     let border = at_border(piece, st, &jet, error);
     let edge = border || flags.contains(HitFlags::TRIM_EDGE);
     let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
@@ -111,8 +92,7 @@ pub(super) fn accept(
         return;
     }
 
-    let t = z * ray.t_from_z;
-    let t_error = z_error * ray.t_from_z;
+    let (t, t_error) = (z * ray.t_from_z, z_error * ray.t_from_z);
     let [t_min, t_max] = question.t_range;
     let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
     if !(t > t_min && t < t_max) {
@@ -128,18 +108,17 @@ pub(super) fn accept(
     if border {
         flags.insert(HitFlags::BORDER);
     }
-    let stretch = match solution.proof {
+    let stretch = match proof {
         Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
         _ => None,
     };
-    let beyond = nearest != solution.st && residual > AIMED * rounding_at(jet.point, piece, ray);
-    let (surface, piece) = (piece.surface, piece_index);
+    let beyond = moved && residual > AIMED * rounding_at(jet.point, piece, ray);
     findings.meetings.push(Meeting {
         t,
         t_error,
         z_error,
-        surface,
-        piece,
+        surface: piece.surface,
+        piece: piece_index,
         st,
         jet,
         normal,
@@ -151,6 +130,51 @@ pub(super) fn accept(
     });
 }
 
+/// A place of a closed piece within rounding of the ray.
+struct OnRay<'a> {
+    spot: Spot<'a>,
+    /// How far along the ray it is, how far from it, and how far it may be.
+    z: f64,
+    residual: f64,
+    allowed: f64,
+}
+
+/// Where a solution is on the closed piece: a root a little outside counts as the nearest point of the border.
+///
+/// # Errors
+/// Where that is not within rounding of the ray: from where along it something may be met for all that, if so.
+fn on_ray<'a>(
+    &Place { leaf, piece, .. }: &Place<'a>,
+    ray: &RayFrame,
+    solution: &Solution,
+    known: Option<(Jet, f64)>,
+) -> Result<OnRay<'a>, Option<f64>> {
+    let error = error_bound(piece, ray);
+    let st = on_piece(piece, ray, solution.st);
+    let moved = st != solution.st;
+    let (jet, z) = known.filter(|_| !moved).unwrap_or_else(|| {
+        let jet = piece.patch.jet(st);
+        (jet, ray.axis.dot(jet.point - ray.origin))
+    });
+    let residual = ray.coordinates(jet.point).truncate().length();
+    let allowed = match solution.proof {
+        Proof::Isolated(_) => error,
+        Proof::Collapsed => AT_POLE * error,
+        Proof::Contact(_) => 2.0 * error,
+        Proof::Stretch(_) => AROUND * error,
+    };
+    if residual <= allowed {
+        let spot = Spot { index: leaf.piece, piece, st, jet };
+        return Ok(OnRay { spot, z, residual, allowed });
+    }
+    // Where parameters are too coarse, the root lies between two of them.
+    let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
+    let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
+    let stretch = solution.proof.stretch();
+    let unexplained = stretch.is_some() || !moved || too_coarse;
+    Err(unexplained.then_some(stretch.map_or(z, |[from, _]| from.min(z))))
+}
+
 /// Whether a ray through a pole may as well touch the surface there as cross it.
 ///
 /// Where the radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
@@ -160,6 +184,10 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
+
+/// A leaf is met only by rays within so many errors of it: a stretch along which a ray runs inside of it may be off
+/// by that.
+pub(super) const AROUND: f64 = 4.0;
 
 /// Where a ray meets a trim edge at so small an angle that its root is known along the ray to this many
 /// errors only, at 1e-5 from the tangent plane, it is doubtful: what is shown may be off the edge by as much.

@@ -3,17 +3,12 @@
 
 use glam::{DVec2, DVec3};
 
-use super::exact::Rect;
+use super::exact::holds;
 use super::grazing::Known;
 use super::newton::project;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
 use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, WIDENING};
-
-/// Whether a closed rectangle of parameters holds a place.
-pub(super) fn holds(rect: Rect, st: DVec2) -> bool {
-    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
-}
 
 /// How far a computed point of the piece may be from the true one, for this ray.
 pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {

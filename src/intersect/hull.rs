@@ -18,8 +18,7 @@ impl Hull {
         Self(net.into_iter().map(|c| ray.coordinates(c.truncate() / c.w)).collect())
     }
 
-    /// Whether the ray passes the hull by more than this: it is on one side of a plane that holds the ray, or one
-    /// parallel to it.
+    /// Whether some plane parallel to the ray, more than `distance` from it, has the whole hull on its far side.
     pub(super) fn is_passed_by(&self, distance: f64) -> bool {
         let across = || self.0.iter().map(|point| point.xy());
         // The outermost on either side, as seen from the ray, if it passes.

@@ -4,7 +4,7 @@
 //! what is said of it is said of a kept one, so that its parameters, and the normal that goes
 //! with them, are those of a part that is there.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::geometry::Direction;
 use crate::math::RayFrame;
@@ -21,6 +21,12 @@ pub(super) struct Spot<'a> {
 }
 
 impl<'a> Spot<'a> {
+    /// The normal there, if there is one, and its cosine with a ray.
+    pub(super) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
+        let normal = self.piece.normal(self.st, &self.jet);
+        (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
+    }
+
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that
     /// ends in the same pole; `None` if there is none from which the ray is within `allowed`.
     pub(super) fn kept(

@@ -2,9 +2,9 @@
 
 use glam::DVec2;
 
-use super::accept::accept;
-use super::borders::{error_bound, holds, on_piece};
-use super::exact::{Proof, Rect, Solution, Task};
+use super::accept::{AROUND, accept};
+use super::borders::{error_bound, on_piece};
+use super::exact::{Proof, Rect, Solution, Task, holds};
 use super::hull::Hull;
 use super::meeting::{Findings, Place, Question};
 use super::newton::{Grounds, Newton, newton};
@@ -62,7 +62,7 @@ pub(super) fn search(
 /// The exact way: all roots by subdivision, whatever the certificate says.
 ///
 /// Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on behalf of
-/// other rays. So what is doubted depends on the leaf alone ([`met_from`]), not on how it was come to.
+/// other rays. So what is searched, and doubted, depends on the leaf alone ([`met_from`]), not on how it was come to.
 pub(super) fn search_exactly(
     question: &Question<'_>,
     place: &Place<'_>,
@@ -72,13 +72,12 @@ pub(super) fn search_exactly(
 ) {
     let Place { leaf, piece, .. } = *place;
     let error = error_bound(piece, question.ray);
+    let Some(met_from) = met_from(place, passage, question.ray) else { return };
     if findings.effort >= MOST_BOXES {
-        if let Some(z) = met_from(place, passage, question.ray) {
-            findings.doubt_at(z * question.ray.t_from_z);
-        }
+        findings.doubt_at(met_from * question.ray.t_from_z);
         return;
     }
-    let (rect, mut is_all) = searched(leaf, piece, error);
+    let (rect, is_all) = searched(leaf, piece, error);
     let [z_min, z_max] = question.ray.z_range;
     let task = Task {
         patch: &piece.patch,
@@ -98,16 +97,6 @@ pub(super) fn search_exactly(
     findings.effort += boxes;
     findings.statistics.exact_boxes += boxes;
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
-    let mut nearest = f64::NEG_INFINITY;
-    if !is_all || !solutions.iter().all(is_proved) {
-        if let Some(z) = met_from(place, passage, question.ray) {
-            nearest = z;
-        } else {
-            // In the slack weights may vanish, and the surface be anywhere.
-            solutions.retain(is_proved);
-            is_all = true;
-        }
-    }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, question.ray, &mut solutions);
@@ -118,14 +107,14 @@ pub(super) fn search_exactly(
     }
     if findings.meetings.len() == known {
         if !is_all && !solutions.iter().any(is_proved) {
-            findings.doubt_at(nearest * question.ray.t_from_z);
+            findings.doubt_at(met_from * question.ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
         if earliest < f64::INFINITY {
             findings.doubt_at(earliest * question.ray.t_from_z);
         }
     }
-    findings.doubt = doubt.min(findings.doubt.max(nearest * question.ray.t_from_z));
+    findings.doubt = doubt.min(findings.doubt.max(met_from * question.ray.t_from_z));
     findings.solutions = solutions;
 }
 
@@ -134,7 +123,7 @@ pub(super) fn search_exactly(
 fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
-    (!hull.is_passed_by(2.0 * error)).then_some(nearest.max(ray.z_range[0]))
+    (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
 }
 
 /// How many boxes the exact solver looks at for one ray before it leaves further leaves undecided,

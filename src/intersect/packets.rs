@@ -116,25 +116,24 @@ impl Tracer<'_> {
             return;
         }
         self.packets.doubt = [f64::INFINITY; PACKET];
-        let mut effort = [0; PACKET];
-        let mut enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
-        for at in 0..self.packets.work.rest.len() {
-            let (k, leaf) = self.packets.work.rest[at];
+        let enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
+        let mut rest = std::mem::take(&mut self.packets.work.rest);
+        rest.sort_unstable();
+        for of_ray in rest.chunk_by(|a, b| a.0 == b.0) {
+            let k = of_ray[0].0;
             if enough >> k & 1 != 0 {
                 continue;
             }
+            self.single.rest.clear();
+            self.single.rest.extend(of_ray.iter().map(|&(_, leaf)| leaf));
+            let query = shots[k].query();
             let limit = self.packets.packet.end(k);
-            self.findings.effort = effort[k];
-            self.search_leaf(&shots[k].query(), leaf, (limit, wanted));
-            effort[k] = self.findings.effort;
+            self.search_left(&query, &RayFrame::new(&query.ray), limit, wanted);
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
-            let found = &self.findings.meetings;
-            if wanted == Wanted::Any && found.iter().any(Meeting::is_certain) {
-                enough |= 1 << k;
-            }
-            meetings.extend(found.iter().map(|&meeting| (k, meeting)));
-            doubt[k] = doubt[k].min(self.findings.doubt);
+            meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));
+            doubt[k] = self.findings.doubt;
         }
+        self.packets.work.rest = rest;
     }
 
     /// The nearest of what the packet and the scalar search found for each ray.

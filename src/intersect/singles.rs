@@ -12,7 +12,7 @@ use super::tracer::answer_of;
 use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
-use crate::patch::{Jet, Leaf, Piece};
+use crate::patch::{Jet, Leaf, Passage, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
@@ -55,20 +55,37 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hits(simd, self, queries, answers));
     }
 
-    /// The scalar search of the leaves that the fast one could not decide, as far as `limit`
+    /// The scalar search of the leaves that the fast one could not decide, `single.rest`, as far as `limit`
     /// along the ray; stops at the first certain hit if any will do.
-    fn search_left(&mut self, query: &Query, frame: &RayFrame, limit: f64, wanted: Wanted) {
-        let mut limit = limit;
+    ///
+    /// Near ones first, whatever the order they were found in: what is spent on one is not left for others.
+    pub(super) fn search_left(
+        &mut self,
+        query: &Query,
+        frame: &RayFrame,
+        limit: f64,
+        wanted: Wanted,
+    ) {
         let bvh = self.bvh;
         let t_range = [query.ray.t_min(), query.ray.t_max()];
         let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
         self.findings.clear();
-        for &index in &self.single.rest {
+        self.findings.effort = 0;
+        let passage = |&leaf: &u32| {
+            let oriented = bvh.tree.oriented(leaf);
+            let place = bvh.place(leaf, &oriented);
+            Some((place.passage(frame, bvh.tree.frame_of(leaf), limit)?, leaf))
+        };
+        let mut leaves: Vec<(Passage, u32)> = self.single.rest.iter().filter_map(passage).collect();
+        leaves.sort_unstable_by(|a, b| a.0.entry.total_cmp(&b.0.entry).then(a.1.cmp(&b.1)));
+        let mut limit = limit;
+        for (passage, index) in leaves {
             let oriented = bvh.tree.oriented(index);
             let place = bvh.place(index, &oriented);
-            let passage = place.passage(frame, bvh.tree.frame_of(index), limit);
-            let Some(passage) = passage else { continue };
             let slack = error_bound(place.piece, frame);
+            if passage.entry > limit + slack {
+                continue;
+            }
             let before = self.findings.meetings.len();
             leaf_search::search(&question, &place, &passage, limit + slack, &mut self.findings);
             for meeting in &self.findings.meetings[before..] {
@@ -86,19 +103,10 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// The scalar search of one leaf against one ray, for the packets; `findings` holds what was
-    /// found. `limit` is how far along the ray it is of interest.
-    pub(super) fn search_leaf(&mut self, query: &Query, leaf: u32, (limit, wanted): (f64, Wanted)) {
-        self.single.rest.clear();
-        self.single.rest.push(leaf);
-        self.search_left(query, &RayFrame::new(&query.ray), limit, wanted);
-    }
-
-    /// The first of what the fast search has found and of what it has left.
+    /// The first of the fast search's hit and of what the scalar search finds in the leaves it has left.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
-        self.findings.effort = 0;
         self.search_left(query, frame, limit, Wanted::First);
         let certain =
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
@@ -144,7 +152,6 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.single.rest.is_empty() {
         return Occlusion::default();
     }
-    tracer.findings.effort = 0;
     tracer.search_left(query, &frame, frame.z_range[1], Wanted::Any);
     tracer.findings.occlusion()
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, BuildOptions, Coherence, Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
@@ -215,4 +215,36 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
     }
     assert!(most <= MOST_BOXES_OF_A_RAY, "{most} boxes for one ray");
     assert!(most > 1 << 17, "the bound is not met: {most} boxes");
+}
+
+/// Which leaves are left when the work is used up is a matter of the ray, not of those traced beside it.
+#[test]
+fn what_is_left_where_work_is_bounded_depends_on_the_ray_alone() {
+    let bvh = SurfaceBvh::build(&[circle_twice()], &BuildOptions::default()).unwrap();
+    let mut random = Random::new(4);
+    let rays: Vec<Ray> = (0..6)
+        .map(|_| {
+            let [from, to] = [2.0, 0.5].map(|reach| {
+                let angle = random.between(0.0, TAU);
+                reach * DVec2::from_angle(angle).extend(0.0)
+            });
+            Ray::new(from, to - from).unwrap()
+        })
+        .collect();
+    let mut tracer = bvh.tracer();
+    for told in [Coherence::Coherent, Coherence::Incoherent] {
+        let mut said = |rays: &[Ray]| {
+            let mut answers = Vec::new();
+            tracer.first_hits(rays, told, &mut answers);
+            let one = |answer: &Answer| (answer.hit.map(|hit| hit.t.to_bits()), answer.doubtful);
+            answers.iter().map(one).collect::<Vec<_>>()
+        };
+        let together = said(&rays);
+        let backwards: Vec<Ray> = rays.iter().rev().copied().collect();
+        let mut reversed = said(&backwards);
+        reversed.reverse();
+        assert_eq!(reversed, together, "{told:?}");
+        let alone: Vec<_> = rays.iter().flat_map(|ray| said(&[*ray])).collect();
+        assert_eq!(alone, together, "{told:?}");
+    }
 }

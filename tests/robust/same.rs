@@ -4,7 +4,7 @@
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{Surface, shapes};
 use nurbray::intersect::{
-    Answer, BuildOptions, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh,
+    Answer, BuildOptions, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh, Tracer,
 };
 use nurbray::math::Ray;
 
@@ -12,6 +12,7 @@ use crate::model::Model;
 use crate::models;
 use crate::random::Random;
 use crate::rays::{Class, Rays};
+use crate::ways::kernels;
 
 /// Everything a hit says, as bits: NaN is equal to itself.
 fn bits(hit: &Hit) -> Vec<u64> {
@@ -78,24 +79,47 @@ fn whoever_asks_in_whatever_order() {
     }
 }
 
+/// So many indices in any order.
+fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    for k in (1..count).rev() {
+        order.swap(k, random.below(k + 1));
+    }
+    order
+}
+
+/// Answers to some queries in one batch.
+fn batch(tracer: &mut Tracer<'_>, queries: &[Query], told: Coherence) -> Vec<(Said, Occlusion)> {
+    let (mut answers, mut occlusions) = (Vec::new(), Vec::new());
+    tracer.first_hits(queries, told, &mut answers);
+    tracer.occlusions(queries, told, &mut occlusions);
+    let one = |answer: &Answer| (answer.hit.iter().map(bits).collect(), answer.doubtful);
+    answers.iter().map(one).zip(occlusions).collect()
+}
+
+/// In packets and in streams an answer depends on the ray alone, not on those beside it.
 #[test]
-fn alone_or_in_a_batch() {
+fn whatever_rays_are_in_the_batch() {
     for model in some_models() {
         let bvh = model.bvh();
         let queries = queries(&model, &bvh, 10, 52);
-        // Packets have a test of their own: their hits are those of the scalar kernel only to
-        // the accuracy promised.
-        let mut tracer = bvh.tracer_with(Kernel::Scalar);
-        let alone: Vec<Answer> = queries.iter().map(|query| tracer.first_hit(query)).collect();
-        let occluded: Vec<Occlusion> = queries.iter().map(|query| tracer.occluded(query)).collect();
-        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-            let (mut answers, mut occlusions) = (Vec::new(), Vec::new());
-            tracer.first_hits(&queries, coherence, &mut answers);
-            tracer.occlusions(&queries, coherence, &mut occlusions);
-            assert_eq!(occlusions, occluded, "{}", model.name);
-            for (a, b) in answers.iter().zip(&alone) {
-                assert_eq!(a.hit.as_ref().map(bits), b.hit.as_ref().map(bits), "{}", model.name);
-                assert_eq!(a.doubtful, b.doubtful, "{}", model.name);
+        for kernel in kernels().filter(|&kernel| kernel != Kernel::Scalar) {
+            let mut tracer = bvh.tracer_with(kernel);
+            for told in [Coherence::Coherent, Coherence::Incoherent] {
+                let whole = batch(&mut tracer, &queries, told);
+                for size in [1, 7, 33] {
+                    let parts =
+                        queries.chunks(size).flat_map(|part| batch(&mut tracer, part, told));
+                    let parts: Vec<(Said, Occlusion)> = parts.collect();
+                    assert_eq!(parts, whole, "{}, {kernel}, {told:?}, {size}", model.name);
+                }
+                let order = shuffled(queries.len(), &mut Random::new(57));
+                let shuffled: Vec<Query> = order.iter().map(|&k| queries[k]).collect();
+                for (said, &k) in batch(&mut tracer, &shuffled, told).iter().zip(&order) {
+                    let context =
+                        || format!("{}, {kernel}, {told:?}: {:?}", model.name, queries[k]);
+                    assert_eq!(*said, whole[k], "{}", context());
+                }
             }
         }
     }
@@ -127,12 +151,9 @@ fn wherever_a_surface_stands_in_the_list() {
     let model = models::teapot();
     let bvh = model.bvh();
     let queries: Vec<Query> =
-        queries(&model, &bvh, 10, 54).into_iter().filter(|query| query.from.is_none()).collect();
+        queries(&model, &bvh, 10, 54).into_iter().filter(|query| query.from().is_none()).collect();
     let mut random = Random::new(55);
-    let mut order: Vec<usize> = (0..model.surfaces.len()).collect();
-    for k in (1..order.len()).rev() {
-        order.swap(k, random.below(k + 1));
-    }
+    let order = shuffled(model.surfaces.len(), &mut random);
     let shuffled: Vec<Surface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();
     let shuffled = SurfaceBvh::build(&shuffled, &BuildOptions::default()).unwrap();
     let (mut a, mut b) = (bvh.tracer(), shuffled.tracer());

@@ -20,7 +20,8 @@
 //!    line between two boxes is inside one of them; a root found twice is told by its box.
 //! 4. *Has rounding the last word?* Where all of `f` is within `2ε` of zero, the ray passes
 //!    the whole box within rounding: it is reported as one contact, flagged doubtful. At a
-//!    side that is collapsed to a point the contact is the pole, and not doubtful.
+//!    side that is collapsed to a point the contact is the pole, and doubtful only where
+//!    the ray may touch the surface there.
 //!
 //! The box's net is always cut anew from the leaf's, so its error is the same at every
 //! depth. Work is bounded: when the budget is used up, or the ray is seen to run inside
@@ -31,5 +32,5 @@ mod contact;
 mod parameter_box;
 mod solver;
 
-pub(crate) use parameter_box::Rect;
+pub(crate) use parameter_box::{Rect, holds};
 pub(super) use solver::{AT_POLE, END, ExactSolver, Proof, STRETCH, Solution, Task};

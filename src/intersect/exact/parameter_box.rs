@@ -9,6 +9,11 @@ use crate::math::bernstein::{self, Basis};
 /// A closed rectangle of parameters: from and to in `s`, then in `t`.
 pub(crate) type Rect = [[f64; 2]; 2];
 
+/// Whether such a rectangle holds a place.
+pub(crate) fn holds(rect: Rect, st: DVec2) -> bool {
+    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
+}
+
 /// The net of a piece over a rectangle in ray coordinates: `(w x, w y, w z, w)` with `x`
 /// and `y` the distances from the ray's two planes. The ray meets the surface where the
 /// polynomials `w x` and `w y` vanish together (Kajiya 1982; Nishita et al. 1990).

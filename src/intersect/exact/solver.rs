@@ -4,9 +4,9 @@ mod ends;
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::Rect;
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
+use super::{Rect, holds};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, TensorPatch};
 
@@ -211,8 +211,12 @@ impl ExactSolver {
     }
 
     /// How far `w x` and `w y` may be off: half of the promise for a point, times the largest
-    /// weight. The other half is kept for what a contact's own point is off: coefficients
-    /// come from fewer operations than points on the surface.
+    /// weight. The other half is kept for what a contact's own point is off.
+    ///
+    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)) it holds for errors of random
+    /// sign. Were all of one sign, the two times a net is cut down could cost `8 (p + q) u`, more than the
+    /// `2 (p + q + 4) u` taken here; of random nets of degree 1 to 12, compared with exact fractions, none was off by
+    /// half of that.
     fn error(&self, task: &Task<'_>) -> f64 {
         0.5 * task.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max)
     }
@@ -412,10 +416,6 @@ fn longest_direction(map: DMat2) -> DMat2 {
 fn inner(rect: Rect, x: DVec2) -> DVec2 {
     let at = |[from, to]: [f64; 2], x: f64| from + x * (to - from);
     DVec2::new(at(rect[0], x.x), at(rect[1], x.y))
-}
-
-fn holds(rect: Rect, st: DVec2) -> bool {
-    (0..2).all(|k| rect[k][0] <= st[k] && st[k] <= rect[k][1])
 }
 
 /// The two halves across an axis, each longer by a part of the whole.

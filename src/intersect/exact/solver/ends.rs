@@ -130,6 +130,9 @@ impl ExactSolver {
     }
 }
 
+/// Of the trace of the normal equations: the root of what rounding leaves of them.
+const DAMPING: f64 = 1e-10;
+
 /// A place near `st`, within the task's rectangle, where the surface is closest to the ray
 /// across the direction in which it does not touch: at a tangency the Jacobian has rank
 /// one, and only that part of the distance can be removed. Least squares, damped by what
@@ -149,7 +152,7 @@ fn settled(task: &Task<'_>, st: DVec2) -> DVec2 {
         }
         best = (at.length(), st);
         let normal = jacobian.transpose() * jacobian;
-        let damping = 1e-10 * (normal.x_axis.x + normal.y_axis.y);
+        let damping = DAMPING * (normal.x_axis.x + normal.y_axis.y);
         let damped = normal + DMat2::from_diagonal(DVec2::splat(damping));
         let step = damped.inverse() * (jacobian.transpose() * at);
         if !step.is_finite() {
