@@ -13,7 +13,7 @@ use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
 use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame};
 
-/// How surfaces are prepared.
+/// How surfaces are prepared: there is nothing to choose yet.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct BuildOptions {}
@@ -92,11 +92,6 @@ impl SurfaceBvh {
     /// The number of surfaces.
     pub fn surface_count(&self) -> usize {
         self.set.surface_count()
-    }
-
-    /// The number of Bézier pieces of a surface.
-    pub fn patch_count(&self, surface: usize) -> usize {
-        self.set.pieces_of(surface).len()
     }
 
     /// The number of leaves of a surface.

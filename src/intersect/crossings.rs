@@ -101,12 +101,15 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
     }
 }
 
+/// Surfaces that are met at a smaller cosine, the root of the unit roundoff, are not told apart from touched ones.
+const LEAST_COSINE: f64 = 1e-8;
+
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
 fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     // A point beyond a border may be off the ray by the whole error; where the other surface is
     // met obliquely, that is as far along the ray as the other may be off.
     let along = 2.0 * (a.t_error + b.t_error);
-    let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(1e-8);
+    let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
     if !near {
         return false;

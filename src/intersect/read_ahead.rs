@@ -72,7 +72,7 @@ impl ReadAhead {
         self.left -= PACKET;
     }
 
-    /// Lets the rays behind that packet, `others`, be asked for, as far as `trace` comes to it.
+    /// Runs `trace`, which may ask for the rays behind that packet, `others`, as it goes.
     #[inline(always)]
     pub(super) fn while_tracing<Q>(
         &mut self,

@@ -10,6 +10,12 @@ use crate::math::RayFrame;
 /// and directions to f32 over the distances a ray has inside the scene.
 const GROWTH: f64 = 4e-6;
 
+/// A ray with less than this along a row runs along the slab: nothing can be divided by it.
+const LEAST_ALONG: f64 = 1e-300;
+
+/// A chord shorter than this part of the other, or as near to its direction, is of no use as a direction.
+const USABLE: f64 = 1e-3;
+
 /// A parallelepiped around a leaf: the points `P`, in scaled coordinates, with
 /// `|rowₖ · P − offsetₖ| ≤ 1`.
 ///
@@ -103,7 +109,7 @@ impl OrientedBox {
             // Rounding grows with the distance of the origin from the scene.
             let rounding = 8.0 * f64::EPSILON * (origin.abs().max_element() + 1.0);
             let reach = 1.0 + rows[k].length() * (slack * frame.scale + rounding);
-            let (near, far) = if along.abs() > 1e-300 {
+            let (near, far) = if along.abs() > LEAST_ALONG {
                 let (a, b) = ((-reach - at) / along, (reach - at) / along);
                 (a.min(b), a.max(b))
             } else if at.abs() > reach {
@@ -151,12 +157,10 @@ fn independent(chords: [DVec3; 2]) -> [DVec3; 3] {
     if degenerate {
         return [DVec3::X, DVec3::Y, DVec3::Z];
     }
-    // A chord much shorter than the other, or along it, gives no usable direction.
-    let usable = 1e-3;
-    if a.length() < usable * longest {
+    if a.length() < USABLE * longest {
         a = b.any_orthogonal_vector().normalize() * longest;
     }
-    if b.length() < usable * longest || a.cross(b).length() < usable * a.length() * b.length() {
+    if b.length() < USABLE * longest || a.cross(b).length() < USABLE * a.length() * b.length() {
         b = a.any_orthogonal_vector().normalize() * longest;
     }
     let n = a.cross(b);

@@ -62,8 +62,8 @@ impl Apart {
         }
     }
 
-    /// Of some rays those that meet the boxes of a node's children, of those whose bit is set in
-    /// `met`: a bit each, by child; all of them if they are alike.
+    /// For each child of the node whose bit is set in the second of `children`, which of `rays` meet its box:
+    /// one bit a ray. All of `rays` for every child if the packet's rays are alike.
     #[inline(always)]
     pub(super) fn meeting<S: Simd>(
         &self,

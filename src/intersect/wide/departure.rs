@@ -18,10 +18,10 @@
 //! - the points are at least `|Δ| / stretch` apart ([`Leaf::stretch`]);
 //! - the approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of
 //!   its second derivatives, from the sums of their terms' sizes: below zero where the leaf bends
-//!   away from the ray. `ε` is what `N` is not perpendicular to the tangents at `y₁` by: it is to those at
-//!   the stated start, but for rounding, and they differ by no more than the norm of the second
-//!   derivatives times how far apart the two places are. That is no more than `stretch` times how far
-//!   apart their points are: as far as the ray's origin is from the stated start's, over the cosine. (All of
+//!   away from the ray. `ε` bounds how far `N` is from being perpendicular to the tangents at `y₁`. At the stated start
+//!   it is perpendicular to them, but for rounding; from there to `y₁` they change by at most the norm of
+//!   the second derivatives times the distance of the two places. That is no more than `stretch` times how
+//!   far apart their points are: as far as the ray's origin is from the stated start's, over the cosine. (All of
 //!   these bounds hold a little outside the leaf, so that must not be far.)
 //! - or `Λ` is what they are in the one direction that `Δ` can have, but for a small angle. Let `m` be
 //!   the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The

@@ -161,7 +161,7 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     first
 }
 
-/// Looks at what was put aside: as long as there are sixteen at a time, or at `all` of it.
+/// Looks at what was put aside, sixteen at a time, as long as there is at least as much as this.
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,
@@ -169,10 +169,10 @@ pub(super) fn settle<S: Simd>(
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
-    all: bool,
+    least: usize,
 ) {
     let mut found = false;
-    while work.doubts.are_many() || all && work.doubts.count > 0 {
+    while work.doubts.count >= least {
         let taken = work.doubts.take(simd);
         let room = (&mut work.parts, &mut work.nets);
         let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, room);

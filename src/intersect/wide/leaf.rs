@@ -117,7 +117,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         statistics.newton_iterations += u64::from(done.steps);
         work.leave(base, rest, index);
         if work.doubts.are_many() {
-            settle(simd, scene, packet, work, statistics, false);
+            settle(simd, scene, packet, work, statistics, LANES);
         }
     }
     if found {

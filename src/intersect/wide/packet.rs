@@ -411,17 +411,19 @@ fn pair(lanes: &[[f64; PACKET]; 2], k: usize) -> DVec2 {
     DVec2::new(lanes[0][k], lanes[1][k])
 }
 
+/// Components of directions this near to zero decide nothing: their inverses would near the end of f32.
+const TINY: f32 = 1e-20;
+
 impl PacketBounds {
     /// Takes the range of a coordinate of all directions.
     pub(super) fn set_directions(&mut self, i: usize, low: f32, high: f32) {
         (self.axis_min[i], self.axis_max[i]) = (low, high);
         // Inverses are rounded outwards by two units.
         let (outer, inner) = (1.0 + 2.0 * f32::EPSILON, 1.0 - 2.0 * f32::EPSILON);
-        let tiny = 1e-20;
-        if low > tiny {
+        if low > TINY {
             self.sign[i] = 1;
             (self.inverse_min[i], self.inverse_max[i]) = (inner / high, outer / low);
-        } else if high < -tiny {
+        } else if high < -TINY {
             self.sign[i] = -1;
             (self.inverse_min[i], self.inverse_max[i]) = (inner / -low, outer / -high);
         }

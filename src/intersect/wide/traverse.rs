@@ -21,12 +21,19 @@ use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
 /// What is to be entered, where the first ray may, and the rays that may.
-type Task = (f32, ChildCode, u64);
+type Visit = (f32, ChildCode, u64);
+
+/// Covers f32 rounding of slabs at the distances a ray has inside the scene.
+const SLAB_SPARE: f32 = 1e-5;
+
+/// A box's row decides where the least slope of a packet's rays is more than this part of the largest: else
+/// what it tells is lost in rounding.
+const LEAST_DECIDED: f32 = 1e-3;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Work {
-    stack: Vec<Task>,
+    stack: Vec<Visit>,
     /// Rays and leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
     apart: Apart,
@@ -117,7 +124,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         }
     }
     if !work.doubts.is_empty() {
-        settle(simd, scene, packet, work, statistics, true);
+        settle(simd, scene, packet, work, statistics, 1);
     }
 }
 
@@ -132,7 +139,7 @@ fn change_region<S: Simd>(
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    settle(simd, scene, packet, work, statistics, true);
+    settle(simd, scene, packet, work, statistics, 1);
     change_to(simd, packet, &region.frame, scene.reach_of_f32);
     work.apart.set(simd, packet, region.leaf_width);
 }
@@ -210,8 +217,7 @@ fn enter<S: Simd>(
         near = near.max((to_near * a).min(to_near * b));
         far = far.min((to_far * a).max(to_far * b));
     }
-    // The spare covers f32 rounding of slabs at the distances a ray has inside the scene.
-    let spare = f32x16::splat(simd, 1e-5);
+    let spare = f32x16::splat(simd, SLAB_SPARE);
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
         & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
@@ -249,15 +255,14 @@ pub(super) fn enter_block<S: Simd>(
         // Turned so that the slope is not negative.
         let at = at * one.copysign(slope);
         let (least, most) = (slope.abs() - slope_reach, slope.abs() + slope_reach);
-        let decided = least.simd_gt(f32x16::splat(simd, 1e-3) * most);
+        let decided = least.simd_gt(f32x16::splat(simd, LEAST_DECIDED) * most);
         let (a, b) = (one / decided.select(least, one), one / most);
         let to_near = zero - one - (at + at_reach);
         let to_far = one - (at - at_reach);
         near = decided.select(near.max((to_near * a).min(to_near * b)), near);
         far = decided.select(far.min((to_far * a).max(to_far * b)), far);
     }
-    // The spare covers f32 rounding of slabs at the distances a ray has inside the scene.
-    let spare = f32x16::splat(simd, 1e-5);
+    let spare = f32x16::splat(simd, SLAB_SPARE);
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
         & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
