@@ -56,25 +56,28 @@ pub(super) fn search(
             Newton::Failed => {}
         }
     }
-    search_exactly(question, place, passage, z_limit, findings);
+    // Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on
+    // behalf of other rays. So what is searched, and doubted, depends on the leaf alone, not on how it was come to.
+    if let Some(from) = met_from(place, passage, ray) {
+        search_exactly(question, place, Some(from), z_limit, findings);
+    }
 }
 
-/// The exact way: all roots by subdivision, whatever the certificate says.
-///
-/// Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on behalf of
-/// other rays. So what is searched, and doubted, depends on the leaf alone ([`met_from`]), not on how it was come to.
+/// The exact way: all roots by subdivision, whatever the certificate says. `from` is what [`met_from`] says: where
+/// that is `None`, only what is proved counts.
 pub(super) fn search_exactly(
     question: &Question<'_>,
     place: &Place<'_>,
-    passage: &Passage,
+    from: Option<f64>,
     z_limit: f64,
     findings: &mut Findings,
 ) {
     let Place { leaf, piece, .. } = *place;
     let error = error_bound(piece, question.ray);
-    let Some(met_from) = met_from(place, passage, question.ray) else { return };
     if findings.effort >= MOST_BOXES {
-        findings.doubt_at(met_from * question.ray.t_from_z);
+        if let Some(z) = from {
+            findings.doubt_at(z * question.ray.t_from_z);
+        }
         return;
     }
     let (rect, is_all) = searched(leaf, piece, error);
@@ -97,6 +100,10 @@ pub(super) fn search_exactly(
     findings.effort += boxes;
     findings.statistics.exact_boxes += boxes;
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
+    if from.is_none() {
+        // In the slack weights may vanish, and the surface be anywhere.
+        solutions.retain(is_proved);
+    }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, question.ray, &mut solutions);
@@ -106,21 +113,22 @@ pub(super) fn search_exactly(
         accept(question, place, solution, None, findings);
     }
     if findings.meetings.len() == known {
-        if !is_all && !solutions.iter().any(is_proved) {
-            findings.doubt_at(met_from * question.ray.t_from_z);
+        if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved)) {
+            findings.doubt_at(z * question.ray.t_from_z);
         }
         // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
         if earliest < f64::INFINITY {
             findings.doubt_at(earliest * question.ray.t_from_z);
         }
     }
-    findings.doubt = doubt.min(findings.doubt.max(met_from * question.ray.t_from_z));
+    let nearest = from.map_or(f64::NEG_INFINITY, |z| z * question.ray.t_from_z);
+    findings.doubt = doubt.min(findings.doubt.max(nearest));
     findings.solutions = solutions;
 }
 
 /// From where on the ray may meet a leaf, or pass it within rounding: not before it enters the leaf's box, nor before
 /// all of the control points. `None` where it passes their hull.
-fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
+pub(super) fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))

@@ -228,7 +228,8 @@ fn exactly(
     findings: &mut Findings,
 ) {
     findings.statistics.leaf_tests += 1;
-    leaf_search::search_exactly(question, place, passage, limit, findings);
+    let from = leaf_search::met_from(place, passage, question.ray);
+    leaf_search::search_exactly(question, place, from, limit, findings);
 }
 
 impl SurfaceBvh {

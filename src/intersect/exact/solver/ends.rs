@@ -75,7 +75,7 @@ impl ExactSolver {
     fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<Candidate>) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if self.is_empty(task, rect, &bounds, self.error(task)) {
+        if self.is_empty(task, rect, &bounds, self.error) {
             return;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
