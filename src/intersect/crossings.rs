@@ -1,22 +1,24 @@
 //! Which meetings are one crossing.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
-use super::HitFlags;
 use super::meeting::Meeting;
+use super::{HitFlags, vertices};
 use crate::patch::Piece;
 
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
 /// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
+/// Which way the ray, along `axis`, goes through a vertex is told by [`vertices`].
 /// What is met beside a tip, as near as can be told, stays, and the tip is doubtful.
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
 /// leave there, or to do neither. Where only one of the two sides was near enough, it is doubtful.
-pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece]) {
+pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let place = |m: &Meeting| (m.surface, m.piece);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
     join_stretches(meetings);
+    vertices::settle(meetings, pieces, axis);
 
     let mut kept = 0;
     for k in 0..meetings.len() {
@@ -83,12 +85,12 @@ const GRAZING: f64 = 1e-4;
 /// A doubtful meeting that is steep has a side. At a corner of a piece whose tangents there are
 /// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
 /// which side the ray is of the surface around the corner is known.
-fn touches(meeting: &Meeting) -> bool {
+pub(super) fn touches(meeting: &Meeting) -> bool {
     !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !is_tip(meeting)
 }
 
 /// Whether a meeting is in a tip, or so near to one that the surface has no normal there.
-fn is_tip(meeting: &Meeting) -> bool {
+pub(super) fn is_tip(meeting: &Meeting) -> bool {
     meeting.normal.is_none()
 }
 
@@ -105,7 +107,7 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
 const LEAST_COSINE: f64 = 1e-8;
 
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
-fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
+pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     // A point beyond a border may be off the ray by the whole error; where the other surface is
     // met obliquely, that is as far along the ray as the other may be off.
     let along = 2.0 * (a.t_error + b.t_error);

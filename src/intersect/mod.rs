@@ -95,6 +95,7 @@ mod streams;
 mod tracer;
 mod traverse;
 mod tree;
+mod vertices;
 mod wide;
 
 pub use bvh::{BuildError, BuildOptions, SurfaceBvh};

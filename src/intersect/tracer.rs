@@ -121,7 +121,7 @@ impl<'a> Tracer<'a> {
     pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
         let frame = RayFrame::new(&query.ray);
         self.collect(query, &frame, exactly, |_| f64::INFINITY);
-        crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces());
+        crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces(), frame.axis);
         let set = &self.bvh.set;
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
