@@ -44,5 +44,7 @@ mod same;
 mod survey;
 #[path = "robust/traps.rs"]
 mod traps;
+#[path = "robust/uneven.rs"]
+mod uneven;
 #[path = "robust/ways.rs"]
 mod ways;

@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::elevate::elevate;
 use super::knots::MAX_DEGREE;
-use super::line::{merged, mix, refine, restrict};
+use super::line::{merged, mix_by, refine, restrict, shares};
 use super::{CurveError, KnotError, KnotVector};
 
 /// A NURBS curve `C(t) = Σ Nᵢ(t) wᵢ Pᵢ / Σ Nᵢ(t) wᵢ`, stored as its homogeneous control
@@ -127,7 +127,7 @@ impl NurbsCurve {
         for round in 1..=p {
             for j in (round..=p).rev() {
                 let (left, right) = (values[span - p + j], values[span + 1 + j - round]);
-                d[j] = mix(d[j - 1], d[j], (t - left) / (right - left));
+                d[j] = mix_by(d[j - 1], d[j], shares(t, left, right));
             }
         }
         let point = d[p].xyz() / d[p].w;

@@ -4,7 +4,7 @@
 use glam::{BVec4, DVec4};
 
 use super::KnotVector;
-use super::line::mix_by;
+use super::line::{mix_by, shares as of_both};
 
 /// How the Bézier points of all spans of a clamped spline come from its control points; by the first of those that
 /// govern a span.
@@ -115,10 +115,10 @@ fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
             let argument = span[usize::from(level > p - k)];
             for j in (level..=p).rev() {
                 let (left, right) = (values[index - p + j], values[index + 1 + j - level]);
-                let alpha = (argument - left) / (right - left);
+                let [beta, alpha] = of_both(argument, left, right);
                 let before = shares[j - 1];
                 for (share, before) in shares[j].iter_mut().zip(before) {
-                    *share = (1.0 - alpha) * before + alpha * *share;
+                    *share = beta * before + alpha * *share;
                 }
             }
         }
@@ -210,13 +210,8 @@ impl Steps {
         let values = knots.values();
         let knot = |k: isize| values[index.saturating_add_signed(k).min(values.len() - 1)];
         let [before, t0, t1, t2, t3, t4] = [-2, -1, 0, 1, 2, 3].map(knot);
-        let by = |t: f64, from: f64, to: f64| {
-            let alpha = (t - from) / (to - from);
-            [1.0 - alpha, alpha]
-        };
-        let by =
-            [by(t0, before, t2), by(t1, t0, t2), by(t1, t0, t3), by(t2, t1, t3), by(t2, t1, t4)];
-        Self { by }
+        let by = [(t0, before, t2), (t1, t0, t2), (t1, t0, t3), (t2, t1, t3), (t2, t1, t4)];
+        Self { by: by.map(|(t, left, right)| of_both(t, left, right)) }
     }
 
     /// The Bézier points, from the control points; only `p + 1` of either count.

@@ -28,6 +28,22 @@ pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
     )
 }
 
+/// `1 − α` and `α` for `α = (t − left) / (right − left)`.
+///
+/// The smaller of the two is worked out from the knots, and the other from it. So neither loses digits, however near
+/// to an end `t` is: a small share of a point may count more than all the rest, where that is far heavier.
+#[inline]
+pub(crate) fn shares(t: f64, left: f64, right: f64) -> [f64; 2] {
+    let width = right - left;
+    let alpha = (t - left) / width;
+    if alpha <= 0.5 {
+        [1.0 - alpha, alpha]
+    } else {
+        let beta = (right - t) / width;
+        [beta, 1.0 - beta]
+    }
+}
+
 /// Knots to be inserted into lines of control points that share one knot vector: what depends on
 /// the knots alone, worked out once for all lines.
 ///
@@ -38,8 +54,8 @@ pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
 /// still untouched, so that one sweep does all insertions.
 pub(crate) struct Insertions {
     steps: Vec<Insertion>,
-    /// The `αᵢ` of all steps, those of each from the right.
-    alphas: Vec<f64>,
+    /// `1 − αᵢ` and `αᵢ` of all steps, those of each from the right.
+    shares: Vec<[f64; 2]>,
 }
 
 /// One knot to be inserted.
@@ -60,7 +76,7 @@ impl Insertions {
     pub(crate) fn new(knots: &KnotVector, new: &[f64]) -> Self {
         let p = knots.degree();
         let old = knots.values();
-        let mut insertions = Self { steps: Vec::with_capacity(new.len()), alphas: Vec::new() };
+        let mut insertions = Self { steps: Vec::with_capacity(new.len()), shares: Vec::new() };
         let mut done_knots = Vec::with_capacity(old.len() + new.len());
         let (mut next_knot, mut done) = (0, 0);
         for &t in new {
@@ -77,7 +93,7 @@ impl Insertions {
             for i in (first..=last).rev() {
                 let right = old[next_knot + (i + p - done_knots.len())];
                 let left = done_knots[i];
-                insertions.alphas.push((t - left) / (right - left));
+                insertions.shares.push(shares(t, left, right));
             }
             let replaced = (last + 1).saturating_sub(first);
             insertions.steps.push(Insertion { taken, last, replaced });
@@ -96,7 +112,7 @@ impl Insertions {
     #[inline(always)] // for rows of one point it is another code
     pub(crate) fn apply_to_rows(&self, points: &[DVec4], length: usize) -> Vec<DVec4> {
         let mut done = Vec::with_capacity(points.len() + self.steps.len() * length);
-        let (mut rest, mut alphas) = (points, &self.alphas[..]);
+        let (mut rest, mut shares) = (points, &self.shares[..]);
         for &Insertion { taken, last, replaced } in &self.steps {
             let (taken, others) = rest.split_at(taken * length);
             done.extend_from_slice(taken);
@@ -106,15 +122,15 @@ impl Insertions {
             done.resize(end + length, DVec4::ZERO);
             done.copy_within(from..end, from + length);
             // From the right, so that the old points are still there to be combined.
-            let (own, others) = alphas.split_at(replaced);
-            for (k, &alpha) in own.iter().enumerate() {
+            let (own, others) = shares.split_at(replaced);
+            for (k, &of_both) in own.iter().enumerate() {
                 let (before, row) = done.split_at_mut((last - k) * length);
                 let before = &before[(last - k - 1) * length..];
                 for (point, &before) in row.iter_mut().zip(before) {
-                    *point = mix(before, *point, alpha);
+                    *point = mix_by(before, *point, of_both);
                 }
             }
-            alphas = others;
+            shares = others;
         }
         done.extend_from_slice(rest);
         done

@@ -10,6 +10,7 @@ use super::powers::{self, ToPowers};
 use super::{ControlNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
+use crate::math::rounding;
 
 /// How the control points of charts are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -239,7 +240,7 @@ impl ChartNet {
         let extraction = knots.map(Extractions::of);
         let control = Control::new(surface.common_weight(), counts, LONGEST, row);
         let (mut net, firsts) = Self::over(chart, knots, control, Some(Box::new(extraction)));
-        if let Some(powers) = net.made_by_powers(&firsts, surface.control()) {
+        if let Some(powers) = net.made_by_powers(&firsts, (knots, surface.control())) {
             net.sums = Sums::PowersOf(Box::new(powers));
         }
         (net, firsts)
@@ -299,7 +300,7 @@ impl ChartNet {
     fn made_by_powers(
         &self,
         [rows, columns]: &[Vec<u32>; 2],
-        control: &[DVec4],
+        (knots, control): ([&KnotVector; 2], &[DVec4]),
     ) -> Option<MadePowers> {
         if !powers::suit(self.degree) {
             return None;
@@ -316,11 +317,19 @@ impl ChartNet {
             }
             shares
         });
-        let suits = |first| match self.source(first) {
-            NetSource::Kept(_) => true, // these are not
-            NetSource::Spline(net) => powers::net_of(self.degree, &net.bezier_net()).is_some(),
+        let made = MadePowers { along, degree: self.degree, others: Others(Vec::new()) };
+        let factor = rounding::residual_factor(self.degree[0], self.degree[1]);
+        let suits = |first: [u32; 2]| {
+            let NetSource::Spline(net) = self.source(first) else { return true }; // these are not
+            let bezier = net.bezier_net();
+            let Some(by_powers) = powers::net_of(self.degree, &bezier) else { return false };
+            let points = net.control();
+            made.of(first).is_some_and(|to_powers| {
+                let nets = (&by_powers[..], &bezier[..]);
+                powers::is_made_well(self.degree, nets, (&points, to_powers), factor)
+            })
         };
-        let others = if powers::suit_all(self.degree, control) {
+        let others = if powers::suit_all(knots, control) {
             Vec::new()
         } else {
             let firsts_of = |&row| columns.iter().map(move |&column| [row, column]);
@@ -329,7 +338,7 @@ impl ChartNet {
         };
         let count = rows.len() * columns.len();
         let others = Others(others);
-        others.are_few(count).then_some(MadePowers { along, degree: self.degree, others })
+        others.are_few(count).then_some(MadePowers { others, ..made })
     }
 
     /// How many numbers the net of a piece has.

@@ -135,6 +135,11 @@ impl<'a> SplineNet<'a> {
         Self { chart, extraction, points, first }
     }
 
+    /// The control points that govern the piece, row by row.
+    pub(super) fn control(&self) -> ControlNet {
+        (0..=self.degree()[0]).flat_map(|i| self.points.points(i)).collect()
+    }
+
     /// The degrees in `s` and `t`.
     #[inline(always)]
     pub(crate) fn degree(&self) -> [usize; 2] {

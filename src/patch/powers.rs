@@ -15,9 +15,10 @@
 use std::ops::{Add, Mul, Sub};
 
 use glam::DVec4;
+use smallvec::SmallVec;
 
 use super::ControlNet;
-use crate::geometry::{Extraction, Extractions};
+use crate::geometry::{Extraction, Extractions, KnotVector};
 use crate::math::bernstein::binomials;
 
 /// The highest degree that is written by powers. Of those above few pieces would be well conditioned, and eight
@@ -42,11 +43,64 @@ pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
 
-/// Whether all pieces of a spline of these degrees are taken to be well conditioned, by its control points.
-pub(super) fn suit_all([p, q]: [usize; 2], control: &[DVec4]) -> bool {
-    let weights = control.iter().map(|point| point.w);
-    let (least, most) = weights.fold((f64::INFINITY, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    p.max(q) <= 3 && most <= MOST_WEIGHT * least
+/// The longest span, over the shortest, of such splines: else a control point may have so small a share in a piece
+/// that differences from it are all rounding.
+const MOST_UNEVEN: f64 = 4.0;
+
+/// A net by powers that is made of the control points of a spline may move points by this part of the promise.
+const MOST_OFF: f64 = 0.5;
+
+/// Pieces are looked at where `x` and `y` are any of these.
+const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// Whether all pieces of a spline are taken to be well conditioned, by its knots and its control points.
+pub(super) fn suit_all(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
+    let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
+    let none = (f64::INFINITY, 0f64);
+    let are_even = |knots: &KnotVector| {
+        let (shortest, longest) = knots.spans().map(|span| span.end - span.start).fold(none, range);
+        knots.degree() <= 3 && longest <= MOST_UNEVEN * shortest
+    };
+    let (least, most) = control.iter().map(|point| point.w).fold(none, range);
+    knots.into_iter().all(are_even) && most <= MOST_WEIGHT * least
+}
+
+/// Whether the net by powers that is [made](ToPowers) of the control points that govern a piece is, to rounding, that
+/// of its Bézier points; points may be off by `factor` of the largest coordinate.
+pub(super) fn is_made_well(
+    degree: [usize; 2],
+    (net, bezier): (&[DVec4], &[DVec4]),
+    (control, along): (&[DVec4], [ToPowers<'_>; 2]),
+    factor: f64,
+) -> bool {
+    let magnitude =
+        bezier.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
+    let mut off = made_of_points(degree, control, along);
+    off.iter_mut().zip(net).for_each(|(made, &net)| *made -= net);
+    let is_near = |x: f64, y: f64| {
+        let [off, here] = [&off[..], net].map(|net| sum(net, degree[1] + 1, [x, y], |c| c));
+        let moved = off.truncate().abs().max_element() + off.w.abs() * magnitude;
+        moved <= MOST_OFF * factor * magnitude * here.w
+    };
+    PLACES.iter().all(|&x| PLACES.iter().all(|&y| is_near(x, y)))
+}
+
+/// The sum of a net by powers at a place, of its terms or what is made of them.
+fn sum(net: &[DVec4], columns: usize, [x, y]: [f64; 2], term: fn(DVec4) -> DVec4) -> DVec4 {
+    let row = |row: &[DVec4]| row.iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
+    net.chunks_exact(columns).rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
+}
+
+/// The net by powers that is made of control points, as it is made in lanes but for the rounding of products.
+fn made_of_points([p, q]: [usize; 2], control: &[DVec4], along: [ToPowers<'_>; 2]) -> ControlNet {
+    let mut net = ControlNet::from_slice(control);
+    for j in 0..=q {
+        along[0].apply(p, &mut net[j..], q + 1);
+    }
+    for row in net.chunks_exact_mut(q + 1) {
+        along[1].apply(q, row, 1);
+    }
+    net
 }
 
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
@@ -55,19 +109,15 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<ControlNet>
     let net = in_both_directions(degree, bezier);
     let magnitude =
         bezier.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
-    // With the sizes of all terms, or as they are.
-    let sum = |x: f64, y: f64, term: fn(DVec4) -> DVec4| {
-        let row = |row: &[DVec4]| row.iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
-        net.chunks_exact(columns).rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
-    };
     // With `x` and `y` no larger than these, where the weight is no less than that.
     let suits = |x: f64, y: f64, weight: f64| {
-        let sizes = sum(x.abs(), y.abs(), DVec4::abs);
+        let sizes = sum(&net, columns, [x.abs(), y.abs()], DVec4::abs);
         sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
     };
-    let places = [-1.0, -0.5, 0.0, 0.5, 1.0];
     let suits_all = suits(1.0, 1.0, bezier.iter().map(|c| c.w).fold(f64::INFINITY, f64::min))
-        || places.iter().all(|&x| places.iter().all(|&y| suits(x, y, sum(x, y, |c| c).w)));
+        || PLACES
+            .iter()
+            .all(|&x| PLACES.iter().all(|&y| suits(x, y, sum(&net, columns, [x, y], |c| c).w)));
     suits_all.then_some(net)
 }
 
@@ -173,6 +223,19 @@ impl<'a> ToPowers<'a> {
     #[inline(always)]
     pub(crate) fn middle(degree: usize) -> usize {
         degree / 2
+    }
+
+    /// From control points to coefficients, in place: of every `step`-th of some, from the first on.
+    fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
+        let at = Self::middle(degree);
+        let middle = points[at * step];
+        let others = (0..=degree).filter(|&j| j != at).map(|j| points[j * step] - middle);
+        let others: SmallVec<[DVec4; MOST_DEGREE]> = others.collect();
+        for (i, shares) in self.shares.chunks_exact(degree).enumerate() {
+            let start = if i == 0 { middle } else { DVec4::ZERO };
+            let terms = others.iter().zip(shares);
+            points[i * step] = terms.fold(start, |sum, (&other, &share)| sum + other * share);
+        }
     }
 
     /// For each coefficient the shares of the differences from it, in the order of the other points: as many as
