@@ -34,21 +34,42 @@ const LEAST_SAVING: usize = 2;
 impl Keeping {
     /// That of all charts, which share the cache.
     pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
-        let bytes: usize = charts
+        let bytes = charts
             .map(|chart| {
                 let size = numbers_a_point(chart.surface.common_weight());
-                size_of::<f64>() * size * bezier_point_count(&chart.surface)
+                bezier_point_count(&chart.surface).saturating_mul(size_of::<f64>() * size)
             })
-            .sum();
+            .fold(0, usize::saturating_add);
         if bytes > MOST_BEZIER_BYTES { Self::Spline } else { Self::Bezier }
     }
+
+    /// How a surface's control points are kept, if those of all are kept so.
+    fn of_one(self, surface: &NurbsSurface) -> Self {
+        let degrees = [surface.knots_u(), surface.knots_v()].map(KnotVector::degree);
+        let can_be_made = degrees.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
+        let saves = self == Self::Spline && can_be_made && spline_saves(surface);
+        if saves { Self::Spline } else { Self::Bezier }
+    }
+
+    /// How many Bézier points of a surface are kept.
+    pub(super) fn bezier_points(self, surface: &NurbsSurface) -> usize {
+        match self.of_one(surface) {
+            Self::Bezier => bezier_point_count(surface),
+            Self::Spline => 0,
+        }
+    }
+}
+
+/// How many pieces a surface is cut into.
+pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
+    surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
 }
 
 /// How many Bézier points a surface has where it jumps nowhere.
 fn bezier_point_count(surface: &NurbsSurface) -> usize {
     let counts = [surface.knots_u(), surface.knots_v()]
         .map(|knots| knots.spans().count() * knots.degree() + 1);
-    counts[0] * counts[1]
+    counts[0].saturating_mul(counts[1])
 }
 
 /// Whether a surface's Bézier points are many times as many as its control points, and take much more memory with
@@ -213,9 +234,7 @@ impl ChartNet {
     /// The net of a chart; also returns the rows and the columns in which pieces begin.
     pub(super) fn new(chart: &Chart<'_>, keeping: Keeping) -> (Self, [Vec<u32>; 2]) {
         let surface = &*chart.surface;
-        let degree = [surface.knots_u().degree(), surface.knots_v().degree()];
-        let can_be_made = degree.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
-        if keeping == Keeping::Spline && can_be_made && spline_saves(surface) {
+        if keeping.of_one(surface) == Keeping::Spline {
             Self::of_spline(chart, surface)
         } else {
             let form = BezierForm::new(surface);

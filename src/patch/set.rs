@@ -7,17 +7,17 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::leaves::parts;
-use super::net::{ChartNet, Keeping};
+use super::net::{ChartNet, Keeping, piece_count};
 use super::tiles::Grid;
 use super::{GroupedParts, Piece};
-use crate::geometry::{Chart, Charts};
+use crate::geometry::{Chart, Charts, NurbsSurface};
 use crate::math::Aabb;
 
 /// Why surfaces cannot be cut into pieces.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PatchSetError {
-    /// There are more than 32-bit indices can count.
+    /// There are more than indices can count, or memory is likely to hold.
     #[error("{count} {what}, but at most {limit} can be traced")]
     TooMany {
         /// What there is too much of.
@@ -28,6 +28,14 @@ pub enum PatchSetError {
         limit: usize,
     },
 }
+
+/// The most that 32-bit indices can count: two of their bits say what is counted.
+const MOST_COUNTED: usize = u32::MAX as usize / 4;
+
+/// The most Bézier points of all surfaces together: 2²⁷, or 4 GiB of them. Splines of degrees too high for their own
+/// control points to be kept have up to `p q` times as many, so that a file of some megabytes may ask for
+/// more memory than there is; and where that ends, so does the program, without a word.
+const MOST_BEZIER_POINTS: usize = 1 << 27;
 
 /// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
 /// threads.
@@ -46,25 +54,27 @@ impl PatchSet {
     /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves, group by group.
     ///
     /// # Errors
-    /// When there are more than 32-bit indices can count.
+    /// When there are more of them, their pieces, Bézier points or leaves than are possible; but for leaves, that is
+    /// known before anything is made.
     pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, GroupedParts), PatchSetError> {
-        check_count("surfaces", surfaces.len())?;
+        check_count("surfaces", surfaces.len(), MOST_COUNTED)?;
         let charts: Vec<Vec<Chart<'_>>> = surfaces.par_iter().map(Charts::charts).collect();
-        let keeping = Keeping::of(charts.iter().flatten());
-        let nets: Vec<Vec<_>> =
-            charts.into_par_iter().map(|charts| nets(&charts, keeping)).collect();
-        let count = |(_, [u, v]): &(_, [Vec<u32>; 2])| u.len() * v.len();
-        let counts = nets.iter().map(|charts| charts.iter().map(count).sum::<usize>());
-        let count_of_pieces = counts.clone().sum();
-        check_count("Bézier pieces", count_of_pieces)?;
-        let bytes = |charts: &Vec<(ChartNet, _)>| charts.iter().map(|(net, _)| net.bytes()).sum();
-        let net_bytes = nets.iter().map(bytes).collect();
+        let counts = charts.iter().map(|charts| total(charts, piece_count));
+        let count_of_pieces = counts.clone().fold(0, usize::saturating_add);
+        check_count("Bézier pieces", count_of_pieces, MOST_COUNTED)?;
         let mut end = 0;
         let pieces_of = counts.map(|count| {
             end += count;
             end - count..end
         });
         let pieces_of = pieces_of.collect();
+        let keeping = Keeping::of(charts.iter().flatten());
+        let kept = charts.iter().flatten().map(|chart| keeping.bezier_points(&chart.surface));
+        check_count("Bézier points", kept.fold(0, usize::saturating_add), MOST_BEZIER_POINTS)?;
+        let nets: Vec<Vec<_>> =
+            charts.into_par_iter().map(|charts| nets(&charts, keeping)).collect();
+        let bytes = |charts: &Vec<(ChartNet, _)>| charts.iter().map(|(net, _)| net.bytes()).sum();
+        let net_bytes = nets.iter().map(bytes).collect();
         let charts = (0u32..).zip(nets).flat_map(|(k, nets)| nets.into_iter().map(move |n| (k, n)));
         let mut pieces = Vec::with_capacity(count_of_pieces);
         let mut grids = Vec::new();
@@ -78,7 +88,7 @@ impl PatchSet {
             }));
         }
         let parts = parts(&pieces, &grids);
-        check_count("leaves", parts.all().len())?;
+        check_count("leaves", parts.all().len(), MOST_COUNTED)?;
         let bounds = parts.all().iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
         Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
     }
@@ -117,12 +127,46 @@ impl PatchSet {
     }
 }
 
-fn check_count(what: &'static str, count: usize) -> Result<(), PatchSetError> {
-    let limit = u32::MAX as usize / 4; // two bits say what a number counts
+fn check_count(what: &'static str, count: usize, limit: usize) -> Result<(), PatchSetError> {
     if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
+}
+
+/// What is counted of all charts of a surface.
+fn total(charts: &[Chart<'_>], count: fn(&NurbsSurface) -> usize) -> usize {
+    charts.iter().map(|chart| count(&chart.surface)).fold(0, usize::saturating_add)
 }
 
 /// The charts of a surface cut into pieces, and the rows and columns in which those begin.
 fn nets(charts: &[Chart<'_>], keeping: Keeping) -> Vec<(ChartNet, [Vec<u32>; 2])> {
     charts.par_iter().map(|chart| ChartNet::new(chart, keeping)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::KnotVector;
+
+    #[test]
+    fn nets_that_no_memory_holds_are_not_begun() {
+        let spline = |degree, n: usize| {
+            let knots = KnotVector::uniform(degree, n).unwrap();
+            let points =
+                (0..n * n).map(|k| DVec3::new((k / n) as f64, (k % n) as f64, (k as f64).sin()));
+            NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap()
+        };
+        let fails = |surfaces: &[NurbsSurface]| PatchSet::new(surfaces).unwrap_err().to_string();
+        let large = spline(32, 400);
+        assert_eq!(
+            fails(std::slice::from_ref(&large)),
+            "138697729 Bézier points, but at most 134217728 can be traced"
+        );
+        // Each of them is small enough.
+        let halves = [spline(32, 300), spline(31, 300)];
+        assert!(fails(&halves).ends_with(" Bézier points, but at most 134217728 can be traced"));
+        // Of low degrees it is control points that are kept.
+        let (dense, _) = PatchSet::new(&[spline(7, 100)]).unwrap();
+        assert_eq!(dense.pieces().len(), 93 * 93);
+    }
 }

@@ -151,6 +151,26 @@ fn magnitudes_that_are_not_supported_are_named() {
     );
 }
 
+/// A spline of so high a degree becomes many times as many Bézier points; a failed allocation would abort.
+#[test]
+fn what_no_memory_holds_is_refused() {
+    let (degree, size) = (32, 400);
+    let points: Vec<[usize; 3]> =
+        (0..size * size).map(|k| [k / size, k % size, k * k % 7]).collect();
+    let knots: Vec<usize> = (0..size + degree + 1).collect();
+    let model = serde_json::json!({ "shape": { "type": "surface", "data": {
+        "degree_u": degree, "degree_v": degree, "size_u": size, "size_v": size,
+        "knotvector_u": knots, "knotvector_v": knots, "control_points": { "points": points },
+    } } });
+    let sandbox = Sandbox::with(&[("steep.json", &model.to_string())]);
+    for line in ["info steep.json", "render steep.json -o a.png"] {
+        sandbox
+            .run(line)
+            .failed(2, "steep.json: 138697729 Bézier points, but at most 134217728 can be traced");
+    }
+    assert_eq!(sandbox.files(), ["steep.json"]);
+}
+
 #[test]
 fn windows_text_and_empty_files() {
     let sandbox = Sandbox::with(&[
