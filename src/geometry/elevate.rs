@@ -54,21 +54,27 @@ fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DV
         new.push(run[0]);
     }
 
-    let refinements: Vec<Vec<DVec4>> = (0..=p)
-        .map(|k| {
-            let left = |&(i, _): &(usize, &f64)| i % (p + 1) != k;
-            let kept: Vec<f64> = new.iter().enumerate().filter(left).map(|(_, &t)| t).collect();
-            refine(knots, points, &without(&kept, old))
-        })
-        .collect();
-    let elevated = (0..new.len() - p)
-        .map(|j| {
-            mean((0..p + 1).map(|k| {
-                let left_out_before = (j + p - k) / (p + 1);
-                refinements[k][j - left_out_before]
-            }))
-        })
-        .collect();
+    // The means of all splines in which every (p + 1)-th knot is left out, one after the other: together they would
+    // take p times the memory of what is made.
+    let mut first: Vec<DVec4> = Vec::new();
+    let mut differences = vec![DVec4::ZERO; new.len() - p];
+    for k in 0..=p {
+        let left = |&(i, _): &(usize, &f64)| i % (p + 1) != k;
+        let kept: Vec<f64> = new.iter().enumerate().filter(left).map(|(_, &t)| t).collect();
+        let refinement = refine(knots, points, &without(&kept, old));
+        let point = |j: usize| refinement[j - (j + p - k) / (p + 1)]; // so many were left out before
+        if k == 0 {
+            first = (0..new.len() - p).map(point).collect();
+            continue;
+        }
+        for (j, (sum, first)) in differences.iter_mut().zip(&first).enumerate() {
+            *sum += point(j) - *first;
+        }
+    }
+    // Coordinates that are equal in all of them stay as they are.
+    let count = (p + 1) as f64;
+    let elevated = first.iter().zip(&differences).map(|(&first, &sum)| first + sum / count);
+    let elevated = elevated.collect();
 
     let mut full = vec![values[0]];
     full.append(&mut new);
@@ -80,12 +86,4 @@ fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DV
 fn without(all: &[f64], some: &[f64]) -> Vec<f64> {
     let mut taken = some.iter().peekable();
     all.iter().copied().filter(|t| taken.next_if_eq(&t).is_none()).collect()
-}
-
-/// The mean of several points; coordinates that are equal in all of them stay as they are.
-fn mean(mut points: impl ExactSizeIterator<Item = DVec4>) -> DVec4 {
-    let count = points.len() as f64;
-    let first = points.next().unwrap_or_default();
-    let differences: DVec4 = points.map(|point| point - first).sum();
-    first + differences / count
 }

@@ -1,6 +1,7 @@
 //! Curves made compatible: of one degree, over the same knots.
 
 use super::ConstructError;
+use super::error::net_size;
 use crate::geometry::line::{merged, refine};
 use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
 
@@ -20,7 +21,8 @@ const SAME_WEIGHT: f64 = 16.0 * f64::EPSILON;
 /// its shape or its speed.
 ///
 /// # Errors
-/// When a curve has two knots too close together; `which` says how to call a curve.
+/// When a curve has two knots too close together; `which` says how to call a curve. When together they would have
+/// more control points than a surface made may.
 pub(crate) fn compatible(
     curves: &[NurbsCurve],
     which: &dyn Fn(usize) -> String,
@@ -33,6 +35,14 @@ pub(crate) fn compatible(
         let curve = curve.clamped().on_domain(domain.0, domain.1)?;
         curve.elevated(degree - curve.knots().degree())
     };
+    // A short curve of a high degree makes long ones of a low degree many times as long, and each has the knots of
+    // all: what comes of it is known before it is made.
+    let elevated = |curve: &NurbsCurve| {
+        let raised = degree - curve.knots().degree();
+        curve.control().len().saturating_add(raised.saturating_mul(curve.knots().spans().count()))
+    };
+    let longest = curves.iter().map(elevated).fold(0, usize::max);
+    net_size(longest, curves.len())?;
     let mut prepared = Vec::with_capacity(curves.len());
     for (index, curve) in curves.iter().enumerate() {
         prepared.push(prepare(curve).map_err(|e| ConstructError::of(which(index))(e))?);
@@ -50,6 +60,8 @@ pub(crate) fn compatible(
         (knot, times.fold(0, usize::max))
     };
     let common: Vec<(f64, usize)> = places.iter().map(highest).collect();
+    let inner: usize = common.iter().map(|(_, times)| times).sum();
+    net_size(inner + degree + 1, curves.len())?;
     let with_all = |curve: &NurbsCurve| {
         let lacking = lacking(&common, curve.knots());
         let control = refine(curve.knots(), curve.control(), &lacking);
@@ -162,6 +174,30 @@ mod tests {
                 assert!(new.point_at(t).distance(old.point_at(t)) < 1e-14, "{t}");
             }
         }
+    }
+
+    #[test]
+    fn what_would_be_too_large_is_not_begun() {
+        let long = (0..300_000).map(|k| DVec3::new(f64::from(k), 0.0, 0.0)).collect::<Vec<_>>();
+        let long = NurbsCurve::polyline(&long).unwrap();
+        let high = curve(30, &[(0.0, 31), (1.0, 31)], 1.0);
+        let which = |_| String::new();
+        assert_eq!(
+            compatible(&[long, high], &which).unwrap_err().to_string(),
+            "8999971 × 2 control points: at most 16777216 in all are supported"
+        );
+        // A thousand curves without a common knot.
+        let own = |k: usize| {
+            let mut knots = vec![(0.0, 2), (20.0, 2)];
+            let inner = (0..17).map(|i| (1.0 + i as f64 + 1e-4 * k as f64, 1));
+            knots.splice(1..1, inner);
+            curve(1, &knots, 1.0)
+        };
+        let curves: Vec<_> = (0..1000).map(own).collect();
+        assert_eq!(
+            compatible(&curves, &which).unwrap_err().to_string(),
+            "17002 × 1000 control points: at most 16777216 in all are supported"
+        );
     }
 
     #[test]
