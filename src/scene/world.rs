@@ -1,14 +1,11 @@
 //! A scene ready to trace.
 
-use std::collections::{HashMap, HashSet};
-
 use super::framing::{BoundingSphere, default_lights};
+use super::naming::{Naming, check_unique, joined};
+use super::palette::Palette;
 use super::placing::Placer;
 use super::workshop::Made;
-use super::{
-    Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Texture,
-    UnknownName, Written,
-};
+use super::{Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault};
 use crate::geometry::Surface;
 use crate::intersect::{BuildOptions, SurfaceBvh};
 
@@ -46,12 +43,6 @@ pub struct Instance {
     /// that, a measured bound where a construction had to approximate.
     pub deviation: f64,
 }
-
-/// The name of the material of objects that name none. A scene may describe it.
-const DEFAULT_MATERIAL: &str = "default";
-
-/// Light grey, as plaster is.
-const DEFAULT_COLOR: Rgb = [0.8; 3];
 
 /// Paler than what stands in shade, darker than what stands in light, a little blue: every
 /// silhouette shows.
@@ -149,34 +140,19 @@ fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn check_unique<'a>(
-    what: &'static str,
-    names: impl Iterator<Item = (&'a str, &'a super::Place)>,
-) -> Result<(), SceneError> {
-    let mut seen = HashMap::new();
-    for (name, place) in names {
-        if let Some(first) = seen.insert(name, place) {
-            let (name, first) = (name.to_owned(), first.clone());
-            let fault = SceneFault::Duplicate { what, name, first };
-            return Err(SceneError::new(place.clone(), fault));
-        }
-    }
-    Ok(())
-}
-
 fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneError> {
     let given = scene.objects.iter().filter_map(|object| object.name.as_ref());
     check_unique("object", given.clone().map(|name| (name.value.as_str(), &name.place)))?;
 
     // Names that are given are kept; others move out of their way.
-    let mut taken: HashSet<String> = given.map(|name| name.value.clone()).collect();
+    let mut names = Naming::new(given.map(|name| name.value.clone()));
     let mut palette = Palette::new(scene)?;
     let placer = Placer { scene };
     let mut instances = Vec::new();
     for (number, object) in scene.objects.iter().enumerate() {
         let name = match &object.name {
             Some(name) => name.value.clone(),
-            None => free_name(&object.default_name, &mut taken),
+            None => names.free(&object.default_name),
         };
         let material = palette.index(&name, object)?;
         let made = placer.surfaces(&name, object)?;
@@ -184,78 +160,14 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
         for (index, (part, made)) in made.into_iter().enumerate() {
             let name = match joined(&object.parts[part].name, &made.name).as_str() {
                 "" if only => name.clone(),
-                "" => free_name(&format!("{name}/{index}"), &mut taken),
-                part => free_name(&format!("{name}/{part}"), &mut taken),
+                "" => names.free(&format!("{name}/{index}")),
+                part => names.free(&format!("{name}/{part}")),
             };
             let Made { surface, deviation, .. } = made;
             instances.push(Instance { name, part: [number, part], surface, material, deviation });
         }
     }
-    Ok((instances, palette.materials))
-}
-
-/// The name of a part, and within it of one of its surfaces; either may be empty.
-fn joined(part: &str, made: &str) -> String {
-    match (part, made) {
-        (part, "") => part.to_owned(),
-        ("", made) => made.to_owned(),
-        (part, made) => format!("{part}/{made}"),
-    }
-}
-
-/// The name itself if it is free, else the first of `name 2`, `name 3`, … that is.
-fn free_name(name: &str, taken: &mut HashSet<String>) -> String {
-    let mut free = name.to_owned();
-    let mut number = 1;
-    while !taken.insert(free.clone()) {
-        number += 1;
-        free = format!("{name} {number}");
-    }
-    free
-}
-
-/// The materials so far, found by name.
-struct Palette {
-    materials: Vec<Material>,
-    /// Those that have an author.
-    by_name: HashMap<String, usize>,
-    /// That of objects that name none, once there is one.
-    default: Option<usize>,
-}
-
-impl Palette {
-    fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let names = scene.materials.iter().map(|m| (m.value.name.as_str(), &m.place));
-        check_unique("material", names)?;
-        let materials: Vec<_> = scene.materials.iter().map(|m| m.value.clone()).collect();
-        let by_name: HashMap<_, _> =
-            materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i)).collect();
-        let default = by_name.get(DEFAULT_MATERIAL).copied();
-        Ok(Self { materials, by_name, default })
-    }
-
-    /// The index of an object's material; the default one is made when first needed.
-    fn index(&mut self, name: &str, object: &Object) -> Result<usize, SceneError> {
-        let Some(Written { value, place }) = &object.material else {
-            return Ok(self.default());
-        };
-        self.by_name.get(value).copied().ok_or_else(|| {
-            let mut known: Vec<_> = self.by_name.iter().collect();
-            known.sort_by_key(|(_, index)| **index); // as written
-            let known: Vec<_> = known.into_iter().map(|(name, _)| name.as_str()).collect();
-            let error = UnknownName::new("material", value, &known);
-            let fault = SceneFault::Material { object: name.to_owned(), error };
-            SceneError::new(place.clone(), fault)
-        })
-    }
-
-    fn default(&mut self) -> usize {
-        *self.default.get_or_insert_with(|| {
-            let texture = Texture::Constant(DEFAULT_COLOR);
-            self.materials.push(Material { name: DEFAULT_MATERIAL.to_owned(), texture });
-            self.materials.len() - 1
-        })
-    }
+    Ok((instances, palette.into_materials()))
 }
 
 #[cfg(test)]
@@ -268,7 +180,7 @@ mod tests {
     use crate::geometry::{KnotError, SurfaceError};
     use crate::scene::{
         CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Part, Place, Projection, Shape,
-        Transform,
+        Texture, Transform, Written,
     };
 
     fn part(shape: NamedShape) -> Part {
@@ -366,7 +278,7 @@ mod tests {
         let world = World::new(&scene).unwrap();
         let used: Vec<_> = world.surfaces.iter().map(|s| s.material).collect();
         assert_eq!(used, [1, 0, 1]);
-        assert_eq!(world.materials[1].texture, Texture::Constant(DEFAULT_COLOR));
+        assert_eq!(world.materials[1].texture, Texture::Constant([0.8; 3]));
 
         // A scene may say what the default is.
         scene.materials.push(here(Material { name: "default".into(), ..red.clone() }));

@@ -77,27 +77,25 @@ impl Facts {
             surface.pieces = patches.pieces_of(surface.index).len();
             surface.bytes = patches.bytes_of(surface.index);
         }
+        // Those of trimmed surfaces, whose bounds are theirs.
+        let mut trimmed: Vec<Vec<&Leaf>> = vec![Vec::new(); surfaces.len()];
         for leaf in world.bvh.leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();
-            if let Some(trims) = surface.trims.as_mut().filter(|_| leaf.is_trimmed()) {
-                trims.mixed += 1;
+            if let Some(trims) = &mut surface.trims {
+                trims.mixed += usize::from(leaf.is_trimmed());
+                trimmed[surface.index].push(leaf);
             }
         }
-        surfaces.par_iter_mut().for_each(|surface| {
-            let range = patches.pieces_of(surface.index);
-            let pieces = &patches.pieces()[range.clone()];
+        surfaces.par_iter_mut().zip(&trimmed).for_each(|(surface, leaves)| {
+            let pieces = &patches.pieces()[patches.pieces_of(surface.index)];
             surface.bounds = match surface.trims {
                 None => extent(pieces.iter().map(|piece| &piece.patch)),
-                Some(_) => {
-                    let own = |leaf: &&Leaf| range.contains(&(leaf.piece as usize));
-                    let leaves = world.bvh.leaves().iter().filter(own);
-                    extent_of_parts(leaves.map(|leaf| {
-                        let piece = &patches.pieces()[leaf.piece as usize];
-                        (&piece.patch, kept_part(piece, leaf.rect()))
-                    }))
-                }
+                Some(_) => extent_of_parts(leaves.iter().map(|leaf| {
+                    let piece = &patches.pieces()[leaf.piece as usize];
+                    (&piece.patch, kept_part(piece, leaf.rect()))
+                })),
             };
         });
         let bounds = surfaces.iter().map(|surface| surface.bounds);

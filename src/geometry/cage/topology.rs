@@ -20,7 +20,7 @@ pub(super) struct Topology {
     twins: Vec<u32>,
     /// The edge of each corner's half-edge.
     edges: Vec<u32>,
-    /// One corner of each edge.
+    /// One corner of each edge; edges are in the order of their two vertices, the lower one first.
     edge_corners: Vec<u32>,
     /// One corner of each vertex, or [`NONE`]: the clockwise-most where the faces around it
     /// do not close.
@@ -72,12 +72,8 @@ impl Topology {
 
     /// Pairs the half-edges by sorting them by their two vertices.
     fn join_edges(&mut self) -> Option<EdgeFault> {
-        let key = |corner: u32| {
-            let ends = self.edge_ends(corner);
-            (ends[0].min(ends[1]), ends[0].max(ends[1]))
-        };
-        let mut halves: Vec<_> =
-            (0..self.corner_count() as u32).map(|corner| (key(corner), corner)).collect();
+        let corners = 0..self.corner_count() as u32;
+        let mut halves: Vec<_> = corners.map(|corner| (self.low_high(corner), corner)).collect();
         halves.sort_unstable();
 
         let mut fault = None;
@@ -186,15 +182,18 @@ impl Topology {
         [self.vertex(corner), self.tip(corner)]
     }
 
-    /// The edge between two vertices.
+    /// The edge between two vertices: edges are numbered in the order of these.
     pub(super) fn edge_between(&self, a: u32, b: u32) -> Option<u32> {
-        let star = self.star(a);
-        let leaving = star.corners.iter().find(|&&corner| self.tip(corner) == b);
-        let arriving = || {
-            let last = self.previous(*star.corners.last()?);
-            (self.vertex(last) == b).then_some(last)
-        };
-        leaving.copied().or_else(arriving).map(|corner| self.edge(corner))
+        let wanted = [a.min(b), a.max(b)];
+        let found =
+            self.edge_corners.binary_search_by_key(&wanted, |&corner| self.low_high(corner));
+        found.ok().map(|edge| edge as u32)
+    }
+
+    /// The two vertices of a corner's half-edge, the lower one first.
+    fn low_high(&self, corner: u32) -> [u32; 2] {
+        let [a, b] = self.edge_ends(corner);
+        [a.min(b), a.max(b)]
     }
 
     /// The corners of a vertex, counterclockwise; of a vertex whose faces form several fans
@@ -265,6 +264,11 @@ mod tests {
         assert_eq!(house.edge_between(2, 1), Some(house.edge(1)));
         assert_eq!(house.edge_between(0, 2), None);
         assert_eq!(house.edge_between(0, 3), Some(house.edge(3)));
+        for corner in 0..7 {
+            let [a, b] = house.edge_ends(corner);
+            assert_eq!(house.edge_between(a, b), Some(house.edge(corner)));
+            assert_eq!(house.edge_between(b, a), Some(house.edge(corner)));
+        }
     }
 
     #[test]
