@@ -22,6 +22,8 @@ pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError
 /// Places parts, of one object after another.
 pub(super) struct Placer<'a> {
     pub(super) scene: &'a Scene,
+    /// The most control points that may be drawn for one object: many times as many as are written.
+    pub(super) most_points: usize,
 }
 
 impl Placer<'_> {

@@ -92,7 +92,8 @@ impl ObjectSpec {
             let error = scene.unknown_object(&self.of.value);
             return Err(fails(&self.of.place, PlotError::Object(error)));
         };
-        let made = Placer { scene }.surfaces(&self.of.value, object)?;
+        let made =
+            Placer { scene, most_points: Scene::MAX_POINTS }.surfaces(&self.of.value, object)?;
         if let Some(wanted) = &self.surface
             && wanted.value >= made.len()
         {

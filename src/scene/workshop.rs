@@ -6,7 +6,7 @@ use super::curve::CurveFault;
 use super::placing::Placer;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault};
 use crate::geometry::construct::{
-    self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep, TubeStyle,
+    self, Axis, Borders, ConstructError, ControlNet, NetStyle, Piece, Sweep, TubeStyle,
 };
 use crate::geometry::{Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 
@@ -113,21 +113,24 @@ impl Workshop<'_> {
                 numbered(self.checked(construct::control_net(&net, style))?)
             }
             Construction::Net { of, style } => {
-                let nets = self.placer.nets_of(self.surface, of)?.into_iter();
-                let nets = nets.map(|net| construct::control_net(&net, style));
-                let nets = nets.collect::<Result<Vec<_>, _>>();
-                numbered(self.checked(nets)?.into_iter().flatten().collect())
+                let nets = self.placer.nets_of(self.surface, of)?;
+                numbered(self.checked(control_nets(&nets, style, self.drawing()))?)
             }
             Construction::TrimCurves { of, style } => {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
-                numbered(self.checked(trim_curves(&surfaces, style))?)
+                numbered(self.checked(trim_curves(&surfaces, style, self.drawing()))?)
             }
             Construction::IsoCurves { of, u, v, w, style } => {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
-                numbered(self.checked(iso_curves(&surfaces, [u, v, w], style))?)
+                numbered(self.checked(iso_curves(&surfaces, [u, v, w], style, self.drawing()))?)
             }
         };
         Ok(pieces)
+    }
+
+    /// Nothing drawn yet.
+    fn drawing(&self) -> Drawing {
+        Drawing { pieces: Vec::new(), points: 0, most_points: self.placer.most_points }
     }
 
     /// The curve written under a key.
@@ -154,19 +157,53 @@ impl Workshop<'_> {
     }
 }
 
+/// What is drawn of another object's surfaces, as long as it is not too much.
+struct Drawing {
+    pieces: Vec<Piece>,
+    /// Their control points.
+    points: usize,
+    most_points: usize,
+}
+
+impl Drawing {
+    fn add(&mut self, pieces: Vec<Piece>) -> Result<(), ConstructError> {
+        self.points += pieces.iter().map(|piece| piece.surface.control().len()).sum::<usize>();
+        if self.points > self.most_points {
+            return Err(ConstructError::LargeDrawing { limit: self.most_points });
+        }
+        self.pieces.extend(pieces);
+        Ok(())
+    }
+}
+
+/// Control nets as cylinders and balls.
+fn control_nets(
+    nets: &[ControlNet],
+    style: &NetStyle,
+    mut drawing: Drawing,
+) -> Result<Vec<Piece>, ConstructError> {
+    for net in nets {
+        drawing.add(construct::control_net(net, style)?)?;
+    }
+    Ok(drawing.pieces)
+}
+
 /// Trim edges as tubes.
-fn trim_curves(surfaces: &[Surface], style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
+fn trim_curves(
+    surfaces: &[Surface],
+    style: &TubeStyle,
+    mut drawing: Drawing,
+) -> Result<Vec<Piece>, ConstructError> {
     let mut trimmed = surfaces.iter().filter_map(Surface::trimmed).peekable();
     if trimmed.peek().is_none() {
         return Err(ConstructError::NoTrims);
     }
-    let mut pieces = Vec::new();
     for surface in trimmed {
         for edge in surface.edge_curves().map_err(ConstructError::TrimEdge)? {
-            pieces.extend(construct::tube(&edge, style)?);
+            drawing.add(construct::tube(&edge, style)?)?;
         }
     }
-    Ok(pieces)
+    Ok(drawing.pieces)
 }
 
 /// Curves of constant parameter as tubes, where trims keep them. Those that are only a point, at
@@ -176,13 +213,13 @@ fn iso_curves(
     surfaces: &[Surface],
     [u, v, w]: [&Vec<f64>; 3],
     style: &TubeStyle,
+    mut drawing: Drawing,
 ) -> Result<Vec<Piece>, ConstructError> {
     let all = [(TriangleSide::U, u), (TriangleSide::V, v), (TriangleSide::W, w)];
     let lines = all.into_iter().flat_map(|(fixed, at)| at.iter().map(move |&t| (fixed, t)));
     let lines: Vec<(TriangleSide, f64)> = lines.collect();
     // What each line has come to so far.
     let mut found = vec![Found::Nothing; lines.len()];
-    let mut pieces = Vec::new();
     for surface in surfaces {
         for (&(fixed, t), found) in lines.iter().zip(&mut found) {
             for curve in iso_curve(surface, fixed, t)? {
@@ -190,7 +227,7 @@ fn iso_curves(
                     *found = (*found).max(Found::Point);
                 } else {
                     *found = Found::Curve;
-                    pieces.extend(construct::tube(&curve, style)?);
+                    drawing.add(construct::tube(&curve, style)?)?;
                 }
             }
         }
@@ -203,7 +240,7 @@ fn iso_curves(
             Found::Curve => {}
         }
     }
-    Ok(pieces)
+    Ok(drawing.pieces)
 }
 
 /// What is kept of one line of constant parameter on a surface.

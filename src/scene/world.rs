@@ -123,7 +123,7 @@ fn check_and_place(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), Scen
         return Err(fails(if only_plots { SceneFault::OnlyPlots } else { SceneFault::NoObjects }));
     }
     check_point_count(scene)?;
-    let placed = place_objects(scene)?;
+    let placed = place_objects(scene, Scene::MAX_POINTS)?;
     if placed.0.is_empty() {
         return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
     }
@@ -140,15 +140,21 @@ fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneError> {
+/// The surfaces in their places and the materials. What is made of curves and drawn of other objects may be many times
+/// what is written: it is counted as it is made, and ends at `most_points` control points.
+fn place_objects(
+    scene: &Scene,
+    most_points: usize,
+) -> Result<(Vec<Instance>, Vec<Material>), SceneError> {
     let given = scene.objects.iter().filter_map(|object| object.name.as_ref());
     check_unique("object", given.clone().map(|name| (name.value.as_str(), &name.place)))?;
 
     // Names that are given are kept; others move out of their way.
     let mut names = Naming::new(given.map(|name| name.value.clone()));
     let mut palette = Palette::new(scene)?;
-    let placer = Placer { scene };
+    let placer = Placer { scene, most_points };
     let mut instances = Vec::new();
+    let mut points = 0;
     for (number, object) in scene.objects.iter().enumerate() {
         let name = match &object.name {
             Some(name) => name.value.clone(),
@@ -164,6 +170,11 @@ fn place_objects(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), SceneE
                 part => names.free(&format!("{name}/{part}")),
             };
             let Made { surface, deviation, .. } = made;
+            points += surface.point_count();
+            if points > most_points {
+                let fault = SceneFault::TooManyPoints { points, limit: most_points };
+                return Err(SceneError::new(object.parts[part].place.clone(), fault));
+            }
             instances.push(Instance { name, part: [number, part], surface, material, deviation });
         }
     }
@@ -177,10 +188,11 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
+    use crate::geometry::construct::NetStyle;
     use crate::geometry::{KnotError, SurfaceError};
     use crate::scene::{
-        CameraSpec, ImportNote, Knots, Lens, NamedShape, Net, Part, Place, Projection, Shape,
-        Texture, Transform, Written,
+        CameraSpec, Construction, ImportNote, Knots, Lens, NamedShape, Net, Part, Place,
+        Projection, Shape, Texture, Transform, Written,
     };
 
     fn part(shape: NamedShape) -> Part {
@@ -266,6 +278,41 @@ mod tests {
         let names: Vec<_> = world.surfaces.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["sphere 2", "sphere", "sphere 3/0", "sphere 3/cap", "sphere 3/cap 2"]);
         assert_eq!(world.bvh.surface_count(), 5);
+    }
+
+    #[test]
+    fn what_is_made_and_drawn_is_counted() {
+        let mut ball = object(SPHERE);
+        ball.name = Some(here("ball".into()));
+        let points =
+            World::new(&scene(vec![ball.clone()])).unwrap().surfaces[0].surface.point_count();
+        let style = NetStyle { radius: 0.01, joints: 0.02 };
+        let net = Construction::Net { of: here("ball".into()), style };
+        let mut drawing = object(SPHERE);
+        drawing.default_name = "net".into();
+        drawing.parts[0].shape = Shape::Built(Arc::new(net));
+        let drawn = 30 * 18 + 14 * 45; // its lines and balls
+
+        let scene = scene(vec![ball, drawing.clone(), drawing]);
+        let fails = |limit| place_objects(&scene, limit).err().map(|error| error.to_string());
+        let all = points + 2 * drawn;
+        assert_eq!(fails(all), None);
+        assert_eq!(
+            fails(all - 1),
+            Some(format!(
+                "s.toml:3:4: {all} control points in all: at most {} are supported",
+                all - 1
+            ))
+        );
+        // One alone is refused before the rest of it is made.
+        assert_eq!(
+            fails(drawn - 1),
+            Some(format!(
+                "s.toml:3:4: surface \"net\": a drawing of more than {} control points: at most \
+                 that many are supported",
+                drawn - 1
+            ))
+        );
     }
 
     #[test]

@@ -85,6 +85,12 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
+    /// What is drawn of an object has more control points than are sensible.
+    #[error("a drawing of more than {limit} control points: at most that many are supported")]
+    LargeDrawing {
+        /// How many there may be.
+        limit: usize,
+    },
     /// A direction has no length, or is not finite.
     #[error("{what} {}: it must be finite and not zero", ShownVector(*.vector))]
     Direction {
