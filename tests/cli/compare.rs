@@ -280,6 +280,30 @@ fn what_is_not_povray_is_not_taken_for_it() {
     run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in \"out\"");
 }
 
+/// What was there is as it was, where all goes well until POV-Ray fails.
+#[cfg(unix)]
+#[test]
+fn a_rendering_that_fails_changes_nothing() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let program = "#!/bin/sh\n[ \"$1\" = --version ] && exec echo POV-Ray 3.7.0\n\
+                   echo no lamp >&2\nexit 1\n";
+    let sandbox = Sandbox::with(&[("ball.toml", SPHERE), ("povray", program)]);
+    fs::set_permissions(sandbox.path("povray"), fs::Permissions::from_mode(0o755)).unwrap();
+    fs::create_dir(sandbox.path("out")).unwrap();
+    fs::write(sandbox.path("out/scene-1e-3.pov"), "older").unwrap();
+    for out in ["out", "new"] {
+        let options = format!("--tolerance 1e-3 {QUICK} -o {out}");
+        let mut command = sandbox.command(&format!("compare ball.toml --against povray {options}"));
+        let povray = sandbox.path("povray").canonicalize().unwrap();
+        let run = Run::from_output(command.env("POVRAY", povray).output().unwrap());
+        run.failed(1, "POV-Ray fails (exit status: 1): no lamp");
+    }
+    assert_eq!(files(&sandbox.path("out")), ["scene-1e-3.pov"]);
+    assert_eq!(sandbox.bytes("out/scene-1e-3.pov"), b"older");
+    assert!(!sandbox.path("new").exists());
+}
+
 /// Every shape POV-Ray has as a primitive, one beside the other, moved and stretched.
 const PRIMITIVES: &str = "
 [camera]

@@ -1,12 +1,11 @@
 //! Against Embree: the same rays on the surfaces and on triangles in their place.
 
-use std::path::Path;
 use std::time::Duration;
 
 use nurbray::intersect::Kernel;
 use nurbray::io::mesh::GridMesh;
 use nurbray::io::{Embree, PacketWidth, write_png};
-use nurbray::render::{RenderSettings, render};
+use nurbray::render::{Film, RenderSettings, render};
 use nurbray::scene::World;
 
 use super::super::args::CompareArguments;
@@ -108,7 +107,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         files: &files,
     };
     super::warn_if_empty(model, report.hits, report.doubtful);
-    write(&folder, &report, &pictures)?;
+    let film = picture(&model.world, report.size)?;
+    write(&folder, &report, (&film, &pictures))?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
 }
 
@@ -139,7 +139,11 @@ impl Race {
 }
 
 /// Writes everything; the report last, so that a report has its pictures.
-fn write(folder: &Folder, report: &Report<'_>, pictures: &[Pictures]) -> Result<(), Failure> {
+fn write(
+    folder: &Folder,
+    report: &Report<'_>,
+    (film, pictures): (&Film, &[Pictures]),
+) -> Result<(), Failure> {
     folder.make()?;
     for (rival, pictures) in report.rivals.iter().zip(pictures) {
         let write =
@@ -147,7 +151,8 @@ fn write(folder: &Folder, report: &Report<'_>, pictures: &[Pictures]) -> Result<
         write(position_file(rival.tolerance), &pictures.position)?;
         write(normal_file(rival.tolerance), &pictures.normal)?;
     }
-    write_picture(&folder.at(PICTURE), &report.model.world, report.size)?;
+    let exposure = report.model.world.settings.exposure;
+    write_png(&folder.at(PICTURE), film, exposure).map(drop).or_failed()?;
     folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?;
     chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
     folder.write(REPORT, &report.text())
@@ -174,14 +179,13 @@ fn files(tolerances: &[f64]) -> Vec<String> {
 }
 
 /// Renders what is looked at as the scene says, with fewer samples.
-fn write_picture(path: &Path, world: &World, [width, height]: [u32; 2]) -> Result<(), Failure> {
+fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
     let settings = RenderSettings {
         size: (width, height),
         samples: 0..PICTURE_SAMPLES,
         ..RenderSettings::from(&world.settings)
     };
-    let film = render(world, &settings, &|_| {}).or_failed()?;
-    write_png(path, &film, world.settings.exposure).map(drop).or_failed()
+    render(world, &settings, &|_| {}).or_failed()
 }
 
 /// What both sides look at.

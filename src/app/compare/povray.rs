@@ -63,18 +63,20 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let size = super::size(arguments, &model.world)?;
 
     let scenes = scenes(&scene, &model, size, &tolerances)?;
-    folder.make()?;
-    for (scene, &tolerance) in scenes.iter().zip(&tolerances) {
-        folder.write(&scene_file(tolerance), &scene.text)?;
-    }
-
     let (skipped, written) =
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     let left_out = left_out(skipped, skipped.len() + written.len());
     left_out.iter().for_each(|line| console::warning(line));
-    let place = Quoted(&arguments.output);
-    let povray = Povray::find()
-        .map_err(|reason| Failure::work(format!("{reason}; its scenes are in {place}")))?;
+    let povray = match Povray::find() {
+        Ok(povray) => povray,
+        Err(reason) => {
+            // They are what can be had without it: somebody may render them elsewhere.
+            folder.make()?;
+            write_scenes(&folder, (&tolerances, &scenes))?;
+            let place = Quoted(&arguments.output);
+            return Err(Failure::work(format!("{reason}; its scenes are in {place}")));
+        }
+    };
     let model = match skipped {
         [] => model,
         _ => pool.install(|| model.keeping(written, budget))?,
@@ -95,7 +97,6 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 
     let looks = renderings.iter().map(|rendering| look(&ours, rendering));
     let (findings, pictures): (Vec<_>, Vec<_>) = looks.unzip();
-    write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
     let report = Report {
         model: &model,
         size,
@@ -111,6 +112,11 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         doubtful: ours.iter().filter(|&&pixel| pixel == Pixel::Doubtful).count(),
     };
     super::warn_if_empty(&model, report.hits, report.doubtful);
+
+    // The report last, so that a report has its files.
+    folder.make()?;
+    write_scenes(&folder, (&tolerances, &scenes))?;
+    write_pictures(&folder, size, &ours, (&tolerances, &pictures))?;
     folder.write(REPORT, &report.text())?;
     console::print(&format!("{}\n", folder.at(REPORT).display()))
 }
@@ -130,6 +136,17 @@ fn scenes(
         scenes.push(written);
     }
     Ok(scenes)
+}
+
+/// What POV-Ray reads.
+fn write_scenes(
+    folder: &Folder,
+    (tolerances, scenes): (&[f64], &[PovrayScene]),
+) -> Result<(), Failure> {
+    for (scene, &tolerance) in scenes.iter().zip(tolerances) {
+        folder.write(&scene_file(tolerance), &scene.text)?;
+    }
+    Ok(())
 }
 
 /// Our picture, and where POV-Ray's differ from it.
