@@ -15,14 +15,14 @@
 //! where it is declared.
 #![allow(unsafe_code, reason = "calls into a C library; each use says why it is sound")]
 
-use std::ffi::{CStr, CString, OsString, c_char, c_void};
+use std::ffi::{CStr, CString, OsStr, c_char, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 use std::{env, ptr};
 
 use libloading::Library;
 
-use super::embree_error::{EmbreeError, OVERRIDE};
+use super::embree_error::{EmbreeError, OVERRIDE, first_usable};
 use super::embree_rays::{EmbreeRays, PacketWidth, Packets};
 use super::mesh::GridMesh;
 use crate::intersect::Coherence;
@@ -273,8 +273,8 @@ impl Embree {
     /// Loads Embree, to build scenes with one thread a processor.
     ///
     /// # Errors
-    /// When no library can be opened (the message says how to install one), or it is not
-    /// Embree 3 or 4, or the processor does not suit it.
+    /// When no library can be opened, is Embree 3 or 4 and suits the processor; the message says
+    /// what is wrong with each and how to install one.
     pub fn load() -> Result<Self, EmbreeError> {
         Self::open(c"")
     }
@@ -289,23 +289,21 @@ impl Embree {
     }
 
     fn open(config: &CStr) -> Result<Self, EmbreeError> {
-        let names: Vec<OsString> = match env::var_os(OVERRIDE).filter(|name| !name.is_empty()) {
-            Some(name) => vec![name],
-            None => NAMES.iter().map(OsString::from).collect(),
-        };
-        let mut tried = Vec::new();
-        for name in names {
-            // SAFETY: Embree's initialisers, and those of the libraries it needs, are sound;
-            // what EMBREE_LIB names is the user's responsibility, as with LD_PRELOAD.
-            match unsafe { Library::new(&name) } {
-                Ok(library) => {
-                    let device = Device::open(library, &name.to_string_lossy(), config)?;
-                    return Ok(Self { device: Arc::new(device) });
-                }
-                Err(error) => tried.push(error.to_string()),
-            }
+        if let Some(name) = env::var_os(OVERRIDE).filter(|name| !name.is_empty()) {
+            return Self::open_one(&name, config);
         }
-        Err(EmbreeError::Missing { tried })
+        first_usable(&NAMES, |name| Self::open_one(name.as_ref(), config))
+    }
+
+    /// Loads the library of a name.
+    fn open_one(name: &OsStr, config: &CStr) -> Result<Self, EmbreeError> {
+        // SAFETY: Embree's initialisers, and those of the libraries it needs, are sound;
+        // what EMBREE_LIB names is the user's responsibility, as with LD_PRELOAD.
+        let library = unsafe { Library::new(name) };
+        let library =
+            library.map_err(|error| EmbreeError::Missing { tried: vec![error.to_string()] })?;
+        let device = Device::open(library, &name.to_string_lossy(), config)?;
+        Ok(Self { device: Arc::new(device) })
     }
 
     /// The version loaded: major, minor, patch.

@@ -9,14 +9,14 @@ pub(super) const OVERRIDE: &str = "EMBREE_LIB";
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum EmbreeError {
-    /// No library could be opened.
+    /// No library can be used.
     #[error(
         "Embree cannot be loaded ({}): install it with `apt install libembree4-4` or, on older \
          systems, `apt install libembree3-3`, or set {OVERRIDE} to the path of the library",
         .tried.join("; ")
     )]
     Missing {
-        /// What the loader said of each name tried.
+        /// What is wrong with each name tried.
         tried: Vec<String>,
     },
     /// The library lacks a function.
@@ -45,6 +45,26 @@ pub enum EmbreeError {
     },
 }
 
+/// The first of some libraries that opens: one that is there may not suit the processor, and an older one may.
+///
+/// # Errors
+/// When none does, with what is wrong with each.
+pub(super) fn first_usable<T>(
+    names: &[&str],
+    open: impl Fn(&str) -> Result<T, EmbreeError>,
+) -> Result<T, EmbreeError> {
+    let mut tried = Vec::new();
+    for name in names {
+        match open(name) {
+            Ok(library) => return Ok(library),
+            Err(EmbreeError::Missing { tried: said }) => tried.extend(said),
+            Err(error @ EmbreeError::Refused { .. }) => tried.push(format!("{name}: {error}")),
+            Err(error) => tried.push(error.to_string()), // it names the library
+        }
+    }
+    Err(EmbreeError::Missing { tried })
+}
+
 /// What the numbers of `RTCError` mean.
 fn error_name(code: i32) -> String {
     match code {
@@ -69,6 +89,26 @@ mod tests {
             "Embree cannot be loaded (a: no; b: no): install it with `apt install libembree4-4` \
              or, on older systems, `apt install libembree3-3`, or set EMBREE_LIB to the path of \
              the library"
+        );
+    }
+
+    #[test]
+    fn the_next_library_is_tried_where_one_refuses() {
+        let open = |name: &str| match name {
+            "none" => Err(EmbreeError::Missing { tried: vec!["none: no such file".into()] }),
+            "new" => Err(EmbreeError::Refused { request: "open a device", code: 5 }),
+            "old" => Err(EmbreeError::Version { library: "old".into(), major: 2 }),
+            name => Ok(name.to_owned()),
+        };
+        assert_eq!(first_usable(&["none", "new", "good", "old"], open), Ok("good".to_owned()));
+        let tried = [
+            "none: no such file",
+            "new: Embree could not open a device: unsupported processor",
+            "old is Embree 2, but version 3 or 4 is needed",
+        ];
+        assert_eq!(
+            first_usable(&["none", "new", "old"], open),
+            Err(EmbreeError::Missing { tried: tried.map(String::from).to_vec() })
         );
     }
 
