@@ -36,11 +36,11 @@ pub(crate) fn error(reason: &Error) {
     say(&format!("error: {}", with_causes(reason)));
 }
 
-/// An error with its causes after colons, but for those it tells of itself.
+/// An error with its causes after colons, but for those it ends with itself.
 fn with_causes(reason: &Error) -> String {
     reason.chain().fold(String::new(), |told, cause| match cause.to_string() {
         cause if told.is_empty() => cause,
-        cause if told.contains(&cause) => told,
+        cause if told.ends_with(&cause) => told,
         cause => format!("{told}: {cause}"),
     })
 }
@@ -66,5 +66,10 @@ mod tests {
         assert_eq!(with_causes(&silent), "cannot write a.exr: the disk is full");
         let telling = cause().context("cannot write a.exr: the disk is full");
         assert_eq!(with_causes(&telling), "cannot write a.exr: the disk is full");
+        // What only occurs in the name of a file was not told.
+        let named = Error::msg("no").context("cannot write notes.exr");
+        assert_eq!(with_causes(&named), "cannot write notes.exr: no");
+        let deep = cause().context("cannot write a.exr: the disk is full").context("no picture");
+        assert_eq!(with_causes(&deep), "no picture: cannot write a.exr: the disk is full");
     }
 }
