@@ -17,8 +17,23 @@ const UNSAFE_HOME: &str = "io/embree.rs";
 const LINE_LIMIT: usize = 600;
 
 /// What no code outside the program's own floor may call.
-const LOUD: [&str; 7] =
-    ["println!", "eprintln!", "print!", "eprint!", "dbg!", "process::exit", "process::abort"];
+const LOUD: [&str; 15] = [
+    "println!",
+    "eprintln!",
+    "print!",
+    "eprint!",
+    "dbg!",
+    "stdout()",
+    "stderr()",
+    "process::exit",
+    "process::abort",
+    "panic!",
+    "todo!",
+    "unimplemented!",
+    "unreachable!",
+    ".unwrap()",
+    ".expect(",
+];
 
 fn level(floor: &str) -> Option<usize> {
     FLOORS.iter().position(|known| *known == floor)
@@ -64,15 +79,17 @@ pub(crate) fn unsafe_code(file: &SourceFile) -> Vec<String> {
     wrong.map(|(index, line)| file.at(index + 1, line)).collect()
 }
 
-/// Printing and exiting outside the program and outside unit tests.
+/// Printing, exiting and giving up outside the program and outside unit tests.
 pub(crate) fn loud(file: &SourceFile) -> Vec<String> {
     if ["app", "main"].contains(&file.floor()) {
         return Vec::new();
     }
-    let wrong = file.lines().filter(|(_, line)| {
-        LOUD.iter()
-            .any(|call| line.match_indices(call).any(|(start, _)| !ends_with_word(&line[..start])))
-    });
+    let called = |line: &str, call: &str| {
+        let method = call.starts_with('.');
+        line.match_indices(call).any(|(start, _)| method || !ends_with_word(&line[..start]))
+    };
+    let wrong = file.lines().into_iter();
+    let wrong = wrong.filter(|(_, line)| LOUD.iter().any(|call| called(line, call)));
     wrong.map(|(number, line)| file.at(number, line)).collect()
 }
 
@@ -161,13 +178,27 @@ mod tests {
     }
 
     #[test]
-    fn printing_is_found() {
+    fn printing_and_giving_up_are_found() {
         assert_eq!(found(loud, "io/x.rs", "println!(\"a\");").len(), 1);
         assert_eq!(found(loud, "io/x.rs", "std::process::exit(1)").len(), 1);
+        assert_eq!(found(loud, "io/x.rs", "let out = io::stdout().lock();").len(), 1);
+        for stop in [
+            "x.unwrap()",
+            "x.expect(\"y\")",
+            "panic!()",
+            "todo!()",
+            "unimplemented!()",
+            "_ => unreachable!()",
+        ] {
+            assert_eq!(found(loud, "io/x.rs", stop).len(), 1, "{stop}");
+        }
+        assert!(found(loud, "io/x.rs", "x.unwrap_or(1); my_stderr()").is_empty());
         assert!(found(loud, "io/x.rs", "writeln!(f, \"println!\")?; my_print!()").is_empty());
         assert!(found(loud, "app/x.rs", "println!()").is_empty());
         let tested = "fn f() {}\n#[cfg(test)]\nmod tests { fn t() { println!() } }";
         assert!(found(loud, "io/x.rs", tested).is_empty());
+        let declared = "#[cfg(test)]\nmod tests;\nfn f() { panic!() }";
+        assert_eq!(found(loud, "io/x.rs", declared), ["src/io/x.rs:3: fn f() { panic!() }"]);
     }
 
     #[test]

@@ -1,7 +1,11 @@
 //! Source text without comments and string contents, so that words are code.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// What stands before code that only tests see.
+const TESTS_ONLY: &str = "#[cfg(test)]";
 
 /// One file below `src/`.
 pub(crate) struct SourceFile {
@@ -9,17 +13,45 @@ pub(crate) struct SourceFile {
     pub(crate) path: String,
     /// Its text; comments and the insides of literals are blanked, lines kept.
     pub(crate) code: String,
+    /// Whether all of it is seen by tests only.
+    pub(crate) is_test: bool,
 }
 
 impl SourceFile {
     pub(crate) fn new(path: &str, text: &str) -> Self {
-        Self { path: path.to_owned(), code: blanked(text) }
+        Self { path: path.to_owned(), code: blanked(text), is_test: false }
     }
 
-    /// The code before its unit tests, line by line, counted from 1.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
-        let end = self.code.find("#[cfg(test)]\nmod ").unwrap_or(self.code.len());
-        self.code[..end].lines().enumerate().map(|(index, line)| (index + 1, line))
+    /// The code without what only tests see, line by line, counted from 1.
+    pub(crate) fn lines(&self) -> Vec<(usize, &str)> {
+        if self.is_test {
+            return Vec::new();
+        }
+        let mut lines = Vec::new();
+        let mut at = 0; // the end of what was looked at
+        let mut number = 1;
+        for (start, end) in test_items(&self.code) {
+            lines.extend((number..).zip(self.code[at..start].lines()));
+            number += self.code[at..end].matches('\n').count();
+            at = end;
+        }
+        lines.extend((number..).zip(self.code[at..].lines()));
+        lines
+    }
+
+    /// The files of the modules it declares for tests only, below `src/`.
+    fn test_modules(&self) -> Vec<String> {
+        let stem = self.path.strip_suffix(".rs").unwrap_or(&self.path);
+        let folder = stem.strip_suffix("/mod").unwrap_or(match stem {
+            "lib" | "main" => "",
+            stem => stem,
+        });
+        let declared = test_items(&self.code).into_iter().filter_map(|(start, end)| {
+            let item = self.code[start..end].strip_prefix(TESTS_ONLY)?.trim();
+            let name = item.rsplit_once("mod ")?.1.strip_suffix(';')?;
+            Some([format!("{folder}/{name}.rs"), format!("{folder}/{name}/mod.rs")])
+        });
+        declared.flatten().map(|path| path.trim_start_matches('/').to_owned()).collect()
     }
 
     /// The folder directly below `src/`, or the stem of a file there.
@@ -39,13 +71,48 @@ pub(crate) fn library_files() -> Vec<SourceFile> {
     let mut paths = Vec::new();
     collect(&src, &mut paths);
     paths.sort();
-    paths
-        .iter()
-        .map(|path| {
-            let below = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
-            SourceFile::new(&below, &fs::read_to_string(path).unwrap())
-        })
-        .collect()
+    let read = |path: &PathBuf| {
+        let below = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
+        SourceFile::new(&below, &fs::read_to_string(path).unwrap())
+    };
+    let mut files: Vec<_> = paths.iter().map(read).collect();
+    mark_tests(&mut files);
+    files
+}
+
+/// Finds the files that only tests see: what is declared so, and what lies in its folder.
+fn mark_tests(files: &mut [SourceFile]) {
+    let tests: HashSet<String> = files.iter().flat_map(SourceFile::test_modules).collect();
+    let folders: Vec<String> =
+        tests.iter().filter_map(|path| Some(format!("{}/", path.strip_suffix(".rs")?))).collect();
+    let folders: Vec<&str> =
+        folders.iter().map(|folder| folder.strip_suffix("mod/").unwrap_or(folder)).collect();
+    for file in files {
+        let within = |folder: &&str| file.path.starts_with(folder);
+        file.is_test = tests.contains(&file.path) || folders.iter().any(within);
+    }
+}
+
+/// Where items begin and end that only tests see, with the attribute: a function or a module with all it holds, a
+/// declaration up to its semicolon.
+fn test_items(code: &str) -> Vec<(usize, usize)> {
+    let mut items = Vec::new();
+    let mut from = 0;
+    while let Some(found) = code[from..].find(TESTS_ONLY) {
+        let start = from + found;
+        let mut depth = 0;
+        let item = code[start..].char_indices().find(|&(_, c)| {
+            match c {
+                '(' | '[' | '{' => depth += 1,
+                ')' | ']' | '}' => depth -= 1,
+                _ => {}
+            }
+            depth == 0 && (c == '}' || c == ';')
+        });
+        from = item.map_or(code.len(), |(last, _)| start + last + 1);
+        items.push((start, from));
+    }
+    items
 }
 
 fn collect(folder: &Path, paths: &mut Vec<PathBuf>) {
@@ -140,4 +207,35 @@ fn comments_and_literals_are_blanked() {
         assert_eq!(code.chars().count(), text.chars().count(), "{text}");
         assert_eq!(code.lines().count(), text.lines().count(), "{text}");
     }
+}
+
+#[test]
+fn only_what_tests_see_is_left_out() {
+    let left = |text: &str| -> Vec<(usize, String)> {
+        let file = SourceFile::new("io/x.rs", text);
+        let lines = file.lines().into_iter().filter(|(_, line)| !line.trim().is_empty());
+        lines.map(|(number, line)| (number, line.to_owned())).collect()
+    };
+    let declared = "a\n#[cfg(test)]\nmod tests;\nb\n";
+    assert_eq!(left(declared), [(1, "a".to_owned()), (4, "b".to_owned())]);
+    let inline = "a\n#[cfg(test)]\nmod tests {\n fn f(x: [u8; 2]) { '}' }\n}\nb\n";
+    assert_eq!(left(inline), [(1, "a".to_owned()), (6, "b".to_owned())]);
+    let function = "a\n    #[cfg(test)]\n    fn f(x: [u8; 2]) -> u8 {\n x[0] }\n    b\n";
+    assert_eq!(left(function), [(1, "a".to_owned()), (5, "    b".to_owned())]);
+
+    let mut files = [
+        ("lib.rs", "#[cfg(test)]\nmod probes;\nmod io;"),
+        ("probes.rs", ""),
+        ("io/mod.rs", "#[cfg(test)]\nmod tests;\nmod obj;"),
+        ("io/tests/mod.rs", "mod deep;"),
+        ("io/tests/deep.rs", ""),
+        ("io/obj.rs", "#[cfg(test)]\npub(crate) mod tests;\n#[cfg(test)]\nmod own {}"),
+        ("io/obj/tests.rs", ""),
+        ("io/obj/own.rs", ""),
+    ]
+    .map(|(path, text)| SourceFile::new(path, text));
+    mark_tests(&mut files);
+    let tests: Vec<&str> =
+        files.iter().filter(|file| file.is_test).map(|file| file.path.as_str()).collect();
+    assert_eq!(tests, ["probes.rs", "io/tests/mod.rs", "io/tests/deep.rs", "io/obj/tests.rs"]);
 }
