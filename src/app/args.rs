@@ -13,14 +13,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use nurbray::intersect::Kernel;
-use nurbray::render::AovSet;
+use nurbray::render::{AovSet, PixelRect};
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
 pub(crate) use compare::{Against, CompareArguments};
 use count::count;
 pub(crate) use plot::PlotArguments;
-pub(crate) use values::{Crop, SampleRange, Size};
+pub(crate) use values::{SampleRange, Size};
 
 /// More threads than any machine of today has processors; a slip of the finger such as
 /// `--threads 10000` is refused before the system is asked for their stacks.
@@ -100,7 +100,7 @@ pub(crate) struct RenderArguments {
 
     /// Render only the pixels X0 <= x < X1, Y0 <= y < Y1, counted from the top left
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = values::crop)]
-    pub(crate) crop: Option<Crop>,
+    pub(crate) crop: Option<PixelRect>,
 
     /// Put the camera here; without --look-at it looks at the model's centre
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point)]

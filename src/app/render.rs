@@ -9,7 +9,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use nurbray::io::{ExrNotes, ExrPrecision, Quoted, write_exr, write_png};
 use nurbray::math::Shown;
-use nurbray::render::{AovSet, Film, PixelRect, RenderSettings, render};
+use nurbray::render::{AovSet, Film, RenderSettings, render};
 use nurbray::scene::{CameraSpec, Lens, RenderDefaults, Scene, World, Written};
 
 use super::args::RenderArguments;
@@ -115,10 +115,7 @@ fn settings(
         }
         settings.samples = range.first..range.end;
     }
-    if let Some(crop) = arguments.crop {
-        let rect = PixelRect::new([crop.x0, crop.y0], [crop.x1, crop.y1]).or_bad_input()?;
-        settings.crop = Some(rect);
-    }
+    settings.crop = arguments.crop;
     // An EXR holds everything unless told otherwise; a PNG can hold none of it.
     settings.aovs = match arguments.aov {
         Some(aovs) => aovs,

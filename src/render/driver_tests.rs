@@ -70,8 +70,10 @@ fn four_crops_are_the_whole() {
     for world in &both_worlds() {
         let whole = picture_of(world, &settings());
         // Neither at tile borders nor of equal sizes.
-        for rect in ["0,0,23,11", "23,0,50,11", "0,11,23,37", "23,11,50,37"] {
-            let crop: PixelRect = rect.parse().unwrap();
+        for (min, max) in
+            [([0, 0], [23, 11]), ([23, 0], [50, 11]), ([0, 11], [23, 37]), ([23, 11], [50, 37])]
+        {
+            let crop = PixelRect::new(min, max).unwrap();
             let part = picture_of(world, &RenderSettings { crop: Some(crop), ..settings() });
             assert_eq!(part.window(), crop);
             assert_eq!(bits(&part, crop), bits(&whole, crop), "crop {crop}");

@@ -1,6 +1,7 @@
 //! Values of several numbers, and the ranges of single ones.
 
 use glam::DVec3;
+use nurbray::render::PixelRect;
 use nurbray::scene::Projection;
 
 use super::count::whole;
@@ -12,19 +13,6 @@ pub(crate) struct Size {
     pub(crate) width: u32,
     /// Pixels from top to bottom.
     pub(crate) height: u32,
-}
-
-/// The pixels `x0 ≤ x < x1`, `y0 ≤ y < y1`: at least one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Crop {
-    /// Left edge.
-    pub(crate) x0: u32,
-    /// Upper edge.
-    pub(crate) y0: u32,
-    /// Just right of the last column.
-    pub(crate) x1: u32,
-    /// Just below the last row.
-    pub(crate) y1: u32,
 }
 
 /// The samples `first ≤ i < end` of each pixel: at least one.
@@ -49,14 +37,12 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
 }
 
 /// Parses `X0,Y0,X1,Y1`.
-pub(crate) fn crop(text: &str) -> Result<Crop, String> {
+pub(crate) fn crop(text: &str) -> Result<PixelRect, String> {
     const NEED: &str = "a crop is X0,Y0,X1,Y1 in pixels from the top left, such as 0,0,512,384";
     let pixel = |text: &str| u32::try_from(whole(text)?).ok();
     let [x0, y0, x1, y1] = list(text, pixel).ok_or(NEED)?;
-    if x0 >= x1 || y0 >= y1 {
-        return Err("there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into());
-    }
-    Ok(Crop { x0, y0, x1, y1 })
+    PixelRect::new([x0, y0], [x1, y1])
+        .map_err(|_| "there are no pixels in it: a crop needs X0 < X1 and Y0 < Y1".into())
 }
 
 /// Parses `A..B`.
@@ -156,8 +142,18 @@ mod tests {
 
     #[test]
     fn crops() {
-        assert_eq!(crop("0,1,2,3"), Ok(Crop { x0: 0, y0: 1, x1: 2, y1: 3 }));
-        for wrong in ["", "0,1,2", "0,1,2,3,4", "2,1,2,3", "0,3,2,3", "-1,0,2,3", "a,0,2,3"] {
+        let rect = crop("0, 1,2,1e3").unwrap();
+        assert_eq!((rect.min(), rect.max()), ([0, 1], [2, 1000]));
+        for wrong in [
+            "",
+            "0,1,2",
+            "0,1,2,3,4",
+            "2,1,2,3",
+            "0,3,2,3",
+            "-1,0,2,3",
+            "a,0,2,3",
+            "0,0,99999999999,2",
+        ] {
             assert!(crop(wrong).is_err(), "{wrong}");
         }
     }
