@@ -167,7 +167,7 @@ fn a_letter_with_counters_and_an_island() {
     for j in -1..=17 {
         for i in -2..=26 {
             let point = DVec2::new(0.25 * f64::from(i) + 0.0625, 0.5 * f64::from(j));
-            let on_edge = letter.near(point, DVec2::ZERO);
+            let on_edge = letter.meets(&UvBox::about(point, DVec2::ZERO));
             assert_eq!(is_edge(letter.contains(point)), on_edge);
             if !on_edge {
                 assert_eq!(inside(letter.contains(point)), in_letter(point), "{point}");
@@ -210,7 +210,7 @@ fn corners_and_pieces_of_every_direction_are_edges() {
             for part in [0.0, 0.25, 0.5, 1.0] {
                 let point = DVec2::new(a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1));
                 assert!(is_edge(trims.contains(point)), "{point}");
-                assert!(trims.near(point, DVec2::ZERO));
+                assert!(trims.meets(&UvBox::about(point, DVec2::ZERO)));
             }
         }
         // Level with corners, between and beside them.
@@ -447,11 +447,11 @@ fn nearness_of_a_circle_is_its_distance() {
         let farthest = (offset + reach).length();
         let nearest = (offset - reach).max(DVec2::ZERO).length();
         if (farthest - 1.0).abs().min((nearest - 1.0).abs()) > 1e-12 {
-            assert_eq!(circle.near(point, reach), nearest < 1.0 && 1.0 < farthest);
+            assert_eq!(circle.meets(&UvBox::about(point, reach)), nearest < 1.0 && 1.0 < farthest);
         }
     }
-    assert!(circle.near(DVec2::new(50.0, 2.0), DVec2::new(f64::INFINITY, 0.5)));
-    assert!(!circle.near(DVec2::new(f64::NAN, 2.0), DVec2::ONE));
+    assert!(circle.meets(&UvBox::about(DVec2::new(50.0, 2.0), DVec2::new(f64::INFINITY, 0.5))));
+    assert!(!circle.meets(&UvBox::about(DVec2::new(f64::NAN, 2.0), DVec2::ONE)));
     assert_eq!(circle.contains(DVec2::new(3.0, f64::NAN)), Side::Outside);
 }
 

@@ -191,16 +191,6 @@ impl Trims {
         }
     }
 
-    /// Whether a trim curve passes within `reach.x` in u and `reach.y` in v of a point: meets
-    /// the rectangle `uv ± reach`, grown by the rounding of the curve.
-    ///
-    /// For a hit whose point is known to within `r` in space and tangents at the angle `θ`,
-    /// `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` holds all parameters that may be the
-    /// hit's, to first order. Infinite reaches are allowed; false for NaN.
-    pub fn near(&self, uv: DVec2, reach: DVec2) -> bool {
-        self.meets(&UvBox::about(uv, reach))
-    }
-
     /// Where a rectangle of the domain lies.
     ///
     /// `Inside` and `Outside` are proved: no trim curve comes within rounding of the closed
@@ -218,7 +208,8 @@ impl Trims {
         }
     }
 
-    fn meets(&self, target: &UvBox) -> bool {
+    /// Whether a trim curve passes through a rectangle, grown by the rounding of the curve; false for NaN.
+    pub(super) fn meets(&self, target: &UvBox) -> bool {
         self.tree.any(target, |index| {
             let segment = &self.segments[index];
             let target = target.grown(segment.reach());
