@@ -106,8 +106,8 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     numbered.map(|(index, plot)| plot.checked(index, scene).or_bad_input()).collect()
 }
 
-/// The size of the picture: the command line's, the scene's, or so much a plot.
-/// and where the scene gives it, before a message about it.
+/// The size of the picture: the command line's, else the scene's, else so much a plot. Also what to
+/// put before a message about it: where the scene gives it.
 fn size(
     arguments: &PlotArguments,
     scene: &Scene,

@@ -34,8 +34,7 @@ fn worthwhile(pieces: &[Piece], coarse: usize) -> usize {
 }
 
 /// The parts of all pieces that are to be leaves, of more than [`MOST`] pieces the coarsest, tile by
-/// tile; and none where trims have cut all of
-/// it off.
+/// tile; and none where trims have cut all of it off.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
 /// long as there is room. Halves that are not flat enough by themselves may take a little more.

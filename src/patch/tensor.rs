@@ -181,8 +181,7 @@ impl TensorPatch {
         self.error_bound(0.0)
     }
 
-    /// The same for a ray; `magnitude` is
-    /// the largest absolute coordinate of the ray's origin.
+    /// The same for a ray; `magnitude` is the largest absolute coordinate of the ray's origin.
     #[inline(always)]
     pub fn error_bound(&self, magnitude: f64) -> f64 {
         self.residual_factor() * self.magnitude().max(magnitude)
