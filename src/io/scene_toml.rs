@@ -182,32 +182,27 @@ mod constructions;
 mod curves;
 mod keys;
 mod kinds;
+mod objects;
 mod plots;
 mod trims;
 mod values;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use toml::Spanned;
 
-use self::keys::{
-    CameraKeys, Grid, LightKeys, MaterialKeys, NurbsKeys, ObjectKeys, RenderKeys, SceneKeys,
-    ShapeKeys, ShapeSource, TransformKeys, TriangleKeys,
-};
+use self::keys::{CameraKeys, LightKeys, MaterialKeys, RenderKeys, SceneKeys};
 use self::kinds::OneOf;
 use self::values::{Number, Vector};
 use super::LoadError;
 use super::geomdl::Model;
 use super::keyed::Keyed;
-use super::load::stem;
 use super::message::explain;
 use super::source::Source;
-use crate::geometry::NurbsSurface;
 use crate::math::Shown;
 use crate::scene::{
-    CameraSpec, ImportNote, Knots, Lens, Light, Material, Net, Object, Part, Place, RenderDefaults,
-    Scene, SceneError, SceneFault, Shape, Texture, Transform, TriangleNet, UnknownName, Written,
+    CameraSpec, ImportNote, Lens, Light, Material, Place, RenderDefaults, Scene, SceneError,
+    SceneFault, Texture, UnknownName, Written,
 };
 
 /// How a scene gets at the model files it mentions: the file as written, what the object it
@@ -403,161 +398,15 @@ impl Reader<'_, '_> {
             }
         }
     }
-
-    fn object(&mut self, Keyed(keys): Keyed<ObjectKeys>) -> Result<Object, LoadError> {
-        let name = keys.name.map(|name| self.name(name)).transpose()?;
-        let material = keys.material.map(|material| self.written(material, |name| name));
-        let transform = keys.transform.into_iter().map(|step| self.transform(step)).collect();
-        let place = self.source.place(keys.shape.span().start);
-        let called = name.as_ref().map(|name| name.value.as_str());
-        let OneOf(shape) = keys.shape.into_inner();
-        let (default_name, mut parts) = self.shape(called, place, shape)?;
-        if let Some(trims) = keys.trims {
-            self.trim(trims, &mut parts)?;
-        }
-        let reverse = keys.reverse;
-        Ok(Object { name, default_name, parts, transform, material, reverse })
-    }
-
-    fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {
-        match step {
-            TransformKeys::Translate(by) => self.written(by, |by| Transform::Translate(by.0)),
-            TransformKeys::Rotate(Keyed(keys)) => {
-                let degrees = keys.degrees.0;
-                self.written(keys.axis, |axis| Transform::Rotate { axis: axis.0, degrees })
-            }
-            TransformKeys::Scale(by) => self.written(by, |by| Transform::Scale(by.0)),
-            TransformKeys::Matrix(rows) => {
-                self.written(rows, |rows| Transform::Matrix(rows.0.map(|row| row.0.map(|x| x.0))))
-            }
-        }
-    }
-
-    /// The surfaces of a shape, and what the object is called if it has no name.
-    fn shape(
-        &mut self,
-        called: Option<&str>,
-        place: Place,
-        shape: ShapeKeys,
-    ) -> Result<(String, Vec<Part>), LoadError> {
-        let here = place.clone();
-        let only = |shape| vec![Part { name: String::new(), place: here, shape, trims: None }];
-        match shape.source() {
-            ShapeSource::Named(named, measures) => {
-                let place = |(name, offset)| Written::new(name, self.source.place(offset));
-                let measures = measures.into_iter().map(place).collect();
-                Ok((named.name().to_owned(), only(Shape::Named(named, measures))))
-            }
-            ShapeSource::Nurbs(keys) => {
-                let Keyed(keys) = *keys;
-                let net = self.net(called.unwrap_or("nurbs"), keys)?;
-                Ok(("nurbs".to_owned(), only(Shape::Net(Arc::new(net)))))
-            }
-            ShapeSource::Triangle(keys) => {
-                let Keyed(keys) = *keys;
-                let triangle = self.triangle(keys);
-                Ok(("triangle".to_owned(), only(Shape::Triangle(Arc::new(triangle)))))
-            }
-            ShapeSource::Subdivision(scheme, keys) => {
-                let Keyed(keys) = *keys;
-                let (name, surface) = self.subdivision(scheme, (called, &place), keys)?;
-                Ok((name, only(Shape::Subdivision(Arc::new(surface)))))
-            }
-            ShapeSource::Built(keys) => {
-                let construction = self.construction(keys)?;
-                let name = construction.name().to_owned();
-                Ok((name, only(Shape::Built(Arc::new(construction)))))
-            }
-            ShapeSource::File(file) => {
-                let place = self.source.place(file.span().start);
-                let path = Path::new(file.get_ref());
-                let stem = stem(path);
-                let model = (self.read_model)(path, called.unwrap_or(&stem), &place)?;
-                self.notes.extend(model.notes);
-                Ok((stem, model.parts))
-            }
-        }
-    }
-
-    fn net(&self, called: &str, keys: NurbsKeys) -> Result<Net, LoadError> {
-        let offset = keys.points.span().start;
-        let knots = [keys.knots_u, keys.knots_v].map(|knots| match knots {
-            Some(knots) => self.written(knots, |knots| knots.0),
-            // Nothing is written: errors point at the net they were made for.
-            None => Written::new(Knots::ClampedUniform, self.source.place(offset)),
-        });
-        let size = self.size(called, "points", keys.points.get_ref())?;
-        let points = flat(keys.points.get_ref()).map(|point| point.0).collect();
-        let points = Written::new(points, self.source.place(offset));
-        let weights =
-            keys.weights.map(|weights| self.weights(called, weights, size)).transpose()?;
-        let degree = keys.degree.0.map(|degree| degree as usize);
-        Ok(Net { degree, knots, size, points, weights })
-    }
-
-    /// A triangle's numbers, each with its place: errors name one of them.
-    fn triangle(&self, keys: TriangleKeys) -> TriangleNet {
-        let place = self.source.place(keys.points.span().start);
-        let points = keys.points.into_inner().into_iter();
-        let points = points.map(|point| self.written(point, |point| point.0)).collect();
-        let points = Written::new(points, place);
-        let weights = keys.weights.map(|weights| {
-            let place = self.source.place(weights.span().start);
-            let weights = weights.into_inner().into_iter();
-            let weights = weights.map(|weight| self.written(weight, |weight| weight)).collect();
-            Written::new(weights, place)
-        });
-        let degree = self.written(keys.degree, |degree| degree as usize);
-        TriangleNet { degree, points, weights }
-    }
-
-    /// The rows and columns of a grid, which must be the same for every row.
-    fn size<T>(&self, called: &str, key: &str, grid: &Grid<T>) -> Result<[usize; 2], LoadError> {
-        let columns = grid.first().map_or(0, |row| row.get_ref().len());
-        let ragged = grid.iter().enumerate().find(|(_, row)| row.get_ref().len() != columns);
-        match ragged {
-            None => Ok([grid.len(), columns]),
-            Some((index, row)) => {
-                let found = row.get_ref().len();
-                let message = format!(
-                    "surface \"{called}\": row {index} of {key} has {found}, but row 0 has {columns}"
-                );
-                Err(LoadError::malformed(self.source.place(row.span().start), message))
-            }
-        }
-    }
-
-    /// The weights, at the place of the first one that cannot be, if there is one.
-    fn weights(
-        &self,
-        called: &str,
-        weights: Spanned<Grid<Spanned<f64>>>,
-        size: [usize; 2],
-    ) -> Result<Written<Vec<f64>>, LoadError> {
-        let place = self.source.place(weights.span().start);
-        let weights = weights.into_inner();
-        let found = self.size(called, "weights", &weights)?;
-        if found != size {
-            let message = format!(
-                "surface \"{called}\": {} × {} weights for {} × {} points",
-                found[0], found[1], size[0], size[1]
-            );
-            return Err(LoadError::malformed(place, message));
-        }
-        let unusable = flat(&weights).find(|w| !NurbsSurface::usable_weight(*w.get_ref()));
-        let place = unusable.map_or(place, |weight| self.source.place(weight.span().start));
-        Ok(Written::new(flat(&weights).map(|weight| *weight.get_ref()).collect(), place))
-    }
 }
 
-/// A grid's entries, v fastest.
-fn flat<T>(grid: &Grid<T>) -> impl Iterator<Item = &T> {
-    grid.iter().flat_map(|row| row.get_ref())
-}
-
+#[cfg(test)]
+mod object_tests;
 #[cfg(test)]
 mod patch_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod trims_tests;
+#[cfg(test)]
+mod value_tests;

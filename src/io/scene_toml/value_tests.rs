@@ -1,0 +1,276 @@
+//! What is said of keys, names and values that mean nothing.
+
+use super::tests::error;
+
+/// A sphere, and these lines behind it.
+fn with_sphere(lines: &str) -> String {
+    format!("[[object]]\nshape = {{ sphere = {{}} }}\n{lines}")
+}
+
+#[test]
+fn unknown_keys_and_names_get_the_nearest() {
+    assert_eq!(
+        error(&with_sphere("[camera]\nlook_form = [1, 2, 3]")),
+        "s.toml:4:1: unknown key \"look_form\"; did you mean \"look_from\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = { sphere = { radios = 1 } }"),
+        "s.toml:2:22: unknown key \"radios\"; did you mean \"radius\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = { shpere = {} }"),
+        "s.toml:2:11: unknown shape \"shpere\"; did you mean \"sphere\"?"
+    );
+    assert_eq!(
+        error("[[object]]\nshape = \"deck_pitch\""),
+        "s.toml:2:9: unknown shape \"deck_pitch\"; did you mean \"deck_patch\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("material = \"rad\"\n[[material]]\nname = \"red\"\ncolor = 1")),
+        "s.toml:3:12: object \"sphere\": unknown material \"rad\"; did you mean \"red\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[render]\nintegrator = \"dirct\"")),
+        "s.toml:4:14: unknown integrator \"dirct\"; did you mean \"direct\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[[light]]\npiont = { position = [0, 0, 1], intensity = 1 }")),
+        "s.toml:4:1: unknown light \"piont\"; did you mean \"point\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("transform = [{ scal = 2 }]")),
+        "s.toml:3:16: unknown transform \"scal\"; did you mean \"scale\"?"
+    );
+    assert_eq!(
+        error(&with_sphere("[matrial]\n")),
+        "s.toml:3:2: unknown key \"matrial\"; did you mean \"material\"?"
+    );
+}
+
+#[test]
+fn wrong_values_say_what_is_needed() {
+    for (lines, message) in [
+        (
+            "[camera]\nlook_from = [1, 2]",
+            "4:13: found a list of 2 numbers, needed three numbers, [x, y, z]",
+        ),
+        ("[camera]\nup = 'z'", "4:6: found \"z\", needed three numbers, [x, y, z]"),
+        ("[camera]\nlook_at = [0, nan, 0]", "4:15: found NaN, needed a finite number"),
+        ("[camera]\nlook_at = [0, 1e999, 0]", "4:15: floating-point number overflowed"),
+        ("[camera]\nperspective = { fov = '30' }", "4:23: found \"30\", needed a number"),
+        (
+            "[camera]\nperspective = { fov = 180 }",
+            "4:23: camera: fov is 180: needed is an angle from 1e-6 degrees up to, not including, 180",
+        ),
+        (
+            "[camera]\nperspective = {}\northographic = {}",
+            "5:16: camera: needed is perspective or orthographic, not both",
+        ),
+        (
+            "[camera]\nlook_from = [1, 1, 1]\nlook_at = [1, 1, 1]",
+            "5:11: camera: look_from and look_at are the same point (1, 1, 1)",
+        ),
+        (
+            "transform = [{ scale = [1, 0, 1] }]",
+            "3:24: object \"sphere\": scale (1, 0, 1) flattens space: no factor may be 0",
+        ),
+        (
+            "transform = [{ rotate = { axis = 'w', degrees = 9 } }]",
+            "3:34: found \"w\", needed \"x\", \"y\", \"z\" or [x, y, z]",
+        ),
+        ("transform = [{ rotate = { axis = 'z' } }]", "3:25: missing key \"degrees\""),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]] }]",
+            "3:25: object \"sphere\": the matrix flattens space: its determinant is 0 within rounding",
+        ),
+        ("reverse = 1", "3:11: found integer 1, needed true or false"),
+        (
+            "[render]\nsize = [0, 600]",
+            "4:8: size 0x600: a picture needs at least one pixel each way",
+        ),
+        (
+            "[render]\nsize = [1e9, 600]",
+            "4:9: found the number 1000000000, needed a whole number from 0 to 4294967295",
+        ),
+        ("[render]\nspp = 0", "4:7: spp 0: a picture needs at least one sample a pixel"),
+        ("[render]\nseed = -1", "4:8: found integer -1, needed a whole number from 0 on"),
+        (
+            "[light]\nambient = { radiance = 1 }",
+            "3:1: there can be several of these: write [[light]]",
+        ),
+        (
+            "[[light]]\nambient = { radiance = -1 }",
+            "4:24: found -1, needed an amount of light from 0 on",
+        ),
+        (
+            "[[light]]\nambient = { radiance = 'red' }",
+            "4:24: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
+        ),
+        (
+            "[[light]]\ndirectional = { from = [0, 0, 0], irradiance = 1 }",
+            "4:24: directional: from (0, 0, 0) is no direction",
+        ),
+        (
+            "[[light]]",
+            "3:1: found an empty table, needed a light, as in { ambient = { radiance = 0.1 } }",
+        ),
+        ("[[material]]\nname = 'm'", "4:8: material \"m\": needed is one of color, checker, lines"),
+        (
+            "[[material]]\nname = 'm'\ncolor = 1\nlines = {}",
+            "6:9: material \"m\": needed is only one of color, checker, lines",
+        ),
+        (
+            "[[material]]\nname = 'm'\nlines = { width = 2 }",
+            "5:19: found 2, needed a share of a cell from 0 to 1",
+        ),
+        (
+            "[[material]]\nname = 'm'\nlines = { count = [1.5, 2] }",
+            "5:19: found a list of 2 numbers, needed a whole number from 0 on, or two as [u, v]",
+        ),
+        (
+            "[[material]]\nname = 'm'\ncolor = 1\n[[material]]\nname = 'm'\ncolor = 1",
+            "7:8: the material name \"m\" is taken: it is given at 4:8",
+        ),
+        (
+            "[[material]]\nname = 'm'\ncolor = 'red'",
+            "5:9: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
+        ),
+        ("[[material]]\nname = 'm'\nlines = { width = 'x' }", "5:19: found \"x\", needed a number"),
+        ("[[material]]\nname = 3", "4:8: found integer 3, needed a string"),
+        ("transform = [{ translate = 3 }]", "3:28: found 3, needed three numbers, [x, y, z]"),
+        ("[[object]]\nname = 'b'", "3:1: missing key \"shape\""),
+        (
+            "[[object]]\nshape = 'nurbs'",
+            "4:9: \"nurbs\" alone says too little: write { nurbs = … }",
+        ),
+        (
+            "[[object]]\nshape = 'pot.json'",
+            "4:9: unknown shape \"pot.json\"; write { file = \"pot.json\" }",
+        ),
+        (
+            "[[object]]\nshape = { deck_patch = { radius = 1 } }",
+            "4:26: unknown key \"radius\"; there is none",
+        ),
+        (
+            "[[object]]\nshape = { sphere = {}, cone = {} }",
+            "4:9: found several keys, needed a shape, as in { sphere = { radius = 1 } }",
+        ),
+        (
+            "[[object]]\nshape = { sphere = { radius = -1 } }",
+            "4:31: surface \"sphere 2\": radius -1: it must be positive and finite (from 1e-70 to 1e70)",
+        ),
+        ("[[object]]\nshape = { file = 'x.json' }", "4:18: no x.json"),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
+
+/// A list of values in the order of a table's keys would do for the parser.
+#[test]
+fn lists_are_no_tables() {
+    for (lines, place) in [
+        ("[[object]]\nshape = { sphere = [2] }", "4:20"),
+        ("[[object]]\nshape = { sphere = [] }", "4:20"),
+        ("[[object]]\nshape = { deck_patch = [] }", "4:24"),
+        ("[[object]]\nshape = { nurbs = [[1, 1]] }", "4:19"),
+        ("transform = [{ rotate = ['z', 10] }]", "3:25"),
+        ("[[light]]\nambient = [1]", "4:11"),
+        ("[[material]]\nname = 'm'\nlines = [8]", "5:9"),
+        ("[[material]]\nname = 'm'\nchecker = [8]", "5:11"),
+        ("[camera]\nperspective = [30]", "4:15"),
+        ("[camera]\northographic = [30]", "4:16"),
+    ] {
+        let message = format!("s.toml:{place}: found a list, needed a table");
+        assert_eq!(error(&with_sphere(lines)), message, "{lines}");
+    }
+    for text in ["camera = [1]", "render = [1]", "object = [[1]]", "material = [[1]]"] {
+        assert!(error(text).ends_with(": found a list, needed a table"), "{text}: {}", error(text));
+    }
+    for table in ["camera", "render"] {
+        let message = format!("s.toml:3:1: there is only one of these: write [{table}]");
+        assert_eq!(error(&with_sphere(&format!("[[{table}]]"))), message);
+    }
+    assert_eq!(
+        error(&with_sphere("transform = { scale = 2 }")),
+        "s.toml:3:13: found a table, needed a list: write [{ … }]"
+    );
+}
+
+/// Longer lists would do for the parser, too.
+#[test]
+fn lists_have_as_many_values_as_they_need() {
+    for (lines, message) in [
+        ("[render]\nsize = [8, 6, 4]", "4:8: found a list of 3, needed a list of 2"),
+        ("[render]\nsize = [8]", "4:8: found a list of 1, needed a list of 2"),
+        ("[render]\nsize = 800", "4:8: found integer 800, needed a list of 2"),
+        (
+            "[[material]]\nname = 'm'\nchecker = { colors = [0, 1, 0.5] }",
+            "5:22: found a list of 3, needed a list of 2",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0, 7], [0, 0, 1, 0]] }]",
+            "3:40: found a list of 5, needed a list of 4",
+        ),
+        (
+            "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0]] }]",
+            "3:25: found a list of 2, needed a list of 3",
+        ),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
+
+#[test]
+fn errors_point_at_the_value_not_at_its_table() {
+    for (lines, message) in [
+        (
+            "[camera]\nup = [0, 0, 0]",
+            "4:6: camera: up (0, 0, 0) is no direction: it must not be zero",
+        ),
+        (
+            "[camera]\nlook_from = [0, 0, 9]\nup = [0, 0, 1]",
+            "5:6: camera: up (0, 0, 1) runs along the view (0, 0, -1): it must point another way",
+        ),
+        (
+            "[camera]\nlook_at = [0, 0, 0]\nlook_from = [0, -1e200, 0]",
+            "5:13: camera: look_from (0, -1e200, 0): coordinates must be finite, at most 1e100",
+        ),
+        (
+            "[camera]\northographic = { height = -1 }",
+            "4:27: camera: height is -1: needed is a positive length, at most 1e100",
+        ),
+        (
+            "[[object]]\nshape = { torus = { major = 1, minor = 2 } }",
+            "4:40: surface \"torus\": minor radius 2: it must be smaller than the major radius 1, \
+             else the torus meets itself",
+        ),
+        (
+            "[[object]]\nshape = { torus = { major = 0.1 } }", // the other one is a default
+            "4:9: surface \"torus\": minor radius 0.3333333333333333: it must be smaller than the \
+             major radius 0.1, else the torus meets itself",
+        ),
+        (
+            "transform = [{ rotate = { axis = [0, 0, 0], degrees = 9 } }]",
+            "3:34: object \"sphere\": rotate: the axis (0, 0, 0) has no direction",
+        ),
+        (
+            "transform = [{ scale = 1e80 }]",
+            "3:24: surface \"sphere\", placed by its transform: control point (0, 0) is \
+             (0, 0, 1e80): coordinates must be finite (up to 1e70)",
+        ),
+        ("[camera]\nfov = 30", "4:1: unknown key \"fov\"; write perspective = { fov = … }"),
+        (
+            "[[material]]\nname = 'm'\nchecker = { count = [4, 0] }",
+            "5:21: found 0, needed counts from 1 on",
+        ),
+        ("[camera]\nup = 1e300", "4:6: found 1e300, needed three numbers, [x, y, z]"),
+        ("name = ''", "3:8: a name needs a letter at least"),
+        ("name = \"a\\nb\"", "3:8: a name is a single line, without control characters"),
+        (
+            "[render]\nseed = 99999999999999999999",
+            "4:8: found integer 99999999999999999999, needed a whole number from 0 on",
+        ),
+    ] {
+        assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
+    }
+}
