@@ -2,7 +2,7 @@
 //!
 //! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end
 //! to end; [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings
-//! and ready to be asked: for points ([`Trims::contains`], [`Trims::near`]), for rectangles
+//! and ready to be asked: for points ([`Trims::contains`], [`Trims::contains_within`]), for rectangles
 //! ([`Trims::classify`]), for polylines to plot ([`Trims::outlines`]).
 //!
 //! ```

@@ -88,8 +88,8 @@ pub enum Coverage {
 /// inside forget the trims, mixed ones remember that they are mixed. A hit on a mixed leaf
 /// is dropped if it is [`Side::Outside`] and reported otherwise, edges included: the part
 /// that is kept is closed, as a surface is at its border. It is flagged as a hit at a trim
-/// edge if it is an [`Side::Edge`] or if the edge is [near](Trims::near) for what is known
-/// of the point in space.
+/// edge if it is an [`Side::Edge`] [within](Trims::contains_within) what is known of the point
+/// in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
@@ -166,8 +166,13 @@ impl Trims {
         self.contains_within(uv, DVec2::ZERO)
     }
 
-    /// Where a point of the domain lies that is known to `reach.x` in u and `reach.y` in v
-    /// only: an [`Side::Edge`] wherever the edge is [near](Self::near), both in one search.
+    /// Where a point of the domain lies that is known to `reach.x` in u and `reach.y` in v only: an
+    /// [`Side::Edge`] wherever a trim curve meets the rectangle `uv ± reach`, grown by the rounding of
+    /// the curve.
+    ///
+    /// For a hit whose point is known to within `r` in space and tangents at the angle `θ`,
+    /// `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` holds all parameters that may be the
+    /// hit's, to first order. Infinite reaches are allowed.
     pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
         if uv.is_nan() {
             return Side::Outside;
