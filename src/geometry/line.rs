@@ -5,6 +5,8 @@
 //! coordinate that is equal in both points as it is, bit for bit. So weights stay
 //! positive, equal weights stay equal, flat nets stay flat and collapsed edges collapsed.
 
+use std::borrow::Cow;
+
 use glam::DVec4;
 
 use super::knots::KnotVector;
@@ -169,8 +171,11 @@ pub(crate) fn restrict(
     let missing = |t| p.saturating_sub(knots.multiplicity(t));
     let mut new = vec![start; missing(start)];
     new.extend(std::iter::repeat_n(end, missing(end)));
-    let values = merged(knots.values(), &new);
-    let points = refine(knots, points, &new);
+    // A curve is cut into its pieces one by one, where nothing is missing: all of it is not to be copied for each.
+    let (values, points) = match new.as_slice() {
+        [] => (Cow::Borrowed(knots.values()), Cow::Borrowed(points)),
+        new => (Cow::Owned(merged(knots.values(), new)), Cow::Owned(refine(knots, points, new))),
+    };
 
     // With p copies of each end present, the points from `first` to `beyond − 1` alone
     // decide what happens between them, whatever knots lie outside.
