@@ -168,10 +168,15 @@ struct Drawing {
 impl Drawing {
     fn add(&mut self, pieces: Vec<Piece>) -> Result<(), ConstructError> {
         self.points += pieces.iter().map(|piece| piece.surface.control().len()).sum::<usize>();
-        if self.points > self.most_points {
+        self.check(self.points)?;
+        self.pieces.extend(pieces);
+        Ok(())
+    }
+
+    fn check(&self, points: usize) -> Result<(), ConstructError> {
+        if points > self.most_points {
             return Err(ConstructError::LargeDrawing { limit: self.most_points });
         }
-        self.pieces.extend(pieces);
         Ok(())
     }
 }
@@ -199,6 +204,10 @@ fn trim_curves(
         return Err(ConstructError::NoTrims);
     }
     for surface in trimmed {
+        // Edges are lifted onto its Bézier pieces, all of which are made for that.
+        let [u, v] = [surface.surface().knots_u(), surface.surface().knots_v()]
+            .map(|knots| knots.spans().count() * knots.degree() + 1);
+        drawing.check(u.saturating_mul(v))?;
         for edge in surface.edge_curves().map_err(ConstructError::TrimEdge)? {
             drawing.add(construct::tube(&edge, style)?)?;
         }
