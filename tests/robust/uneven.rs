@@ -139,3 +139,27 @@ fn dense_sheets_of_long_and_short_spans() {
         assert_met(&model, &queries);
     }
 }
+
+/// Between a long span and two short ones a middle control point has next to no share in a piece; a heavy one counts
+/// all the same, but what is made of differences from it has lost its digits.
+#[test]
+fn heavy_points_of_small_shares_in_dense_sheets() {
+    let mut random = Random::new(94);
+    for (degrees, short, heavy) in [([3, 3], 1e-4, 1e4), ([3, 2], 1e-3, 1e3), ([5, 4], 1e-2, 1e3)] {
+        let lengths: Vec<f64> = (0..48).map(|k| if k % 3 == 0 { 1.0 } else { short }).collect();
+        let knots = degrees.map(|degree| clamped(degree, &lengths));
+        let values = knots[0].values().to_vec();
+        let end = knots[1].domain().1;
+        let name = format!("{degrees:?}, spans of {short:e}, rows of {heavy:e}");
+        let model = sheet(name, knots, &mut |[i, _]| if i % 11 == 5 { heavy } else { 1.0 });
+        let places: Vec<[f64; 2]> = (0..600)
+            .map(|_| {
+                let at = degrees[0] + random.below(48);
+                let u = values[at] + (values[at + 1] - values[at]) * random.unit();
+                [u, end * random.unit()]
+            })
+            .collect();
+        let queries = aimed(&model, &mut random, &places);
+        assert_met(&model, &queries);
+    }
+}
