@@ -337,18 +337,19 @@ impl ChartNet {
             shares
         });
         let made = MadePowers { along, degree: self.degree, others: Others(Vec::new()) };
+        let gentle = powers::are_gentle(knots, control);
         let factor = rounding::residual_factor(self.degree[0], self.degree[1]);
         let suits = |first: [u32; 2]| {
             let NetSource::Spline(net) = self.source(first) else { return true }; // these are not
             let bezier = net.bezier_net();
             let Some(by_powers) = powers::net_of(self.degree, &bezier) else { return false };
-            let points = net.control();
-            made.of(first).is_some_and(|to_powers| {
-                let nets = (&by_powers[..], &bezier[..]);
-                powers::is_made_well(self.degree, nets, (&points, to_powers), factor)
-            })
+            gentle
+                || made.of(first).is_some_and(|to_powers| {
+                    let nets = (&by_powers[..], &bezier[..]);
+                    powers::is_made_well(self.degree, nets, (&net.control(), to_powers), factor)
+                })
         };
-        let others = if powers::suit_all(knots, control) {
+        let others = if gentle && powers::suit_all(self.degree) {
             Vec::new()
         } else {
             let firsts_of = |&row| columns.iter().map(move |&column| [row, column]);

@@ -33,19 +33,17 @@ const _: () =
 /// lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of splines up to degree three whose pieces are not looked at, as that
-/// takes a tenth of the time to build them. They are dense, and most of their knots simple: their nets zigzag less
-/// than their control points.
+/// The largest weight, over the smallest, of gentle splines.
 const MOST_WEIGHT: f64 = 2.0;
+
+/// Their longest span, over the shortest: where it is more, a control point may have so small a share in a piece that
+/// differences from it are all rounding.
+const MOST_UNEVEN: f64 = 4.0;
 
 /// Whether pieces of these degrees can be written by powers.
 pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
-
-/// The longest span, over the shortest, of such splines: else a control point may have so small a share in a piece
-/// that differences from it are all rounding.
-const MOST_UNEVEN: f64 = 4.0;
 
 /// A net by powers that is made of the control points of a spline may move points by this part of the promise.
 const MOST_OFF: f64 = 0.5;
@@ -53,16 +51,24 @@ const MOST_OFF: f64 = 0.5;
 /// Pieces are looked at where `x` and `y` are any of these.
 const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
-/// Whether all pieces of a spline are taken to be well conditioned, by its knots and its control points.
-pub(super) fn suit_all(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
+/// Whether the knots and the weights of a spline differ so little that all control points that govern a piece have a
+/// share in it that counts.
+pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
     let none = (f64::INFINITY, 0f64);
     let are_even = |knots: &KnotVector| {
         let (shortest, longest) = knots.spans().map(|span| span.end - span.start).fold(none, range);
-        knots.degree() <= 3 && longest <= MOST_UNEVEN * shortest
+        longest <= MOST_UNEVEN * shortest
     };
     let (least, most) = control.iter().map(|point| point.w).fold(none, range);
     knots.into_iter().all(are_even) && most <= MOST_WEIGHT * least
+}
+
+/// Whether all pieces of a gentle spline are taken to be well conditioned: to look at them takes a tenth of the time
+/// to build those of degree three or less. They are dense, and most of their knots simple: their nets zigzag less than
+/// their control points.
+pub(super) fn suit_all(degree: [usize; 2]) -> bool {
+    degree.into_iter().all(|degree| degree <= 3)
 }
 
 /// Whether the net by powers that is [made](ToPowers) of the control points that govern a piece is, to rounding, that
