@@ -13,7 +13,6 @@ mod framing;
 mod light;
 mod material;
 mod names;
-mod naming;
 mod net;
 mod note_circle;
 mod palette;
@@ -29,6 +28,7 @@ mod subdivision;
 mod transform;
 mod triangle;
 mod trims;
+mod unique_names;
 mod workshop;
 mod world;
 

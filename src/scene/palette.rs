@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::naming::check_unique;
+use super::unique_names::check_unique;
 use super::{Material, Object, Rgb, Scene, SceneError, SceneFault, Texture, UnknownName, Written};
 
 /// The name of the material of objects that name none. A scene may describe it.

@@ -1,9 +1,9 @@
 //! A scene ready to trace.
 
 use super::framing::{BoundingSphere, default_lights};
-use super::naming::{Naming, check_unique, joined};
 use super::palette::Palette;
 use super::placing::Placer;
+use super::unique_names::{Naming, check_unique, joined};
 use super::workshop::Made;
 use super::{Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault};
 use crate::geometry::Surface;
