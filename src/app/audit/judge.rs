@@ -1,6 +1,6 @@
 //! Whether the fast path's answer is right, given all roots from the exact solver.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use nurbray::geometry::{Charts, Surface};
 use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
@@ -246,10 +246,13 @@ impl<'a> Judge<'a> {
 
         // The promise, twice: once for the hit and once for this evaluation of the surface as
         // authored, not by its pieces. What (u, v) lose by being rounded in their own domain
-        // comes on top.
+        // comes on top: at a knot perhaps more before it than behind it.
         let [p, q] = surface.degree();
         let factor = residual_factor(p, q);
-        let parameters = site.uv.x.abs() * at.du.length() + site.uv.y.abs() * at.dv.length();
+        let [u, v] = site.uv.to_array();
+        let before = surface.derivatives(DVec2::new(u.next_down(), v.next_down()));
+        let speed = |here: DVec3, before: DVec3| here.length().max(before.length());
+        let parameters = u.abs() * speed(at.du, before.du) + v.abs() * speed(at.dv, before.dv);
         Measure {
             residual: at.point.distance(ray.at(t)),
             magnitude,
@@ -272,8 +275,7 @@ fn outside(hit: &Hit, measure: &Measure) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-    use nurbray::geometry::shapes;
+    use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
     use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
 
     use super::*;
@@ -295,6 +297,22 @@ mod tests {
             judge.judge(&shot, &answer, &Truth { hits, undecided: false })
         };
         check(&ruling, answer, &hits);
+    }
+
+    /// A sheet over `y` from 0 to 3, a third of it in next to no parameters.
+    #[test]
+    fn parameters_are_rounded_before_a_knot_too() {
+        let knot = 1.0 + 1e-6;
+        let knots = KnotVector::new(1, vec![0.0, 0.0, 1.0, knot, 1.0 + knot, 1.0 + knot]).unwrap();
+        let points = [0.0, 1.0].map(|x| [0.0, 1.0, 2.0, 3.0].map(|y| DVec3::new(x, y, 0.0)));
+        let across = KnotVector::bezier(1).unwrap();
+        let surface = NurbsSurface::new(across, knots, points.concat(), None).unwrap();
+        let ray = Ray::new(DVec3::new(0.5, 2.0, 1.0), -DVec3::Z).unwrap();
+        let surfaces = [surface.into()];
+        let judge = Judge::new(&surfaces);
+        let bound = |v: f64| judge.at(&ray, Site { surface: 0, uv: DVec2::new(0.5, v) }, 1.0).bound;
+        assert!(bound(knot) > 1e6 * UNIT_ROUNDOFF, "{:e}", bound(knot));
+        assert!(bound(knot + 0.1) < 1e3 * UNIT_ROUNDOFF, "{:e}", bound(knot + 0.1));
     }
 
     #[test]
