@@ -89,6 +89,13 @@ impl NurbsSurface {
         Self::assembled(knots, control)
     }
 
+    /// How many control points that has where the surface jumps nowhere.
+    pub(crate) fn bezier_point_count(&self) -> usize {
+        let [u, v] = [self.knots_u(), self.knots_v()]
+            .map(|knots| knots.spans().count() * knots.degree() + 1);
+        u.saturating_mul(v)
+    }
+
     /// The two parts of the surface below and above `u = t`, each clamped in u.
     ///
     /// They share the control points of the edge between them bit for bit, unless a knot of

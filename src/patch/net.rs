@@ -37,7 +37,7 @@ impl Keeping {
         let bytes = charts
             .map(|chart| {
                 let size = numbers_a_point(chart.surface.common_weight());
-                bezier_point_count(&chart.surface).saturating_mul(size_of::<f64>() * size)
+                chart.surface.bezier_point_count().saturating_mul(size_of::<f64>() * size)
             })
             .fold(0, usize::saturating_add);
         if bytes > MOST_BEZIER_BYTES { Self::Spline } else { Self::Bezier }
@@ -54,7 +54,7 @@ impl Keeping {
     /// How many Bézier points of a surface are kept.
     pub(super) fn bezier_points(self, surface: &NurbsSurface) -> usize {
         match self.of_one(surface) {
-            Self::Bezier => bezier_point_count(surface),
+            Self::Bezier => surface.bezier_point_count(),
             Self::Spline => 0,
         }
     }
@@ -65,18 +65,11 @@ pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
     surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
 }
 
-/// How many Bézier points a surface has where it jumps nowhere.
-fn bezier_point_count(surface: &NurbsSurface) -> usize {
-    let counts = [surface.knots_u(), surface.knots_v()]
-        .map(|knots| knots.spans().count() * knots.degree() + 1);
-    counts[0].saturating_mul(counts[1])
-}
-
 /// Whether a surface's Bézier points are many times as many as its control points, and take much more memory with
 /// nets by powers, which are kept beside them, than control points with what makes nets of them.
 fn spline_saves(surface: &NurbsSurface) -> bool {
     let knots = [surface.knots_u(), surface.knots_v()];
-    let (bezier, control) = (bezier_point_count(surface), surface.control().len());
+    let (bezier, control) = (surface.bezier_point_count(), surface.control().len());
     let by_powers: usize =
         knots.iter().map(|knots| knots.spans().count() * (knots.degree() + 1)).product();
     let makers = knots.iter().map(|knots| {

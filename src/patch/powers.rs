@@ -51,8 +51,8 @@ const MOST_OFF: f64 = 0.5;
 /// Pieces are looked at where `x` and `y` are any of these.
 const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
-/// Whether the knots and the weights of a spline differ so little that all control points that govern a piece have a
-/// share in it that counts.
+/// Whether the knots and the weights of a spline differ so little that [`is_made_well`] need not be asked: it holds
+/// for all pieces of such splines that a test has made.
 pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
     let none = (f64::INFINITY, 0f64);
@@ -79,16 +79,28 @@ pub(super) fn is_made_well(
     (control, along): (&[DVec4], [ToPowers<'_>; 2]),
     factor: f64,
 ) -> bool {
-    let magnitude =
-        bezier.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
-    let mut off = made_of_points(degree, control, along);
+    let magnitude = magnitude(bezier);
+    // As it is made in lanes, but for the rounding of products.
+    let mut off = in_both_directions(degree, control, |k, line, step| {
+        along[k].apply(degree[k], line, step);
+    });
     off.iter_mut().zip(net).for_each(|(made, &net)| *made -= net);
     let is_near = |x: f64, y: f64| {
         let [off, here] = [&off[..], net].map(|net| sum(net, degree[1] + 1, [x, y], |c| c));
         let moved = off.truncate().abs().max_element() + off.w.abs() * magnitude;
         moved <= MOST_OFF * factor * magnitude * here.w
     };
-    PLACES.iter().all(|&x| PLACES.iter().all(|&y| is_near(x, y)))
+    everywhere(is_near)
+}
+
+/// Whether something is so at all of the places.
+fn everywhere(is_so: impl Fn(f64, f64) -> bool) -> bool {
+    PLACES.iter().all(|&x| PLACES.iter().all(|&y| is_so(x, y)))
+}
+
+/// The largest coordinate of some points.
+fn magnitude(points: &[DVec4]) -> f64 {
+    points.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max)
 }
 
 /// The sum of a net by powers at a place, of its terms or what is made of them.
@@ -97,33 +109,18 @@ fn sum(net: &[DVec4], columns: usize, [x, y]: [f64; 2], term: fn(DVec4) -> DVec4
     net.chunks_exact(columns).rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
 }
 
-/// The net by powers that is made of control points, as it is made in lanes but for the rounding of products.
-fn made_of_points([p, q]: [usize; 2], control: &[DVec4], along: [ToPowers<'_>; 2]) -> ControlNet {
-    let mut net = ControlNet::from_slice(control);
-    for j in 0..=q {
-        along[0].apply(p, &mut net[j..], q + 1);
-    }
-    for row in net.chunks_exact_mut(q + 1) {
-        along[1].apply(q, row, 1);
-    }
-    net
-}
-
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
 pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<ControlNet> {
     let columns = degree[1] + 1;
-    let net = in_both_directions(degree, bezier);
-    let magnitude =
-        bezier.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max);
+    let net = in_both_directions(degree, bezier, |k, line, step| to_powers(degree[k], line, step));
+    let magnitude = magnitude(bezier);
     // With `x` and `y` no larger than these, where the weight is no less than that.
     let suits = |x: f64, y: f64, weight: f64| {
         let sizes = sum(&net, columns, [x.abs(), y.abs()], DVec4::abs);
         sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
     };
     let suits_all = suits(1.0, 1.0, bezier.iter().map(|c| c.w).fold(f64::INFINITY, f64::min))
-        || PLACES
-            .iter()
-            .all(|&x| PLACES.iter().all(|&y| suits(x, y, sum(&net, columns, [x, y], |c| c).w)));
+        || everywhere(|x, y| suits(x, y, sum(&net, columns, [x, y], |c| c).w));
     suits_all.then_some(net)
 }
 
@@ -264,21 +261,29 @@ pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares
     }
 }
 
-/// A net by powers in both directions.
-fn in_both_directions([p, q]: [usize; 2], bezier: &[DVec4]) -> ControlNet {
-    let mut net = ControlNet::from_slice(bezier);
+/// A net by powers of points: `make` is for a direction and one line of them, every so-manieth of those given.
+fn in_both_directions(
+    [_, q]: [usize; 2],
+    points: &[DVec4],
+    make: impl Fn(usize, &mut [DVec4], usize),
+) -> ControlNet {
+    let mut net = ControlNet::from_slice(points);
     for j in 0..=q {
-        to_powers(p, &mut net[j..], q + 1);
+        make(0, &mut net[j..], q + 1);
     }
     for row in net.chunks_exact_mut(q + 1) {
-        to_powers(q, row, 1);
+        make(1, row, 1);
     }
     net
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
+    use super::super::{NetSource, PatchSet};
     use super::*;
+    use crate::geometry::NurbsSurface;
     use crate::math::bernstein;
 
     #[test]
@@ -302,6 +307,55 @@ mod tests {
                 assert!(value.distance(wanted) < 1e-14, "degree {degree} at {x}");
             }
             assert!(coefficients[1].is_nan() && coefficients[3 * degree + 1].is_nan());
+        }
+    }
+
+    /// Spans up to four times as long as others, weights up to twice as large, and points in any order.
+    #[test]
+    fn nets_of_gentle_splines_are_made_well() {
+        let mut state = 0.37;
+        let mut unit = move || {
+            state = (997.0f64 * state + 0.123).fract();
+            state
+        };
+        for degree in [[3, 3], [2, 3], [1, 3], [4, 4], [5, 5], [6, 5], [7, 3], [7, 7]] {
+            let knots = degree.map(|degree| {
+                let mut values = vec![0.0; degree + 1];
+                for _ in 0..if degree <= 3 { 64 } else { 40 } {
+                    let last = values[values.len() - 1];
+                    values.push(last + 1.0 + 2.9 * unit().powi(3).round());
+                }
+                values.extend(std::iter::repeat_n(values[values.len() - 1], degree));
+                KnotVector::new(degree, values).unwrap()
+            });
+            let count = knots[0].point_count() * knots[1].point_count();
+            let columns = knots[1].point_count();
+            let points = (0..count).map(|k| {
+                let (x, y) = ((k / columns) as f64, (k % columns) as f64);
+                DVec3::new(x + unit(), y + unit(), 3.0 * unit())
+            });
+            let points: Vec<DVec3> = points.collect();
+            let weights = (0..count).map(|_| 1.0 + unit()).collect();
+            let [u, v] = knots;
+            let surface = NurbsSurface::new(u, v, points, Some(weights)).unwrap();
+            assert!(are_gentle([surface.knots_u(), surface.knots_v()], surface.control()));
+            let (set, _) = PatchSet::new(&[surface]).unwrap();
+            let mut checked = 0;
+            for piece in set.pieces() {
+                let NetSource::Spline(net) = piece.patch.sums_source() else { continue };
+                let Some(along) = net.by_powers() else { continue };
+                let bezier = net.bezier_net();
+                let by_powers = net_of(degree, &bezier).unwrap_or_else(|| {
+                    in_both_directions(degree, &bezier, |k, line, step| {
+                        to_powers(degree[k], line, step);
+                    })
+                });
+                let nets = (&by_powers[..], &bezier[..]);
+                let factor = piece.patch.residual_factor();
+                assert!(is_made_well(degree, nets, (&net.control(), along), factor), "{degree:?}");
+                checked += 1;
+            }
+            assert!(checked > 400, "{degree:?}: {checked}");
         }
     }
 

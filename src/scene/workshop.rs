@@ -205,9 +205,7 @@ fn trim_curves(
     }
     for surface in trimmed {
         // Edges are lifted onto its Bézier pieces, all of which are made for that.
-        let [u, v] = [surface.surface().knots_u(), surface.surface().knots_v()]
-            .map(|knots| knots.spans().count() * knots.degree() + 1);
-        drawing.check(u.saturating_mul(v))?;
+        drawing.check(surface.surface().bezier_point_count())?;
         for edge in surface.edge_curves().map_err(ConstructError::TrimEdge)? {
             drawing.add(construct::tube(&edge, style)?)?;
         }
