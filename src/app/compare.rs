@@ -57,7 +57,8 @@ model's bounding box and scaled by a power of two, to a size between 1 and 2.
 Rays of which nurbray says that its own answer is doubtful are left out and
 counted. A report lists the files written with it; what else is in DIR stays.
 All are written at the end, the report last; only where POV-Ray is missing its
-scenes are left in DIR, for whoever has it. Everything but times, rates and memory is the same in every run.
+scenes are left in DIR, for whoever has it.
+Everything but times, rates and memory is the same in every run.
 
 Example:
   nurbray compare scenes/teapot.toml --against embree --tolerance 1e-3,1e-4,1e-5 -o teapot-embree";

@@ -104,7 +104,7 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
 }
 
 /// Surfaces that are met at a smaller cosine, the root of the unit roundoff, are not told apart from touched ones.
-const LEAST_COSINE: f64 = 1e-8;
+pub(super) const LEAST_COSINE: f64 = 1e-8;
 
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {

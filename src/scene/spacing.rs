@@ -12,8 +12,8 @@ impl World {
     /// How the camera's rays, and those that leave their hits, are best traced in a picture of
     /// this size.
     ///
-    /// Told by how far apart rays are in the middle of all that a few of them meet: the same for all of the
-    /// picture, whatever part of it is made, with whatever kernel.
+    /// Told by how far apart they are at the median depth of what a coarse grid of them meets: the same for all
+    /// of the picture, whatever part of it is made, with whatever kernel.
     pub fn neighbours(&self, size: [u32; 2]) -> Neighbours {
         self.bvh.neighbours(self.camera.pixel_width(size, self.depth(size)))
     }

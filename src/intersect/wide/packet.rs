@@ -411,7 +411,7 @@ fn pair(lanes: &[[f64; PACKET]; 2], k: usize) -> DVec2 {
     DVec2::new(lanes[0][k], lanes[1][k])
 }
 
-/// Components of directions this near to zero decide nothing: their inverses would near the end of f32.
+/// Components of directions this near to zero decide nothing: their inverses, times distances, must be numbers of f32.
 const TINY: f32 = 1e-20;
 
 impl PacketBounds {

@@ -29,8 +29,8 @@ const MOST_STEPS: u64 = 4;
 pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// A bound of how far the normal may turn in a last step, in radians, that second derivatives are
-/// to make up for: those in the middle of the leaf leave a tenth or so of it. (That is measured, not
-/// proved; all of it is a fifth of what packets' normals may be off by.)
+/// to make up for: those in the middle of the leaf leave a tenth or so of it, as a rule. (Nothing
+/// proves that; all of it is a fifth of what packets' normals may be off by.)
 const MOST_TURN: f64 = 1e-12;
 
 /// What is searched for in a leaf, from where.

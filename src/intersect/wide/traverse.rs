@@ -26,8 +26,8 @@ type Visit = (f32, ChildCode, u64);
 /// Covers f32 rounding of slabs at the distances a ray has inside the scene.
 const SLAB_SPARE: f32 = 1e-5;
 
-/// A box's row decides where the least slope of a packet's rays is more than this part of the largest: else
-/// what it tells is lost in rounding.
+/// A box's row decides where the least slope of a packet's rays is more than this part of the largest: else it may
+/// vanish, as far as rounding can tell, and would say little.
 const LEAST_DECIDED: f32 = 1e-3;
 
 /// Scratch memory and results of tracing packets.

@@ -130,7 +130,8 @@ impl ExactSolver {
     }
 }
 
-/// Of the trace of the normal equations: the root of what rounding leaves of them.
+/// So much of their trace is added to the normal equations: what a direction moves the point by counts where it is
+/// more than the root of this, 1e-5, of what the other does.
 const DAMPING: f64 = 1e-10;
 
 /// A place near `st`, within the task's rectangle, where the surface is closest to the ray
