@@ -7,8 +7,7 @@ use super::kept_pole::Spot;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::{HitFlags, Root};
 use crate::geometry::trim::Side;
-use crate::math::RayFrame;
-use crate::math::rounding;
+use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf, Piece};
 
 /// Makes a meeting of a solution that lies on the piece and in the ray's range.
@@ -22,7 +21,7 @@ pub(super) fn accept(
     let Place { leaf, piece, .. } = *place;
     let (ray, proof) = (question.ray, solution.proof);
     let error = error_bound(piece, ray);
-    let OnRay { spot, z, residual, allowed } = match on_ray(place, ray, solution, known) {
+    let OnRay { mut spot, mut z, residual, allowed } = match on_ray(place, ray, solution, known) {
         Ok(on_ray) => on_ray,
         Err(doubt) => {
             if let Some(z) = doubt {
@@ -36,7 +35,7 @@ pub(super) fn accept(
         Proof::Contact(_) => HitFlags::DOUBTFUL,
         Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
     };
-    let (normal, cosine) = spot.normal_along(ray);
+    let (mut normal, mut cosine) = spot.normal_along(ray);
     if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
         flags.insert(HitFlags::DOUBTFUL);
     }
@@ -45,7 +44,6 @@ pub(super) fn accept(
 
     // What trims cut off is not there; their edges are. In a pole is what any kept parameter
     // leads to.
-    let (mut kept, mut z, mut normal, mut cosine) = (spot, z, normal, cosine);
     let known = Known { ray, error, along: z_error };
     match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
         Side::Inside => {}
@@ -54,9 +52,9 @@ pub(super) fn accept(
             let pole = leaf.collapsed(piece).filter(|_| !inside);
             if let Some(other) = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)))
             {
-                kept = other;
-                z = ray.axis.dot(kept.jet.point - ray.origin);
-                (normal, cosine) = kept.normal_along(ray);
+                spot = other;
+                z = ray.axis.dot(spot.jet.point - ray.origin);
+                (normal, cosine) = spot.normal_along(ray);
             }
         }
         Side::Outside => {
@@ -67,7 +65,7 @@ pub(super) fn accept(
             return;
         }
     }
-    let Spot { index: piece_index, piece, st, jet } = kept;
+    let Spot { index: piece_index, piece, st, jet } = spot;
 
     // The root the ray starts on is not met again.
     if let Some((root, start)) = question.start_on(piece.surface) {

@@ -191,6 +191,15 @@ fn circle_twice() -> NurbsSurface {
     NurbsSurface::from_homogeneous(knots(), knots(), net.collect()).unwrap()
 }
 
+/// A ray in the plane of that circle, from outside to a point within.
+fn in_its_plane(random: &mut Random) -> Ray {
+    let [from, to] = [2.0, 0.5].map(|reach| {
+        let angle = random.between(0.0, TAU);
+        reach * DVec2::from_angle(angle).extend(0.0)
+    });
+    Ray::new(from, to - from).unwrap()
+}
+
 /// Surfaces that are nowhere steep to a ray, and nowhere clear of it, took seconds a ray.
 #[test]
 fn work_is_bounded_where_a_surface_is_but_a_curve() {
@@ -199,11 +208,7 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
     let mut tracer = bvh.tracer();
     let mut most = 0;
     for _ in 0..8 {
-        let [from, to] = [2.0, 0.5].map(|reach| {
-            let angle = random.between(0.0, TAU);
-            reach * DVec2::from_angle(angle).extend(0.0)
-        });
-        let query = Query::primary(Ray::new(from, to - from).unwrap());
+        let query = Query::primary(in_its_plane(&mut random));
         let before = tracer.statistics().exact_boxes;
         let first = tracer.first_hit(&query);
         let between = tracer.statistics().exact_boxes;
@@ -222,15 +227,7 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
 fn what_is_left_where_work_is_bounded_depends_on_the_ray_alone() {
     let bvh = SurfaceBvh::build(&[circle_twice()], &BuildOptions::default()).unwrap();
     let mut random = Random::new(4);
-    let rays: Vec<Ray> = (0..6)
-        .map(|_| {
-            let [from, to] = [2.0, 0.5].map(|reach| {
-                let angle = random.between(0.0, TAU);
-                reach * DVec2::from_angle(angle).extend(0.0)
-            });
-            Ray::new(from, to - from).unwrap()
-        })
-        .collect();
+    let rays: Vec<Ray> = (0..6).map(|_| in_its_plane(&mut random)).collect();
     let mut tracer = bvh.tracer();
     for told in [Coherence::Coherent, Coherence::Incoherent] {
         let mut said = |rays: &[Ray]| {

@@ -23,10 +23,14 @@ fn bits(hit: &Hit) -> Vec<u64> {
 
 type Said = (Vec<Vec<u64>>, bool);
 
+/// An answer as bits.
+fn one(answer: &Answer) -> Said {
+    (answer.hit.iter().map(bits).collect(), answer.doubtful)
+}
+
 /// All that is said of a ray: first hit, exact first hit, all hits, occlusion.
 fn said(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<(Said, Said, Said, Occlusion)> {
     let mut tracer = bvh.tracer();
-    let one = |answer: Answer| (answer.hit.iter().map(bits).collect(), answer.doubtful);
     queries
         .iter()
         .map(|query| {
@@ -34,7 +38,7 @@ fn said(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<(Said, Said, Said, Occlusion
             let doubtful = tracer.all_hits(query, &mut hits);
             let all = (hits.iter().map(bits).collect(), doubtful);
             let (first, exact) = (tracer.first_hit(query), tracer.exact_first_hit(query));
-            (one(first), one(exact), all, tracer.occluded(query))
+            (one(&first), one(&exact), all, tracer.occluded(query))
         })
         .collect()
 }
@@ -93,7 +97,6 @@ fn batch(tracer: &mut Tracer<'_>, queries: &[Query], told: Coherence) -> Vec<(Sa
     let (mut answers, mut occlusions) = (Vec::new(), Vec::new());
     tracer.first_hits(queries, told, &mut answers);
     tracer.occlusions(queries, told, &mut occlusions);
-    let one = |answer: &Answer| (answer.hit.iter().map(bits).collect(), answer.doubtful);
     answers.iter().map(one).zip(occlusions).collect()
 }
 
