@@ -11,7 +11,7 @@ use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
-use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame};
+use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame, WeightFit};
 
 /// How surfaces are prepared: there is nothing to choose yet.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +33,8 @@ pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     /// In the order of the tree.
     pub(super) leaves: Vec<Leaf>,
+    /// In the same order, if the weights of some piece differ; else there are none.
+    pub(super) weights: Vec<WeightFit>,
     pub(super) tree: Tree,
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
@@ -56,17 +58,26 @@ impl SurfaceBvh {
         let frame = SceneFrame::around(&set.bounds());
         let reach = ReachOfF32::of(&set);
         let (mut tree, order) = tree_over(parts, grouped.groups(), frame, reach.most_scale());
-        let leaves = order.par_iter().enumerate().map(|(leaf, &k)| {
-            let part = &parts[k as usize];
+        let leaf = |leaf: usize| {
+            let part = &parts[order[leaf] as usize];
             let frame = tree.frame_of(leaf as u32);
             Leaf::new(part, &set.pieces()[part.piece as usize], frame)
-        });
-        let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>) = leaves.unzip();
+        };
+        let all = (0..order.len()).into_par_iter();
+        let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>);
+        let mut weights = Vec::new();
+        if set.pieces().iter().any(|piece| piece.patch.is_rational()) {
+            let of_leaves =
+                all.map(leaf).map(|(leaf, weight, oriented)| ((leaf, oriented), weight));
+            ((leaves, boxes), weights) = of_leaves.unzip();
+        } else {
+            (leaves, boxes) = all.map(leaf).map(|(leaf, _, oriented)| (leaf, oriented)).unzip();
+        }
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
         // As far as a point may be off the ray twice: rounding of distances up to there is less than that.
         let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
-        Ok(Self { set, leaves, tree, leaf_width, reach_of_f32, surroundings })
+        Ok(Self { set, leaves, weights, tree, leaf_width, reach_of_f32, surroundings })
     }
 
     /// Ready to trace on this thread with the default kernel.
@@ -103,7 +114,8 @@ impl SurfaceBvh {
 
     /// The memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        self.set.bytes() + size_of_val(&self.leaves[..]) + self.tree.bytes()
+        let leaves = size_of_val(&self.leaves[..]) + size_of_val(&self.weights[..]);
+        self.set.bytes() + leaves + self.tree.bytes()
     }
 
     /// The smallest and largest coordinates of the surfaces; `None` without surfaces.

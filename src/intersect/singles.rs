@@ -16,8 +16,8 @@ use crate::patch::{Jet, Leaf, Passage, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Scene<'_> {
-        let Self { tree, leaves, set, reach_of_f32, .. } = self;
-        Scene { tree, leaves, set, reach_of_f32: *reach_of_f32 }
+        let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
+        Scene { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
     }
 }
 

@@ -245,7 +245,10 @@ mod tests {
         let surface = NurbsSurface::from_homogeneous(knots(), knots(), control.collect());
         let (set, parts) = PatchSet::new(&[surface.unwrap()]).unwrap();
         let frame = SceneFrame::around(&set.bounds());
-        let leaf = |part| Leaf::new(part, &set.pieces()[0], &frame);
+        let leaf = |part| {
+            let (leaf, _, oriented) = Leaf::new(part, &set.pieces()[0], &frame);
+            (leaf, oriented)
+        };
         let leaves = parts.all().iter().map(leaf).collect();
         (set, leaves)
     }

@@ -1,9 +1,11 @@
 //! Bicubic approximations of leaves.
 
+use std::ops::{AddAssign, Mul};
+
 use glam::{DVec3, DVec4};
 
 use super::Piece;
-use super::fit_error::FitError;
+use super::fit_error::{BLOSSOM, FitError};
 use super::part::Halving;
 use super::powers::powers;
 use super::tensor::euclidean;
@@ -11,6 +13,20 @@ use crate::math::bernstein;
 
 /// Coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
 pub type Fit = [[f32; 16]; 3];
+
+/// Coefficients of the weight that a [`Fit`] is divided by, at the same places: the first is 1.
+pub type WeightFit = [f32; 16];
+
+/// The weight of what is not divided.
+pub(super) const NO_WEIGHT: WeightFit = {
+    let mut weight = [0.0; 16];
+    weight[0] = 1.0;
+    weight
+};
+
+/// Weights are approximated where they stay within so many times that in the middle of the leaf, and one over that,
+/// as far as the bounds of [`FitError`] hold.
+pub const MOST_WEIGHT: f32 = 4.0;
 
 /// A leaf's bicubic approximation, and what is known of it.
 pub(super) struct Approximation {
@@ -64,8 +80,80 @@ impl Approximation {
         }
         let (middle, fit, chords) = in_powers(coefficients);
         coefficients[0][0] = DVec3::ZERO;
-        let error = FitError::of_polynomial(&coefficients, piece);
+        let sizes = coefficients.map(|row| row.map(DVec3::length));
+        let error = FitError::of_polynomial(&sizes, 4.0 * piece.patch.noise());
         Self { middle, fit, chords, error }
+    }
+}
+
+/// A rational piece of degree up to three over a leaf: a bicubic polynomial over another one, as exact as f32.
+///
+/// A bicubic polynomial alone is as far off a leaf as its weights differ: some percent of its sides, on a spline
+/// whose control points have weights from 0.8 to 1.25.
+pub(super) struct Quotient {
+    /// The point in the middle, which the numerators are relative to.
+    pub(super) middle: DVec3,
+    /// Numerators and weights; the weight in the middle is 1.
+    coefficients: [[DVec4; 4]; 4],
+    /// How far coefficients may be off.
+    noise: f64,
+}
+
+impl Quotient {
+    /// `None` for other pieces, and where the weights differ too much: see [`MOST_WEIGHT`].
+    pub(super) fn new(halving: &Halving, piece: &Piece) -> Option<Self> {
+        let [p, q] = piece.patch.degree();
+        if p.max(q) > 3 || !piece.patch.is_rational() {
+            return None;
+        }
+        let mut net = [[DVec4::ZERO; 4]; 4];
+        for (row, control) in net.iter_mut().zip(halving.net().chunks_exact(q + 1)) {
+            row[..=q].copy_from_slice(control);
+            *row = powers(q, *row);
+        }
+        let mut coefficients = [[DVec4::ZERO; 4]; 4];
+        for j in 0..=q {
+            let column = powers(p, [net[0][j], net[1][j], net[2][j], net[3][j]]);
+            for i in 0..=p {
+                coefficients[i][j] = column[i];
+            }
+        }
+        let weight = coefficients[0][0].w;
+        let middle = euclidean(coefficients[0][0]);
+        for c in coefficients.as_flattened_mut() {
+            *c = (c.truncate() - c.w * middle).extend(c.w) / weight;
+        }
+        coefficients[0][0] = DVec4::W;
+        let (mut least, mut heaviest) = (f64::INFINITY, 0f64);
+        for c in in_both_directions(&BLOSSOM, &coefficients).as_flattened() {
+            (least, heaviest) = (least.min(c.w), heaviest.max(c.w));
+        }
+        // A little less, for rounding; false for NaN.
+        let most = 0.999 * f64::from(MOST_WEIGHT);
+        let in_range = least * most >= 1.0 && heaviest <= most;
+        let noise = 4.0 * piece.patch.noise() * heaviest / least;
+        in_range.then_some(Self { middle, coefficients, noise })
+    }
+
+    /// The approximation for rays that pass the middle within `reach`, and what is known of it; `other` is known of
+    /// the surface itself.
+    pub(super) fn approximation(
+        &self,
+        reach: f64,
+        other: &FitError,
+    ) -> Option<(Fit, WeightFit, FitError)> {
+        let (mut fit, mut weights) = (Fit::default(), NO_WEIGHT);
+        let mut sizes = [[0.0; 4]; 4];
+        for k in 1..16 {
+            let c = self.coefficients[k / 4][k % 4];
+            let [x, y, z, w] = c.to_array();
+            (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
+            weights[k] = w as f32;
+            sizes[k / 4][k % 4] = c.truncate().length() + reach * w.abs();
+        }
+        let error = FitError::of_polynomial(&sizes, self.noise);
+        let error = FitError { bend: error.bend.max(other.bend), third: other.third, ..error };
+        error.value.is_finite().then_some((fit, weights, error))
     }
 }
 
@@ -117,8 +205,12 @@ fn at_nodes<const N: usize>([p, q]: [usize; 2], net: &[DVec4]) -> [[DVec3; 4]; 4
 }
 
 /// A linear map of four numbers applied to the columns of a net, then to its rows.
-pub(super) fn in_both_directions(matrix: &[[f64; 4]; 4], net: &[[DVec3; 4]; 4]) -> [[DVec3; 4]; 4] {
-    let mut columns = [[DVec3::ZERO; 4]; 4];
+pub(super) fn in_both_directions<V>(matrix: &[[f64; 4]; 4], net: &[[V; 4]; 4]) -> [[V; 4]; 4]
+where
+    V: Copy + Default + AddAssign,
+    f64: Mul<V, Output = V>,
+{
+    let mut columns = [[V::default(); 4]; 4];
     let mut both = columns;
     for i in 0..4 {
         for a in 0..4 {

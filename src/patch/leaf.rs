@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::fit::{Approximation, Fit};
+use super::fit::{Approximation, Fit, NO_WEIGHT, Quotient, WeightFit};
 use super::oriented_box::Axes;
 use super::part::Halving;
 use super::rounded::{Up8, Up16};
@@ -24,11 +24,15 @@ pub const WIDENING: f64 = 0.02;
 /// whatever the degree: four cache lines.
 ///
 /// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
-/// to the other. The surface is approximated by a bicubic polynomial in `x` and `y`, relative to
-/// the leaf's middle, in scene units. It gives Newton's iteration a start; and since its distance
-/// from the surface is bounded ([`FitError`](super::FitError)), it can prove of one ray that a part of the leaf
-/// holds one root at most, or none. The leaf's [`OrientedBox`] is kept elsewhere, beside those of
-/// its neighbours in space.
+/// to the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene units: its
+/// numerators `X` by bicubic polynomials in `x` and `y`, [`fit`](Self::fit), and its weight `W`, which is 1 in the
+/// middle, by another one. A leaf of a piece whose weights are alike has none: `W` is 1. Those of others, their
+/// [`WeightFit`]s, are kept elsewhere, as is the leaf's [`OrientedBox`], beside those of its neighbours in space.
+///
+/// The distances of a plane through a ray from all points, `n · (S − o)`, have the roots of
+/// `F = n · X + (n · (c − o)) W`, with the leaf's middle `c`: sums of the coefficients. They give Newton's iteration
+/// a start; and since what they are off by is bounded ([`FitError`](super::FitError)) for rays that meet the leaf's
+/// box, they can prove of one ray that a part of the leaf holds one root at most, or none.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Leaf {
@@ -51,14 +55,24 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// The leaf of a part, and the close box around all points it answers for.
-    pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, OrientedBox) {
+    /// The leaf of a part, its weight, and the close box around all points it answers for.
+    pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, WeightFit, OrientedBox) {
         let halving = Halving::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);
-        let Approximation { middle, fit, chords, error } = Approximation::new(&halving, piece);
+        let Approximation { mut middle, mut fit, chords, mut error } =
+            Approximation::new(&halving, piece);
+        let stretch = Up16::above(stretch(&fit, error.slope));
         let axes = Axes::along(chords);
         let noise = piece.patch.noise();
         let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);
+        let mut weights = NO_WEIGHT;
+        if let Some(quotient) = Quotient::new(&halving, piece) {
+            let reach = oriented.farthest_from(quotient.middle, frame);
+            if let Some(known) = quotient.approximation(reach, &error) {
+                middle = quotient.middle;
+                (fit, weights, error) = known;
+            }
+        }
 
         let widened = halving.widened(piece, collapsed);
         let (degree, rational) = (piece.patch.degree(), piece.patch.is_rational());
@@ -77,10 +91,10 @@ impl Leaf {
             slope_error: Up16::above(error.slope),
             fit_bend,
             fit_third: Up8::above(error.third / f64::from(fit_bend.value())),
-            stretch: Up16::above(stretch(&fit, error.slope)),
+            stretch,
             trimmed: part.trimmed,
         };
-        (leaf, oriented)
+        (leaf, weights, oriented)
     }
 
     /// Asks for every cache line, for those who will want them soon.
@@ -141,7 +155,7 @@ impl Leaf {
         self.certificate.pole_per_error() > 0.0
     }
 
-    /// The approximation: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
+    /// The approximation's numerators: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
     #[inline(always)]
     pub fn fit(&self) -> &Fit {
         &self.fit
@@ -149,12 +163,18 @@ impl Leaf {
 
     /// The approximation's second derivatives in the middle, by box coordinates: `xx`, `xy`, `yy`.
     #[inline(always)]
-    pub fn second_derivatives(&self) -> [DVec3; 3] {
+    pub fn second_derivatives(&self, weights: Option<&WeightFit>) -> [DVec3; 3] {
         let term = |m: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.fit[axis][m])));
-        [2.0 * term(8), term(5), 2.0 * term(2)]
+        let [xx, xy, yy] = [2.0 * term(8), term(5), 2.0 * term(2)];
+        let Some(weights) = weights else { return [xx, xy, yy] };
+        // Of `X / W` where `X` is zero and `W` is 1.
+        let [by_x, by_y] = [4, 1].map(|m| f64::from(weights[m]));
+        let (along_x, along_y) = (term(4), term(1));
+        let mixed = xy - by_x * along_y - by_y * along_x;
+        [xx - 2.0 * by_x * along_x, mixed, yy - 2.0 * by_y * along_y]
     }
 
-    /// How far the approximation may be from the surface: see [`FitError`](super::FitError).
+    /// How far `F`, the distances times the weight, may be off: see [`FitError`](super::FitError).
     #[inline(always)]
     pub fn fit_error(&self) -> f32 {
         self.fit_error.value()

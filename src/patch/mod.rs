@@ -58,7 +58,7 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
 
 pub use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
-pub use fit::Fit;
+pub use fit::{Fit, MOST_WEIGHT, WeightFit};
 pub use fit_error::{FIT_DOMAIN, FitError};
 pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};

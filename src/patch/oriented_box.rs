@@ -93,6 +93,21 @@ impl OrientedBox {
         [b.cross(n).normalize(), n.cross(a).normalize(), n.normalize()]
     }
 
+    /// How far from a point, in scene units, rays pass at most that are found to meet the box in f32; no number
+    /// where the box has no size.
+    pub(super) fn farthest_from(&self, point: DVec3, frame: &SceneFrame) -> f64 {
+        let [a, b, c] = self.directions();
+        let volume = a.dot(b.cross(c));
+        let half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
+        let middle: DVec3 = (0..3).map(|k| f64::from(self.rows[k][3]) * half[k]).sum();
+        let from_middle = (frame.scaled(point) - middle).length();
+        let corner = |[s, t]: [f64; 2]| (half[2] + s * half[0] + t * half[1]).length();
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(corner);
+        // What rounding of f32 does to the box and to the ray is less than what the box was grown by.
+        let most = from_middle + corners.into_iter().fold(0.0, f64::max) + 2.0 * GROWTH;
+        most * (1.0 + 1e-6) / frame.scale
+    }
+
     /// Where the ray passes within `slack` of the box; `None` when it does not.
     ///
     /// Written so that an undefined number counts as a passage: the leaf test then decides.

@@ -5,8 +5,9 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::packet::Packet;
+use super::scene::Fitted;
 use super::search::{dot_d, load3, load3d};
-use crate::patch::Leaf;
+use crate::patch::{Leaf, WeightFit};
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
 /// second 1e-4 or the fit's error.
@@ -16,8 +17,8 @@ const STEPS: usize = 2;
 const LEAST_REFINED: f32 = 1.0 / 256.0;
 const MOST_REFINED: f32 = 0.25;
 
-/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays:
-/// coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
+/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays, times its weight (see
+/// [`Leaf`]): coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct LaneDistances {
@@ -57,7 +58,13 @@ impl LaneDistances {
     /// Those of the leaf's middle are found in f64; what is added to them in f32 is of the size of
     /// the leaf, so its rounding is small against the leaf.
     #[simd]
-    pub(super) fn take<S: Simd>(&mut self, simd: S, leaf: &Leaf, packet: &Packet, base: usize) {
+    pub(super) fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        Fitted { leaf, weight }: Fitted<'_>,
+        packet: &Packet,
+        base: usize,
+    ) {
         let middle = middle_distances(simd, leaf, packet, base);
         let normals =
             [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)];
@@ -68,10 +75,25 @@ impl LaneDistances {
             for k in 0..2 {
                 let n = normals[k];
                 let mut c = n[2].mul_add(z, n[1].mul_add(y, n[0] * x));
-                if m == 0 {
+                if m == 0 && weight.is_none() {
                     c += middle[k];
                 }
                 c.store_slice(&mut self.of[k][m]);
+            }
+        }
+        if let Some(weight) = weight {
+            self.add_weight(simd, weight, &middle);
+        }
+    }
+
+    /// Adds the middle's distances times the weight.
+    #[inline(always)]
+    fn add_weight<S: Simd>(&mut self, simd: S, weight: &WeightFit, middle: &[f32x16<S>; 2]) {
+        for m in 0..16 {
+            let w = f32x16::splat(simd, weight[m]);
+            for k in 0..2 {
+                let lanes = &mut self.of[k][m];
+                w.mul_add(middle[k], f32x16::from_slice(simd, lanes)).store_slice(lanes);
             }
         }
     }
@@ -82,14 +104,15 @@ impl LaneDistances {
     pub(super) fn terms<S: Simd>(
         &self,
         simd: S,
-        sizes: [f32; 3],
+        sizes: [f32; 4],
         packet: &Packet,
         base: usize,
     ) -> f32x16<S> {
         let mut terms = f32x16::splat(simd, 0.0);
         for k in 0..2 {
             let n = load3(simd, &packet.normals_f[k], base);
-            let mut sum = f32x16::from_slice(simd, &self.of[k][0]).abs();
+            let middle = f32x16::from_slice(simd, &self.of[k][0]).abs();
+            let mut sum = middle * f32x16::splat(simd, sizes[3]);
             for axis in 0..3 {
                 sum = n[axis].abs().mul_add(f32x16::splat(simd, sizes[axis]), sum);
             }
@@ -146,14 +169,12 @@ impl LaneDistances {
     }
 }
 
-/// The sums of the sizes of a leaf's approximation's coefficients, by coordinate.
+/// The sums of the sizes of a leaf's approximation's coefficients, by coordinate, and of its weight's.
 #[inline(always)]
-pub(super) fn sizes<S: Simd>(simd: S, leaf: &Leaf) -> [f32; 3] {
-    let mut sizes = [0.0; 3];
-    for axis in 0..3 {
-        sizes[axis] = f32x16::from_slice(simd, &leaf.fit()[axis]).abs().reduce_sum();
-    }
-    sizes
+pub(super) fn sizes<S: Simd>(simd: S, Fitted { leaf, weight }: Fitted<'_>) -> [f32; 4] {
+    let sum = |row: &[f32; 16]| f32x16::from_slice(simd, row).abs().reduce_sum();
+    let [x, y, z] = leaf.fit();
+    [sum(x), sum(y), sum(z), weight.map_or(1.0, sum)]
 }
 
 /// A bicubic polynomial and its derivatives by `x` and `y` (Horner).

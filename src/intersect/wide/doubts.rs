@@ -98,7 +98,9 @@ impl Doubts {
         (lanes, entry, error): (u32, f32x16<S>, f32x16<S>),
     ) -> u32 {
         let leaf = target.leaf;
-        let terms = distances.terms(simd, sizes(simd, target.leaf), packet, base);
+        let fitted = target.fitted();
+        let terms = distances.terms(simd, sizes(simd, fitted), packet, base);
+        let error = error * f32x16::splat(simd, fitted.heaviest());
         // False for NaN.
         let known = lanes & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, ROUNDING);

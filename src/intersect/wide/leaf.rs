@@ -80,7 +80,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         if certain | doubted == 0 {
             continue;
         }
-        work.distances.take(simd, target.leaf, packet, base);
+        work.distances.take(simd, target.fitted(), packet, base);
         let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
         let mut done = Done::default();
         if certain != 0 {

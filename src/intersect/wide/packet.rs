@@ -355,7 +355,7 @@ impl Packet {
             axis: load3(simd, &self.axis_f, base),
             reach: narrow(known).mul_add(f32x16::splat(simd, 1.001), error),
         };
-        let Final { mut surely, if_near } = departure.is_final(simd, leaf);
+        let Final { mut surely, if_near } = departure.is_final(simd, target.fitted());
         let mut asked = here & ahead & if_near & !surely;
         while asked != 0 {
             let k = asked.trailing_zeros() as usize;

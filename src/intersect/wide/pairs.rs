@@ -13,7 +13,7 @@ use super::form::Form;
 use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::LaneNet;
 use super::lane_proof::missed;
-use super::scene::Scene;
+use super::scene::{Fitted, Scene};
 use super::search::{bits, dot_d};
 use super::single_proof::{LARGEST, ROUNDING};
 use super::single_ray::{Guess, Place, SingleHit, WIDENED};
@@ -110,19 +110,20 @@ impl PairLanes {
         pairs: &[Pair],
     ) -> Outcomes {
         let Some(first) = pairs.first() else { return Outcomes::default() };
-        let (mut leaves, mut rays) =
-            ([&scene.leaves[first.leaf as usize]; LANES], [shots[first.ray as usize].ray(); LANES]);
-        let mut pieces = [&scene.set.pieces()[leaves[0].piece as usize]; LANES];
+        let rational = first.form.rational;
+        let mut leaves = [scene.fitted(first.leaf, rational); LANES];
+        let mut rays = [shots[first.ray as usize].ray(); LANES];
+        let mut pieces = [&scene.set.pieces()[leaves[0].leaf.piece as usize]; LANES];
         // Lanes left over repeat the first.
         for (lane, pair) in pairs.iter().enumerate() {
-            leaves[lane] = &scene.leaves[pair.leaf as usize];
-            pieces[lane] = &scene.set.pieces()[leaves[lane].piece as usize];
+            leaves[lane] = scene.fitted(pair.leaf, rational);
+            pieces[lane] = &scene.set.pieces()[leaves[lane].leaf.piece as usize];
             rays[lane] = shots[pair.ray as usize].ray();
         }
         for lane in 0..LANES {
             let pair = pairs.get(lane).unwrap_or(first);
             let from = shots[pair.ray as usize].from();
-            self.take(lane, pair.guess, leaves[lane], pieces[lane]);
+            self.take(lane, pair.guess, leaves[lane].leaf, pieces[lane]);
             self.from_error[lane] = from.map_or(0.0, |root| root.error);
         }
 
@@ -168,21 +169,21 @@ impl PairLanes {
     fn missed<S: Simd>(
         &self,
         simd: S,
-        (asked, (leaves, form)): (u32, (&[&Leaf; LANES], Form)),
+        (asked, (leaves, form)): (u32, (&[Fitted<'_>; LANES], Form)),
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
-        let mut sizes = [zero; 3];
+        let mut sizes = [zero; 4];
         for (lane, leaf) in leaves.iter().enumerate() {
-            let of_leaf = distances::sizes(simd, leaf);
-            for axis in 0..3 {
+            let of_leaf = distances::sizes(simd, *leaf);
+            for axis in 0..4 {
                 sizes[axis][lane] = of_leaf[axis];
             }
         }
         let mut terms = zero;
         for k in 0..2 {
-            let mut sum = f32x16::from_slice(simd, &self.distances.of[k][0]).abs();
+            let mut sum = f32x16::from_slice(simd, &self.distances.of[k][0]).abs() * sizes[3];
             for axis in 0..3 {
                 let n = simd.narrow_f64x8(normals[0][k][axis], normals[1][k][axis]);
                 sum = n.abs().mul_add(sizes[axis], sum);
@@ -191,7 +192,7 @@ impl PairLanes {
         }
         let low = self.error(simd, &halves[0], 0, form);
         let high = self.error(simd, &halves[1], 1, form);
-        let above = f32x16::splat(simd, 1.0 + f32::EPSILON);
+        let above = f32x16::splat(simd, (1.0 + f32::EPSILON) * leaves[0].heaviest());
         let error = simd.narrow_f64x8(low, high) * above;
         let noise = terms * f32x16::splat(simd, ROUNDING);
         let off_ray = noise + f32x16::from_slice(simd, &self.fit_error) + error;
@@ -260,7 +261,7 @@ impl PairLanes {
     fn take_distances<S: Simd>(
         &mut self,
         simd: S,
-        leaves: &[&Leaf; LANES],
+        leaves: &[Fitted<'_>; LANES],
         halves: &[Frames<S>; 2],
         normals: &[[[f64x8<S>; 3]; 2]; 2],
     ) {
@@ -284,15 +285,26 @@ impl PairLanes {
             // First each lane's sixteen coefficients: so two matrices are transposed, not three.
             let mut rows = [f32x16::splat(simd, 0.0); LANES];
             for lane in 0..LANES {
-                let [x, y, z] = leaves[lane].fit();
+                let [x, y, z] = leaves[lane].leaf.fit();
                 let sum = f32x16::splat(simd, normal[0][lane]) * f32x16::from_slice(simd, x);
                 let ny = f32x16::splat(simd, normal[1][lane]);
                 let sum = ny.mul_add(f32x16::from_slice(simd, y), sum);
                 let nz = f32x16::splat(simd, normal[2][lane]);
                 rows[lane] = nz.mul_add(f32x16::from_slice(simd, z), sum);
             }
+            let middle = simd.narrow_f64x8(middle[k][0], middle[k][1]);
+            let mut of_lane = [0.0; LANES];
+            middle.store_slice(&mut of_lane);
+            for lane in 0..LANES {
+                if let Some(weight) = leaves[lane].weight {
+                    let weight = f32x16::from_slice(simd, weight);
+                    rows[lane] = weight.mul_add(f32x16::splat(simd, of_lane[lane]), rows[lane]);
+                }
+            }
             let mut columns = transposed(rows);
-            columns[0] += simd.narrow_f64x8(middle[k][0], middle[k][1]);
+            if leaves[0].weight.is_none() {
+                columns[0] += middle;
+            }
             for m in 0..16 {
                 columns[m].store_slice(&mut self.distances.of[k][m]);
             }

@@ -2,16 +2,34 @@
 
 use crate::intersect::tree::Tree;
 use crate::math::prefetch;
-use crate::patch::{Leaf, PatchSet, Piece};
+use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, WeightFit};
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
+    /// As many, or none if no piece has weights that differ.
+    pub(in crate::intersect) weights: &'a [WeightFit],
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub(in crate::intersect) reach_of_f32: f64,
+}
+
+/// A leaf, and its weight if that is not 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fitted<'a> {
+    pub(super) leaf: &'a Leaf,
+    pub(super) weight: Option<&'a WeightFit>,
+}
+
+impl Fitted<'_> {
+    /// The largest weight, or more. Where a point may be off a ray by some error, its distances times the weight may
+    /// be off by so many times that.
+    #[inline(always)]
+    pub(super) fn heaviest(self) -> f32 {
+        if self.weight.is_some() { MOST_WEIGHT } else { 1.0 }
+    }
 }
 
 /// Scenes of more leaves than this do not fit into the memory near the processor.
@@ -31,10 +49,20 @@ impl Scene<'_> {
         self.leaves.len() >= FAR
     }
 
+    /// A leaf of a piece whose weights differ, if it is `rational`.
+    #[inline(always)]
+    pub(super) fn fitted(&self, leaf: u32, rational: bool) -> Fitted<'_> {
+        let weight = rational.then(|| &self.weights[leaf as usize]);
+        Fitted { leaf: &self.leaves[leaf as usize], weight }
+    }
+
     /// Asks for those leaves of a block whose bits are set in `met`.
     #[inline(always)]
     pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
         each(met, |k| self.leaves[first as usize + k].prefetch());
+        if !self.weights.is_empty() {
+            each(met, |k| prefetch(&self.weights[first as usize + k]));
+        }
     }
 
     /// The pieces of such leaves, which are there by now.

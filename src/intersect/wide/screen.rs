@@ -5,14 +5,14 @@
 //! of a ray that asks for any hit nothing is to be known but that there is one.
 //!
 //! # Proof
-//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes and their derivatives at
-//! `x₁`, in box coordinates, `A` the matrix that is to be the inverse of `J = (a b)`, and
+//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and their derivatives
+//! at `x₁`, in box coordinates, `A` the matrix that is to be the inverse of `J = (a b)`, and
 //! `x₂ = x₁ + h`. With the bounds of [`FitError`](crate::patch::FitError) `E`, `σ` and `M` the true
-//! distances are, at any `x` with `|x − x₁| ≤ r` (the larger component),
+//! ones are, at any `x` with `|x − x₁| ≤ r` (the larger component),
 //!
 //! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`,
 //!
-//! but for what a point may be off by anyway, and rounding: both are added to `E`.
+//! but for what a point may be off by anyway, times the weight, and rounding: both are added to `E`.
 //!
 //! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of `|A J − I|`.
 //! Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`. If this is less than
@@ -21,7 +21,8 @@
 //! the leaf's certificate speaks of the ray, it is the only one of the widened leaf.
 //!
 //! *There is none.* Where `x₁` lies beyond the leaf, the certificate says of `F(x₁)` alone that the
-//! leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` is `f` but for `E`.
+//! leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` is `f` but for `E`, and what is asked of it
+//! holds for its multiples, too.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
@@ -81,8 +82,8 @@ pub(super) fn screen<S: Simd>(
         target,
         normals: [load3(simd, &packet.normals_f[0], base), load3(simd, &packet.normals_f[1], base)],
         upright: upright(simd, target.leaf, crossing.slopes),
-        terms: distances.terms(simd, sizes(simd, target.leaf), packet, base),
-        error,
+        terms: distances.terms(simd, sizes(simd, target.fitted()), packet, base),
+        error: error * splat(simd, target.fitted().heaviest()),
     };
     let Screened { missed, met } = screen.ask(simd, searched);
     let met = if packet.any && !target.leaf.is_trimmed() {
@@ -102,7 +103,7 @@ struct Screen<'a, S: Simd> {
     upright: f32x16<S>,
     /// What rounding of the distances is measured by.
     terms: f32x16<S>,
-    /// How far a point may be from the ray.
+    /// How far a point may be from the ray, times the weight.
     error: f32x16<S>,
 }
 
@@ -228,7 +229,7 @@ mod tests {
             let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
             let certified = bits(crossing.met & certified);
             let mut distances = LaneDistances::default();
-            distances.take(simd, target.leaf, &packet, 0);
+            distances.take(simd, target.fitted(), &packet, 0);
             let widened = f32x16::splat(simd, WIDENED as f32);
             let start = [crossing.x, crossing.y];
             let searched = distances.newton(simd, start, [[-widened, widened]; 2]);

@@ -23,7 +23,7 @@ use fearless_simd_macros::simd;
 use super::box_ray::{Crossings, SPARE, Stack};
 use super::jets::OneNet;
 use super::nearest::{Kept, keep};
-use super::scene::Scene;
+use super::scene::{Fitted, Scene};
 use super::single_finish::{Outcome, Task, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Guess, SingleHit, SingleRay, WIDENED};
@@ -31,7 +31,6 @@ use super::single_search::Distances;
 use super::spline_net::RecentNets;
 use crate::intersect::Statistics;
 use crate::intersect::tree::Child;
-use crate::patch::Leaf;
 
 /// Scratch memory and results of tracing one ray.
 #[derive(Debug, Default)]
@@ -139,7 +138,8 @@ fn search_leaf<S: Simd>(
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, start, slopes, error);
-    if !ray.start.is_done_with(simd, (leaf, patch), ray.boxes.axis, (guess.is_some(), error)) {
+    let fitted = scene.fitted(index, patch.is_rational());
+    if !ray.start.is_done_with(simd, (fitted, patch), ray.boxes.axis, (guess.is_some(), error)) {
         search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
 }
@@ -159,7 +159,8 @@ pub(super) fn search_ahead<S: Simd>(
     // Most will want it; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
-    search_net(simd, scene, (index, leaf, &OneNet { patch, net }), (guess, error), (ray, work));
+    let fitted = scene.fitted(index, patch.is_rational());
+    search_net(simd, scene, (index, fitted, &OneNet { patch, net }), (guess, error), (ray, work));
     work.nets = nets;
 }
 
@@ -168,17 +169,17 @@ pub(super) fn search_ahead<S: Simd>(
 fn search_net<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
-    (index, leaf, surface): (u32, &Leaf, &OneNet<'_>),
+    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let distances = Distances::new(simd, leaf, ray);
+    let distances = Distances::new(simd, fitted, ray);
     if let Some(Guess { start, clearance }) = guess {
         let near = distances.newton(simd, start);
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
-            let (outcome, steps) = finish(simd, leaf, surface, ray, &task, work.other());
+            let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -189,7 +190,7 @@ fn search_net<S: Simd>(
         }
     }
     // Too flat an angle, or the one root is outside: the ray's own proof.
-    let Some(parts) = isolate(simd, distances, leaf, ray, error) else {
+    let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
         work.rest.push(index);
         return;
     };
@@ -197,7 +198,7 @@ fn search_net<S: Simd>(
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
         let task = Task { near, domain, error, clearance: f64::INFINITY };
-        let (outcome, steps) = finish(simd, leaf, surface, ray, &task, work.other());
+        let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -15,11 +15,11 @@ use super::form::Form;
 use super::jets::OneNet;
 use super::newton::PART_OF_ERROR;
 use super::power_lines::LONG;
+use super::scene::Fitted;
 use super::single_jet::{Bernstein, Powers, Sums};
 use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
-use crate::patch::Leaf;
 
 /// Steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: u64 = 4;
@@ -67,7 +67,7 @@ pub(super) enum Outcome {
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
-    leaf: &Leaf,
+    leaf: Fitted<'_>,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
     task: &Task,
@@ -127,12 +127,13 @@ pub(super) fn finish<S: Simd>(
 #[simd]
 fn finish_of<S: Simd, F: Sums<S>>(
     simd: S,
-    leaf: &Leaf,
+    fitted: Fitted<'_>,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
     &Task { near, domain, error, clearance }: &Task,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
+    let leaf = fitted.leaf;
     let [s_range, t_range] = leaf.rect();
     let (half_s, half_t) = (0.5 * (s_range[1] - s_range[0]), 0.5 * (t_range[1] - t_range[0]));
     let (mid_s, mid_t) = (0.5 * (s_range[0] + s_range[1]), 0.5 * (t_range[0] + t_range[1]));
@@ -170,14 +171,14 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            let mut tangents = Tangents::new(leaf, [sums[0], along_x, along_y], [step_x, step_y]);
+            let mut tangents = Tangents::new(fitted, [sums[0], along_x, along_y], [step_x, step_y]);
             // The weight goes along the same plane as what is divided by it.
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
-                tangents = Tangents::new(leaf, [value, along_x, along_y], [0.0; 2]);
+                tangents = Tangents::new(fitted, [value, along_x, along_y], [0.0; 2]);
             }
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
@@ -202,7 +203,11 @@ impl Tangents {
     /// From `X, W` and their derivatives before the step: the point follows the tangent plane, the
     /// tangents the second derivatives in the middle of the leaf's approximation.
     #[inline(always)]
-    fn new<S: Simd>(leaf: &Leaf, sums: [f64x4<S>; 3], [step_x, step_y]: [f64; 2]) -> Self {
+    fn new<S: Simd>(
+        Fitted { leaf, weight }: Fitted<'_>,
+        sums: [f64x4<S>; 3],
+        [step_x, step_y]: [f64; 2],
+    ) -> Self {
         let simd = sums[0].simd;
         let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
         let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
@@ -210,7 +215,7 @@ impl Tangents {
         let point = moved * inverse;
         let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
         let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
-        let [xx, xy, yy] = leaf.second_derivatives();
+        let [xx, xy, yy] = leaf.second_derivatives(weight);
         let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
         let along_x = vector(along_x) - (xx * step_x + xy * step_y);
         let along_y = vector(along_y) - (xy * step_x + yy * step_y);

@@ -1,7 +1,7 @@
 //! What a leaf's bicubic approximation proves of one ray.
 //!
 //! The certificate speaks of all rays that are steep enough. Of one ray more can be said, from
-//! the coefficients of its own two distances `f₁`, `f₂`: the true ones differ from them by no
+//! the coefficients of its own two distances `f₁`, `f₂`, times the weight: the true ones differ from them by no
 //! more than the bounds of [`FitError`](crate::patch::FitError), and rounding by a few
 //! units of f32 of the sum of their sizes. The leaf is halved into boxes until each is proved
 //! to hold no root, or one at most.
@@ -20,10 +20,11 @@ use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f3
 use fearless_simd_macros::simd;
 
 use super::cubic::{bernstein, moved, slope_weights};
+use super::scene::Fitted;
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
-use crate::patch::{LEAF_SLACK, Leaf};
+use crate::patch::LEAF_SLACK;
 
 /// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
 /// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
@@ -123,17 +124,19 @@ impl UniqueParts {
 pub(super) fn isolate<S: Simd>(
     simd: S,
     distances: Distances<S>,
-    leaf: &Leaf,
+    fitted: Fitted<'_>,
     ray: &SingleRay<'_>,
     error: f64,
 ) -> Option<UniqueParts> {
+    let leaf = fitted.leaf;
+    let error = error * f64::from(fitted.heaviest());
     let mut unique = UniqueParts::default();
     let start = ray.start.place_in(leaf);
     let lengths = leaf.half_side_lengths();
     // Coefficients come from sums in which most may cancel, and a small box has the errors of
     // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
     // nothing is proved of leaves thinner than f32 can see.
-    let terms = distances.terms(simd, leaf, ray);
+    let terms = distances.terms(simd, fitted, ray);
     let in_range = terms <= LARGEST; // false for NaN
     if !in_range {
         return None;

@@ -3,8 +3,8 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
+use super::scene::Fitted;
 use super::single_ray::SingleRay;
-use crate::patch::Leaf;
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
 /// second 1e-4 or the fit's error.
@@ -14,8 +14,8 @@ const STEPS: usize = 2;
 /// error hold, in box coordinates.
 pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
-/// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes: coefficients of
-/// `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
+/// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes, times its weight (see
+/// [`Leaf`](crate::patch::Leaf)): coefficients of `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
 #[derive(Clone, Copy)]
 pub(super) struct Distances<S: Simd> {
     pub(super) rows: [f32x8<S>; 4],
@@ -25,13 +25,16 @@ impl<S: Simd> Distances<S> {
     /// The distances of the leaf's middle are found in f64; what is added to them in f32 is
     /// of the size of the leaf, so its rounding is small against the leaf.
     #[simd]
-    pub(super) fn new(simd: S, leaf: &Leaf, ray: &SingleRay<'_>) -> Self {
+    pub(super) fn new(simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> Self {
+        let Fitted { leaf, weight } = fitted;
         let [n1, n2] = ray.frame.normals;
         let offset = leaf.middle - ray.frame.origin;
         let (e1, e2) = (n1.dot(offset) as f32, n2.dot(offset) as f32);
         let zero = f32x8::splat(simd, 0.0);
-        let constants = f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
-        let mut rows = [constants, zero, zero, zero];
+        let mut rows = [zero; 4];
+        if weight.is_none() {
+            rows[0] = f32x8::from_slice(simd, &[e1, 0.0, 0.0, 0.0, e2, 0.0, 0.0, 0.0]);
+        }
         for axis in 0..3 {
             let n1 = f32x4::splat(simd, n1[axis] as f32);
             let n2 = f32x4::splat(simd, n2[axis] as f32);
@@ -41,13 +44,21 @@ impl<S: Simd> Distances<S> {
                 rows[i] = normals.mul_add(row.combine(row), rows[i]);
             }
         }
+        if let Some(weight) = weight {
+            let middle = f32x4::splat(simd, e1).combine(f32x4::splat(simd, e2));
+            for i in 0..4 {
+                let row = f32x4::from_slice(simd, &weight[4 * i..4 * i + 4]);
+                rows[i] = middle.mul_add(row.combine(row), rows[i]);
+            }
+        }
         Self { rows }
     }
 
     /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
     /// the two distances: what their rounding is measured by.
     #[simd]
-    pub(super) fn terms(self, simd: S, leaf: &Leaf, ray: &SingleRay<'_>) -> f32 {
+    pub(super) fn terms(self, simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> f32 {
+        let Fitted { leaf, weight } = fitted;
         let [n1, n2] = ray.frame.normals;
         let mut total = f32x8::splat(simd, 0.0);
         for axis in 0..3 {
@@ -62,7 +73,8 @@ impl<S: Simd> Distances<S> {
         let (e1, e2) = (self.rows[0][0].abs(), self.rows[0][4].abs());
         let sum =
             |first: usize| total[first] + total[first + 1] + total[first + 2] + total[first + 3];
-        (sum(0) + e1).max(sum(4) + e2)
+        let weights = weight.map_or(1.0, |weight| weight.iter().map(|w| w.abs()).sum());
+        (sum(0) + e1 * weights).max(sum(4) + e2 * weights)
     }
 
     /// Newton's iteration in box coordinates, from a start there.

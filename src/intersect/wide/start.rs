@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::departure::{Departure, Final, NEARBY};
+use super::scene::Fitted;
 use crate::intersect::Root;
 use crate::math::rounding;
 use crate::patch::{Leaf, TensorPatch, WIDENING};
@@ -37,14 +38,14 @@ impl Start<'_> {
     pub(super) fn is_done_with<S: Simd>(
         &self,
         simd: S,
-        (leaf, patch): (&Leaf, &TensorPatch),
+        (fitted, patch): (Fitted<'_>, &TensorPatch),
         axis: [f32; 3],
         (certified, error): (bool, f64),
     ) -> bool {
         if certified {
-            self.is_root_of(leaf)
+            self.is_root_of(fitted.leaf)
         } else {
-            self.departs_from(simd, (leaf, patch), axis, error)
+            self.departs_from(simd, (fitted, patch), axis, error)
         }
     }
 
@@ -62,10 +63,11 @@ impl Start<'_> {
     fn departs_from<S: Simd>(
         &self,
         simd: S,
-        (leaf, patch): (&Leaf, &TensorPatch),
+        (fitted, patch): (Fitted<'_>, &TensorPatch),
         axis: [f32; 3],
         error: f64,
     ) -> bool {
+        let leaf = fitted.leaf;
         let (Some(root), Some(place)) = (self.from, self.place_in(leaf)) else { return false };
         let nearby = place[0].abs().max(place[1].abs()) <= NEARBY;
         if !(nearby && self.ahead) {
@@ -80,7 +82,7 @@ impl Start<'_> {
             axis: [f32x16::splat(simd, dx), f32x16::splat(simd, dy), f32x16::splat(simd, dz)],
             reach: f32x16::splat(simd, rounding::f32_above(reach)),
         };
-        let Final { surely, if_near } = departure.is_final(simd, leaf);
+        let Final { surely, if_near } = departure.is_final(simd, fitted);
         let near = || patch.point(root.st).distance(self.origin) <= reach;
         surely & 1 != 0 || (if_near & 1 != 0 && near())
     }

@@ -322,11 +322,12 @@ impl Task<'_> {
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
             let axis = flight.boxes.axis;
-            if self.start.is_done_with(simd, (leaf, patch), axis, (guess.is_some(), error)) {
+            let fitted = self.scene.fitted(index, patch.is_rational());
+            if self.start.is_done_with(simd, (fitted, patch), axis, (guess.is_some(), error)) {
                 continue;
             }
             if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
-                leaf.prefetch(); // for the search of all pairs, some time later
+                self.scene.prefetch_leaves(index, 1); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }

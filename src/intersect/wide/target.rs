@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::distances::widened;
 use super::jets::{Jets, OneNet, jets};
 use super::newton::{Leaves, Rays, Step};
-use super::scene::Scene;
+use super::scene::{Fitted, Scene};
 use super::search::dot_d;
 use super::single_ray::WITH_SLACK;
 use crate::intersect::borders::near_borders;
@@ -89,6 +89,12 @@ impl<'a> Target<'a> {
             bend: f64::from(self.leaf.fit_bend()),
             third: self.leaf.fit_third(),
         }
+    }
+
+    /// The leaf with its weight.
+    #[inline(always)]
+    pub(super) fn fitted(&self) -> Fitted<'_> {
+        self.scene.fitted(self.index, self.piece.patch.is_rational())
     }
 
     /// See [`OrientedBox::unit_axes`].
