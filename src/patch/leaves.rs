@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
 use super::tiles::Grid;
-use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Piece, WeightFit};
+use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Piece};
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
 /// take that are off by 1e-5 of the teapot.
@@ -18,23 +18,20 @@ const WORTHWHILE_BYTES: usize = 25 << 15;
 /// cache.
 const MOST_BYTES: usize = 5 << 18;
 
-/// What a leaf takes with its share of the tree: its box in a block that is half full; and its weight, if some piece
-/// has weights that differ.
-fn bytes_a_leaf(pieces: &[Piece]) -> usize {
-    let rational = pieces.iter().any(|piece| piece.patch.is_rational());
-    let weight = if rational { size_of::<WeightFit>() } else { 0 };
-    size_of::<Leaf>() + size_of::<OrientedBox>() * 2 + weight
-}
+/// What a leaf takes, but for its weight, with its share of the tree: its box in a block that is half full.
+const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 2;
 
-/// The parts of all pieces that are to be leaves, of more pieces than [`MOST_BYTES`] hold leaves of the coarsest, tile by
+/// The same as numbers of leaves.
+const WORTHWHILE: usize = WORTHWHILE_BYTES / BYTES_A_LEAF;
+const MOST: usize = MOST_BYTES / BYTES_A_LEAF;
+
+/// The parts of all pieces that are to be leaves, of more than [`MOST`] pieces the coarsest, tile by
 /// tile; and none where trims have cut all of it off.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
 /// long as there is room. Halves that are not flat enough by themselves may take a little more.
 pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
-    let bytes = bytes_a_leaf(pieces);
-    let (worthwhile, most) = (WORTHWHILE_BYTES / bytes, MOST_BYTES / bytes);
-    if pieces.len() > most {
+    if pieces.len() > MOST {
         return GroupedParts::coarse(pieces, grids);
     }
     let coarse: Vec<SmallVec<[Flat; 1]>> = pieces
@@ -50,7 +47,7 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
         .collect();
     let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
     let mut done: Vec<Flat> = Vec::new();
-    let worthwhile = (open.len() + open.len() / 2).clamp(worthwhile, most);
+    let worthwhile = (open.len() + open.len() / 2).clamp(WORTHWHILE, MOST);
     while open.len() + done.len() < worthwhile {
         let Some(flat) = open.pop() else { break };
         let Some(way) = flat.way else {

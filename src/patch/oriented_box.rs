@@ -13,8 +13,11 @@ const GROWTH: f64 = 4e-6;
 /// A ray with less than this along a row runs along the slab: nothing can be divided by it.
 const LEAST_ALONG: f64 = 1e-300;
 
-/// A chord shorter than this part of the other, or as near to its direction, is of no use as a direction.
-const USABLE: f64 = 1e-3;
+/// A chord shorter than this part of the other is of no use as a direction: rounding may be what it is made of.
+const SHORTEST: f64 = 1e-6;
+
+/// Nor is one as near to the other's direction, by the sine.
+const APART: f64 = 1e-3;
 
 /// A parallelepiped around a leaf: the points `P`, in scaled coordinates, with
 /// `|rowₖ · P − offsetₖ| ≤ 1`.
@@ -172,10 +175,10 @@ fn independent(chords: [DVec3; 2]) -> [DVec3; 3] {
     if degenerate {
         return [DVec3::X, DVec3::Y, DVec3::Z];
     }
-    if a.length() < USABLE * longest {
+    if a.length() < SHORTEST * longest {
         a = b.any_orthogonal_vector().normalize() * longest;
     }
-    if b.length() < USABLE * longest || a.cross(b).length() < USABLE * a.length() * b.length() {
+    if b.length() < SHORTEST * longest || a.cross(b).length() < APART * a.length() * b.length() {
         b = a.any_orthogonal_vector().normalize() * longest;
     }
     let n = a.cross(b);

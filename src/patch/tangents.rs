@@ -7,6 +7,7 @@ use super::tangent_pairs::PairTurns;
 use super::tensor::euclidean;
 use super::{CollapsedSide, ControlNet, mapped};
 use crate::math::Interval;
+use crate::math::bernstein::binomials;
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
 pub(super) struct Proof {
@@ -33,6 +34,10 @@ const MOST_TURNING: f64 = 4.0;
 /// takes twice as long as all else that is done for a certificate, so not those of flatter leaves, of which it
 /// certifies few more rays.
 const FAR: f64 = 0.4;
+
+/// Weights of nets of more points are not multiplied with their points: there are as many products as the square of
+/// that.
+const MOST_MULTIPLIED: usize = 36;
 
 /// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
 const MOST_BEND: f64 = 1e3;
@@ -146,6 +151,42 @@ impl Field {
         Self { degree: [p, q - 1], values: values.collect() }
     }
 
+    /// `W² S_s`, or `W² S_t`, in Bernstein form: `W X_s − X W_s`, of which the highest powers cancel.
+    ///
+    /// With `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ` is `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
+    fn quotients_slope(&self, which: usize) -> Self {
+        let mut degree = self.degree;
+        let (p, q) = (degree[which], degree[1 - which]);
+        let at = |i: usize, k: usize| {
+            self.values[if which == 0 { i * (q + 1) + k } else { k * (p + 1) + i }]
+        };
+        let (along, across) = (binomials(p), binomials(q));
+        let columns = 2 * q + 1;
+        let mut values = ControlNet::from_elem(DVec4::ZERO, (2 * p - 1) * columns);
+        for i in 0..p {
+            for j in i + 1..=p {
+                let times = (j - i) as f64 * along[i] * along[j];
+                let row = &mut values[(i + j - 1) * columns..(i + j) * columns];
+                for k in 0..=q {
+                    let here = times * across[k] * at(i, k);
+                    for l in 0..=q {
+                        let there = across[l] * at(j, l);
+                        row[k + l] += here.w * there - there.w * here;
+                    }
+                }
+            }
+        }
+        let (along, across) = (binomials(2 * p - 2), binomials(2 * q));
+        for (k, row) in values.chunks_exact_mut(columns).enumerate() {
+            for (value, across) in row.iter_mut().zip(across) {
+                *value *= 1.0 / (along[k] * across);
+            }
+        }
+        // Whichever way the coefficients are stored: what is asked of them is how far they reach.
+        (degree[which], degree[1 - which]) = (2 * p - 2, 2 * q);
+        Self { degree, values }
+    }
+
     /// The points less the centre.
     fn offsets(&self) -> Self {
         let values = mapped(&self.values, |x| (x.truncate() / x.w).extend(1.0));
@@ -166,24 +207,31 @@ impl Field {
     }
 }
 
-/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of.
+/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of; or, of rational nets without a pole,
+/// these times `W`, which are `X_s` and `X_t` of other polynomials.
 struct Tangents<'a> {
     /// `X_s`, and `X_t`.
     along: [&'a Field; 2],
     /// What is multiplied with `W_s`, and with `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where
     /// `W` is constant.
     factors: [Option<&'a Field>; 2],
-    /// Range of the weights by which each factor is divided; one where it is a point.
+    /// Range of what tangents are to be divided by: the weights, or their squares.
     weights: Interval,
     weight_slopes: [Interval; 2],
     noise: f64,
     /// The longest tangents for which rounding of the parameters is small against the noise.
     longest: [f64; 2],
+    /// Whether all weights are alike.
+    polynomial: bool,
 }
 
 /// What is proved of a net in the frame of `a₀` and `b₀`.
 fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
     let field = recentred(net, net.middle());
+    if net.rational && field.values.len() <= MOST_MULTIPLIED {
+        let along = [0, 1].map(|which| field.quotients_slope(which));
+        return Tangents::of_quotient(net, &field, &along)?.proof(&field, false, axes);
+    }
     let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
     let offsets = net.rational.then(|| field.offsets());
     let factors = [offsets.as_ref(); 2];
@@ -237,7 +285,23 @@ impl<'a> Tangents<'a> {
             // The differences of equal weights are rounding, and part of the noise.
             [Interval::point(0.0); 2]
         };
-        Some(Self { along, factors, weights, weight_slopes, noise, longest })
+        let polynomial = !net.rational;
+        Some(Self { along, factors, weights, weight_slopes, noise, longest, polynomial })
+    }
+
+    /// The same of `W² S_s` and `W² S_t`: positive multiples of the tangents, too.
+    fn of_quotient(
+        net: &Net<'_>,
+        field: &Field,
+        [along_s, along_t]: &'a [Field; 2],
+    ) -> Option<Self> {
+        let mut tangents = Self::new(net, field, [along_s, along_t], [None; 2])?;
+        tangents.weight_slopes = [Interval::point(0.0); 2];
+        // Both factors of each product may be off, and each is multiplied with a weight; sums of the products are
+        // their means, times the degree at most.
+        tangents.noise *= 4.0 * tangents.weights.hi;
+        tangents.weights = tangents.weights * tangents.weights;
+        Some(tangents)
     }
 
     /// How one tangent turns: `which` of the directions' components it is measured by, and the
@@ -321,8 +385,7 @@ impl<'a> Tangents<'a> {
         let width =
             |known: &Turning| MARGIN * slopes(known).map(Interval::radius).iter().sum::<f64>();
         let mut known = self.separately(&dual, lengths).unwrap_or(Turning::UNKNOWN);
-        let polynomial = self.factors[1].is_none();
-        if polynomial && !at_pole && width(&known) > FAR {
+        if self.polynomial && !at_pole && width(&known) > FAR {
             let net = (field.degree, &*field.values);
             if let Some(pairs) = PairTurns::new(net, self.noise, &dual) {
                 // Both are true of the same quotients, and of the same determinant.
@@ -446,11 +509,15 @@ mod tests {
             let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
             let offsets = rational.then(|| field.offsets());
             let factors = [offsets.as_ref(); 2];
-            let tangents = Tangents::new(&net, &field, [&along_s, &along_t], factors).unwrap();
+            let by_rule = Tangents::new(&net, &field, [&along_s, &along_t], factors).unwrap();
+            let along = [0, 1].map(|which| field.quotients_slope(which));
+            let multiplied = Tangents::of_quotient(&net, &field, &along).unwrap();
             let directions = [DVec3::X, DVec3::Y, DVec3::Z];
             let heaviest = control.iter().map(|point| point.w).fold(0.0, f64::max);
-            for which in 0..2 {
+            for (which, power) in [(0, 1), (1, 1), (0, 2), (1, 2)] {
+                let tangents = if power == 1 { &by_rule } else { &multiplied };
                 let Some(turns) = tangents.turns(which, &directions) else { continue };
+                let heaviest = heaviest.powi(power);
                 said.set(said.get() + 1);
                 let mut seen = [Interval::EMPTY; 2];
                 for k in 0..11 * 11 {
