@@ -26,6 +26,10 @@ use crate::math::Interval;
 /// weighted means of those of the members, and `b` likewise: intervals around the quotients
 /// of the coefficients hold those of the means of `a` and of `b` over any set.
 ///
+/// Where the weights differ, `X_s` and `(S − c) W_s` hide each other's changes in these boxes. So unless there are too
+/// many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients take the
+/// place of those boxes, the square of `W` that of `W`.
+///
 /// # What is concluded
 /// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
 /// the two distances from a pair of perpendicular planes through the ray. Then
