@@ -33,7 +33,7 @@ pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     /// In the order of the tree.
     pub(super) leaves: Vec<Leaf>,
-    /// In the same order, if the weights of some piece differ; else there are none.
+    /// In the same order, if some leaves are approximated by quotients; else there are none.
     pub(super) weights: Vec<WeightFit>,
     pub(super) tree: Tree,
     /// See [`leaf_width`].
@@ -58,20 +58,18 @@ impl SurfaceBvh {
         let frame = SceneFrame::around(&set.bounds());
         let reach = ReachOfF32::of(&set);
         let (mut tree, order) = tree_over(parts, grouped.groups(), frame, reach.most_scale());
-        let leaf = |leaf: usize| {
-            let part = &parts[order[leaf] as usize];
+        let made = order.par_iter().enumerate().map(|(leaf, &k)| {
+            let part = &parts[k as usize];
             let frame = tree.frame_of(leaf as u32);
             Leaf::new(part, &set.pieces()[part.piece as usize], frame)
-        };
-        let all = (0..order.len()).into_par_iter();
+        });
         let (leaves, boxes): (Vec<Leaf>, Vec<OrientedBox>);
         let mut weights = Vec::new();
-        if set.pieces().iter().any(|piece| piece.patch.is_rational()) {
-            let of_leaves =
-                all.map(leaf).map(|(leaf, weight, oriented)| ((leaf, oriented), weight));
-            ((leaves, boxes), weights) = of_leaves.unzip();
+        if set.pieces().iter().any(|piece| piece.patch.has_quotient_leaves()) {
+            let made = made.map(|(leaf, weight, oriented)| ((leaf, oriented), weight));
+            ((leaves, boxes), weights) = made.unzip();
         } else {
-            (leaves, boxes) = all.map(leaf).map(|(leaf, _, oriented)| (leaf, oriented)).unzip();
+            (leaves, boxes) = made.map(|(leaf, _, oriented)| (leaf, oriented)).unzip();
         }
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));

@@ -40,7 +40,7 @@ pub fn binomial(n: usize, k: usize) -> f64 {
 }
 
 /// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
-/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met. Looked up: worked out one from another they take a
+/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met, and those of small pieces with each other. Looked up: worked out one from another they take a
 /// division each, and longer than all the rest of a sum over them.
 #[inline(always)]
 pub(crate) const fn binomials(n: usize) -> &'static [f64; MAX_DEGREE + 4] {

@@ -28,22 +28,30 @@ pub(super) const NO_WEIGHT: WeightFit = {
 /// as far as the bounds of [`FitError`] hold.
 pub const MOST_WEIGHT: f32 = 4.0;
 
-/// A leaf's bicubic approximation, and what is known of it.
+/// A leaf's bicubic approximation.
 pub(super) struct Approximation {
     /// What it is relative to: its own value in the middle.
     pub(super) middle: DVec3,
     pub(super) fit: Fit,
+    pub(super) weight: WeightFit,
     /// Its vectors across the middle of the leaf, in `s` and in `t`.
     pub(super) chords: [DVec3; 2],
-    pub(super) error: FitError,
+    /// Of pieces of degree up to three, which are as exact as f32.
+    exact: Option<Quotient>,
 }
 
 impl Approximation {
+    /// Of a polynomial of degree up to three it is that polynomial, of a quotient of two that quotient; else a
+    /// polynomial near the surface.
     pub(super) fn new(halving: &Halving, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
-        if p.max(q) <= 3 && !piece.patch.is_rational() {
-            return Self::exact(halving, piece);
-        }
+        let quotient = if p.max(q) <= 3 { Quotient::new(halving, piece) } else { None };
+        quotient.map_or_else(|| Self::polynomial(halving, piece), Self::exact)
+    }
+
+    /// A polynomial near the surface.
+    pub(super) fn polynomial(halving: &Halving, piece: &Piece) -> Self {
+        let [p, q] = piece.patch.degree();
         let net = halving.net();
         // The same sums with as much room for basis functions as the degrees need.
         let mut values = match p.max(q) {
@@ -55,57 +63,47 @@ impl Approximation {
         for value in values.as_flattened_mut() {
             *value -= some;
         }
-        let (from_some, fit, chords) = in_powers(in_both_directions(&INTERPOLATION, &values));
-        let middle = some + from_some;
-        let error = FitError::new(halving, piece, middle, &fit);
-        Self { middle, fit, chords, error }
+        let coefficients = in_both_directions(&INTERPOLATION, &values);
+        let coefficients = coefficients.map(|row| row.map(|c| c.extend(0.0)));
+        let middle = some + coefficients[0][0].truncate();
+        let (fit, weight) = rounded(&coefficients);
+        Self { middle, fit, weight, chords: chords(&coefficients), exact: None }
     }
 
-    /// Polynomials of degree up to three are their own approximation, but for rounding.
-    fn exact(halving: &Halving, piece: &Piece) -> Self {
-        let [p, q] = piece.patch.degree();
-        let mut net = [[DVec3::ZERO; 4]; 4];
-        for (row, control) in net.iter_mut().zip(halving.net().chunks_exact(q + 1)) {
-            for (point, &control) in row.iter_mut().zip(control) {
-                *point = euclidean(control);
-            }
-            *row = powers(q, *row);
+    fn exact(quotient: Quotient) -> Self {
+        let coefficients = &quotient.coefficients;
+        let ((fit, weight), chords) = (rounded(coefficients), chords(coefficients));
+        Self { middle: quotient.middle, fit, weight, chords, exact: Some(quotient) }
+    }
+
+    /// What is known of it for rays that pass the middle within `reach`.
+    pub(super) fn error(&self, halving: &Halving, piece: &Piece, reach: f64) -> FitError {
+        match &self.exact {
+            Some(quotient) => quotient.error(reach),
+            None => FitError::new(halving, piece, self.middle, &self.fit),
         }
-        let mut coefficients = [[DVec3::ZERO; 4]; 4];
-        for j in 0..=q {
-            let column = powers(p, [net[0][j], net[1][j], net[2][j], net[3][j]]);
-            for i in 0..=p {
-                coefficients[i][j] = column[i];
-            }
-        }
-        let (middle, fit, chords) = in_powers(coefficients);
-        coefficients[0][0] = DVec3::ZERO;
-        let sizes = coefficients.map(|row| row.map(DVec3::length));
-        let error = FitError::of_polynomial(&sizes, 4.0 * piece.patch.noise());
-        Self { middle, fit, chords, error }
     }
 }
 
-/// A rational piece of degree up to three over a leaf: a bicubic polynomial over another one, as exact as f32.
+/// A piece of degree up to three over a leaf: a bicubic polynomial, over another one where weights differ.
 ///
-/// A bicubic polynomial alone is as far off a leaf as its weights differ: some percent of its sides, on a spline
-/// whose control points have weights from 0.8 to 1.25.
-pub(super) struct Quotient {
+/// A polynomial alone is as far off a leaf as its weights differ: some percent of its sides, on a spline whose control
+/// points have weights from 0.8 to 1.25.
+struct Quotient {
     /// The point in the middle, which the numerators are relative to.
-    pub(super) middle: DVec3,
+    middle: DVec3,
     /// Numerators and weights; the weight in the middle is 1.
     coefficients: [[DVec4; 4]; 4],
+    /// The least weight; `None` if all are alike.
+    least: Option<f64>,
     /// How far coefficients may be off.
     noise: f64,
 }
 
 impl Quotient {
-    /// `None` for other pieces, and where the weights differ too much: see [`MOST_WEIGHT`].
-    pub(super) fn new(halving: &Halving, piece: &Piece) -> Option<Self> {
+    /// `None` where the weights differ too much: see [`MOST_WEIGHT`].
+    fn new(halving: &Halving, piece: &Piece) -> Option<Self> {
         let [p, q] = piece.patch.degree();
-        if p.max(q) > 3 || !piece.patch.is_rational() {
-            return None;
-        }
         let mut net = [[DVec4::ZERO; 4]; 4];
         for (row, control) in net.iter_mut().zip(halving.net().chunks_exact(q + 1)) {
             row[..=q].copy_from_slice(control);
@@ -118,10 +116,18 @@ impl Quotient {
                 coefficients[i][j] = column[i];
             }
         }
-        let weight = coefficients[0][0].w;
         let middle = euclidean(coefficients[0][0]);
+        let inverse = 1.0 / coefficients[0][0].w;
+        let mut noise = 4.0 * piece.patch.noise();
+        if !piece.patch.is_rational() {
+            for c in coefficients.as_flattened_mut() {
+                *c = (c.truncate() * inverse).extend(0.0);
+            }
+            coefficients[0][0] = DVec4::W;
+            return Some(Self { middle, coefficients, least: None, noise });
+        }
         for c in coefficients.as_flattened_mut() {
-            *c = (c.truncate() - c.w * middle).extend(c.w) / weight;
+            *c = (c.truncate() - c.w * middle).extend(c.w) * inverse;
         }
         coefficients[0][0] = DVec4::W;
         let (mut least, mut heaviest) = (f64::INFINITY, 0f64);
@@ -131,43 +137,66 @@ impl Quotient {
         // A little less, for rounding; false for NaN.
         let most = 0.999 * f64::from(MOST_WEIGHT);
         let in_range = least * most >= 1.0 && heaviest <= most;
-        let noise = 4.0 * piece.patch.noise() * heaviest / least;
-        in_range.then_some(Self { middle, coefficients, noise })
+        noise *= heaviest / least;
+        in_range.then_some(Self { middle, coefficients, least: Some(least), noise })
     }
 
-    /// The approximation for rays that pass the middle within `reach`, and what is known of it; `other` is known of
-    /// the surface itself.
-    pub(super) fn approximation(
-        &self,
-        reach: f64,
-        other: &FitError,
-    ) -> Option<(Fit, WeightFit, FitError)> {
-        let (mut fit, mut weights) = (Fit::default(), NO_WEIGHT);
-        let mut sizes = [[0.0; 4]; 4];
+    /// What the surface and its first three derivatives come to in the middle, as forms, by Leibniz's rule for
+    /// `X = S W`: there `X` and `S` are zero, and `W` is 1.
+    fn in_middle(&self) -> [f64; 4] {
+        let [[_, y, yy, yyy], [x, xy, xyy, _], [xx, xxy, ..], [xxx, ..]] = self.coefficients;
+        let (s_x, s_y) = (x.truncate(), y.truncate());
+        // Coefficients times factorials are derivatives.
+        let s_xx = 2.0 * xx.truncate() - 2.0 * x.w * s_x;
+        let s_xy = xy.truncate() - x.w * s_y - y.w * s_x;
+        let s_yy = 2.0 * yy.truncate() - 2.0 * y.w * s_y;
+        let s_xxx = 6.0 * xxx.truncate() - 3.0 * x.w * s_xx - 6.0 * xx.w * s_x;
+        let s_yyy = 6.0 * yyy.truncate() - 3.0 * y.w * s_yy - 6.0 * yy.w * s_y;
+        let s_xxy = 2.0 * (xxy.truncate() - x.w * s_xy - xx.w * s_y - xy.w * s_x) - y.w * s_xx;
+        let s_xyy = 2.0 * (xyy.truncate() - y.w * s_xy - yy.w * s_x - xy.w * s_y) - x.w * s_yy;
+        let first = s_x.length() + s_y.length();
+        let second = s_xx.length() + 2.0 * s_xy.length() + s_yy.length();
+        let third = s_xxx.length() + s_yyy.length() + 3.0 * (s_xxy.length() + s_xyy.length());
+        [0.0, first, second, third]
+    }
+
+    fn error(&self, reach: f64) -> FitError {
+        let mut sizes = [[[0.0; 4]; 4]; 2];
         for k in 1..16 {
-            let c = self.coefficients[k / 4][k % 4];
-            let [x, y, z, w] = c.to_array();
-            (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
-            weights[k] = w as f32;
-            sizes[k / 4][k % 4] = c.truncate().length() + reach * w.abs();
+            let (i, j) = (k / 4, k % 4);
+            let c = self.coefficients[i][j];
+            (sizes[0][i][j], sizes[1][i][j]) = (c.truncate().length(), c.w.abs());
         }
-        let error = FitError::of_polynomial(&sizes, self.noise);
-        let error = FitError { bend: error.bend.max(other.bend), third: other.third, ..error };
-        error.value.is_finite().then_some((fit, weights, error))
+        match self.least {
+            None => FitError::of_polynomial(&sizes[0], self.noise),
+            Some(least) => {
+                FitError::of_quotient(&sizes, (self.in_middle(), least), reach, self.noise)
+            }
+        }
     }
 }
 
-/// The middle of a polynomial with these coefficients of `xⁱ yʲ`, what it is relative to that, and the
-/// vectors across the middle in `x` and in `y`.
-fn in_powers(coefficients: [[DVec3; 4]; 4]) -> (DVec3, Fit, [DVec3; 2]) {
-    let mut fit = [[0.0; 16]; 3];
+/// Coefficients of numerators and weights in f32, but for the first.
+fn rounded(coefficients: &[[DVec4; 4]; 4]) -> (Fit, WeightFit) {
+    let (mut fit, mut weight) = (Fit::default(), NO_WEIGHT);
     for (k, coefficient) in coefficients.as_flattened().iter().enumerate().skip(1) {
-        let [x, y, z] = coefficient.to_array();
+        let [x, y, z, w] = coefficient.to_array();
         (fit[0][k], fit[1][k], fit[2][k]) = (x as f32, y as f32, z as f32);
+        weight[k] = w as f32;
     }
-    let [along_y, along_x] = [coefficients[0], [0, 1, 2, 3].map(|i| coefficients[i][0])];
-    let across = |row: [DVec3; 4]| 2.0 * (row[1] + row[3]);
-    (coefficients[0][0], fit, [across(along_x), across(along_y)])
+    (fit, weight)
+}
+
+/// The vectors across the middle in `x` and in `y`, where the numerators are zero and the weight is 1.
+fn chords(coefficients: &[[DVec4; 4]; 4]) -> [DVec3; 2] {
+    let along_x = [0, 1, 2, 3].map(|i| coefficients[i][0]);
+    // `X / W` at 1, less `X / W` at −1, from what is even and what is odd in them.
+    [along_x, coefficients[0]].map(|[_, a, b, c]| {
+        let (even, odd) = (b, a + c);
+        let (weight, slope) = (1.0 + even.w, odd.w);
+        let across = odd.truncate() * weight - even.truncate() * slope;
+        across * (2.0 / (weight * weight - slope * slope))
+    })
 }
 
 /// The Chebyshev points of degree four: `cos((2k + 1) π / 8)`.
@@ -266,9 +295,11 @@ mod tests {
     fn bicubic_maps_are_fitted_exactly() {
         let map = |x: f64, y: f64| DVec3::new(x * x * x * y, 1.0 - y * y * y, x - 2.0 * x * x * y);
         let values = NODES.map(|x| NODES.map(|y| map(x, y)));
-        let (middle, fit, [across_x, across_y]) =
-            in_powers(in_both_directions(&INTERPOLATION, &values));
-        assert!(middle.distance(DVec3::Y) < 1e-14);
+        let coefficients = in_both_directions(&INTERPOLATION, &values);
+        assert!(coefficients[0][0].distance(DVec3::Y) < 1e-14);
+        let coefficients = coefficients.map(|row| row.map(|c| c.extend(0.0)));
+        let ((fit, weight), [across_x, across_y]) = (rounded(&coefficients), chords(&coefficients));
+        assert_eq!(weight, NO_WEIGHT);
         assert!(across_x.distance(map(1.0, 0.0) - map(-1.0, 0.0)) < 1e-14);
         assert!(across_y.distance(map(0.0, 1.0) - map(0.0, -1.0)) < 1e-14);
         let expected = [(0, 13, 1.0), (1, 3, -1.0), (2, 4, 1.0), (2, 9, -2.0)];

@@ -3,6 +3,12 @@
 //! Over the leaf's widened rectangle `D`, in box coordinates `x, y` (half sides), let `S` be
 //! the surface and `Q` the approximation, both relative to the leaf's middle.
 //!
+//! *Quotients.* Of pieces of degree up to three whose weights differ numerators `X` and weights `W` are approximated,
+//! each but for rounding. What is asked about them is `F = n · X + m W` with a unit vector `n`, and `m` no larger than
+//! the distance at which rays pass the middle, or than `S` is there in `D`. So `E`, the slopes' bound and `M` are those
+//! of a polynomial whose coefficients are as large as those of `X` and `m W` together. `M` is a bound for `S`, too, and
+//! `T` one for `S` alone. For all others `W` is 1 in what follows:
+//!
 //! *Values.* With `S = X / W`, the polynomial `X − W Q` has a Bernstein form; the largest of
 //! its coefficients over the least weight bounds `|S − Q|` by `E`.
 //!
@@ -38,16 +44,16 @@ pub const FIT_DOMAIN: f64 = 1.2;
 /// A side of the rectangle they hold on.
 const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
-/// Bounds of a bicubic approximation, in scene units.
+/// Bounds of a bicubic approximation, in scene units; of quotients those of `F`.
 #[derive(Clone, Copy, Debug)]
 pub struct FitError {
     /// `E`.
     pub value: f64,
     /// Of either partial derivative.
     pub slope: f64,
-    /// `M`.
+    /// `M`, of both.
     pub bend: f64,
-    /// `T`.
+    /// `T`, of the surface.
     pub third: f64,
 }
 
@@ -104,35 +110,95 @@ impl FitError {
     /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32: from the `sizes` of the coefficients of
     /// `xⁱ yʲ`, and the `noise` that they may be off by.
     pub(super) fn of_polynomial(sizes: &[[f64; 4]; 4], noise: f64) -> Self {
-        let (mut sum, mut slopes, mut bend, mut third) = (0.0, 0.0, 0.0, 0.0);
-        // `FIT_DOMAIN` to the power of the degree, and less 1, 2 and 3.
-        let mut weight_x = [1.0, 0.0, 0.0, 0.0];
-        for i in 0..4 {
-            let mut weight = weight_x;
-            for j in 0..4 {
-                let power = (i + j) as f64;
-                let length = sizes[i][j];
-                sum += length * weight[0];
-                slopes += length * power * weight[1];
-                let twice = power * (power - 1.0);
-                bend += 0.5 * length * twice * weight[2];
-                third += length * twice * (power - 2.0) / 6.0 * weight[3];
-                weight = [weight[0] * FIT_DOMAIN, weight[0], weight[1], weight[2]];
-            }
-            weight_x = [weight_x[0] * FIT_DOMAIN, weight_x[0], weight_x[1], weight_x[2]];
-        }
+        let [value, slope, second, third, _] = derivative_sums(sizes);
         // Larger coefficients are infinite in f32.
-        let in_range = sum <= f64::from(f32::MAX); // false for NaN
+        let in_range = value <= f64::from(f32::MAX); // false for NaN
         if !in_range {
             return Self::UNKNOWN;
         }
         // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
-        let (value, slope) = (rounding(sum) + noise, rounding(slopes) + 96.0 * noise);
+        let (value, slope) = (rounding(value) + noise, rounding(slope) + 96.0 * noise);
         // What coefficients are off by comes to 17 times the noise in third derivatives over 6, at most.
-        Self { value, slope, bend: bend + noise, third: third + 30.0 * noise }
+        Self { value, slope, bend: 0.5 * second + noise, third: third / 6.0 + 30.0 * noise }
     }
+
+    /// The same for a quotient: for `F` of rays that pass the middle within `reach`, but for the second derivatives of
+    /// the surface, too, and its third. The sizes are those of the numerators' and of the weights' coefficients, which
+    /// are `least` at least; `in_middle` is what the surface and its first three derivatives come to in the middle, as
+    /// forms.
+    pub(super) fn of_quotient(
+        [points, weights]: &[[[f64; 4]; 4]; 2],
+        (in_middle, least): ([f64; 4], f64),
+        reach: f64,
+        noise: f64,
+    ) -> Self {
+        let (of_points, of_weights) = (derivative_sums(points), derivative_sums(weights));
+        let mut known = [of_points[0] / least, 0.0, 0.0, 0.0, 0.0];
+        for order in 1..=4 {
+            known[order] = by_leibniz(order, &known, (&of_points, &of_weights), least);
+        }
+        // Where terms that are bounded one by one cancel in the middle, they do so nearby, too.
+        for _ in 0..2 {
+            for order in (0..=3).rev() {
+                known[order] = known[order].min(in_middle[order] + FIT_DOMAIN * known[order + 1]);
+            }
+            for order in 1..=4 {
+                let all = by_leibniz(order, &known, (&of_points, &of_weights), least);
+                known[order] = known[order].min(all);
+            }
+        }
+
+        let reach = reach.max(known[0]);
+        let mut both = *points;
+        for (sum, weight) in both.as_flattened_mut().iter_mut().zip(weights.as_flattened()) {
+            *sum += reach * weight;
+        }
+        let of_f = Self::of_polynomial(&both, noise);
+        // To each of these what coefficients are off by happens as often as to those of `F`, times a few.
+        let bend = of_f.bend.max(0.5 * known[2] + 4.0 * noise);
+        Self { bend, third: known[3] / 6.0 + 120.0 * noise, ..of_f }
+    }
+}
+
+/// What a polynomial and its first to fourth derivatives come to at most, as forms: from the sizes of its
+/// coefficients of `xⁱ yʲ`.
+fn derivative_sums(sizes: &[[f64; 4]; 4]) -> [f64; 5] {
+    let mut sums = [0.0; 5];
+    for (i, row) in sizes.iter().enumerate() {
+        for (j, size) in row.iter().enumerate() {
+            let mut factor = *size;
+            for (order, sum) in sums.iter_mut().enumerate().take(i + j + 1) {
+                *sum += factor * REACHES[i + j - order];
+                factor *= (i + j - order) as f64;
+            }
+        }
+    }
+    sums
+}
+
+/// [`FIT_DOMAIN`]`ᵏ`.
+pub(super) const REACHES: [f64; 7] = {
+    let mut powers = [1.0; 7];
+    let mut k = 1;
+    while k < powers.len() {
+        powers[k] = powers[k - 1] * FIT_DOMAIN;
+        k += 1;
+    }
+    powers
+};
+
+/// The bound `Sₖ` from those of lower order, and from those of `X` and `W`, with the least weight.
+fn by_leibniz<const N: usize>(
+    order: usize,
+    lower: &[f64; N],
+    (of_points, of_weights): (&[f64; N], &[f64; N]),
+    least: f64,
+) -> f64 {
+    let binomials = binomials(order);
+    let terms = (0..order).map(|k| binomials[k] * lower[k] * of_weights[order - k]);
+    (of_points[order] + terms.sum::<f64>()) / least
 }
 
 /// The Bernstein coefficients of the approximation over the widened rectangle.
@@ -223,8 +289,8 @@ fn difference_net(
 /// Three bounds for a net of `(w (P − c), w)`, by box coordinates: of either first derivative of the weight, `M`
 /// and `T`.
 fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
-    // Of points and of weights, by order less one; and the larger of the weight's two slopes.
-    let (mut of_points, mut of_weights, mut slope) = ([0.0; 3], [0.0; 3], 0f64);
+    // Of points and of weights, by order; and the larger of the weight's two slopes.
+    let (mut of_points, mut of_weights, mut slope) = ([0.0; 4], [0.0; 4], 0f64);
     let mut rows: SmallVec<[DVec4; 36]> = SmallVec::from_slice(net);
     // By s `i` times, …
     for i in 0..=p.min(3) {
@@ -251,8 +317,8 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
             // So many entries of the form are this one.
             let order = i + j;
             let alike = if i > 0 && j > 0 { order as f64 } else { 1.0 };
-            of_points[order - 1] += alike * points.sqrt();
-            of_weights[order - 1] += alike * weights;
+            of_points[order] += alike * points.sqrt();
+            of_weights[order] += alike * weights;
             if order == 1 {
                 slope = slope.max(weights);
             }
@@ -260,11 +326,12 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     }
     let radius = net.iter().map(|c| (c.truncate() / c.w).length_squared()).fold(0.0, f64::max);
     let radius = radius.sqrt();
-    let ([x1, x2, x3], [w1, w2, w3]) = (of_points, of_weights);
-    let s1 = (x1 + radius * w1) / least;
-    let s2 = (x2 + radius * w2 + 2.0 * s1 * w1) / least;
-    let s3 = (x3 + radius * w3 + 3.0 * (s1 * w2 + s2 * w1)) / least;
+    let mut known = [radius, 0.0, 0.0, 0.0];
+    for order in 1..=3 {
+        known[order] = by_leibniz(order, &known, (&of_points, &of_weights), least);
+    }
     // From sides of the rectangle to half sides of the leaf.
+    let [.., s2, s3] = known;
     [slope / SIDE, s2 / (2.0 * SIDE * SIDE), s3 / (6.0 * SIDE * SIDE * SIDE)]
 }
 

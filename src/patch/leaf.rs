@@ -2,13 +2,15 @@
 
 use glam::DVec3;
 
-use super::fit::{Approximation, Fit, NO_WEIGHT, Quotient, WeightFit};
+use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit};
+use super::fit_error::REACHES;
 use super::oriented_box::Axes;
 use super::part::Halving;
 use super::rounded::{Up8, Up16};
 use super::tangents::Net;
 use super::{
-    Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, OrientedBox, Part, Piece, SceneFrame,
+    Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
+    SceneFrame,
 };
 use crate::math::{prefetch, rounding};
 
@@ -26,8 +28,9 @@ pub const WIDENING: f64 = 0.02;
 /// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
 /// to the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene units: its
 /// numerators `X` by bicubic polynomials in `x` and `y`, [`fit`](Self::fit), and its weight `W`, which is 1 in the
-/// middle, by another one. A leaf of a piece whose weights are alike has none: `W` is 1. Those of others, their
-/// [`WeightFit`]s, are kept elsewhere, as is the leaf's [`OrientedBox`], beside those of its neighbours in space.
+/// middle, by another one. That is so where degrees are three at most, and weights differ, but not too much
+/// ([`MOST_WEIGHT`](super::MOST_WEIGHT)); in other leaves `W` is 1, and `X` near `S`. The [`WeightFit`]s are kept elsewhere,
+/// as is the leaf's [`OrientedBox`], beside those of its neighbours in space.
 ///
 /// The distances of a plane through a ray from all points, `n · (S − o)`, have the roots of
 /// `F = n · X + (n · (c − o)) W`, with the leaf's middle `c`: sums of the coefficients. They give Newton's iteration
@@ -59,20 +62,12 @@ impl Leaf {
     pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, WeightFit, OrientedBox) {
         let halving = Halving::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);
-        let Approximation { mut middle, mut fit, chords, mut error } =
-            Approximation::new(&halving, piece);
-        let stretch = Up16::above(stretch(&fit, error.slope));
+        let approximation = Approximation::new(&halving, piece);
+        let Approximation { middle, fit, weight, chords, .. } = approximation;
         let axes = Axes::along(chords);
         let noise = piece.patch.noise();
         let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);
-        let mut weights = NO_WEIGHT;
-        if let Some(quotient) = Quotient::new(&halving, piece) {
-            let reach = oriented.farthest_from(quotient.middle, frame);
-            if let Some(known) = quotient.approximation(reach, &error) {
-                middle = quotient.middle;
-                (fit, weights, error) = known;
-            }
-        }
+        let error = approximation.error(&halving, piece, oriented.farthest_from(middle, frame));
 
         let widened = halving.widened(piece, collapsed);
         let (degree, rational) = (piece.patch.degree(), piece.patch.is_rational());
@@ -81,7 +76,7 @@ impl Leaf {
         let net = Net { degree, control: &widened, noise, rational, spacing };
         let certificate = Certificate::new(&net, collapsed, &axes, &oriented);
         let fit_bend = Up16::above(error.bend);
-        let leaf = Self {
+        let mut leaf = Self {
             fit,
             middle,
             rect: part.rect,
@@ -91,10 +86,11 @@ impl Leaf {
             slope_error: Up16::above(error.slope),
             fit_bend,
             fit_third: Up8::above(error.third / f64::from(fit_bend.value())),
-            stretch,
+            stretch: Up16::above(f64::INFINITY),
             trimmed: part.trimmed,
         };
-        (leaf, weights, oriented)
+        leaf.stretch = Up16::above(stretch(&leaf, &weight, &halving, piece, &error));
+        (leaf, weight, oriented)
     }
 
     /// Asks for every cache line, for those who will want them soon.
@@ -164,7 +160,7 @@ impl Leaf {
     /// The approximation's second derivatives in the middle, by box coordinates: `xx`, `xy`, `yy`.
     #[inline(always)]
     pub fn second_derivatives(&self, weights: Option<&WeightFit>) -> [DVec3; 3] {
-        let term = |m: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from(self.fit[axis][m])));
+        let term = |m: usize| term(&self.fit, m);
         let [xx, xy, yy] = [2.0 * term(8), term(5), 2.0 * term(2)];
         let Some(weights) = weights else { return [xx, xy, yy] };
         // Of `X / W` where `X` is zero and `W` is 1.
@@ -217,41 +213,66 @@ impl Leaf {
     }
 }
 
-/// [`FIT_DOMAIN`]`ᵏ`.
-const POWERS: [f64; 6] = {
-    let mut powers = [1.0; 6];
-    let mut k = 1;
-    while k < powers.len() {
-        powers[k] = powers[k - 1] * FIT_DOMAIN;
-        k += 1;
-    }
-    powers
-};
-
-/// See [`Leaf::stretch`]; `slope_error` is that of [`FitError`](super::FitError).
+/// See [`Leaf::stretch`].
 ///
 /// With the sides made unit vectors, the tangents in the middle take a vector to one that is not
-/// shorter than `√(1 − |cos φ|)` of it, `φ` the angle between them; all other terms of the
-/// approximation add no more than their sizes, and the surface the slopes' error.
-fn stretch(fit: &Fit, slope_error: f64) -> f64 {
-    let term = |i: usize, j: usize| {
-        DVec3::from_array([0, 1, 2].map(|axis| f64::from(fit[axis][4 * i + j])))
+/// shorter than `√(1 − |cos φ|)` of it, `φ` the angle between them. All other terms of a polynomial
+/// approximation add no more to them than their sizes, and the surface the slopes' error; in a quotient they turn by the
+/// second derivatives in the middle, and what these leave: see [`FitError`].
+fn stretch(
+    leaf: &Leaf,
+    weight: &WeightFit,
+    halving: &Halving,
+    piece: &Piece,
+    error: &FitError,
+) -> f64 {
+    let of_polynomial = |fit: &Fit, error: &FitError| {
+        let mut turning = [error.slope; 2];
+        for i in 0..4 {
+            for j in (0..4).filter(|j| i + j > 1) {
+                let size = term(fit, 4 * i + j).length() * REACHES[i + j - 1];
+                turning[0] += i as f64 * size;
+                turning[1] += j as f64 * size;
+            }
+        }
+        stretched(fit, turning)
     };
-    let (a, b) = (term(1, 0), term(0, 1));
+    if *weight == NO_WEIGHT {
+        return of_polynomial(&leaf.fit, error);
+    }
+    let [xx, xy, yy] = leaf.second_derivatives(Some(weight)).map(DVec3::length);
+    let rest = error.slope + 3.0 * error.third * FIT_DOMAIN * FIT_DOMAIN;
+    let turning = [(xx + xy) * FIT_DOMAIN + rest, (xy + yy) * FIT_DOMAIN + rest];
+    let of_quotient = stretched(&leaf.fit, turning);
+    let [x, y] = leaf.half_side_lengths();
+    if of_quotient < WELL_STRETCHED || x.max(y) < LONG * x.min(y) {
+        return of_quotient;
+    }
+    // What third derivatives are bounded by grows with a leaf's length, though they need not.
+    let near = Approximation::polynomial(halving, piece);
+    let of_polynomial = of_polynomial(&near.fit, &near.error(halving, piece, 0.0));
+    let longer = |k: usize| term(&leaf.fit, k).length() / term(&near.fit, k).length();
+    of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
+}
+
+/// Leaves that are stretched less need no second look, nor do those that are not so many times as long as wide.
+const WELL_STRETCHED: f64 = 2.0;
+const LONG: f32 = 2.0;
+
+/// The same for tangents that turn by no more than this, by `x` and by `y`.
+fn stretched(fit: &Fit, turning: [f64; 2]) -> f64 {
+    let (a, b) = (term(fit, 4), term(fit, 1));
     let lengths = [a.length(), b.length()];
     let least = (1.0 - (a.dot(b) / (lengths[0] * lengths[1])).abs()).sqrt();
-    let mut turning = [slope_error; 2];
-    for i in 0..4 {
-        for j in (0..4).filter(|j| i + j > 1) {
-            let size = term(i, j).length() * POWERS[i + j - 1];
-            turning[0] += i as f64 * size;
-            turning[1] += j as f64 * size;
-        }
-    }
     let most = (turning[0] / lengths[0]).hypot(turning[1] / lengths[1]);
     // What rounding does is far less than this; false for NaN.
     let stretches = least - most > 1e-3;
     if stretches { 1.0 / (least - most) } else { f64::INFINITY }
+}
+
+/// One coefficient of an approximation.
+fn term(fit: &Fit, m: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|axis| f64::from(fit[axis][m])))
 }
 
 /// The collapsed side of a piece that a rectangle touches.

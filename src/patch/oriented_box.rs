@@ -14,7 +14,7 @@ const GROWTH: f64 = 4e-6;
 const LEAST_ALONG: f64 = 1e-300;
 
 /// A chord shorter than this part of the other is of no use as a direction: rounding may be what it is made of.
-const SHORTEST: f64 = 1e-6;
+const SHORTEST_CHORD: f64 = 1e-6;
 
 /// Nor is one as near to the other's direction, by the sine.
 const APART: f64 = 1e-3;
@@ -101,13 +101,17 @@ impl OrientedBox {
     pub(super) fn farthest_from(&self, point: DVec3, frame: &SceneFrame) -> f64 {
         let [a, b, c] = self.directions();
         let volume = a.dot(b.cross(c));
-        let half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
+        let mut half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
         let middle: DVec3 = (0..3).map(|k| f64::from(self.rows[k][3]) * half[k]).sum();
         let from_middle = (frame.scaled(point) - middle).length();
+        // Each pair of planes is met with as much to spare as rounding of f32 does, and the ray's ends have: no more
+        // than the box was grown by, each.
+        for (half, row) in half.iter_mut().zip([a, b, c]) {
+            *half *= 1.0 + 2.0 * GROWTH * row.length();
+        }
         let corner = |[s, t]: [f64; 2]| (half[2] + s * half[0] + t * half[1]).length();
         let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(corner);
-        // What rounding of f32 does to the box and to the ray is less than what the box was grown by.
-        let most = from_middle + corners.into_iter().fold(0.0, f64::max) + 2.0 * GROWTH;
+        let most = from_middle + corners.into_iter().fold(0.0, f64::max);
         most * (1.0 + 1e-6) / frame.scale
     }
 
@@ -175,10 +179,12 @@ fn independent(chords: [DVec3; 2]) -> [DVec3; 3] {
     if degenerate {
         return [DVec3::X, DVec3::Y, DVec3::Z];
     }
-    if a.length() < SHORTEST * longest {
+    if a.length() < SHORTEST_CHORD * longest {
         a = b.any_orthogonal_vector().normalize() * longest;
     }
-    if b.length() < SHORTEST * longest || a.cross(b).length() < APART * a.length() * b.length() {
+    if b.length() < SHORTEST_CHORD * longest
+        || a.cross(b).length() < APART * a.length() * b.length()
+    {
         b = a.any_orthogonal_vector().normalize() * longest;
     }
     let n = a.cross(b);

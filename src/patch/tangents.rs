@@ -7,7 +7,7 @@ use super::tangent_pairs::PairTurns;
 use super::tensor::euclidean;
 use super::{CollapsedSide, ControlNet, mapped};
 use crate::math::Interval;
-use crate::math::bernstein::binomials;
+use crate::math::bernstein::{MAX_DEGREE, binomials};
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
 pub(super) struct Proof {
@@ -38,6 +38,7 @@ const FAR: f64 = 0.4;
 /// Weights of nets of more points are not multiplied with their points: there are as many products as the square of
 /// that.
 const MOST_MULTIPLIED: usize = 36;
+const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 needs binomials of 34");
 
 /// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
 const MOST_BEND: f64 = 1e3;

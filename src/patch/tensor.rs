@@ -159,6 +159,14 @@ impl TensorPatch {
         self.weight().is_none()
     }
 
+    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). Their degrees are three at most, and
+    /// weights differ.
+    #[inline(always)]
+    pub fn has_quotient_leaves(&self) -> bool {
+        let [p, q] = self.degree();
+        self.is_rational() && p.max(q) <= 3
+    }
+
     /// The largest absolute coordinate of the control points, rounded up to six digits.
     pub fn magnitude(&self) -> f64 {
         self.magnitude.value()

@@ -38,7 +38,8 @@
 //! What it differs by at two places in the leaf is
 //! `N · (X − S(y₁) W)`, which is the height times the weight, but for `N · (S(y₁) − p)` times what the weight differs by:
 //! at most how far `p` is from `S(y₁)`, times the weight's slopes, times `|Δ|`. (`p` is off `S` at the stated start
-//! by the bound of the distances' error, over the weight.) So the height stays below where all that
+//! by the bound of the distances' error, over the weight; as `p` lies where the bounds hold, they are good for its
+//! heights, too.) So the height stays below where all that
 //! does below the least weight times what it is to stay below; and it is the same across the ray.
 //!
 //! All is divided by `|Δ|`, which is at most what it is from the start to the farthest corner.
@@ -57,7 +58,8 @@ use crate::patch::FIT_DOMAIN;
 
 /// What rounding to f32 does to places, as a part of the sides' lengths, and to what does not depend on
 /// the normal: 30 units of 2⁻²⁴. Terms add up to twice the sides at most where there is a stretch; to
-/// each happen 12 by Horner's scheme, and few to the origin, the axis and where it starts.
+/// each happen 12 by Horner's scheme, and few to the origin, the axis and where it starts. (Of quotients there are more
+/// and larger ones: see [`Weights::terms`].)
 const ROUNDING: f32 = 2e-6;
 
 /// What it does to slopes measured along the normal, over what the tangents' cross product is of the
@@ -145,12 +147,17 @@ impl<S: Simd> Departure<S> {
         let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let half = splat(simd, 0.5);
         let rounding = ROUNDING * weights.terms * (lengths[0] + lengths[1]);
-        let flattened = splat(simd, NORMAL_ROUNDING * weights.terms) * per_length;
+        // The point times the weight's slopes is a part of tangents that may be far shorter than the leaf is long.
+        let size = point[0].abs() + point[1].abs() + point[2].abs();
+        let by_weight = (size + splat(simd, lengths[0] + lengths[1])) * splat(simd, weights.slope);
+        let flattened = (by_weight + splat(simd, weights.terms)) * per_length;
+        let flattened = flattened * splat(simd, NORMAL_ROUNDING);
+        let by_weight = by_weight * splat(simd, ROUNDING);
         // How far the approximation's point may be off.
         let fit_error = leaf.fit_error() * fitted.heaviest();
         let aside_of_start = (fit_error + rounding) * weights.slope;
         let slope_error = leaf.slope_error().mul_add(per_side, ROUNDING * weights.terms);
-        let slopes = splat(simd, slope_error + aside_of_start) + flattened;
+        let slopes = splat(simd, slope_error + aside_of_start) + by_weight + flattened;
         let most = splat(simd, ALMOST * weights.least / stretch) * cosine - slopes;
 
         // In any direction; what rounding of the normal does to that is a part of the norm.
@@ -425,7 +432,7 @@ mod tests {
 
         let level = Level::new();
         let scene = bvh.scene();
-        let fitted = scene.fitted(index, piece.patch.is_rational());
+        let fitted = scene.fitted(index, &piece.patch);
         let said = dispatch!(level, simd => {
             let splat = |x: f64| f32x16::splat(simd, x as f32);
             let splat3 = |v: DVec3| [splat(v.x), splat(v.y), splat(v.z)];
@@ -499,7 +506,7 @@ mod tests {
         });
         assert!(met_again.get() > 500, "{met_again:?}");
         assert!(proved[0].get() > 5_000 && proved[1].get() > 4_000, "{proved:?}");
-        assert!(proved[2].get() > 4_000 && proved[3].get() > 4_000, "{proved:?}");
+        assert!(proved[2].get() > 4_000 && proved[3].get() > 3_000, "{proved:?}");
     }
 
     /// A ray that starts beside the surface, though it is said to start on it, is left to others.

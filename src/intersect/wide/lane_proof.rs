@@ -44,7 +44,7 @@ pub(super) struct LaneProof<'a, S: Simd> {
 /// How far what is computed may be off, lane by lane.
 #[derive(Clone, Copy)]
 pub(super) struct Errors<S: Simd> {
-    /// How far a point may be from the ray.
+    /// How far a point may be from the ray, times the weight.
     pub(super) error: f32x16<S>,
     /// A ray that passes within the error of a border meets it: closer is not missed.
     pub(super) off_ray: f32x16<S>,

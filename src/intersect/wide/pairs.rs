@@ -110,13 +110,16 @@ impl PairLanes {
         pairs: &[Pair],
     ) -> Outcomes {
         let Some(first) = pairs.first() else { return Outcomes::default() };
-        let rational = first.form.rational;
-        let mut leaves = [scene.fitted(first.leaf, rational); LANES];
+        let fitted = |leaf: u32| {
+            let piece = scene.leaves[leaf as usize].piece;
+            scene.fitted(leaf, &scene.set.pieces()[piece as usize].patch)
+        };
+        let mut leaves = [fitted(first.leaf); LANES];
         let mut rays = [shots[first.ray as usize].ray(); LANES];
         let mut pieces = [&scene.set.pieces()[leaves[0].leaf.piece as usize]; LANES];
         // Lanes left over repeat the first.
         for (lane, pair) in pairs.iter().enumerate() {
-            leaves[lane] = scene.fitted(pair.leaf, rational);
+            leaves[lane] = fitted(pair.leaf);
             pieces[lane] = &scene.set.pieces()[leaves[lane].leaf.piece as usize];
             rays[lane] = shots[pair.ray as usize].ray();
         }

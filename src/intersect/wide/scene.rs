@@ -2,14 +2,14 @@
 
 use crate::intersect::tree::Tree;
 use crate::math::prefetch;
-use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, WeightFit};
+use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
-    /// As many, or none if no piece has weights that differ.
+    /// As many, or none if no leaf is approximated by a quotient.
     pub(in crate::intersect) weights: &'a [WeightFit],
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
@@ -49,10 +49,10 @@ impl Scene<'_> {
         self.leaves.len() >= FAR
     }
 
-    /// A leaf of a piece whose weights differ, if it is `rational`.
+    /// A leaf of a piece.
     #[inline(always)]
-    pub(super) fn fitted(&self, leaf: u32, rational: bool) -> Fitted<'_> {
-        let weight = rational.then(|| &self.weights[leaf as usize]);
+    pub(super) fn fitted(&self, leaf: u32, patch: &TensorPatch) -> Fitted<'_> {
+        let weight = patch.has_quotient_leaves().then(|| &self.weights[leaf as usize]);
         Fitted { leaf: &self.leaves[leaf as usize], weight }
     }
 

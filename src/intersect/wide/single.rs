@@ -138,7 +138,7 @@ fn search_leaf<S: Simd>(
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, start, slopes, error);
-    let fitted = scene.fitted(index, patch.is_rational());
+    let fitted = scene.fitted(index, patch);
     if !ray.start.is_done_with(simd, (fitted, patch), ray.boxes.axis, (guess.is_some(), error)) {
         search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
@@ -159,7 +159,7 @@ pub(super) fn search_ahead<S: Simd>(
     // Most will want it; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
-    let fitted = scene.fitted(index, patch.is_rational());
+    let fitted = scene.fitted(index, patch);
     search_net(simd, scene, (index, fitted, &OneNet { patch, net }), (guess, error), (ray, work));
     work.nets = nets;
 }

@@ -322,7 +322,7 @@ impl Task<'_> {
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
             let axis = flight.boxes.axis;
-            let fitted = self.scene.fitted(index, patch.is_rational());
+            let fitted = self.scene.fitted(index, patch);
             if self.start.is_done_with(simd, (fitted, patch), axis, (guess.is_some(), error)) {
                 continue;
             }

@@ -94,7 +94,7 @@ impl<'a> Target<'a> {
     /// The leaf with its weight.
     #[inline(always)]
     pub(super) fn fitted(&self) -> Fitted<'_> {
-        self.scene.fitted(self.index, self.piece.patch.is_rational())
+        self.scene.fitted(self.index, &self.piece.patch)
     }
 
     /// See [`OrientedBox::unit_axes`].
