@@ -230,6 +230,41 @@ mod tests {
         assert!(passage(DVec3::new(1.0 + 2.0 * GROWTH, 0.5, 3.0), -DVec3::Z).is_none());
     }
 
+    /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is no farther from its
+    /// middle than is said, and not much nearer.
+    #[test]
+    fn rays_that_meet_a_slanted_box_are_near() {
+        let frame = SceneFrame { center: DVec3::ZERO, scale: 1.0 };
+        let mut closest = f64::INFINITY;
+        for size in [1e-2, 1e-3, 1e-4, 1e-5] {
+            let middle = DVec3::new(0.3, -0.2, 0.1);
+            let chords = [size * DVec3::X, size * DVec3::new(1.0, 1.1e-3, 0.0)];
+            let net = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
+                .map(|[s, t]| (middle + (s - 0.5) * chords[0] + (t - 0.5) * chords[1]).extend(1.0));
+            let oriented = OrientedBox::around(&net, &Axes::along(chords), 1e-15, &frame);
+            let reach = oriented.farthest_from(middle, &frame);
+            for k in 0..20_000 {
+                let x = (1e-4 * f64::from(k) - 1.0) * 3.0 * (size + 0.01);
+                let (mut entry, mut exit) = (f32::MIN, f32::MAX);
+                for [row_x, row_y, row_z, offset] in oriented.rows {
+                    let origin = [(middle.x + x) as f32, 0.9, middle.z as f32];
+                    let at = row_x * origin[0] + row_y * origin[1] + row_z * origin[2] - offset;
+                    let (middle, half) = (at / row_y, (1.0 / row_y).abs());
+                    if row_y.abs() > 1e-6 {
+                        (entry, exit) = (entry.max(middle - half), exit.min(middle + half));
+                    } else if at.abs() > 1.0 {
+                        exit = f32::MIN;
+                    }
+                }
+                if entry <= exit + 4e-6 {
+                    assert!(x.abs() <= reach, "{x} of {reach}, size {size}");
+                    closest = closest.min(reach / x.abs());
+                }
+            }
+        }
+        assert!(closest < 2.0, "{closest}");
+    }
+
     #[test]
     fn axes_are_those_of_the_net() {
         let [a, b, n] = unit_square().0.unit_axes();

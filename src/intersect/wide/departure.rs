@@ -393,11 +393,12 @@ mod tests {
     use std::cell::Cell;
 
     use fearless_simd::{Level, dispatch};
-    use glam::{DVec2, DVec3, DVec4};
+    use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
+    use super::super::weighted_hills;
     use super::*;
-    use crate::geometry::{KnotVector, NurbsSurface, shapes};
+    use crate::geometry::shapes;
     use crate::intersect::{BuildOptions, Hit, Query, Root, SurfaceBvh};
     use crate::math::Ray;
 
@@ -454,18 +455,6 @@ mod tests {
         let meets_again =
             hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st));
         Leaving { said, meets_again }
-    }
-
-    /// A bicubic sheet of hills whose weights differ from point to point.
-    fn weighted_hills() -> NurbsSurface {
-        let knots = KnotVector::clamped_uniform(3, 12).unwrap();
-        let number = |k: usize| (k as f64 * 0.618_033_988_75).fract();
-        let control = (0..144).map(|k| {
-            let (x, y) = ((k / 12) as f64, (k % 12) as f64);
-            let weight = 0.5 + 1.5 * number(k);
-            weight * DVec4::new(x, y, (1.3 * x).sin() * y.cos(), 1.0)
-        });
-        NurbsSurface::from_homogeneous(knots.clone(), knots, control.collect()).unwrap()
     }
 
     /// What is proved of rays that leave a sphere outwards, and a stout and a thin torus, and hills, anywhere: never

@@ -100,7 +100,7 @@ impl Doubts {
         let leaf = target.leaf;
         let fitted = target.fitted();
         let terms = distances.terms(simd, sizes(simd, fitted), packet, base);
-        let error = error * f32x16::splat(simd, fitted.heaviest());
+        let weighted = error * f32x16::splat(simd, fitted.heaviest());
         // False for NaN.
         let known = lanes & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, ROUNDING);
@@ -114,9 +114,9 @@ impl Doubts {
             let length = f32x16::splat(simd, leaf.half_side_lengths()[k]);
             length.store_slice(&mut self.lengths[k][at.clone()]);
         }
-        let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + error;
+        let off_ray = noise + f32x16::splat(simd, leaf.fit_error()) + weighted;
         let slope_noise = noise + noise + f32x16::splat(simd, leaf.slope_error());
-        error.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
+        weighted.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
         off_ray.compress(chosen).store_slice(&mut self.errors[1][at.clone()]);
         slope_noise.compress(chosen).store_slice(&mut self.errors[2][at]);
         let mut left = known;

@@ -203,6 +203,7 @@ mod tests {
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
+    use super::super::weighted_hills;
     use super::*;
     use crate::geometry::shapes;
     use crate::intersect::wide::load::{load, turn};
@@ -254,7 +255,7 @@ mod tests {
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
         let options = BuildOptions::default();
-        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4)]
+        let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
             .map(|body| SurfaceBvh::build(&[body.unwrap()], &options).unwrap());
         let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
         let config = ProptestConfig { cases: 1_500, ..ProptestConfig::default() };

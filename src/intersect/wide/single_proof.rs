@@ -129,7 +129,7 @@ pub(super) fn isolate<S: Simd>(
     error: f64,
 ) -> Option<UniqueParts> {
     let leaf = fitted.leaf;
-    let error = error * f64::from(fitted.heaviest());
+    let weighted = error * f64::from(fitted.heaviest());
     let mut unique = UniqueParts::default();
     let start = ray.start.place_in(leaf);
     let lengths = leaf.half_side_lengths();
@@ -143,7 +143,7 @@ pub(super) fn isolate<S: Simd>(
     }
     let noise = ROUNDING * terms;
     // A ray that passes within the error of a border meets it: closer is not missed.
-    let off_ray = leaf.fit_error() + noise + rounding::f32_above(error);
+    let off_ray = leaf.fit_error() + noise + rounding::f32_above(weighted);
     // Of the whole leaf little more is to be learnt than its certificate says.
     let mut waiting = [Part::default(); MOST_BOXES];
     waiting[..2].copy_from_slice(&Part::whole().halved(lengths));
@@ -161,7 +161,7 @@ pub(super) fn isolate<S: Simd>(
         let slope_error = (leaf.slope_error() + 2.0 * noise) * part.half[0].max(part.half[1]);
         let unhalved = part.half[0] > SMALLEST && part.half[1] > SMALLEST;
         let elsewhere = unhalved && local.leads_away();
-        if !elsewhere && local.is_unique(simd, slope_error, error as f32) {
+        if !elsewhere && local.is_unique(simd, slope_error, weighted as f32) {
             if start.is_some_and(|start| part.holds(start, START_GROWN)) {
                 continue;
             }
