@@ -34,7 +34,7 @@ pub const WIDENING: f64 = 0.02;
 ///
 /// The distances of a plane through a ray from all points, `n · (S − o)`, have the roots of
 /// `F = n · X + (n · (c − o)) W`, with the leaf's middle `c`: sums of the coefficients. They give Newton's iteration
-/// a start; and since what they are off by is bounded ([`FitError`](super::FitError)) for rays that meet the leaf's
+/// a start; and since what they are off by is bounded ([`FitError`]) for rays that meet the leaf's
 /// box, they can prove of one ray that a part of the leaf holds one root at most, or none.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
@@ -170,7 +170,7 @@ impl Leaf {
         [xx - 2.0 * by_x * along_x, mixed, yy - 2.0 * by_y * along_y]
     }
 
-    /// How far `F`, the distances times the weight, may be off: see [`FitError`](super::FitError).
+    /// How far `F`, the distances times the weight, may be off: see [`FitError`].
     #[inline(always)]
     pub fn fit_error(&self) -> f32 {
         self.fit_error.value()
@@ -182,13 +182,13 @@ impl Leaf {
         self.slope_error.value()
     }
 
-    /// `M` of [`FitError`](super::FitError).
+    /// `M` of [`FitError`].
     #[inline(always)]
     pub fn fit_bend(&self) -> f32 {
         self.fit_bend.value()
     }
 
-    /// `T` of [`FitError`](super::FitError).
+    /// `T` of [`FitError`].
     #[inline(always)]
     pub fn fit_third(&self) -> f64 {
         // Exact; in f32 it might be rounded down to nothing.
