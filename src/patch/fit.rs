@@ -147,9 +147,7 @@ impl Quotient {
         let [[_, y, yy, yyy], [x, xy, xyy, _], [xx, xxy, ..], [xxx, ..]] = self.coefficients;
         let (s_x, s_y) = (x.truncate(), y.truncate());
         // Coefficients times factorials are derivatives.
-        let s_xx = 2.0 * xx.truncate() - 2.0 * x.w * s_x;
-        let s_xy = xy.truncate() - x.w * s_y - y.w * s_x;
-        let s_yy = 2.0 * yy.truncate() - 2.0 * y.w * s_y;
+        let [s_xx, s_xy, s_yy] = second_derivatives([x, y], [xx, xy, yy]);
         let s_xxx = 6.0 * xxx.truncate() - 3.0 * x.w * s_xx - 6.0 * xx.w * s_x;
         let s_yyy = 6.0 * yyy.truncate() - 3.0 * y.w * s_yy - 6.0 * yy.w * s_y;
         let s_xxy = 2.0 * (xxy.truncate() - x.w * s_xy - xx.w * s_y - xy.w * s_x) - y.w * s_xx;
@@ -174,6 +172,18 @@ impl Quotient {
             }
         }
     }
+}
+
+/// The second derivatives of a quotient in the middle, where its numerators are zero and its weight is 1: by `xx`, `xy`
+/// and `yy`, from the coefficients of these and of `x` and `y`.
+#[inline(always)]
+pub(super) fn second_derivatives([x, y]: [DVec4; 2], [xx, xy, yy]: [DVec4; 3]) -> [DVec3; 3] {
+    let (s_x, s_y) = (x.truncate(), y.truncate());
+    [
+        2.0 * xx.truncate() - 2.0 * x.w * s_x,
+        xy.truncate() - x.w * s_y - y.w * s_x,
+        2.0 * yy.truncate() - 2.0 * y.w * s_y,
+    ]
 }
 
 /// Coefficients of numerators and weights in f32, but for the first.

@@ -150,12 +150,16 @@ impl FitError {
             }
         }
 
-        let reach = reach.max(known[0]);
+        // Not `max`: it would take the bound for what is no number, as of a box without a size.
+        let reach = if known[0] > reach { known[0] } else { reach };
         let mut both = *points;
         for (sum, weight) in both.as_flattened_mut().iter_mut().zip(weights.as_flattened()) {
             *sum += reach * weight;
         }
         let of_f = Self::of_polynomial(&both, noise);
+        if of_f.value == f64::INFINITY {
+            return Self::UNKNOWN;
+        }
         // To each of these what coefficients are off by happens as often as to those of `F`, times a few.
         let bend = of_f.bend.max(0.5 * known[2] + 4.0 * noise);
         Self { bend, third: known[3] / 6.0 + 120.0 * noise, ..of_f }
@@ -392,7 +396,9 @@ mod tests {
 
     #[test]
     fn bounds_hold_for_other_degrees() {
-        for degree in [[2, 5], [5, 2], [1, 4], [3, 8], [12, 3]] {
+        for degree in
+            [[1, 1], [1, 2], [2, 2], [3, 1], [3, 3], [2, 5], [5, 2], [1, 4], [3, 8], [12, 3]]
+        {
             check(one_piece(degree, |k, x, y| {
                 let k = k as f64;
                 let weight = 1.0 + 0.3 * k.sin();
@@ -493,5 +499,16 @@ mod tests {
         errors.sort_by(f32::total_cmp);
         let median = errors[errors.len() / 2];
         assert!((1e-9..1e-7).contains(&median), "{median}");
+    }
+
+    /// Nothing is known for rays of which it is not known how near they pass.
+    #[test]
+    fn nothing_is_known_without_a_reach() {
+        let sizes = [[[0.1; 4]; 4]; 2];
+        let error = |reach: f64| FitError::of_quotient(&sizes, ([0.1; 4], 0.5), reach, 1e-15);
+        assert!(error(1.0).value < 1e-5);
+        for reach in [f64::NAN, f64::INFINITY] {
+            assert_eq!(error(reach).value, f64::INFINITY);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit};
+use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit, second_derivatives};
 use super::fit_error::REACHES;
 use super::oriented_box::Axes;
 use super::part::Halving;
@@ -159,15 +159,12 @@ impl Leaf {
 
     /// The approximation's second derivatives in the middle, by box coordinates: `xx`, `xy`, `yy`.
     #[inline(always)]
-    pub fn second_derivatives(&self, weights: Option<&WeightFit>) -> [DVec3; 3] {
-        let term = |m: usize| term(&self.fit, m);
-        let [xx, xy, yy] = [2.0 * term(8), term(5), 2.0 * term(2)];
-        let Some(weights) = weights else { return [xx, xy, yy] };
-        // Of `X / W` where `X` is zero and `W` is 1.
-        let [by_x, by_y] = [4, 1].map(|m| f64::from(weights[m]));
-        let (along_x, along_y) = (term(4), term(1));
-        let mixed = xy - by_x * along_y - by_y * along_x;
-        [xx - 2.0 * by_x * along_x, mixed, yy - 2.0 * by_y * along_y]
+    pub fn second_derivatives(&self, weight: Option<&WeightFit>) -> [DVec3; 3] {
+        let Some(weight) = weight else {
+            return [2.0 * term(&self.fit, 8), term(&self.fit, 5), 2.0 * term(&self.fit, 2)];
+        };
+        let term = |m: usize| term(&self.fit, m).extend(f64::from(weight[m]));
+        second_derivatives([term(4), term(1)], [term(8), term(5), term(2)])
     }
 
     /// How far `F`, the distances times the weight, may be off: see [`FitError`].

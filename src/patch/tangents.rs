@@ -208,8 +208,8 @@ impl Field {
     }
 }
 
-/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of; or, of rational nets without a pole,
-/// these times `W`, which are `X_s` and `X_t` of other polynomials.
+/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of; or both times `W` and multiplied
+/// out, where there are no factors though weights differ.
 struct Tangents<'a> {
     /// `X_s`, and `X_t`.
     along: [&'a Field; 2],

@@ -110,17 +110,13 @@ impl PairLanes {
         pairs: &[Pair],
     ) -> Outcomes {
         let Some(first) = pairs.first() else { return Outcomes::default() };
-        let fitted = |leaf: u32| {
-            let piece = scene.leaves[leaf as usize].piece;
-            scene.fitted(leaf, &scene.set.pieces()[piece as usize].patch)
-        };
-        let mut leaves = [fitted(first.leaf); LANES];
         let mut rays = [shots[first.ray as usize].ray(); LANES];
-        let mut pieces = [&scene.set.pieces()[leaves[0].leaf.piece as usize]; LANES];
+        let mut pieces = [scene.piece_of(first.leaf as usize); LANES];
+        let mut leaves = [scene.fitted(first.leaf, &pieces[0].patch); LANES];
         // Lanes left over repeat the first.
         for (lane, pair) in pairs.iter().enumerate() {
-            leaves[lane] = fitted(pair.leaf);
-            pieces[lane] = &scene.set.pieces()[leaves[lane].leaf.piece as usize];
+            pieces[lane] = scene.piece_of(pair.leaf as usize);
+            leaves[lane] = scene.fitted(pair.leaf, &pieces[lane].patch);
             rays[lane] = shots[pair.ray as usize].ray();
         }
         for lane in 0..LANES {
@@ -296,16 +292,19 @@ impl PairLanes {
                 rows[lane] = nz.mul_add(f32x16::from_slice(simd, z), sum);
             }
             let middle = simd.narrow_f64x8(middle[k][0], middle[k][1]);
-            let mut of_lane = [0.0; LANES];
-            middle.store_slice(&mut of_lane);
-            for lane in 0..LANES {
-                if let Some(weight) = leaves[lane].weight {
-                    let weight = f32x16::from_slice(simd, weight);
-                    rows[lane] = weight.mul_add(f32x16::splat(simd, of_lane[lane]), rows[lane]);
+            // They are of one form: all have weights, or none.
+            let weighted = leaves[0].weight.is_some();
+            if weighted {
+                let mut of_lane = [0.0; LANES];
+                middle.store_slice(&mut of_lane);
+                for lane in 0..LANES {
+                    let Some(weight) = leaves[lane].weight else { continue };
+                    let middle = f32x16::splat(simd, of_lane[lane]);
+                    rows[lane] = f32x16::from_slice(simd, weight).mul_add(middle, rows[lane]);
                 }
             }
             let mut columns = transposed(rows);
-            if leaves[0].weight.is_none() {
+            if !weighted {
                 columns[0] += middle;
             }
             for m in 0..16 {

@@ -16,7 +16,7 @@ pub(in crate::intersect) struct Scene<'a> {
     pub(in crate::intersect) reach_of_f32: f64,
 }
 
-/// A leaf, and its weight if that is not 1.
+/// A leaf, and its weight if its piece is one of those whose leaves have them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted<'a> {
     pub(super) leaf: &'a Leaf,
@@ -78,7 +78,7 @@ impl Scene<'_> {
     }
 
     #[inline(always)]
-    fn piece_of(&self, leaf: usize) -> &Piece {
+    pub(super) fn piece_of(&self, leaf: usize) -> &Piece {
         &self.set.pieces()[self.leaves[leaf].piece as usize]
     }
 }
