@@ -15,7 +15,7 @@ const COARSEST: f64 = 0.5;
 
 /// Rational leaves that are longer than so many times their width, up to [`LONGEST`], and bent along
 /// it, must be as much flatter than [`COARSEST`]: what is known of them relative to their length must
-/// be good for their width. Measured on the wires of a control net: rays are traced 1.1 to 1.25 times as fast.
+/// be good for their width. Measured on the wires of a sphere's net: rays are traced 1.1 to 1.3 times as fast.
 const LONG: f64 = 8.0;
 const LONGEST: f64 = 32.0;
 
