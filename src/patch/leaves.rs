@@ -7,8 +7,10 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
+use super::tensor::euclidean;
 use super::tiles::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Piece};
+use crate::math::Aabb;
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
 /// take that are off by 1e-5 of the teapot.
@@ -18,12 +20,24 @@ const WORTHWHILE_BYTES: usize = 25 << 15;
 /// cache.
 const MOST_BYTES: usize = 5 << 18;
 
+/// Halving what bends by a good deal and is large in the scene is worth more memory, up to this.
+const SCENE_BYTES: usize = 5 << 20;
+
+/// From here on it is: [`Way::worth`] where lengths are parts of the scene's diagonal, so that half an angle of 0.4 is
+/// enough of a part a hundredth as large, and 0.1 of one as large as a sixth.
+///
+/// Measured on models of 500 to 2700 pieces: a teapot with its parts blended is traced 1.3 to 1.6 times as fast
+/// (shadow rays 2.5 times) with 8400 leaves instead of 6300, a lamp 1.2 to 1.3 times with 5900 instead of 3700, others
+/// 1.0 to 1.2 times. Half of it is worth nothing more to packets, and takes about twice the memory.
+const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
+
 /// What a leaf takes, but for its weight, with its share of the tree: its box in a block that is half full.
 const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 2;
 
 /// The same as numbers of leaves.
 const WORTHWHILE: usize = WORTHWHILE_BYTES / BYTES_A_LEAF;
 const MOST: usize = MOST_BYTES / BYTES_A_LEAF;
+const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 
 /// The parts of all pieces that are to be leaves, of more than [`MOST`] pieces the coarsest, tile by
 /// tile; and none where trims have cut all of it off.
@@ -46,23 +60,30 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
         })
         .collect();
     let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
-    let mut done: Vec<Flat> = Vec::new();
     let worthwhile = (open.len() + open.len() / 2).clamp(WORTHWHILE, MOST);
-    while open.len() + done.len() < worthwhile {
+    let worth_in_scene = WORTHWHILE_IN_SCENE * diagonal(&open).sqrt();
+    while let Some(way) = open.peek().and_then(|flat| flat.way) {
+        let is_due = open.len() < MOST_OF_SCENE && way.worth > worth_in_scene;
+        if !is_due && open.len() >= worthwhile {
+            break;
+        }
         let Some(flat) = open.pop() else { break };
-        let Some(way) = flat.way else {
-            done.push(flat);
-            continue;
-        };
         let piece = &pieces[flat.piece as usize];
         flat.halving.halved(piece, way, &mut |halving| {
             open.push(Flat::new(flat.piece, piece, halving));
         });
     }
-    done.extend(open);
-    done.par_sort_unstable_by_key(Flat::place);
+    let mut leaves = open.into_vec();
+    leaves.par_sort_unstable_by_key(Flat::place);
     let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
-    GroupedParts::single(done.par_iter().map(part).collect())
+    GroupedParts::single(leaves.par_iter().map(part).collect())
+}
+
+/// Of the box around all parts.
+fn diagonal(parts: &BinaryHeap<Flat>) -> f64 {
+    let nets =
+        parts.iter().map(|flat| Aabb::around(flat.halving.net().iter().map(|&c| euclidean(c))));
+    nets.fold(Aabb::EMPTY, Aabb::union).size().length()
 }
 
 /// A part that is to be a leaf, as long as there is no room for its halves.
