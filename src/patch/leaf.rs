@@ -54,7 +54,8 @@ pub struct Leaf {
     /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
-    trimmed: bool,
+    /// [`TRIMMED`] and [`FLAT`].
+    marks: u8,
 }
 
 impl Leaf {
@@ -87,8 +88,11 @@ impl Leaf {
             fit_bend,
             fit_third: Up8::above(error.third / f64::from(fit_bend.value())),
             stretch: Up16::above(f64::INFINITY),
-            trimmed: part.trimmed,
+            marks: 0,
         };
+        let [x, y] = leaf.half_side_lengths().map(f64::from);
+        let is_flat = error.bend <= MOST_BEND_OF_FLAT * x.min(y);
+        leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf, &weight, &halving, piece, &error));
         (leaf, weight, oriented)
     }
@@ -142,7 +146,14 @@ impl Leaf {
     /// else all of what the leaf answers for is there.
     #[inline(always)]
     pub fn is_trimmed(&self) -> bool {
-        self.trimmed
+        self.marks & TRIMMED != 0
+    }
+
+    /// Whether box coordinates where a ray crosses the middle of the leaf's box are as near to its root as f32 knows:
+    /// the leaf is a parallelogram, evenly parametrized.
+    #[inline(always)]
+    pub fn is_flat(&self) -> bool {
+        self.marks & FLAT != 0
     }
 
     /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.
@@ -251,6 +262,13 @@ fn stretch(
     let longer = |k: usize| term(&leaf.fit, k).length() / term(&near.fit, k).length();
     of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
 }
+
+/// Leaves whose [`FitError::bend`] is no larger a part of their half sides are taken for flat.
+const MOST_BEND_OF_FLAT: f64 = 1e-6;
+
+/// What leaves are marked with: see [`Leaf::is_trimmed`] and [`Leaf::is_flat`].
+const TRIMMED: u8 = 1;
+const FLAT: u8 = 2;
 
 /// Leaves that are stretched less need no second look, nor do those that are not so many times as long as wide.
 const WELL_STRETCHED: f64 = 2.0;

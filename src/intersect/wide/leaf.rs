@@ -80,36 +80,50 @@ pub(super) fn search_leaf<S: Simd, Q>(
         if certain | doubted == 0 {
             continue;
         }
-        work.distances.take(simd, target.fitted(), packet, base);
         let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+        // Of flat leaves nothing is to be searched, and no more to be seen before a closer look.
+        let is_flat = target.leaf.is_flat() && !packet.any;
+        let known = !is_flat || doubted != 0;
+        if known {
+            work.distances.take(simd, target.fitted(), packet, base);
+        }
         let mut done = Done::default();
         if certain != 0 {
             let start = [crossing.x, crossing.y];
             let widened = f32x16::splat(simd, WIDENED as f32);
-            let searched = work.distances.newton(simd, start, [[-widened, widened]; 2]);
-            let rays = (&*packet, base);
-            let asked = (certain, error);
-            let search = (&work.distances, &crossing, &searched);
-            let Screened { missed, met } = screen(simd, target, rays, search, asked);
-            certain &= !(missed | met);
-            if met != 0 {
-                packet.meet(simd, base, met);
-                found = true;
+            let searched =
+                (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
+            if let Some(searched) = &searched {
+                let rays = (&*packet, base);
+                let asked = (certain, error);
+                let search = (&work.distances, &crossing, searched);
+                let Screened { missed, met } = screen(simd, target, rays, search, asked);
+                certain &= !(missed | met);
+                if met != 0 {
+                    packet.meet(simd, base, met);
+                    found = true;
+                }
             }
             if certain != 0 {
                 ahead.ask(Moment::Finish);
+                let near = match &searched {
+                    Some(searched) => work.distances.refine(simd, searched),
+                    None => start.map(|x| x.max(-widened).min(widened)),
+                };
                 let closer = closer.get_or_insert_with(|| target.closer());
                 let lanes = (certain, Ground::Certificate);
                 let net = work.nets.net_of(simd, (target.leaf.piece, patch));
                 let surface = OneNet { patch, net };
                 let about = (&*target, &*closer, &surface);
-                let near = &work.distances.refine(simd, &searched);
-                done = finish_all(simd, about, (&mut *packet, base), lanes, near);
+                done = finish_all(simd, about, (&mut *packet, base), lanes, &near);
                 doubted |= done.open;
             }
         }
         let mut rest = done.judged;
         if doubted != 0 {
+            if !known {
+                work.distances.take(simd, target.fitted(), packet, base);
+            }
             let lanes = (doubted, crossing.entry, error);
             rest |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
         }

@@ -173,9 +173,9 @@ fn search_net<S: Simd>(
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let distances = Distances::new(simd, fitted, ray);
+    let distances = || Distances::new(simd, fitted, ray);
     if let Some(Guess { start, clearance }) = guess {
-        let near = distances.newton(simd, start);
+        let near = if fitted.leaf.is_flat() { start } else { distances().newton(simd, start) };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
@@ -190,6 +190,7 @@ fn search_net<S: Simd>(
         }
     }
     // Too flat an angle, or the one root is outside: the ray's own proof.
+    let distances = distances();
     let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
         work.rest.push(index);
         return;
