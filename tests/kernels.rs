@@ -579,6 +579,44 @@ fn in_any_company(name: &str, bvh: &SurfaceBvh, queries: &[Query], random: &mut 
     }
 }
 
+/// Sides that are nearly parallel say little of where across them a step leads: its rounding must not be left in a hit.
+#[test]
+fn parallelograms_of_nearly_parallel_sides_are_met_on_the_rays() {
+    let mut random = Random(11);
+    for slant in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let a = random.direction();
+        let b = 0.98 * a + slant * random.direction();
+        let knots = KnotVector::bezier(1).unwrap();
+        let net = vec![-a - b, -a + b, a - b, a + b];
+        let surface = NurbsSurface::new(knots.clone(), knots, net, None).unwrap();
+        let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+        let queries: Vec<Query> = std::iter::repeat_with(|| {
+            let target = (2.0 * random.next() - 1.0) * a + (2.0 * random.next() - 1.0) * b;
+            let direction = random.direction();
+            Query::primary(Ray::new(target - 2.0 * direction, direction).unwrap())
+        })
+        .take(4000)
+        .collect();
+        for kernel in wide_kernels() {
+            let coherent = trace(&bvh, kernel, Coherence::Coherent, &queries);
+            let incoherent = trace(&bvh, kernel, Coherence::Incoherent, &queries);
+            let alone = one_by_one(&bvh, kernel, &queries);
+            for answers in [coherent, incoherent, alone] {
+                let mut hits = 0;
+                for (answer, query) in answers.iter().zip(&queries) {
+                    let Some(hit) = answer.hit else { continue };
+                    let (origin, direction) = (query.ray().origin(), query.ray().direction());
+                    let off = (hit.point - origin).cross(direction).length();
+                    let error = rounding::residual_factor(1, 1) * 4.0;
+                    assert!(answer.doubtful || off <= error, "{kernel:?}, {slant}: {off:e}");
+                    hits += 1;
+                }
+                assert!(hits > 3500, "{kernel:?}, {slant}: {hits} hits");
+            }
+        }
+    }
+}
+
 #[test]
 fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
     let surfaces: [Surface; 1] = [shapes::sphere(1.0).unwrap().into()];

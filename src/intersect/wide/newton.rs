@@ -8,12 +8,23 @@ use super::jets::Jets;
 use super::search::dot_d;
 use super::single_finish::COARSEST;
 use super::single_ray::WITH_SLACK;
+use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// Steps in f64: one is usual.
 const MOST_STEPS: usize = 4;
 
 /// How much of the promised error a last step may leave behind.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
+
+/// What rounding of a step leaves of the distances `f`, as a part of `|f| |a| |b| / |det|`, with the tangents' distances
+/// `a` and `b`: numerators are off by four units of that, the determinant by two, products with the tangents by two.
+const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
+
+/// The square of `|f| |a| |b| / |det|`, over the error: from here on rounding leaves as much of it.
+pub(super) const MOST_ROUNDED: f64 = {
+    let most = PART_OF_ERROR / ROUNDING_OF_STEP;
+    most * most
+};
 
 /// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound. With
 /// 1e-10 normals were seen to be off by 1.2e-11.
@@ -231,7 +242,7 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 /// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
 /// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
 /// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, and what second derivatives leave of the surface, at most
-/// `T d³`; of both tangents together that are taken along it is `2 M |e| + 3 T d²`, where
+/// `T d³`, and no more than that by rounding ([`MOST_ROUNDED`]); of both tangents together that are taken along it is `2 M |e| + 3 T d²`, where
 /// [`FitError`](crate::patch::FitError) has `M` and `T`. What is left of one tangent turns the normal by its part
 /// along the normal, times the length of the other tangent, over their cross product.
 #[inline(always)]
@@ -250,6 +261,13 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let inverse_det = one / (a1 * b2 - a2 * b1);
     let slopes = [[a1, a2], [b1, b2]];
+    // Converged where the residual is within the error; or will be after this step, as far as it is not rounded.
+    let error = rays.error();
+    let (residual, squared) = (f1.mul_add(f1, f2 * f2), error * error);
+    let close = residual.simd_le(squared);
+    let (along_s, along_t) = (a1.mul_add(a1, a2 * a2), b1.mul_add(b1, b2 * b2));
+    let rounded = residual * (along_s * inverse_det) * (along_t * inverse_det);
+    let well = rounded.simd_le(squared * f64x8::splat(simd, MOST_ROUNDED));
     let [step_s, step_t] = solved(slopes, inverse_det, [f1, f2]);
     // By how much the tangents turn on the way, and what that moves the point by.
     let (mut tangents, mut moved) = ([ds, dt], [zero; 3]);
@@ -267,10 +285,6 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (new_s, new_t) = (s - all_s, t - all_t);
     let cross = cross(tangents[0], tangents[1]);
 
-    // Converged where the residual is within the error; or will be after this step.
-    let error = rays.error();
-    let residual = f1.mul_add(f1, f2 * f2);
-    let close = residual.simd_le(error * error);
     let ([half_s, half_t], per_half) = (leaves.half(simd), leaves.per_half(simd));
     let more = half_sides([more_s, more_t], per_half);
     let longest = half_sides([step_s, step_t], per_half) + more;
@@ -279,7 +293,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let turned_back = (bend + bend) * more;
     let least = error * f64x8::splat(simd, PART_OF_ERROR);
     let short = longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
-    let straight = short & (longest * (turned_back + third)).simd_le(least);
+    let straight = short & well & (longest * (turned_back + third)).simd_le(least);
     let off = third.mul_add(three, turned_back);
     let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
     let [turned_s, turned_t] = tangents;

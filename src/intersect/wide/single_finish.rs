@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 use super::form::Form;
 use super::jets::OneNet;
-use super::newton::PART_OF_ERROR;
+use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
 use super::scene::Fitted;
 use super::single_jet::{Bernstein, Powers, Sums};
@@ -159,12 +159,16 @@ fn finish_of<S: Simd, F: Sums<S>>(
         let (new_x, new_y) = (x - step_x, y - step_y);
 
         // Converged where the residual is within the error, or will be after this step: the
-        // bend bounds what the tangent plane leaves of it. (The step is that of `W (S − o)`, whose weight
-        // leaves about as much again: a small part of the error, too.)
+        // bend bounds what the tangent plane leaves of it, and there is rounding of the step. (That is one of
+        // `W (S − o)`, whose weight leaves about as much again: a small part of the error, too.)
         let longest = step_x.abs().max(step_y.abs());
         let weight = sums[0][3];
-        let close = at[0] * at[0] + at[1] * at[1] <= error * error * weight * weight;
-        let straight = bend * longest * longest <= PART_OF_ERROR * error;
+        let squared = |of: [f64; 3]| of[0] * of[0] + of[1] * of[1];
+        let (residual, most) = (squared(at), error * error * weight * weight);
+        let close = residual <= most;
+        let rounded = squared(a) * inverse * (squared(b) * inverse) * residual;
+        let straight =
+            bend * longest * longest <= PART_OF_ERROR * error && rounded <= MOST_ROUNDED * most;
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
         if inside && (close || straight) {
             if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
