@@ -16,11 +16,13 @@ const MOST_STEPS: usize = 4;
 /// How much of the promised error a last step may leave behind.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
-/// What rounding of a step leaves of the distances `f`, as a part of `|f| |a| |b| / |det|`, with the tangents' distances
-/// `a` and `b`: numerators are off by four units of that, the determinant by two, products with the tangents by two.
+/// What rounding of a step leaves of the distances `f`, as a part of `|f| |a| |b| / |det|`, with the tangents' components
+/// `a` and `b` across the ray: numerators are off by four units of that, the determinant by two, products with the
+/// tangents by two. It matters where tangents are nearly parallel.
 const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// The square of `|f| |a| |b| / |det|`, over the error: from here on rounding leaves as much of it.
+/// The largest square of `|f| |a| |b| / |det|`, over that of the error, of which rounding leaves no more than
+/// [`PART_OF_ERROR`].
 pub(super) const MOST_ROUNDED: f64 = {
     let most = PART_OF_ERROR / ROUNDING_OF_STEP;
     most * most
@@ -241,10 +243,10 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 ///
 /// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
 /// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
-/// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, and what second derivatives leave of the surface, at most
-/// `T d³`, and no more than that by rounding ([`MOST_ROUNDED`]); of both tangents together that are taken along it is `2 M |e| + 3 T d²`, where
-/// [`FitError`](crate::patch::FitError) has `M` and `T`. What is left of one tangent turns the normal by its part
-/// along the normal, times the length of the other tangent, over their cross product.
+/// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, what second derivatives leave of the surface, at most `T d³`, and
+/// what rounding does to the step ([`ROUNDING_OF_STEP`]); of both tangents together that are taken along it is
+/// `2 M |e| + 3 T d²`, where [`FitError`](crate::patch::FitError) has `M` and `T`. What is left of one tangent turns the
+/// normal by its part along the normal, times the length of the other tangent, over their cross product.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
