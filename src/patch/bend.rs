@@ -36,7 +36,8 @@ const MOST_TIMES: f64 = 4.0;
 const LEAST_SEEN: f64 = 1e4;
 
 /// Parts of degree above three whose rows are so far off cubic ones, in sides, are as if they were bent by [`COARSEST`]:
-/// approximations of their leaves are bicubic. Halving leaves a sixteenth of it, so the fourth root counts.
+/// approximations of their leaves are bicubic. Halving leaves a sixteenth of it, an eighth of it in sides; the fourth
+/// root of that counts, about as for what bends.
 ///
 /// Measured: sheets of degrees 4 and 5 with random weights are traced 1.2 to 2 times as fast, with up to twice as many
 /// leaves; an octant sphere of degree 4 × 4 1.0 to 1.1 times, with as many. A third of it gained little more.
@@ -50,7 +51,7 @@ const OFF_CUBIC: f64 = 3e-4;
 /// be if it were pulled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bend {
-    /// In `s` and in `t`: what a halving is worth, as half an angle by which rows turn.
+    /// In `s` and in `t`: what a halving is worth, as half an angle by which rows turn, or as if they did.
     angles: [f64; 2],
     /// The same, as far as no coarser leaf will do: at most [`COARSEST`].
     strained: [f64; 2],
@@ -93,7 +94,8 @@ impl Bend {
     /// Twist counts where it leaves the part's plane.
     pub(super) fn of(piece: &Piece, rect: DyadicRect, net: &[DVec4]) -> Option<Self> {
         let [p, q] = piece.patch.degree();
-        let least_seen = LEAST_SEEN * piece.patch.noise();
+        let noise = piece.patch.noise();
+        let least_seen = LEAST_SEEN * noise;
         let points = euclidean_net(net);
         if Aabb::around(points.iter().copied()).size().max_element() < least_seen {
             return None;
@@ -129,7 +131,9 @@ impl Bend {
             // Two collapsed sides at the two ends of a direction need a leaf each.
             let least = if poles == 2 { f64::INFINITY } else { twist };
             let worth = if poles > 0 && rect.halvings(k) < POLE_HALVINGS { AT_POLES } else { 0.0 };
-            let off_cubic = off_cubics.map_or(0.0, |off| off[k] / (OFF_CUBIC * sides[k]));
+            // But for what rounding of points comes to: it becomes no less.
+            let seen = |off: [f64; 2]| (off[k] - 2.0 * noise).max(0.0);
+            let off_cubic = off_cubics.map_or(0.0, |off| seen(off) / (OFF_CUBIC * sides[k]));
             let off_cubic = COARSEST * off_cubic.sqrt().sqrt();
             bend.angles[k] = by_part.min(MOST_TIMES * by_side).max(least).max(worth).max(off_cubic);
             bend.strained[k] = by_part.min(by_side * strain[k]).max(least);

@@ -149,8 +149,8 @@ impl Leaf {
         self.marks & TRIMMED != 0
     }
 
-    /// Whether box coordinates where a ray crosses the middle of the leaf's box are as near to its root as f32 knows:
-    /// the leaf is a parallelogram, evenly parametrized.
+    /// Whether box coordinates where a ray crosses the middle of the leaf's box are about as near to its root as f32
+    /// knows: the leaf is all but a parallelogram, evenly parametrized.
     #[inline(always)]
     pub fn is_flat(&self) -> bool {
         self.marks & FLAT != 0

@@ -13,12 +13,13 @@ use crate::math::rounding::UNIT_ROUNDOFF;
 /// Steps in f64: one is usual.
 const MOST_STEPS: usize = 4;
 
-/// How much of the promised error a last step may leave behind.
+/// How much of the promised error a last step may leave behind by curvature, and as much again by rounding.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
 /// What rounding of a step leaves of the distances `f`, as a part of `|f| |a| |b| / |det|`, with the tangents' components
 /// `a` and `b` across the ray: numerators are off by four units of that, the determinant by two, products with the
-/// tangents by two. It matters where tangents are nearly parallel.
+/// tangents by two. (Components are off by some units of the tangents' lengths themselves, which is more only for rays
+/// all but along a tangent.) It matters where tangents are nearly parallel.
 const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
 
 /// The largest square of `|f| |a| |b| / |det|`, over that of the error, of which rounding leaves no more than
