@@ -2,10 +2,10 @@
 
 use glam::{DVec3, DVec4};
 
-use super::tensor::{euclidean, euclidean_net};
+use super::fit::points_at;
+use super::tensor::euclidean_net;
 use super::{CollapsedSide, DyadicRect, Piece};
 use crate::math::Aabb;
-use crate::math::bernstein::{self, MAX_DEGREE};
 
 /// A piece is not halved more often than this in one direction: 2⁻¹⁶ of a side is small
 /// for any surface worth drawing, and a cusp would never become flat.
@@ -117,11 +117,7 @@ impl Bend {
         let strain = [lengths, lengths.recip()].map(|times| (times.min(LONGEST) / LONG).max(1.0));
         let twist = corner(1, 1) - corner(1, 0) - corner(0, 1) + corner(0, 0);
         let twist = twist.dot(measures.out).abs() / sides[0].max(sides[1]);
-        let off_cubics = match p.max(q) {
-            0..=3 => None,
-            4..=7 => Some(off_cubics::<8>([p, q], net)),
-            _ => Some(off_cubics::<{ MAX_DEGREE + 1 }>([p, q], net)),
-        };
+        let off_cubics = (p.max(q) > 3).then(|| off_cubics([p, q], net));
         let mut bend = Self { angles: [0.0; 2], strained: [0.0; 2], sides };
         for k in (0..2).filter(|&k| rect.halvings(k) < MOST_HALVINGS) {
             let Turns { by_side, by_part } = turns[k];
@@ -206,18 +202,8 @@ impl Measures {
 ///
 /// A cubic polynomial through Chebyshev points is off by the fourth derivative over 4! 2⁷, for a row of length one, and
 /// that is 4⁴ of such differences.
-fn off_cubics<const N: usize>([p, q]: [usize; 2], net: &[DVec4]) -> [f64; 2] {
-    let bases = |degree: usize| [0.0, 0.25, 0.5, 0.75, 1.0].map(|s| bernstein::basis(degree, s));
-    let in_s: [[f64; N]; 5] = bases(p);
-    let in_t = if p == q { in_s } else { bases(q) };
-    let mut points = [[DVec4::ZERO; 5]; 5];
-    for (points, in_s) in points.iter_mut().zip(&in_s) {
-        for j in 0..=q {
-            let row: DVec4 = (0..=p).map(|i| in_s[i] * net[i * (q + 1) + j]).sum();
-            points.iter_mut().zip(&in_t).for_each(|(point, in_t)| *point += in_t[j] * row);
-        }
-    }
-    let points = points.map(|row| row.map(euclidean));
+fn off_cubics(degree: [usize; 2], net: &[DVec4]) -> [f64; 2] {
+    let points = points_at([0.0, 0.25, 0.5, 0.75, 1.0], degree, net);
     let off = |[a, b, c, d, e]: [DVec3; 5]| (a + e - 4.0 * (b + d) + 6.0 * c).length() / 12.0;
     let most = |rows: [[DVec3; 5]; 5]| rows.map(off).into_iter().fold(0.0, f64::max);
     let across = [0, 1, 2, 3, 4].map(|k| points.map(|row| row[k]));

@@ -51,14 +51,10 @@ impl Approximation {
 
     /// A polynomial near the surface.
     pub(super) fn polynomial(halving: &Halving, piece: &Piece) -> Self {
-        let [p, q] = piece.patch.degree();
-        let net = halving.net();
-        // The same sums with as much room for basis functions as the degrees need.
-        let mut values = match p.max(q) {
-            0..=3 => at_nodes::<4>([p, q], net),
-            4..=7 => at_nodes::<8>([p, q], net),
-            _ => at_nodes::<{ bernstein::MAX_DEGREE + 1 }>([p, q], net),
-        };
+        // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation there is (Trefethen 2013,
+        // ch. 16).
+        let nodes = NODES.map(|node| 0.5 * (1.0 + node));
+        let mut values = points_at(nodes, piece.patch.degree(), halving.net());
         let some = values[1][1];
         for value in values.as_flattened_mut() {
             *value -= some;
@@ -218,15 +214,31 @@ const NODES: [f64; 4] = {
 /// Takes values at the nodes to power coefficients.
 const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
 
-/// The points of a net's surface at 4 × 4 Chebyshev points: the bicubic polynomial through them is
-/// near the best approximation there is (Trefethen 2013, ch. 16).
-fn at_nodes<const N: usize>([p, q]: [usize; 2], net: &[DVec4]) -> [[DVec3; 4]; 4] {
-    let bases = |degree: usize| NODES.map(|node| bernstein::basis(degree, 0.5 * (1.0 + node)));
-    let in_s: [[f64; N]; 4] = bases(p);
+/// The points of a net's surface at so many places in each direction.
+pub(super) fn points_at<const M: usize>(
+    places: [f64; M],
+    degree: [usize; 2],
+    net: &[DVec4],
+) -> [[DVec3; M]; M] {
+    // The same sums with as much room for basis functions as the degrees need.
+    match degree[0].max(degree[1]) {
+        0..=3 => sums_at::<M, 4>(places, degree, net),
+        4..=7 => sums_at::<M, 8>(places, degree, net),
+        _ => sums_at::<M, { bernstein::MAX_DEGREE + 1 }>(places, degree, net),
+    }
+}
+
+fn sums_at<const M: usize, const N: usize>(
+    places: [f64; M],
+    [p, q]: [usize; 2],
+    net: &[DVec4],
+) -> [[DVec3; M]; M] {
+    let bases = |degree: usize| places.map(|place| bernstein::basis(degree, place));
+    let in_s: [[f64; N]; M] = bases(p);
     let in_t = if p == q { in_s } else { bases(q) };
-    let mut values = [[DVec3::ZERO; 4]; 4];
+    let mut values = [[DVec3::ZERO; M]; M];
     for (values, in_s) in values.iter_mut().zip(&in_s) {
-        let mut sums = [DVec4::ZERO; 4];
+        let mut sums = [DVec4::ZERO; M];
         for j in 0..=q {
             let mut row = DVec4::ZERO;
             for i in 0..=p {
@@ -236,9 +248,7 @@ fn at_nodes<const N: usize>([p, q]: [usize; 2], net: &[DVec4]) -> [[DVec3; 4]; 4
                 *sum += in_t[j] * row;
             }
         }
-        for (value, sum) in values.iter_mut().zip(sums) {
-            *value = sum.truncate() / sum.w;
-        }
+        *values = sums.map(|sum| sum.truncate() / sum.w);
     }
     values
 }
@@ -331,7 +341,7 @@ mod tests {
                 w * DVec3::new((3.0 * x).cos(), x, 0.1 * x * x).extend(1.0)
             };
             let net: Vec<DVec4> = (0..count).map(control).collect();
-            let values = at_nodes::<8>(degree, &net);
+            let values = points_at(NODES.map(|node| 0.5 * (1.0 + node)), degree, &net);
             for (a, b) in [(0, 0), (1, 3), (2, 1)] {
                 let [s, t] = [a, b].map(|k| 0.5 * (1.0 + NODES[k]));
                 let (in_s, in_t): ([f64; 8], [f64; 8]) =

@@ -174,7 +174,7 @@ impl Halving {
     pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
-            Aabb::around(self.net.iter().map(|&c| euclidean(c)))
+            self.bounds()
         } else {
             Aabb::around(self.answered(piece).iter().map(|&c| euclidean(c)))
         };
@@ -208,6 +208,11 @@ impl Halving {
         let mut net = ControlNet::from_slice(&self.net);
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         net
+    }
+
+    /// Of the control points.
+    pub(super) fn bounds(&self) -> Aabb {
+        Aabb::around(self.net.iter().map(|&c| euclidean(c)))
     }
 
     /// Where it is on its piece.

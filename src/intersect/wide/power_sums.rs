@@ -203,8 +203,8 @@ mod tests {
         let config =
             ProptestConfig { cases: 600, max_shrink_iters: 200, ..ProptestConfig::default() };
         proptest!(config, |(surface in nets(), places in places)| {
-            // Outside the piece the weight may vanish: where it is less than all that it is made of, nothing is
-            // promised, nor is such a leaf certified.
+            // The bounds are those of points on the piece, whose weight is no less than all that it is made of;
+            // outside it may vanish.
             let least = surface.control().iter().map(|c| c.w).fold(f64::INFINITY, f64::min);
             let places = places.map(|place| {
                 let heavy = weight(&surface, place) >= least;
