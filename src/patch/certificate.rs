@@ -4,9 +4,10 @@ use std::ops::{Add, Mul};
 
 use glam::DVec3;
 
+use super::field::Net;
 use super::oriented_box::Axes;
 use super::rounded::{Near16, Up8, Up16};
-use super::tangents::{MARGIN, Net, Proof};
+use super::tangents::{MARGIN, Proof};
 use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 use crate::math::Interval;
 

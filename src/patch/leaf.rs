@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
+use super::field::Net;
 use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit, second_derivatives};
 use super::fit_error::REACHES;
 use super::oriented_box::Axes;
 use super::part::Halving;
 use super::rounded::{Up8, Up16};
-use super::tangents::Net;
 use super::{
     Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
     SceneFrame,

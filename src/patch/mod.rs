@@ -20,6 +20,7 @@
 mod bend;
 mod certificate;
 mod collapsed_side;
+mod field;
 mod fit;
 mod fit_error;
 mod frame;

@@ -1,0 +1,144 @@
+//! The Bernstein coefficients of a leaf, and those of what is derived from them: what its tangents are bounded by.
+
+use glam::{DVec3, DVec4};
+
+use super::tensor::euclidean;
+use super::{CollapsedSide, ControlNet, mapped};
+use crate::math::Interval;
+use crate::math::bernstein::binomials;
+
+/// The homogeneous control net over a leaf's widened rectangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Net<'a> {
+    pub(super) degree: [usize; 2],
+    pub(super) control: &'a [DVec4],
+    /// How far a control point may be from the true one, in scene units.
+    pub(super) noise: f64,
+    /// Whether the weights differ.
+    pub(super) rational: bool,
+    /// What rounding moves the parameters by, as parts of the net's sides.
+    pub(super) spacing: [f64; 2],
+}
+
+impl Net<'_> {
+    pub(super) fn middle(&self) -> DVec3 {
+        euclidean(self.control[self.control.len() / 2])
+    }
+
+    /// The coefficients `(w (P − c), w)`.
+    #[inline(always)]
+    pub(super) fn recentred(&self, center: DVec3) -> Field {
+        let values = mapped(self.control, |c| (c.truncate() - c.w * center).extend(c.w));
+        Field { degree: self.degree, values }
+    }
+
+    /// The net turned so that the collapsed side becomes `t = 0`.
+    pub(super) fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], ControlNet) {
+        let [p, q] = self.degree;
+        let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
+        let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
+            (0..=rows)
+                .flat_map(|i| (0..=columns).map(move |j| (i, j)))
+                .map(|(i, j)| pick(i, j))
+                .collect()
+        };
+        match side {
+            CollapsedSide::T(0) => ([p, q], self.control.into()),
+            CollapsedSide::T(_) => ([p, q], turned(p, q, &|i, j| at(i, q - j))),
+            CollapsedSide::S(0) => ([q, p], turned(q, p, &|i, j| at(j, i))),
+            CollapsedSide::S(_) => ([q, p], turned(q, p, &|i, j| at(p - j, i))),
+        }
+    }
+}
+
+/// Bernstein coefficients of three components and a weight on a rectangle.
+pub(super) struct Field {
+    pub(super) degree: [usize; 2],
+    pub(super) values: ControlNet,
+}
+
+impl Field {
+    pub(super) fn derivative_s(&self) -> Self {
+        let [p, q] = self.degree;
+        let mut values = ControlNet::from_slice(&self.values[q + 1..]);
+        for (after, here) in values.iter_mut().zip(&self.values) {
+            *after = (*after - *here) * p as f64;
+        }
+        Self { degree: [p - 1, q], values }
+    }
+
+    pub(super) fn derivative_t(&self) -> Self {
+        let [p, q] = self.degree;
+        let mut values = ControlNet::from_elem(DVec4::ZERO, (p + 1) * q);
+        for (to, row) in values.chunks_exact_mut(q).zip(self.values.chunks_exact(q + 1)) {
+            for j in 0..q {
+                to[j] = (row[j + 1] - row[j]) * q as f64;
+            }
+        }
+        Self { degree: [p, q - 1], values }
+    }
+
+    /// The quotient by `t`; the first coefficient of each row is taken for zero.
+    pub(super) fn over_t(&self) -> Self {
+        let [p, q] = self.degree;
+        let pairs = (0..=p).flat_map(|i| (0..q).map(move |j| (i, j)));
+        let factor = |j: usize| q as f64 / (j + 1) as f64;
+        let values = pairs.map(|(i, j)| self.values[i * (q + 1) + j + 1] * factor(j));
+        Self { degree: [p, q - 1], values: values.collect() }
+    }
+
+    /// `W² S_s`, or `W² S_t`, in Bernstein form: `W X_s − X W_s`, of which the highest powers cancel.
+    ///
+    /// With `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ` is `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
+    pub(super) fn quotients_slope(&self, which: usize) -> Self {
+        let mut degree = self.degree;
+        let (p, q) = (degree[which], degree[1 - which]);
+        let at = |i: usize, k: usize| {
+            self.values[if which == 0 { i * (q + 1) + k } else { k * (p + 1) + i }]
+        };
+        let (along, across) = (binomials(p), binomials(q));
+        let columns = 2 * q + 1;
+        let mut values = ControlNet::from_elem(DVec4::ZERO, (2 * p - 1) * columns);
+        for i in 0..p {
+            for j in i + 1..=p {
+                let times = (j - i) as f64 * along[i] * along[j];
+                let row = &mut values[(i + j - 1) * columns..(i + j) * columns];
+                for k in 0..=q {
+                    let here = times * across[k] * at(i, k);
+                    for l in 0..=q {
+                        let there = across[l] * at(j, l);
+                        row[k + l] += here.w * there - there.w * here;
+                    }
+                }
+            }
+        }
+        let (along, across) = (binomials(2 * p - 2), binomials(2 * q));
+        for (k, row) in values.chunks_exact_mut(columns).enumerate() {
+            for (value, across) in row.iter_mut().zip(across) {
+                *value *= 1.0 / (along[k] * across);
+            }
+        }
+        // Whichever way the coefficients are stored: what is asked of them is how far they reach.
+        (degree[which], degree[1 - which]) = (2 * p - 2, 2 * q);
+        Self { degree, values }
+    }
+
+    /// The points less the centre.
+    pub(super) fn offsets(&self) -> Self {
+        let values = mapped(&self.values, |x| (x.truncate() / x.w).extend(1.0));
+        Self { degree: self.degree, values }
+    }
+
+    pub(super) fn weights(&self) -> Interval {
+        Interval::hull(self.values.iter().map(|value| value.w))
+    }
+
+    /// The range of the component along a direction.
+    pub(super) fn component(&self, direction: DVec3) -> Interval {
+        Interval::hull(self.values.iter().map(|value| direction.dot(value.truncate())))
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.values.iter().map(|value| value.truncate().length_squared()).fold(0.0, f64::max).sqrt()
+    }
+}
