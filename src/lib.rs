@@ -94,8 +94,9 @@
 //!   within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
 //! - What trims keep of a surface is closed, too: a root that may lie on a trim edge, as far as
 //!   rounding lets one know, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
-//! - Answers depend on the ray and the surfaces only, pictures on the scene and its settings
-//!   only: not on threads, tiles or crops.
+//! - Answers depend on the ray and the surfaces only, but for last digits, which the
+//!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change; pictures on
+//!   the scene and its settings only: not on threads, tiles or crops.
 //! - The library never prints, exits or panics on what it is given: bad input is an error
 //!   that says what was found, what is needed and where.
 

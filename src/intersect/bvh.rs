@@ -11,7 +11,7 @@ use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
-use crate::patch::{Leaf, OrientedBox, PatchSet, PatchSetError, SceneFrame, WeightFit};
+use crate::patch::{Leaf, OrientedBox, PADDING, PatchSet, PatchSetError, SceneFrame, WeightFit};
 
 /// How surfaces are prepared: there is nothing to choose yet.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +48,7 @@ impl SurfaceBvh {
     /// Prepares surfaces for tracing; hits name them by their place in the slice.
     ///
     /// # Errors
-    /// When there is more than 32-bit indices can count.
+    /// When there is more than 32-bit indices can count, or than memory is likely to hold: see [`PatchSet::new`].
     pub fn build<S: Charts + Sync>(
         surfaces: &[S],
         _options: &BuildOptions,
@@ -124,9 +124,16 @@ impl SurfaceBvh {
 }
 
 /// How far a point may be from a ray, in scaled coordinates, for boxes in f32 to meet the ray all the
-/// same: a quarter of what rays are blurred by at the boxes of nodes, and what oriented boxes are grown
+/// same: a quarter of what rays are blurred by at the boxes of nodes, and of what oriented boxes are grown
 /// by.
 const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
+
+/// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by no more than it is
+/// blurred by and boxes are grown by.
+const _: () = {
+    let rounded = 4.0 * (5.0 + 8.0) * 0.5 * f32::EPSILON as f64;
+    assert!(rounded + BLUR_OF_F32 <= BLUR as f64 + PADDING);
+};
 
 /// Where origins of rays may be for the work in f32.
 ///

@@ -20,12 +20,17 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     join_stretches(meetings);
     vertices::settle(meetings, pieces, axis);
 
+    let reach = reach_along(meetings);
     let mut kept = 0;
     for k in 0..meetings.len() {
         let meeting = meetings[k];
-        let same = meetings[..kept].iter().rposition(|earlier| {
+        // They stand in order but for those whose place a certain view has taken, from within reach behind.
+        let near = |earlier: &&Meeting| meeting.t - earlier.t <= 2.0 * reach;
+        let before = meetings[..kept].iter().rev().take_while(near);
+        let same = before.enumerate().find(|(_, earlier)| {
             same_side(earlier, &meeting) && at_one_place(earlier, &meeting, pieces)
         });
+        let same = same.map(|(back, _)| kept - 1 - back);
         match same {
             // Of two views of a crossing the certain one counts; flags of place are joined. But
             // a doubtful one that is grazing may be a crossing of its own, or hold another.
@@ -106,11 +111,16 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
 /// Surfaces that are met at a smaller cosine, the root of the unit roundoff, are not told apart from touched ones.
 pub(super) const LEAST_COSINE: f64 = 1e-8;
 
+/// How far apart along the ray meetings may be that are at the same place.
+pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
+    4.0 * meetings.iter().map(|meeting| meeting.t_error).fold(0.0, f64::max)
+}
+
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     // A point beyond a border may be off the ray by the whole error; where the other surface is
     // met obliquely, that is as far along the ray as the other may be off.
-    let along = 2.0 * (a.t_error + b.t_error);
+    let along = 2.0 * (a.t_error + b.t_error); // no more than `reach_along`
     let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
     if !near {

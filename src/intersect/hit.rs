@@ -29,10 +29,20 @@ pub struct Hit {
 pub struct Root {
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
+    /// What part of `error` there is across the surface: the cosine of the angle between ray and normal.
+    pub(crate) cosine: f32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,
-    /// How far the true root may be from the surface's point there, in scene units.
+    /// How far the true root may be from the surface's point there, along the ray, in scene units.
     pub(crate) error: f64,
+}
+
+impl Root {
+    /// A cosine as it is kept: rounded up, without a branch, as none could be foreseen.
+    #[inline(always)]
+    pub(super) fn kept_cosine(cosine: f64) -> f32 {
+        ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32
+    }
 }
 
 /// Facts about a hit, one bit each; the numbers are the `flags` column of `cast`.
@@ -106,9 +116,14 @@ impl Query {
     ///
     /// The ray is to start at [`Hit::point`], or as near as `o + t d` comes to it. One that starts
     /// elsewhere, as where its origin was moved along the normal to be on the safe side, does not
-    /// leave the hit: it is asked about like any other ray.
+    /// leave the hit: it is asked about like any other ray. The hit is to be as it was answered, and of
+    /// the surfaces that are asked about: no more of it is looked at than where it is.
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
-        let starts_there = ray.origin().distance(hit.point) <= 2.0 * hit.root.error;
+        let Root { error, cosine, .. } = hit.root;
+        let moved = ray.origin() - hit.point;
+        // False where there is no normal.
+        let is_off_surface = moved.dot(hit.normal).abs() > 2.0 * error * f64::from(cosine);
+        let starts_there = moved.length() <= 2.0 * error && !is_off_surface;
         Self { ray, from: starts_there.then_some(hit.root) }
     }
 

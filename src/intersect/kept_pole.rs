@@ -42,11 +42,9 @@ impl<'a> Spot<'a> {
         let at = within(own[fixed], self.st[fixed]);
         let free = within(own[1 - fixed], self.st[1 - fixed]);
         let stretches = trims.kept_along(direction, at);
-        let nearest = |[from, to]: [f64; 2]| {
-            // A little inside of the edge, if there is room: kept without doubt.
-            let more = (0.5 * (to - from)).min(INSIDE * (own[1 - fixed][1] - own[1 - fixed][0]));
-            free.clamp(from + more, to - more)
-        };
+        // A little inside of the edge, if there is room: kept without doubt.
+        let little = INSIDE * (own[1 - fixed][1] - own[1 - fixed][0]);
+        let nearest = |stretch: [f64; 2]| nearest_inside(stretch, little, free);
         let near = |a: &f64, b: &f64| (a - free).abs().total_cmp(&(b - free).abs());
         let to = stretches.into_iter().map(nearest).min_by(near)?;
 
@@ -78,4 +76,31 @@ const INSIDE: f64 = 1e-9;
 
 fn within([from, to]: [f64; 2], share: f64) -> f64 {
     if share == 1.0 { to } else { from + share * (to - from) }
+}
+
+/// The place of a stretch nearest to another, a little inside of its ends, or in the middle of a shorter one.
+fn nearest_inside([from, to]: [f64; 2], little: f64, place: f64) -> f64 {
+    let [first, last] = [from + little, to - little];
+    if first < last { place.clamp(first, last) } else { 0.5 * (from + to) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_inside_of_stretches_of_any_length() {
+        assert_eq!(nearest_inside([0.0, 1.0], 0.1, 0.5), 0.5);
+        assert_eq!(nearest_inside([0.0, 1.0], 0.1, 2.0), 0.9);
+        assert_eq!(nearest_inside([0.0, 1.0], 0.1, 0.05), 0.1);
+        assert_eq!(nearest_inside([0.0, 0.2], 0.1, 7.0), 0.1);
+        // Shorter than what is to be left at both ends, by rounding alone and by far.
+        for stretch in [[-6.9e-10, 1.9e-10], [0.3, 0.3], [0.3, 0.3f64.next_up()]] {
+            let half = 0.5 * (stretch[1] - stretch[0]);
+            for little in [half, half.next_up(), 1e-9] {
+                let place = nearest_inside(stretch, little, 0.25);
+                assert!(stretch[0] <= place && place <= stretch[1], "{place}");
+            }
+        }
+    }
 }

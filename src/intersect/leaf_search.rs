@@ -74,7 +74,7 @@ pub(super) fn search_exactly(
 ) {
     let Place { leaf, piece, .. } = *place;
     let error = error_bound(piece, question.ray);
-    if findings.effort >= MOST_BOXES {
+    if findings.effort >= MOST_EFFORT {
         if let Some(z) = from {
             findings.doubt_at(z * question.ray.t_from_z);
         }
@@ -97,7 +97,7 @@ pub(super) fn search_exactly(
     findings.solver.solve(&task, &mut solutions);
     findings.statistics.exact_calls += 1;
     let boxes = findings.solver.boxes - before;
-    findings.effort += boxes;
+    findings.effort += boxes * cost_of_box(piece.patch.degree());
     findings.statistics.exact_boxes += boxes;
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
     if from.is_none() {
@@ -134,13 +134,21 @@ pub(super) fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> 
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
 }
 
-/// How many boxes the exact solver looks at for one ray before it leaves further leaves undecided,
-/// which makes the answer doubtful: some tenth of a second's work. A ray through any surface that
+/// How many boxes the exact solver looks at for one ray, on bicubic surfaces, before it leaves further leaves
+/// undecided, which makes the answer doubtful: some tenth of a second's work. A ray through any surface that
 /// is one takes some hundred; one that runs through many leaves inside a plane, some hundred for
 /// each, and thousands for each of those around a pole that it passes closely: all its hits on a
 /// disk have cost more than 2¹⁵. A surface that is folded flat onto itself, or is but a curve, may
 /// take thousands for each of thousands.
-const MOST_BOXES: u64 = 1 << 17;
+const MOST_EFFORT: u64 = 1 << 17;
+
+/// What one box costs, in those of bicubic surfaces: by how often two control points are mixed to cut the net down
+/// to it. Of degrees around 30 as many boxes would take ten seconds and more; but no box counts more than 16: twice as
+/// many as the most difficult leaf may take are looked at for any ray.
+fn cost_of_box([p, q]: [usize; 2]) -> u64 {
+    let mixes = |[p, q]: [usize; 2]| ((p + 1) * (q + 1) * (p + q)) as u64;
+    (mixes([p, q]) / mixes([3, 3])).clamp(1, 16)
+}
 
 /// The rectangle in which roots are searched for, and whether it holds all that count: the leaf and its slack,
 /// and where the leaf ends at a side of its piece as much more as holds what points may be off by.

@@ -26,8 +26,8 @@
 //! It is certain by what is proved once of each leaf (the [certificate](crate::patch::Certificate):
 //! which rays meet it once at most) and of each ray (the `exact` solver's test of existence and
 //! uniqueness; `borders` says what is owed where surfaces end). The fast kernels add three proofs of their
-//! own: what a leaf's approximation says of one ray (`wide::single_proof`) or of its one root
-//! (`wide::screen`), and when a ray that leaves a leaf cannot come back to it (`wide::departure`).
+//! own, of which `wide` tells: what a leaf's approximation says of one ray (`single_proof`) or of its one
+//! root (`screen`), and when a ray that leaves a leaf cannot come back to it (`departure`).
 //!
 //! It is made fast in `wide`. The other kernels take coherent batches ([`Coherence`]) in packets and
 //! search sixteen rays at a time in f32. For first hits of other batches they search sixteen pairs of

@@ -40,7 +40,7 @@ impl Tracer<'_> {
             let first = answers.len();
             self.answer_packet(packet, answers);
             for k in left_out(self.packets.packet.far_off()) {
-                self.findings.statistics.count_again();
+                self.findings.statistics.uncount();
                 answers[first + k] = self.scalar_first(&packet[k].query());
             }
             rest = others;
@@ -79,7 +79,7 @@ impl Tracer<'_> {
                 });
             }
             for k in left_out(self.packets.packet.far_off()) {
-                self.findings.statistics.count_again();
+                self.findings.statistics.uncount();
                 answers[first + k] = self.scalar_any(&packet[k]);
             }
         }

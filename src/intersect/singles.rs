@@ -124,7 +124,7 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let Some(hit) = tracer.single.hit() else { return Answer::default() };
-    Certain::new(&tracer.bvh.scene(), shot.ray(), hit).answer(frame.t_from_z)
+    Certain::new(&tracer.bvh.scene(), shot.ray(), hit).answer(shot.ray(), frame.t_from_z)
 }
 
 #[simd]
@@ -211,7 +211,7 @@ impl<'a> Certain<'a> {
 
     /// As an answer.
     #[inline(always)]
-    pub(super) fn answer(&self, t_from_z: f64) -> Answer {
+    pub(super) fn answer(&self, ray: &Ray, t_from_z: f64) -> Answer {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
         let t = z * t_from_z;
         // A hit so far that `t` has no number for it lies beyond every range.
@@ -219,7 +219,8 @@ impl<'a> Certain<'a> {
         if !within {
             return Answer::default();
         }
-        let root = Root { piece: self.index, st, error: z_error };
+        let cosine = Root::kept_cosine(self.normal.dot(ray.direction()) * t_from_z);
+        let root = Root { piece: self.index, cosine, st, error: z_error };
         let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
         let hit = Some(Hit { t, surface, uv, point, normal, flags, root });

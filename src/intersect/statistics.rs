@@ -22,8 +22,8 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// One of the rays that were counted is asked about again, by another search.
-    pub(super) fn count_again(&mut self) {
+    /// Takes back one of the rays that were counted: another search will count it.
+    pub(super) fn uncount(&mut self) {
         self.rays -= 1;
     }
 }

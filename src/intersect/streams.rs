@@ -29,11 +29,12 @@ impl Tracer<'_> {
             let (scene, stream) = (self.bvh.scene(), &self.stream);
             for &k in &met[..count] {
                 let (hit, t_from_z) = stream.hit(k);
-                answers[first + k] = Certain::new(&scene, shots[k].ray(), hit).answer(t_from_z);
+                let ray = shots[k].ray();
+                answers[first + k] = Certain::new(&scene, ray, hit).answer(ray, t_from_z);
             }
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
-                    self.findings.statistics.count_again();
+                    self.findings.statistics.uncount();
                     answers[first + k] = self.single_first(level, shot);
                 }
             }

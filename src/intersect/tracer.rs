@@ -16,7 +16,8 @@ use crate::patch::{OrientedBox, Passage, PatchSet};
 
 /// Answers questions on one thread: holds the scratch memory and the counts.
 ///
-/// Answers depend on the ray and the surfaces only, never on what was asked before.
+/// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays nor on what was
+/// asked before.
 #[derive(Debug)]
 pub struct Tracer<'a> {
     pub(super) bvh: &'a SurfaceBvh,
@@ -261,7 +262,7 @@ pub(super) fn answer_of<'m>(
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
     let first = reachable.clone().min_by(order);
     // What is doubtful may come before where it was found, by as much as that may be off; but what was
-    // found at the place of the first is the first, if it is known as well as that. (Of a stretch the end is.)
+    // found at the place of the first is the first, if it is known as well as that, as the ends of stretches are.
     let before = |first: &Meeting, meeting: &Meeting| {
         let reach = SAME_PLACE * (first.error + meeting.error);
         let earlier = first.t - (meeting.t - meeting.t_error);
@@ -290,7 +291,8 @@ fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
-    let root = Root { piece: meeting.piece, st: meeting.st, error: meeting.z_error };
+    let cosine = Root::kept_cosine((meeting.error / meeting.z_error).min(1.0));
+    let root = Root { piece: meeting.piece, cosine, st: meeting.st, error: meeting.z_error };
     Hit {
         t: meeting.t,
         surface: meeting.surface,

@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::crossings::{LEAST_COSINE, at_one_place, is_tip, touches};
+use super::crossings::{LEAST_COSINE, at_one_place, is_tip, reach_along, touches};
 use super::meeting::Meeting;
 use crate::patch::Piece;
 
@@ -25,12 +25,14 @@ const ROUNDING: f64 = 1e-6;
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
+    let reach = reach_along(meetings);
     for k in 0..meetings.len() {
         if seen[k] {
             continue;
         }
+        let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
         let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces);
-        let group: Vec<usize> = (k..meetings.len()).filter(here).collect();
+        let group: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
         group.iter().for_each(|&j| seen[j] = true);
         let all = || group.iter().map(|&j| &meetings[j]);
         let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);

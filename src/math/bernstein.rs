@@ -15,7 +15,7 @@ pub type Basis = [f64; MAX_DEGREE + 1];
 ///
 /// `t` may lie outside `[0, 1]`; the functions then lose positivity, not validity. Each
 /// value errs by at most `(2p + 2) u` relatively; at `t = 0` and `t = 1` they are exact.
-pub fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
+pub(crate) fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
     let mut values = [0.0; N];
     let complement = 1.0 - t;
 
@@ -64,7 +64,7 @@ const BINOMIALS: [[f64; MAX_DEGREE + 4]; MAX_DEGREE + 4] = {
 
 /// The derivatives `B_i'(t) = p (B_{i−1}^{p−1}(t) − B_i^{p−1}(t))`, from the functions of
 /// degree `p − 1`.
-pub fn derivative_from_lower<const N: usize>(degree: usize, lower: &[f64; N]) -> [f64; N] {
+pub(crate) fn derivative_from_lower<const N: usize>(degree: usize, lower: &[f64; N]) -> [f64; N] {
     let mut values = [0.0; N];
     let p = degree as f64;
     values[0] = -p * lower[0];
@@ -77,7 +77,7 @@ pub fn derivative_from_lower<const N: usize>(degree: usize, lower: &[f64; N]) ->
 
 /// The functions of degree `p` from those of degree `p − 1`:
 /// `B_i^p = (1 − t) B_i^{p−1} + t B_{i−1}^{p−1}`.
-pub fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) -> [f64; N] {
+pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) -> [f64; N] {
     let mut values = [0.0; N];
     values[0] = (1.0 - t) * lower[0];
     for i in 1..degree {

@@ -1,8 +1,8 @@
-//! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on glam only.
+//! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on nothing else of the library.
 //!
-//! Tolerances come from here and nowhere else: [`rounding::residual_factor`] says how far a
-//! computed point of a surface may be from the true one, in units of its coordinates, and
-//! whatever is compared anywhere in the library is compared with multiples of that.
+//! What is promised comes from here: [`rounding::residual_factor`] says how far a computed point of a
+//! surface may be from the true one, in units of its coordinates. Places are taken for one, and rays for
+//! touching, within multiples of that; whatever else is compared with a number says why where that stands.
 
 mod aabb;
 pub(crate) mod angle;

@@ -31,12 +31,30 @@ pub fn f32_above(x: f64) -> f32 {
 
 /// The largest power of two not above `x`, kept normal: scaling by it is exact.
 pub fn power_of_two_below(x: f64) -> f64 {
-    x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).log2().floor().exp2()
+    const EXPONENT: u64 = 0x7ff << (f64::MANTISSA_DIGITS - 1);
+    f64::from_bits(x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).to_bits() & EXPONENT)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_power_of_two_is_not_above_nor_half() {
+        for exponent in [-1000, -52, -1, 0, 1, 3, 10, 53, 999] {
+            let power = 2f64.powi(exponent);
+            for (x, expected) in [
+                (power, power),
+                (power.next_up(), power),
+                (1.5 * power, power),
+                (power.next_down(), 0.5 * power),
+            ] {
+                assert_eq!(power_of_two_below(x), expected, "{x:e}");
+            }
+        }
+        assert_eq!(power_of_two_below(0.0), f64::MIN_POSITIVE);
+        assert_eq!(power_of_two_below(f64::MAX), 2f64.powi(1000));
+    }
 
     #[test]
     fn f32_conversions_enclose() {

@@ -120,8 +120,12 @@ impl FitError {
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let (value, slope) = (rounding(value) + noise, rounding(slope) + 96.0 * noise);
-        // What coefficients are off by comes to 17 times the noise in third derivatives over 6, at most.
-        Self { value, slope, bend: 0.5 * second + noise, third: third / 6.0 + 30.0 * noise }
+        // In Bernstein form coefficients are off by a quarter of the noise. Beyond both ends of a side, by up to a tenth
+        // of it, that grows by `FIT_DOMAIN` to the power of the degree; and derivatives by `p / 2` and `p (p − 1) / 4`
+        // times the first and second differences. Second derivatives, entry by entry as forms, are then off by 16 times
+        // the noise at most, third ones by 52 times.
+        let (bend, third) = (0.5 * second + 8.0 * noise, third / 6.0 + 30.0 * noise);
+        Self { value, slope, bend, third }
     }
 
     /// The same for a quotient: for `F` of rays that pass the middle within `reach`, but for the second derivatives of
@@ -161,7 +165,7 @@ impl FitError {
             return Self::UNKNOWN;
         }
         // To each of these what coefficients are off by happens as often as to those of `F`, times a few.
-        let bend = of_f.bend.max(0.5 * known[2] + 4.0 * noise);
+        let bend = of_f.bend.max(0.5 * known[2] + 32.0 * noise);
         Self { bend, third: known[3] / 6.0 + 120.0 * noise, ..of_f }
     }
 }

@@ -274,7 +274,7 @@ const FLAT: u8 = 2;
 const WELL_STRETCHED: f64 = 2.0;
 const LONG: f32 = 2.0;
 
-/// The same for tangents that turn by no more than this, by `x` and by `y`.
+/// The stretch of a leaf whose tangents turn by no more than `turning`, by `x` and by `y`.
 fn stretched(fit: &Fit, turning: [f64; 2]) -> f64 {
     let (a, b) = (term(fit, 4), term(fit, 1));
     let lengths = [a.length(), b.length()];

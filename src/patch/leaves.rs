@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 
 use super::part::{Halving, Way};
 use super::tiles::Grid;
-use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Piece};
+use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
 /// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
@@ -38,19 +38,51 @@ const WORTHWHILE: usize = WORTHWHILE_BYTES / BYTES_A_LEAF;
 const MOST: usize = MOST_BYTES / BYTES_A_LEAF;
 const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 
-/// The parts of all pieces that are to be leaves, of more than [`MOST`] pieces the coarsest, tile by
-/// tile; and none where trims have cut all of it off.
+/// The parts of all pieces that are to be leaves; and none where trims have cut all of it off.
+///
+/// Those of charts of more than [`MOST`] pieces are the coarsest; so are those of all others if they are more than a
+/// scene may be halved into. Neighbours are kept together where pieces are so many.
+pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
+    let (dense, others): (Vec<Grid>, Vec<Grid>) =
+        grids.iter().partition(|grid| grid.count() > MOST);
+    let count: usize = others.iter().map(Grid::count).sum();
+    if count > MOST_OF_SCENE {
+        return coarse(pieces, grids);
+    }
+    let mut parts = coarse(pieces, &dense);
+    let fine = halved(pieces, &others, parts.bounds());
+    if count > MOST {
+        parts.append(GroupedParts::of(pieces, &others, |piece, parts| {
+            let first = fine.partition_point(|part| (part.piece as usize) < piece);
+            let of_piece = |part: &&Part| part.piece as usize == piece;
+            parts.extend(fine[first..].iter().take_while(of_piece));
+        }));
+    } else {
+        parts.append(GroupedParts::single(fine));
+    }
+    parts
+}
+
+/// The coarsest parts of all pieces of some charts: control points are needed for a moment only.
+pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
+    GroupedParts::of(pieces, grids, |k, parts| {
+        let piece = &pieces[k];
+        Halving::whole(piece).coarse_parts(piece, &mut |halving| {
+            parts.push(halving.part(k as u32, piece));
+        });
+    })
+}
+
+/// The parts of the pieces of some charts, in a scene with others inside some `bounds`; piece by piece.
 ///
 /// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
 /// long as there is room. Halves that are not flat enough by themselves may take a little more.
-pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
-    if pieces.len() > MOST {
-        return GroupedParts::coarse(pieces, grids);
-    }
-    let coarse: Vec<SmallVec<[Flat; 1]>> = pieces
+fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
+    let coarse: Vec<SmallVec<[Flat; 1]>> = grids
         .par_iter()
-        .enumerate()
-        .map(|(k, piece)| {
+        .flat_map(|grid| grid.pieces())
+        .map(|k| {
+            let piece = &pieces[k];
             let mut parts = SmallVec::new();
             Halving::whole(piece).coarse_parts(piece, &mut |halving| {
                 parts.push(Flat::new(k as u32, piece, halving));
@@ -60,7 +92,8 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
         .collect();
     let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
     let worthwhile = (open.len() + open.len() / 2).clamp(WORTHWHILE, MOST);
-    let worth_in_scene = WORTHWHILE_IN_SCENE * diagonal(&open).sqrt();
+    let all = open.iter().map(|flat| flat.halving.bounds()).fold(bounds, Aabb::union);
+    let worth_in_scene = WORTHWHILE_IN_SCENE * all.size().length().sqrt();
     while let Some(way) = open.peek().and_then(|flat| flat.way) {
         let is_due = open.len() < MOST_OF_SCENE && way.worth > worth_in_scene;
         if !is_due && open.len() >= worthwhile {
@@ -75,13 +108,7 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     let mut leaves = open.into_vec();
     leaves.par_sort_unstable_by_key(Flat::place);
     let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
-    GroupedParts::single(leaves.par_iter().map(part).collect())
-}
-
-/// Of the box around all parts.
-fn diagonal(parts: &BinaryHeap<Flat>) -> f64 {
-    let bounds = parts.iter().map(|flat| flat.halving.bounds());
-    bounds.fold(Aabb::EMPTY, Aabb::union).size().length()
+    leaves.par_iter().map(part).collect()
 }
 
 /// A part that is to be a leaf, as long as there is no room for its halves.
@@ -124,3 +151,60 @@ impl PartialEq for Flat {
 }
 
 impl Eq for Flat {}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec4;
+
+    use super::{MOST, coarse};
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::patch::tiles::Grid;
+    use crate::patch::{GroupedParts, Part, PatchSet};
+
+    /// A wavy biquadratic sheet of so many pieces each way, on a square with sides of 1.
+    fn sheet(pieces: usize, height: f64) -> NurbsSurface {
+        let points = pieces + 2;
+        let knots = KnotVector::clamped_uniform(2, points).unwrap();
+        let at = |i: usize| i as f64 / points as f64;
+        let point = |k: usize| {
+            let [x, y] = [at(k / points), at(k % points)];
+            DVec4::new(x, y, height * (6.0 * x).sin() * (6.0 * y).cos(), 1.0)
+        };
+        let net = (0..points * points).map(point).collect();
+        NurbsSurface::from_homogeneous(knots.clone(), knots, net).unwrap()
+    }
+
+    #[test]
+    fn what_lies_beside_a_dense_surface_is_halved_as_if_it_were_alone() {
+        let side = MOST.isqrt() + 1;
+        let (dense, bent) = (sheet(side, 0.01), sheet(4, 0.3));
+        let (_, alone) = PatchSet::new(std::slice::from_ref(&bent)).unwrap();
+        let (set, together) = PatchSet::new(&[dense, bent]).unwrap();
+        let of_bent = set.pieces_of(1);
+        let is_bent = |piece: u32| of_bent.contains(&(piece as usize));
+        let count = together.all().iter().filter(|part| is_bent(part.piece)).count();
+        assert_eq!(count, alone.all().len());
+        assert!(count > 100, "{count} leaves of {} pieces", of_bent.len());
+
+        // The others, one each, are together with their neighbours.
+        assert_eq!(together.all().len() - count, side * side);
+        assert!(together.groups().len() < count + side * side / 12);
+        assert_eq!(together.groups().iter().sum::<u32>() as usize, together.all().len());
+    }
+
+    #[test]
+    fn beside_many_pieces_is_halved_what_bends_much_in_the_scene() {
+        let side = (MOST / 2).isqrt() + 1;
+        let surfaces = [sheet(side, 0.01), sheet(side, 0.01), sheet(4, 0.3)];
+        let (set, parts) = PatchSet::new(&surfaces).unwrap();
+        let count = |parts: &GroupedParts, k: usize| {
+            let of_surface = set.pieces_of(k);
+            let is_there = |part: &&Part| of_surface.contains(&(part.piece as usize));
+            parts.all().iter().filter(is_there).count()
+        };
+        assert!(count(&parts, 0) < 2 * side * side);
+        let bent = Grid { first: set.pieces_of(2).start, rows: 4, columns: 4 };
+        let [fine, coarse] = [count(&parts, 2), count(&coarse(set.pieces(), &[bent]), 2)];
+        assert!(fine > 2 * coarse, "{fine} leaves, of the coarsest {coarse}");
+    }
+}

@@ -61,6 +61,7 @@ pub use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
 pub use fit::{Fit, MOST_WEIGHT, WeightFit};
 pub use fit_error::{FIT_DOMAIN, FitError};
+pub(crate) use frame::PADDING;
 pub use frame::{ScaledBox, SceneFrame};
 pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
 pub use oriented_box::{OrientedBox, Passage};

@@ -62,7 +62,7 @@ impl Piece {
     }
 
     /// Whether a side is a border of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
-    pub fn is_border(&self, side: usize) -> bool {
+    pub(crate) fn is_border(&self, side: usize) -> bool {
         self.border >> side & 1 != 0
     }
 
@@ -135,7 +135,7 @@ impl Piece {
     }
 
     /// The point a side is collapsed to; sides are counted as in [`Self::is_border`].
-    pub fn collapsed(&self, side: usize) -> Option<DVec3> {
+    pub(crate) fn collapsed(&self, side: usize) -> Option<DVec3> {
         if self.collapsed >> side & 1 == 0 {
             return None;
         }
@@ -246,12 +246,9 @@ impl Piece {
             0 => self.limit(DVec2::new(end, along)),
             _ => self.limit(DVec2::new(along, end)),
         };
-        let limits = [0.1, 0.3, 0.5, 0.7, 0.9].map(at);
-        let first = limits[0];
-        limits.iter().all(|limit| match (first, limit) {
-            (Some(first), Some(limit)) => first.distance(*limit) <= HALF_THE_DIGITS,
-            _ => true, // nothing is known of a place without limit
-        })
+        // Nothing is known of a place without limit.
+        let limits: Vec<DVec3> = [0.1, 0.3, 0.5, 0.7, 0.9].into_iter().filter_map(at).collect();
+        limits.iter().all(|limit| limit.distance(limits[0]) <= HALF_THE_DIGITS)
     }
 
     /// The sides that are collapsed to a point.

@@ -89,7 +89,7 @@ impl PatchSet {
         }
         let parts = parts(&pieces, &grids);
         check_count("leaves", parts.all().len(), MOST_COUNTED)?;
-        let bounds = parts.all().iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds));
+        let bounds = parts.bounds();
         Ok((Self { pieces, bounds, net_bytes, pieces_of }, parts))
     }
 
@@ -103,9 +103,9 @@ impl PatchSet {
         self.pieces_of.len()
     }
 
-    /// Which pieces a surface was cut into.
+    /// Which pieces a surface was cut into; none if there is no such surface.
     pub fn pieces_of(&self, surface: usize) -> Range<usize> {
-        self.pieces_of[surface].clone()
+        self.pieces_of.get(surface).cloned().unwrap_or_default()
     }
 
     /// Holds every surface, but for rounding.
@@ -121,9 +121,11 @@ impl PatchSet {
             + size_of_val(&self.net_bytes[..])
     }
 
-    /// The part of it that a surface takes: its control points, trims and pieces.
+    /// The part of it that a surface takes: its control points, trims and pieces; nothing if there is no such
+    /// surface.
     pub fn bytes_of(&self, surface: usize) -> usize {
-        self.net_bytes[surface] + size_of_val(&self.pieces[self.pieces_of(surface)])
+        self.net_bytes.get(surface).unwrap_or(&0)
+            + size_of_val(&self.pieces[self.pieces_of(surface)])
     }
 }
 

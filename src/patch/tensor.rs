@@ -68,7 +68,7 @@ impl TensorPatch {
     }
 
     /// One of them.
-    pub fn control_point(&self, i: usize, j: usize) -> DVec4 {
+    pub(crate) fn control_point(&self, i: usize, j: usize) -> DVec4 {
         self.net(&mut None).points(i).nth(j).unwrap_or(DVec4::NAN) // there is one
     }
 

@@ -10,8 +10,8 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::part::Halving;
 use super::{Part, Piece};
+use crate::math::Aabb;
 
 /// The parts of pieces that are to be leaves, and which of them are to be kept together: groups, one
 /// after the other, of neighbours on a surface, at least one part each, and no more than sixteen.
@@ -51,14 +51,24 @@ impl GroupedParts {
         &self.groups
     }
 
+    /// Holds all points that leaves of these parts answer for.
+    pub(super) fn bounds(&self) -> Aabb {
+        self.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds))
+    }
+
     /// Parts that are not kept together with others.
     pub(super) fn single(parts: Vec<Part>) -> Self {
         let groups = vec![1; parts.len()];
         Self { parts, groups }
     }
 
-    /// The coarsest parts of all pieces, tile by tile: control points are needed for a moment only.
-    pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> Self {
+    /// The parts of all pieces of some grids, tile by tile, where `add_parts` adds those of one piece: in the order of
+    /// the grids, whatever the number of threads.
+    pub(super) fn of(
+        pieces: &[Piece],
+        grids: &[Grid],
+        add_parts: impl Fn(usize, &mut Vec<Part>) + Sync,
+    ) -> Self {
         let tiles: Vec<Tile> = grids.iter().flat_map(|grid| grid.tiles(pieces)).collect();
         // In chunks, so that there are few lists to be put together.
         let some: Vec<Self> = tiles
@@ -67,7 +77,7 @@ impl GroupedParts {
                 let mut some = Self::default();
                 some.parts.reserve(tiles.len() * MOST_TOGETHER);
                 for tile in tiles {
-                    some.add(tile, pieces);
+                    some.add(tile, &add_parts);
                 }
                 some
             })
@@ -76,20 +86,22 @@ impl GroupedParts {
         all.parts.reserve(some.iter().map(|some| some.parts.len()).sum());
         all.groups.reserve(some.iter().map(|some| some.groups.len()).sum());
         for some in some {
-            all.parts.extend(some.parts);
-            all.groups.extend(some.groups);
+            all.append(some);
         }
         all
     }
 
+    /// Adds the groups of others behind its own.
+    pub(super) fn append(&mut self, others: Self) {
+        self.parts.extend(others.parts);
+        self.groups.extend(others.groups);
+    }
+
     /// Adds the parts of a tile: together if there are not too many.
-    fn add(&mut self, tile: &Tile, pieces: &[Piece]) {
+    fn add(&mut self, tile: &Tile, add_parts: &impl Fn(usize, &mut Vec<Part>)) {
         let before = self.parts.len();
         for k in tile.pieces() {
-            let piece = &pieces[k];
-            Halving::whole(piece).coarse_parts(piece, &mut |halving| {
-                self.parts.push(halving.part(k as u32, piece));
-            });
+            add_parts(k, &mut self.parts);
         }
         match self.parts.len() - before {
             0 => {}
@@ -100,6 +112,16 @@ impl GroupedParts {
 }
 
 impl Grid {
+    /// How many pieces there are.
+    pub(super) fn count(&self) -> usize {
+        self.rows * self.columns
+    }
+
+    /// The pieces, as their places among all.
+    pub(super) fn pieces(&self) -> Range<usize> {
+        self.first..self.first + self.count()
+    }
+
     /// Tiles of [`MOST_TOGETHER`] pieces, less at the ends, about as long as they are wide: squares of
     /// as many rows and columns are cut into tiles of one shape, by what their own pieces look like.
     fn tiles(self, pieces: &[Piece]) -> impl Iterator<Item = Tile> {
@@ -153,6 +175,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::patch::PatchSet;
+    use crate::patch::leaves::coarse;
     use glam::DVec4;
 
     /// A wavy sheet of so many pieces, in a box of these sides.
@@ -203,7 +226,7 @@ mod tests {
     fn groups_are_of_all_parts() {
         let set = sheet([61, 79], [1.0, 1.0]);
         let grid = Grid { first: 0, rows: 61, columns: 79 };
-        let GroupedParts { parts, groups } = GroupedParts::coarse(set.pieces(), &[grid]);
+        let GroupedParts { parts, groups } = coarse(set.pieces(), &[grid]);
         assert_eq!(groups.iter().sum::<u32>() as usize, parts.len());
         assert_eq!(groups.len(), 61usize.div_ceil(4) * 79usize.div_ceil(4));
         let mut pieces: Vec<_> = parts.iter().map(|part| part.piece).collect();
@@ -215,7 +238,7 @@ mod tests {
     fn tiles_of_many_parts_are_not_kept_together() {
         let set = bent(4);
         let grid = Grid { first: 0, rows: 4, columns: 4 };
-        let many = GroupedParts::coarse(set.pieces(), &[grid]);
+        let many = coarse(set.pieces(), &[grid]);
         assert!(many.all().len() > MOST_TOGETHER);
         assert!(many.groups().iter().all(|&count| count == 1));
         assert_eq!(many.groups().len(), many.all().len());

@@ -266,6 +266,45 @@ fn origins_moved_off_the_hit_meet_it_again() {
     }
 }
 
+/// At a grazing hit the place along the ray is known to a thousandth of the promise at best, but not the height over
+/// the surface: what starts there does not leave the hit.
+#[test]
+fn origins_moved_off_a_grazing_hit_meet_it_again() {
+    let model = models::sphere();
+    let bvh = model.bvh();
+    let mut random = Random::new(75);
+    let available = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+    for mut tracer in available.map(|&kernel| bvh.tracer_with(kernel)) {
+        for cosine in [1e-3, 1e-5, 1e-6] {
+            for _ in 0..100 {
+                let normal = random.direction();
+                let along = (random.perpendicular(normal) - cosine * normal).normalize();
+                let seen = Ray::new(normal - 3.0 * along, along).unwrap();
+                let seen = tracer.first_hit(&Query::primary(seen)).hit.unwrap();
+                assert!(seen.point.distance(normal) < 1e-8);
+                for moved in [1e-12, 1e-10] {
+                    let origin = seen.point + moved * seen.normal;
+                    let ray = Ray::new(origin, -seen.normal).unwrap();
+                    let mut answers = Vec::new();
+                    tracer.first_hits(
+                        &[Query::leaving(ray, &seen); 2],
+                        Coherence::Incoherent,
+                        &mut answers,
+                    );
+                    answers.push(tracer.first_hit(&Query::leaving(ray, &seen)));
+                    for again in answers {
+                        let near = again.hit.is_some_and(|hit| hit.t < 2.0 * moved);
+                        assert!(near || again.doubtful, "{cosine}, {moved}: {again:?}");
+                    }
+                }
+                // But where `o + t d` comes to does.
+                let there = Ray::new(normal - 3.0 * along + seen.t * along, along).unwrap();
+                assert!(Query::leaving(there, &seen).from().is_some());
+            }
+        }
+    }
+}
+
 /// A ray that starts in a pole and hardly dips below the tangent plane there meets the sphere again
 /// at `t = 2 cos`, which must not be taken for the pole itself.
 #[test]

@@ -3,12 +3,13 @@
 //! # The problem
 //! Over a leaf's rectangle the surface, seen in ray coordinates, is a net of homogeneous
 //! points `(w x, w y, w z, w)`. The ray meets it where the polynomials `f = (w x, w y)`
-//! vanish together. The solver keeps a list of parameter boxes that may hold roots, and
-//! asks of each:
+//! vanish together. They are known to within `ε`: half of what a point may be off a ray, times
+//! the largest weight. The solver keeps a list of parameter boxes that may hold roots, and asks of
+//! each:
 //!
 //! 1. *Can it be discarded?* A polynomial lies between the smallest and the largest of its
 //!    Bernstein coefficients. Where `w x`, `w y`, or a component of `g = A f` (with `A` the
-//!    inverse of the mean Jacobian) keeps its sign by more than the rounding error `ε`, or
+//!    inverse of the mean Jacobian) keeps its sign by more than `ε`, or
 //!    `z` stays out of range, there is no root.
 //! 2. *Is a root proved?* Let `κ` bound the row sums of `|I − g'|` over the box. Where
 //!    `κ < 1` the box holds at most one root, and it lies in `m − g(m) ± κ/2` (Krawczyk

@@ -6,8 +6,8 @@ use fearless_simd_macros::simd;
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 
 /// How far the ray in f32 may be from the true one where it meets the scene, or the small part of it whose
-/// coordinates these are, in scaled coordinates, and box entries along it: coordinates of up to 5 and
-/// distances of up to 8, and four roundings of each.
+/// coordinates these are, in scaled coordinates, and box entries along it, but for what boxes were grown by when they
+/// were made: coordinates of up to 5 and distances of up to 8, and four roundings of each.
 pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken for at least this much: the ray moves by far less than

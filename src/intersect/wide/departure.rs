@@ -446,7 +446,7 @@ mod tests {
             .is_final(simd, fitted)
         });
 
-        let root = Root { piece: leaf.piece, st, error: 1e-14 };
+        let root = Root { piece: leaf.piece, cosine: 1.0, st, error: 1e-14 };
         let ray = Ray::new(jet.point, direction).unwrap();
         let mut hits: Vec<Hit> = Vec::new();
         bvh.tracer().all_hits(&Query { ray, from: Some(root) }, &mut hits);

@@ -163,7 +163,7 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     first
 }
 
-/// Looks at what was put aside, sixteen at a time, as long as there is at least as much as this.
+/// Looks at the pairs that were put aside, sixteen at a time, as long as there are `least` of them or more.
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,

@@ -41,8 +41,8 @@ impl Default for LaneNet {
 }
 
 impl LaneNet {
-    /// Takes in the nets of pieces `first … first + 7`; in lanes that are not `wanted`, of which there is one at
-    /// least, that of another lane.
+    /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which there is one at least;
+    /// all others repeat one of these.
     #[simd]
     pub(super) fn take<S: Simd>(
         &mut self,

@@ -58,7 +58,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
 
         // The certificate, lane by lane.
         let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
-            .max(f32x16::splat(simd, patch.magnitude() as f32));
+            .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
         let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
         let mut certain = met & bits(certified);
         let mut doubted = met & !certain;

@@ -8,10 +8,11 @@
 //! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
 //! hit will do, that it is (`screen`).
 //!
-//! Two more proofs are added here, of a ray and a leaf that the certificate does not speak of: what the
-//! leaf's approximation says of that ray's roots (`single_proof`), for sixteen rays and leaves at a time
-//! in `lane_proof`, where packets put them together (`doubts`); and that a ray which leaves a leaf does not
-//! come back to it (`departure`, asked in `start`). What is not proved goes to the scalar search at last.
+//! Screening is one of three proofs that are added here: it is about the one root that the certificate leaves. The
+//! others are about a ray and a leaf that it does not speak of: what the leaf's approximation says of that ray's
+//! roots (`single_proof`), for sixteen rays and leaves at a time in `lane_proof`, where packets put them together
+//! (`doubts`); and that a ray which leaves a leaf does not come back to it (`departure`, asked in `start`). What is
+//! not proved goes to the scalar search at last.
 //!
 //! What is small against the scene is searched in coordinates of its own (see
 //! [`regions`](super::regions)): all three ways lead rays there and back.

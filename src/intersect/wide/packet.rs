@@ -374,13 +374,16 @@ impl Packet {
         if self.met >> k & 1 == 0 {
             return Answer { hit: None, doubtful: false };
         }
-        let root = Root { piece: self.piece[k], st: pair(&self.st, k), error: self.z_error[k] };
+        let normal = gather(&self.normal, k);
+        let cosine = Root::kept_cosine(normal.dot(gather(&self.axis, k)));
+        let (piece, st, error) = (self.piece[k], pair(&self.st, k), self.z_error[k]);
+        let root = Root { piece, cosine, st, error };
         let hit = Hit {
             t: self.ray_t[k],
             surface: self.surface[k],
             uv: pair(&self.uv, k),
             point: gather(&self.point, k),
-            normal: gather(&self.normal, k),
+            normal,
             flags: HitFlags::NONE,
             root,
         };

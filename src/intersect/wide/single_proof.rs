@@ -161,7 +161,7 @@ pub(super) fn isolate<S: Simd>(
         let slope_error = (leaf.slope_error() + 2.0 * noise) * part.half[0].max(part.half[1]);
         let unhalved = part.half[0] > SMALLEST && part.half[1] > SMALLEST;
         let elsewhere = unhalved && local.leads_away();
-        if !elsewhere && local.is_unique(simd, slope_error, weighted as f32) {
+        if !elsewhere && local.is_unique(simd, slope_error, rounding::f32_above(weighted)) {
             if start.is_some_and(|start| part.holds(start, START_GROWN)) {
                 continue;
             }
