@@ -85,7 +85,8 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = count::<u32>(1..=u32::MAX.into()))]
     pub(crate) spp: Option<u32>,
 
-    /// Take only samples A to B-1 of each pixel, to split work between runs [default: 0..spp]
+    /// Take only samples A to B-1 of each pixel, to split work between runs, or go on where others
+    /// ended: beyond the scene's samples, too, but not beyond --spp [default: 0..spp]
     #[arg(long, value_name = "A..B", value_parser = values::samples)]
     pub(crate) samples: Option<SampleRange>,
 
@@ -151,7 +152,7 @@ pub(crate) struct WorkArguments {
 /// Which code to trace with.
 #[derive(Debug, Args)]
 pub(crate) struct KernelArguments {
-    /// Which code searches for hits
+    /// Which code searches for hits; results of two of them may differ in last digits
     #[arg(long, value_name = "NAME", default_value_t, value_parser = kernels())]
     pub(crate) kernel: Kernel,
 }

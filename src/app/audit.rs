@@ -129,11 +129,6 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let offenders: Vec<Ray> =
         classes.iter().flat_map(|(_, tally)| tally.offenders()).copied().collect();
     let report = Report::new(classes);
-    if let Some(path) = &arguments.offenders {
-        let rows: Vec<[f64; 8]> = offenders.iter().map(row).collect();
-        write_rows(path, &rows).or_failed()?;
-    }
-
     let threads = pool.current_num_threads();
     if arguments.json {
         let [classes, groups, total] = report.json();
@@ -152,6 +147,11 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
         let (rays, workers) = (count(arguments.rays, "ray"), count(threads as u64, "thread"));
         let settings = format!("{rays}, seed {}, kernel {kernel}, {workers}", arguments.seed);
         console::print(&format!("{settings}\n\n{}\n{}", report.table(), report.verdict()))?;
+    }
+    // Last, so that nothing that was found out is lost where they cannot be written.
+    if let Some(path) = &arguments.offenders {
+        let rows: Vec<[f64; 8]> = offenders.iter().map(row).collect();
+        write_rows(path, &rows).or_failed()?;
     }
     match report.accusation() {
         None => Ok(ExitCode::SUCCESS),

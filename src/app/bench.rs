@@ -87,7 +87,8 @@ and with a rival:
                   build_seconds
   rival_bytes     what Embree reports, vertices included; normals and (u, v) are
                   not
-  rival_tnear, hit_disagreements, t_disagreements (rays)
+  rival_tnear, hit_disagreements, t_disagreements (rays; the last not of rays that
+                  ask for any hit)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; their figures are those of the run that
 took the median time.
@@ -131,6 +132,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     }
     if let Some(path) = &arguments.plot {
         chart::write(path, &panels).or_failed()?;
+    }
+    if panels.iter().all(Vec::is_empty) {
+        return Err(Failure::work("nothing was measured: there are no such rays"));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use anyhow::anyhow;
 use nurbray::geometry::NurbsCurve;
-use nurbray::io::write_atomically;
+use nurbray::io::{put_all_in_place, stage};
 use nurbray::scene::{Plot, PlotKind, PlottedCurve, Scene};
 
 use super::args::PlotArguments;
@@ -74,12 +74,11 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     let text = svg::svg(&panels, columns, size)
         .map_err(|unable| refused(unable, (size, &place), (&scene, &panels)))?;
 
-    for (path, format) in paths.iter().zip(formats) {
-        match format {
-            "png" => png::write(path, &text, size).or_failed()?,
-            _ => write_atomically(path, |file| file.write_all(text.as_bytes())).or_failed()?,
-        }
-    }
+    let staged = paths.iter().zip(formats).map(|(path, format)| match format {
+        "png" => png::stage(path, &text, size).or_failed(),
+        _ => stage(path, |file| file.write_all(text.as_bytes())).or_failed(),
+    });
+    put_all_in_place(staged.collect::<Result<_, _>>()?).or_failed()?;
     let drawn = count(panels.len() as u64, "plot");
     console::say(&format!("{drawn}; wrote {}", output::listed(&paths)));
     Ok(ExitCode::SUCCESS)

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
 
-use nurbray::io::{ExrNotes, ExrPrecision, Quoted, write_exr, write_png};
+use nurbray::io::{
+    ExrNotes, ExrPrecision, Quoted, StagedFile, put_all_in_place, stage_exr, stage_png,
+};
 use nurbray::math::Shown;
 use nurbray::render::{AovSet, Film, RenderSettings, render};
 use nurbray::scene::{CameraSpec, Lens, RenderDefaults, Scene, World, Written};
@@ -24,6 +26,15 @@ pub(crate) const HELP: &str = "\
 A bare model is framed and lit by default: the camera stands in front, to the
 right and above, a key, a fill and a little ambient light go with it. Give
 --look-from, --fov and the like to move it.
+
+What a pixel shows (--integrator):
+  direct      diffuse surfaces in the light of all lights, with shadows
+  normal      the normal n as the surface orients it, as the colour (n + 1) / 2
+  uv          u as red, v as green, from 0 to 1 over the surface's domain
+  depth       the distance along the ray, from white to dark grey over the model
+  id          a colour for each surface
+  iterations  the work of each ray, from black over red and yellow to white
+All but direct are black where nothing is hit (iterations: where nothing was done).
 
 What an EXR holds besides R, G, B and A, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the
@@ -83,9 +94,8 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     });
     progress.finish();
     let (film, took) = (film.or_failed()?, start.elapsed());
-    for picture in &pictures {
-        write(picture, &film, &world, (arguments, took))?;
-    }
+    let staged = pictures.iter().map(|picture| stage(picture, &film, &world, (arguments, took)));
+    put_all_in_place(staged.collect::<Result<_, _>>()?).or_failed()?;
     if !arguments.quiet {
         console::say(&format!("{}; wrote {}", summary(&film, took), output::listed(&paths)));
     }
@@ -190,12 +200,13 @@ fn warn_of_bright_materials(scene: &Scene) {
     }
 }
 
-fn write(
+/// Writes a picture, but for putting it in its place.
+fn stage(
     picture: &Picture<'_>,
     film: &Film,
     world: &World,
     (arguments, took): (&RenderArguments, Duration),
-) -> Result<(), Failure> {
+) -> Result<StagedFile, Failure> {
     match picture.format {
         Format::Exr => {
             let command = command_line(std::env::args_os());
@@ -206,12 +217,12 @@ fn write(
                 camera: &world.camera,
                 background: world.background,
             };
-            write_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
+            stage_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
         }
         Format::Png => {
             let exposure = arguments.exposure.unwrap_or(world.settings.exposure);
             // What a PNG leaves out was said before the work began.
-            write_png(picture.path, film, exposure).map(drop).or_failed()
+            stage_png(picture.path, film, exposure).or_failed()
         }
     }
 }

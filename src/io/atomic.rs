@@ -74,11 +74,75 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), WriteError> {
-    let written = match target(path)? {
-        Target::File { path: file, folder, old } => replace(&file, &folder, old, write),
-        Target::Stream => pour(path, write),
+    stage(path, write)?.put_in_place()
+}
+
+/// A file that is written, but not in its place yet: dropped, it leaves no trace.
+///
+/// Of several files that belong together each is staged before the first is put in its place, so that none is
+/// replaced if another cannot be written.
+#[derive(Debug)]
+#[must_use = "it is not there yet"]
+pub struct StagedFile {
+    /// As it was asked for.
+    path: PathBuf,
+    staged: Staged,
+}
+
+#[derive(Debug)]
+enum Staged {
+    /// A temporary file in the same folder, and the file it is to replace.
+    File { temporary: NamedTempFile, file: PathBuf },
+    /// A nameless one, to be copied into a device or a pipe, which need not be able to seek as encoders do.
+    Stream(File),
+}
+
+/// Writes a file as [`write_atomically`] does, but for putting it in its place.
+///
+/// # Errors
+/// When the system refuses, or `write` fails.
+pub fn stage(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<StagedFile, WriteError> {
+    let staged = match target(path)? {
+        Target::File { path: file, folder, old } => beside(file, &folder, old, write),
+        Target::Stream => tempfile::tempfile().and_then(|mut file| {
+            fill(&mut file, write)?;
+            file.rewind()?;
+            Ok(Staged::Stream(file))
+        }),
     };
-    written.map_err(|reason| WriteError::Io { path: path.to_owned(), reason })
+    let failed = |reason| WriteError::Io { path: path.to_owned(), reason };
+    Ok(StagedFile { path: path.to_owned(), staged: staged.map_err(failed)? })
+}
+
+impl StagedFile {
+    /// Puts it in its place.
+    ///
+    /// # Errors
+    /// When the system refuses; an older file is as it was.
+    pub fn put_in_place(self) -> Result<(), WriteError> {
+        let Self { path, staged } = self;
+        let put = match staged {
+            Staged::File { temporary, file } => {
+                temporary.persist(file).map(drop).map_err(|error| error.error)
+            }
+            Staged::Stream(file) => pour(file, &path),
+        };
+        put.map_err(|reason| WriteError::Io { path, reason })
+    }
+}
+
+/// Puts files in their places that belong together: devices and pipes first, which may be full, so that no file
+/// is replaced then.
+///
+/// # Errors
+/// When the system refuses.
+pub fn put_all_in_place(files: Vec<StagedFile>) -> Result<(), WriteError> {
+    let is_stream = |file: &StagedFile| matches!(file.staged, Staged::Stream(_));
+    let (streams, files): (Vec<_>, Vec<_>) = files.into_iter().partition(is_stream);
+    streams.into_iter().chain(files).try_for_each(StagedFile::put_in_place)
 }
 
 /// Finds out what a path names.
@@ -143,33 +207,25 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(folder, open)
 }
 
-/// Writes a temporary file and puts it in the file's place.
-fn replace(
-    path: &Path,
+/// Writes a temporary file that can take the file's place.
+fn beside(
+    file: PathBuf,
     folder: &Path,
     old: Option<Permissions>,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut file = temporary(folder)?;
-    fill(file.as_file_mut(), write)?;
+) -> io::Result<Staged> {
+    let mut temporary = temporary(folder)?;
+    fill(temporary.as_file_mut(), write)?;
     if let Some(old) = old {
-        file.as_file().set_permissions(old)?;
+        temporary.as_file().set_permissions(old)?;
     }
     // On the disk before the rename, lest a power cut leave a name without contents.
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    temporary.as_file().sync_all()?;
+    Ok(Staged::File { temporary, file })
 }
 
-/// Writes a nameless temporary file and copies it into a device or a pipe, which need not
-/// be able to seek as the encoders do.
-fn pour(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut file = tempfile::tempfile()?;
-    fill(&mut file, write)?;
-    file.rewind()?;
+/// Copies a file into a device or a pipe.
+fn pour(mut file: File, path: &Path) -> io::Result<()> {
     let mut stream = OpenOptions::new().write(true).open(path)?;
     io::copy(&mut file, &mut stream)?;
     stream.flush()
@@ -211,6 +267,26 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn files_that_belong_together_are_all_written_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = ["a.txt", "b.txt"].map(|name| folder.path().join(name));
+        put(&paths[0], "old").unwrap();
+        let staged = |path: &Path| stage(path, |file| file.write_all(b"new")).unwrap();
+        let full = Path::new("/dev/full");
+        if full.exists() {
+            let files = vec![staged(&paths[0]), staged(full), staged(&paths[1])];
+            let error = put_all_in_place(files).unwrap_err().to_string();
+            assert!(error.starts_with("cannot write \"/dev/full\""), "{error}");
+        }
+        drop([staged(&paths[0]), staged(&paths[1])]);
+        assert_eq!(fs::read_to_string(&paths[0]).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+        put_all_in_place(vec![staged(&paths[0]), staged(&paths[1])]).unwrap();
+        assert_eq!(fs::read_to_string(&paths[0]).unwrap(), "new");
+        assert_eq!(names(folder.path()), ["a.txt", "b.txt"]);
     }
 
     #[test]

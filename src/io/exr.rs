@@ -13,7 +13,7 @@ use exr::prelude::{
 };
 use glam::{DVec2, DVec3};
 
-use super::{WriteError, write_atomically};
+use super::{StagedFile, WriteError, stage};
 use crate::render::{Channel, Film};
 use crate::scene::{Camera, Projection, Rgb};
 
@@ -62,8 +62,21 @@ pub fn write_exr(
     precision: ExrPrecision,
     notes: &ExrNotes<'_>,
 ) -> Result<(), WriteError> {
+    stage_exr(path, film, precision, notes)?.put_in_place()
+}
+
+/// The same, but for putting the file in its place.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn stage_exr(
+    path: &Path,
+    film: &Film,
+    precision: ExrPrecision,
+    notes: &ExrNotes<'_>,
+) -> Result<StagedFile, WriteError> {
     let image = image(film, precision, notes);
-    write_atomically(path, |file| {
+    stage(path, |file| {
         image.write().to_buffered(file).map_err(|error| match error {
             ExrError::Io(error) => error,
             other => io::Error::other(other),

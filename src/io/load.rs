@@ -146,7 +146,10 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let fail = |fault| LoadError::new(mentioned.clone(), fault);
     let cannot = |error: io::Error| {
         let path = path.to_owned();
-        fail(LoadFault::Read { nearest: nearest_file(&path, &READ), path, error })
+        // What is there, but must not be read, is what was meant.
+        let is_meant = error.kind() == io::ErrorKind::PermissionDenied;
+        let nearest = if is_meant { None } else { nearest_file(&path, &READ) };
+        fail(LoadFault::Read { nearest, path, error })
     };
     let metadata = fs::metadata(path).map_err(cannot)?;
     if metadata.is_dir() {

@@ -14,7 +14,8 @@
 //!
 //! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
 //! points of degree 3 need 11`. Files are written under another name and moved into place
-//! when complete ([`write_atomically`]), so a failure leaves the older file as it was.
+//! when complete ([`write_atomically`]), so a failure leaves the older file as it was; files that belong
+//! together all at once ([`stage`], [`put_all_in_place`]).
 //!
 //! STEP, IGES and 3dm have their place here, but are not read yet, nor are NURBS in OBJ.
 
@@ -46,20 +47,22 @@ mod quoted;
 pub mod scene_toml;
 mod source;
 
-pub use atomic::{WriteError, check_writable, write_atomically};
+pub use atomic::{
+    StagedFile, WriteError, check_writable, put_all_in_place, stage, write_atomically,
+};
 #[cfg(feature = "embree")]
 pub use embree::{Embree, EmbreePrimitive, EmbreeScene};
 #[cfg(feature = "embree")]
 pub use embree_error::EmbreeError;
 #[cfg(feature = "embree")]
 pub use embree_rays::{EmbreeHit, EmbreeRays, PacketWidth};
-pub use exr::{ExrNotes, ExrPrecision, write_exr};
+pub use exr::{ExrNotes, ExrPrecision, stage_exr, write_exr};
 pub use geomdl::{Model, read_geomdl};
 pub use load::load_input;
 pub use load_error::{LoadError, LoadFault};
 pub use npy::{NpyError, Table, read_rays, read_table, table_from_bytes, write_rows};
 pub use obj::{CageModel, read_obj_cage};
-pub use png::{PngWarning, write_png, write_png_bytes};
+pub use png::{PngWarning, stage_png, stage_png_bytes, write_png, write_png_bytes};
 pub use povray::{PovrayGap, PovrayScene, PovraySkip, povray_scene};
 pub use quoted::Quoted;
 pub use scene_toml::read_scene;

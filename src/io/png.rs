@@ -7,7 +7,7 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-use super::{WriteError, write_atomically};
+use super::{StagedFile, WriteError, stage};
 use crate::render::{AovSet, Channel, Film};
 
 /// What a PNG left out.
@@ -39,10 +39,18 @@ pub fn write_png(
     film: &Film,
     exposure: f64,
 ) -> Result<Option<PngWarning>, WriteError> {
-    let size = (film.window().width(), film.window().height());
-    write_png_bytes(path, size, &screen_bytes(film, exposure))?;
+    stage_png(path, film, exposure)?.put_in_place()?;
     let left_out = film.settings().aovs;
     Ok((!left_out.is_empty()).then_some(PngWarning { left_out }))
+}
+
+/// The same, but for putting the file in its place.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn stage_png(path: &Path, film: &Film, exposure: f64) -> Result<StagedFile, WriteError> {
+    let size = (film.window().width(), film.window().height());
+    stage_png_bytes(path, size, &screen_bytes(film, exposure))
 }
 
 /// Writes a picture of `(width, height)` pixels, given as red, green and blue bytes row by
@@ -56,8 +64,20 @@ pub fn write_png_bytes(
     (width, height): (u32, u32),
     bytes: &[u8],
 ) -> Result<(), WriteError> {
+    stage_png_bytes(path, (width, height), bytes)?.put_in_place()
+}
+
+/// The same, but for putting the file in its place.
+///
+/// # Errors
+/// When there are not three bytes a pixel, or the file cannot be written.
+pub fn stage_png_bytes(
+    path: &Path,
+    (width, height): (u32, u32),
+    bytes: &[u8],
+) -> Result<StagedFile, WriteError> {
     let needed = u64::from(width) * u64::from(height) * 3;
-    write_atomically(path, |file| {
+    stage(path, |file| {
         if bytes.len() as u64 != needed {
             return Err(io::Error::other(format!(
                 "{} bytes, but {width}x{height} pixels need {needed}",

@@ -168,8 +168,9 @@
 //! the cage's points. Faces that are regular are exact; `nurbray info` lists the rest as off by what
 //! is proved.
 //!
-//! Instead of points and faces, `file = "body.obj"` takes the cage from a file: that is how an
-//! OBJ file becomes a Doo–Sabin surface, `shape = { doo_sabin = { file = "body.obj" } }`.
+//! Instead of all these but `tolerance`, `file = "body.obj"` takes the cage from a file, with its own
+//! tags of creases and corners: that is how an OBJ file becomes a Doo–Sabin surface,
+//! `shape = { doo_sabin = { file = "body.obj" } }`.
 //! Textures are spread over each unit square: a quad, or a corner of another face.
 //!
 #![doc = include_str!("scene_toml/from_curves.md")]

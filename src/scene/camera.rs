@@ -135,14 +135,7 @@ impl Camera {
     }
 
     fn spanning(view: View, projection: Projection, span: Span) -> Result<Self, CameraError> {
-        for (name, value) in
-            [("look_from", view.look_from), ("look_at", view.look_at), ("up", view.up)]
-        {
-            let usable = value.abs().max_element() <= MAX_COORDINATE && !value.is_nan();
-            if !usable {
-                return Err(CameraError::Coordinate { name, value });
-            }
-        }
+        // First: where the eye was placed by it, that is not to blame.
         match projection {
             Projection::Perspective { fov } if !(Projection::MIN_FOV..180.0).contains(&fov) => {
                 return Err(CameraError::Fov(fov));
@@ -151,6 +144,14 @@ impl Camera {
                 return Err(CameraError::Height(height));
             }
             _ => {}
+        }
+        for (name, value) in
+            [("look_from", view.look_from), ("look_at", view.look_at), ("up", view.up)]
+        {
+            let usable = value.abs().max_element() <= MAX_COORDINATE && !value.is_nan();
+            if !usable {
+                return Err(CameraError::Coordinate { name, value });
+            }
         }
 
         // An orthonormal frame: right, up, forward.

@@ -4,15 +4,19 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Error, anyhow};
-use nurbray::io::write_png_bytes;
+use nurbray::io::{StagedFile, stage_png_bytes};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb::Database};
 
-/// Draws the picture and writes it.
+/// Draws the picture and writes it, but for putting the file in its place.
 ///
 /// # Errors
 /// When there is no memory for it, or the file cannot be written.
-pub(super) fn write(path: &Path, svg: &str, [width, height]: [u32; 2]) -> Result<(), Error> {
+pub(super) fn stage(
+    path: &Path,
+    svg: &str,
+    [width, height]: [u32; 2],
+) -> Result<StagedFile, Error> {
     let mut fonts = Database::new();
     fonts.load_font_data(dejavu::sans::regular().to_vec());
     fonts.set_sans_serif_family("DejaVu Sans");
@@ -23,5 +27,5 @@ pub(super) fn write(path: &Path, svg: &str, [width, height]: [u32; 2]) -> Result
     resvg::render(&tree, Transform::identity(), &mut picture.as_mut());
     // The picture begins with a white rectangle: every pixel is opaque.
     let opaque = picture.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied();
-    Ok(write_png_bytes(path, (width, height), &opaque.collect::<Vec<u8>>())?)
+    Ok(stage_png_bytes(path, (width, height), &opaque.collect::<Vec<u8>>())?)
 }
