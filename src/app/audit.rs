@@ -72,7 +72,8 @@ Columns, for each class:
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
 Certain is a hit of the exact solver without doubt, unless it lies within the
 bound of an end of the ray's range, or the ray passes a border on its outside by
-more than a quarter of the bound; and the point a ray was aimed at, if |N.d| >=
+more than a quarter of the bound, or a trim edge in what is cut off by more than
+the curve's rounding; and the point a ray was aimed at, if |N.d| >=
 0.01 or the point lies on a border, and trims have not cut it off; but no border
 point of a triangle or subdivision surface that rounding of u and v may have put
 beyond the border by more than a quarter of the promise. What trims

@@ -21,41 +21,53 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     vertices::settle(meetings, pieces, axis);
 
     let reach = reach_along(meetings);
-    let mut kept = 0;
-    for k in 0..meetings.len() {
-        let meeting = meetings[k];
+    let mut crossings: Vec<Crossing> = Vec::new();
+    for &meeting in &*meetings {
         // They stand in order but for those whose place a certain view has taken, from within reach behind.
-        let near = |earlier: &&Meeting| meeting.t - earlier.t <= 2.0 * reach;
-        let before = meetings[..kept].iter().rev().take_while(near);
-        let same = before.enumerate().find(|(_, earlier)| {
-            same_side(earlier, &meeting) && at_one_place(earlier, &meeting, pieces)
+        let near = |earlier: &&mut Crossing| meeting.t - earlier.view.t <= 2.0 * reach;
+        let same = crossings.iter_mut().rev().take_while(near).find(|earlier| {
+            same_side(&earlier.view, &meeting) && at_one_place(&earlier.view, &meeting, pieces)
         });
-        let same = same.map(|(back, _)| kept - 1 - back);
         match same {
-            // Of two views of a crossing the certain one counts; flags of place are joined. But
-            // a doubtful one that is grazing may be a crossing of its own, or hold another.
-            Some(j) => {
-                let flags = meetings[j].flags.with(meeting.flags);
-                let beyond = meetings[j].beyond && meeting.beyond;
-                let decided = (meetings[j].is_certain() || meeting.is_certain())
-                    && !(touches(&meetings[j]) || touches(&meeting));
-                if meeting.is_certain() && !meetings[j].is_certain() {
-                    meetings[j] = meeting;
-                }
-                meetings[j].flags = if decided { flags.without(HitFlags::DOUBTFUL) } else { flags };
-                meetings[j].beyond = beyond;
-            }
-            None => {
-                meetings[kept] = meeting;
-                kept += 1;
-            }
+            Some(crossing) => crossing.join(meeting),
+            None => crossings.push(Crossing::new(meeting)),
         }
     }
-    meetings.truncate(kept);
+    meetings.clear();
+    meetings.extend(crossings.into_iter().map(|crossing| crossing.view));
     // A certain view may lie a little behind the doubtful one whose place it has taken.
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
     doubt_tips(meetings, pieces);
     doubt_half_touches(meetings, pieces);
+}
+
+/// Views of one crossing.
+struct Crossing {
+    /// The one that counts: the first that is certain, if any is.
+    view: Meeting,
+    is_certain: bool,
+    /// Whether one of them is doubtful and grazing: it may be a crossing of its own, or hold another.
+    is_open: bool,
+}
+
+impl Crossing {
+    fn new(meeting: Meeting) -> Self {
+        Self { view: meeting, is_certain: meeting.is_certain(), is_open: touches(&meeting) }
+    }
+
+    /// Takes in another view; flags of place are joined.
+    fn join(&mut self, meeting: Meeting) {
+        let flags = self.view.flags.with(meeting.flags).without(HitFlags::DOUBTFUL);
+        let beyond = self.view.beyond && meeting.beyond;
+        if meeting.is_certain() && !self.is_certain {
+            self.view = meeting;
+        }
+        self.is_certain |= meeting.is_certain();
+        self.is_open |= touches(&meeting);
+        let is_doubtful = self.is_open || !self.is_certain;
+        self.view.flags = if is_doubtful { flags.with(HitFlags::DOUBTFUL) } else { flags };
+        self.view.beyond = beyond;
+    }
 }
 
 /// Flags tips that something else is met beside, now that views of one crossing are together: none of

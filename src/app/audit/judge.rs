@@ -1,7 +1,8 @@
 //! Whether the fast path's answer is right, given all roots from the exact solver.
 
 use glam::{DVec2, DVec3};
-use nurbray::geometry::{Charts, Surface};
+use nurbray::geometry::trim::Side;
+use nurbray::geometry::{Charts, Surface, TrimmedSurface};
 use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
@@ -133,7 +134,7 @@ impl<'a> Judge<'a> {
         }
         let known = truth.hits.iter().any(same);
         let excused =
-            truth.undecided || self.at_range_end(ray, hit, measure) || outside(hit, measure);
+            truth.undecided || self.at_range_end(ray, hit, measure) || self.is_beyond(hit, measure);
         (!known && !excused).then_some(Fault::FalseHit)
     }
 
@@ -178,12 +179,26 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether the fast path owes this root: it is certain, well inside the range, and not in
-    /// the outer half of the slack around a border, where the promise leaves both answers open.
+    /// the outer half of the slack around a border, nor beyond a trim edge, where the promise
+    /// leaves both answers open.
     fn is_due(&self, ray: &Ray, root: &Hit) -> bool {
         let measure = self.measure(ray, root);
         !root.flags.contains(HitFlags::DOUBTFUL)
             && !self.at_range_end(ray, root, &measure)
-            && !outside(root, &measure)
+            && !self.is_beyond(root, &measure)
+    }
+
+    /// Whether the ray passes a border on its outside, farther off than half the slack; or a trim edge
+    /// in what is cut off, farther than the curve may be off: by no more than the hit may, as far as the
+    /// tracer can tell.
+    fn is_beyond(&self, hit: &Hit, measure: &Measure) -> bool {
+        let surface = self.surfaces.get(hit.surface as usize);
+        let beyond_edge = || {
+            let trims = surface.and_then(Surface::trimmed).map(TrimmedSurface::trims);
+            trims.is_some_and(|trims| trims.contains(hit.uv) == Side::Outside)
+        };
+        (hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound)
+            || (hit.flags.contains(HitFlags::TRIM_EDGE) && beyond_edge())
     }
 
     /// Whether two hits are one root: their `t` agree to within their error bounds, or the
@@ -266,11 +281,6 @@ impl<'a> Judge<'a> {
 /// The largest coordinate of a surface's control points, in absolute value.
 fn largest(surface: &Surface) -> f64 {
     surface.charts().iter().map(|chart| magnitude(&chart.surface)).fold(0.0, f64::max)
-}
-
-/// Whether the ray passes a border on its outside, farther off than half the slack.
-fn outside(hit: &Hit, measure: &Measure) -> bool {
-    hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound
 }
 
 #[cfg(test)]

@@ -32,6 +32,8 @@ mod domain;
 mod error;
 mod monotone;
 mod outline;
+#[cfg(test)]
+mod seam_tests;
 mod segment;
 #[cfg(test)]
 mod sound_tests;
@@ -45,7 +47,7 @@ pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};
 pub(in crate::geometry) use stretches::EdgePiece;
-pub use trim_loop::{JOINT_TOLERANCE, TrimLoop};
+pub use trim_loop::{JOINT_TOLERANCE, SEAM_TOLERANCE, TrimLoop};
 pub use trims::{Coverage, Kept, MAX_TRIM_SEGMENTS, Side, Trims};
 pub use uv_box::UvBox;
 

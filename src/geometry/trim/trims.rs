@@ -79,9 +79,10 @@ pub enum Coverage {
 ///
 /// # Rounding
 /// The answers [`Side::Inside`] and [`Side::Outside`] are proved for the loops as they were
-/// given, gaps closed: points within `16 (p + 1) u` of a curve, times the largest |u| of
-/// its Bézier piece in u and the largest |v| in v, are an [`Side::Edge`] instead. `p` is the
-/// degree and `u = 2⁻⁵³`; for lines that is 16 spacings of numbers just above 1.
+/// given, gaps closed, and [sides along seams](super::SEAM_TOLERANCE) straight: points within
+/// `16 (p + 1) u` of a curve, times the largest |u| of its Bézier piece in u and the largest |v|
+/// in v, are an [`Side::Edge`] instead. `p` is the degree and `u = 2⁻⁵³`; for lines that is 16
+/// spacings of numbers just above 1.
 ///
 /// # What a tracer does with it
 /// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves
@@ -108,6 +109,8 @@ impl Trims {
     /// lies outside the domain, loops cross themselves or each other, two are the same, or there
     /// is absurdly much of them. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
+        let loops: Vec<TrimLoop> =
+            loops.iter().map(|one| one.straight_along_seams(&domain)).collect();
         if loops.is_empty() {
             return Err(TrimError::NoLoops);
         }
