@@ -1,5 +1,7 @@
 //! What a solution comes to: a meeting, a doubt, or nothing.
 
+use glam::DVec3;
+
 use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
 use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use super::grazing::Known;
@@ -18,114 +20,182 @@ pub(super) fn accept(
     known: Option<(Jet, f64)>,
     findings: &mut Findings,
 ) {
-    let Place { leaf, piece, .. } = *place;
-    let (ray, proof) = (question.ray, solution.proof);
-    let error = error_bound(piece, ray);
-    let OnRay { mut spot, mut z, residual, allowed } = match on_ray(place, ray, solution, known) {
-        Ok(on_ray) => on_ray,
-        Err(doubt) => {
-            if let Some(z) = doubt {
-                findings.doubt_at(z.max(ray.z_range[0]) * ray.t_from_z);
-            }
-            return;
-        }
-    };
-    let mut flags = match proof {
-        Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
-        Proof::Contact(_) => HitFlags::DOUBTFUL,
-        Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
-    };
-    let (mut normal, mut cosine) = spot.normal_along(ray);
-    if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
-        flags.insert(HitFlags::DOUBTFUL);
+    match meeting(question, place, solution, known) {
+        Ok(meeting) => findings.meetings.push(meeting),
+        Err(Dropped::InDoubt(t)) => findings.doubt_at(t),
+        Err(Dropped::Surely) => {}
     }
-    let z_error = error_along(proof, error, (z, cosine));
-    let moved = spot.st != solution.st;
+}
 
-    // What trims cut off is not there; their edges are. In a pole is what any kept parameter
-    // leads to.
-    let known = Known { ray, error, along: z_error };
-    match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
-        Side::Inside => {}
-        Side::Edge { inside, .. } => {
-            flags.insert(HitFlags::TRIM_EDGE);
-            let pole = leaf.collapsed(piece).filter(|_| !inside);
-            if let Some(other) = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)))
-            {
-                spot = other;
-                z = ray.axis.dot(spot.jet.point - ray.origin);
-                (normal, cosine) = spot.normal_along(ray);
-            }
+/// Why a solution is no meeting.
+enum Dropped {
+    Surely,
+    /// From this ray parameter on something may be met for all that.
+    InDoubt(f64),
+}
+
+impl Dropped {
+    /// From so far along the ray on.
+    fn from(z: f64, ray: &RayFrame) -> Self {
+        Self::InDoubt(z.max(ray.z_range[0]) * ray.t_from_z)
+    }
+}
+
+/// The meeting that a solution is.
+fn meeting(
+    question: &Question<'_>,
+    place: &Place<'_>,
+    solution: &Solution,
+    known: Option<(Jet, f64)>,
+) -> Result<Meeting, Dropped> {
+    let on_ray = on_ray(place, question.ray, solution, known)?;
+    let mut candidate = Candidate::new(question, place.leaf, solution, on_ray);
+    candidate.keep_to_trims()?;
+    candidate.leave_start()?;
+    candidate.stay_in_range()?;
+    Ok(candidate.meeting())
+}
+
+/// A place where the ray may meet the piece, and what is known of it so far.
+struct Candidate<'a> {
+    question: &'a Question<'a>,
+    leaf: &'a Leaf,
+    solution: &'a Solution,
+    on_ray: OnRay<'a>,
+    /// How far the point may be off the ray, and how far off along it.
+    error: f64,
+    z_error: f64,
+    normal: Option<DVec3>,
+    cosine: f64,
+    flags: HitFlags,
+    /// Whether the solution lies a little outside of the piece.
+    moved: bool,
+}
+
+impl<'a> Candidate<'a> {
+    fn new(
+        question: &'a Question<'a>,
+        leaf: &'a Leaf,
+        solution: &'a Solution,
+        on_ray: OnRay<'a>,
+    ) -> Self {
+        let (ray, proof) = (question.ray, solution.proof);
+        let OnRay { ref spot, z, .. } = on_ray;
+        let error = error_bound(spot.piece, ray);
+        let (normal, cosine) = spot.normal_along(ray);
+        let mut flags = match proof {
+            Proof::Isolated(_) | Proof::Collapsed => HitFlags::NONE,
+            Proof::Contact(_) => HitFlags::DOUBTFUL,
+            Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
+        };
+        if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
+            flags.insert(HitFlags::DOUBTFUL);
         }
-        Side::Outside => {
+        let z_error = error_along(proof, error, (z, cosine));
+        let moved = spot.st != solution.st;
+        Self { question, leaf, solution, on_ray, error, z_error, normal, cosine, flags, moved }
+    }
+
+    /// What trims cut off is not there; their edges are. In a pole is what any kept parameter
+    /// leads to.
+    fn keep_to_trims(&mut self) -> Result<(), Dropped> {
+        let Self { question, leaf, ref on_ray, error, z_error, .. } = *self;
+        let OnRay { ref spot, z, allowed, .. } = *on_ray;
+        let (ray, piece) = (question.ray, spot.piece);
+        let known = Known { ray, error, along: z_error };
+        match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
+            Side::Inside => {}
+            Side::Edge { inside, .. } => {
+                self.flags.insert(HitFlags::TRIM_EDGE);
+                let pole = leaf.collapsed(piece).filter(|_| !inside);
+                let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
+                if let Some(kept) = kept {
+                    self.on_ray.z = ray.axis.dot(kept.jet.point - ray.origin);
+                    (self.normal, self.cosine) = kept.normal_along(ray);
+                    self.on_ray.spot = kept;
+                }
+            }
             // The ray may run on inside the surface to where that is kept.
-            if matches!(proof, Proof::Stretch(_)) {
-                findings.doubt_at(z.max(ray.z_range[0]) * ray.t_from_z);
+            Side::Outside if matches!(self.solution.proof, Proof::Stretch(_)) => {
+                return Err(Dropped::from(z, ray));
             }
-            return;
+            Side::Outside => return Err(Dropped::Surely),
         }
-    }
-    let Spot { index: piece_index, piece, st, jet } = spot;
-
-    // The root the ray starts on is not met again.
-    if let Some((root, start)) = question.start_on(piece.surface) {
-        let reach = start_reach(proof, error, z_error, cosine) + root.error;
-        if z.abs() <= reach && jet.point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-            // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
-            let touches = flags.contains(HitFlags::DOUBTFUL);
-            if touches || !is_same_root(proof, leaf, (root, start), reach) {
-                findings.doubt_at(0.0);
-            }
-            return;
-        }
-    }
-    let border = at_border(piece, st, &jet, error);
-    let edge = border || flags.contains(HitFlags::TRIM_EDGE);
-    let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
-    if edge
-        && flags.without(HitFlags::TRIM_EDGE).is_empty()
-        && z.abs() <= from_start
-        && question.starts_on_edge_at(jet.point, cosine, z_error)
-    {
-        return;
+        Ok(())
     }
 
-    let (t, t_error) = (z * ray.t_from_z, z_error * ray.t_from_z);
-    let [t_min, t_max] = question.t_range;
-    let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
-    if !(t > t_min && t < t_max) {
-        if undecided {
-            findings.doubt_at((t - t_error).max(t_min));
+    /// The root the ray starts on is not met again.
+    fn leave_start(&self) -> Result<(), Dropped> {
+        let Self { question, error, z_error, cosine, flags, .. } = *self;
+        let (z, proof) = (self.on_ray.z, self.solution.proof);
+        let point = self.on_ray.spot.jet.point;
+        if let Some((root, start)) = question.start_on(self.on_ray.spot.piece.surface) {
+            let reach = start_reach(proof, error, z_error, cosine) + root.error;
+            if z.abs() <= reach && point.distance(start.patch.point(root.st)) <= 2.0 * reach {
+                // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
+                let touches = flags.contains(HitFlags::DOUBTFUL);
+                let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
+                return Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely });
+            }
         }
-        return;
+        let from_start = question.from.map_or(f64::NEG_INFINITY, |root| z_error + root.error);
+        let is_start = z.abs() <= from_start
+            && flags.without(HitFlags::TRIM_EDGE).is_empty()
+            && (flags.contains(HitFlags::TRIM_EDGE) || self.is_at_border())
+            && question.starts_on_edge_at(point, cosine, z_error);
+        if is_start { Err(Dropped::Surely) } else { Ok(()) }
     }
-    let edge_in_doubt = flags.contains(HitFlags::TRIM_EDGE) && z_error > EDGE_IN_DOUBT * error;
-    if undecided || edge_in_doubt {
-        flags.insert(HitFlags::DOUBTFUL);
+
+    /// What lies beyond the ray's range is not met; at its ends, and at trim edges at a small angle, there is
+    /// doubt.
+    fn stay_in_range(&mut self) -> Result<(), Dropped> {
+        let [t, t_error] = [self.on_ray.z, self.z_error].map(|z| z * self.question.ray.t_from_z);
+        let [t_min, t_max] = self.question.t_range;
+        let undecided = [t_min, t_max].iter().any(|end| (t - end).abs() <= t_error);
+        if !(t > t_min && t < t_max) {
+            let from = Dropped::InDoubt((t - t_error).max(t_min));
+            return Err(if undecided { from } else { Dropped::Surely });
+        }
+        let is_flat = self.z_error > EDGE_IN_DOUBT * self.error;
+        if undecided || (self.flags.contains(HitFlags::TRIM_EDGE) && is_flat) {
+            self.flags.insert(HitFlags::DOUBTFUL);
+        }
+        Ok(())
     }
-    if border {
-        flags.insert(HitFlags::BORDER);
+
+    fn is_at_border(&self) -> bool {
+        let Spot { piece, st, ref jet, .. } = self.on_ray.spot;
+        at_border(piece, st, jet, self.error)
     }
-    let stretch = match proof {
-        Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
-        _ => None,
-    };
-    let beyond = moved && residual > AIMED * rounding_at(jet.point, piece, ray);
-    findings.meetings.push(Meeting {
-        t,
-        t_error,
-        z_error,
-        surface: piece.surface,
-        piece: piece_index,
-        st,
-        jet,
-        normal,
-        flags,
-        error,
-        cosine,
-        stretch,
-        beyond,
-    });
+
+    fn meeting(self) -> Meeting {
+        let at_border = self.is_at_border();
+        let Self { question, on_ray, error, z_error, normal, cosine, mut flags, .. } = self;
+        let OnRay { spot: Spot { index, piece, st, jet }, z, residual, .. } = on_ray;
+        let ray = question.ray;
+        if at_border {
+            flags.insert(HitFlags::BORDER);
+        }
+        let stretch = match self.solution.proof {
+            Proof::Stretch(z) => Some(z.map(|z| z * ray.t_from_z)),
+            _ => None,
+        };
+        Meeting {
+            t: z * ray.t_from_z,
+            t_error: z_error * ray.t_from_z,
+            z_error,
+            surface: piece.surface,
+            piece: index,
+            st,
+            jet,
+            normal,
+            flags,
+            error,
+            cosine,
+            stretch,
+            beyond: self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
+        }
+    }
 }
 
 /// A place of a closed piece within rounding of the ray.
@@ -140,13 +210,13 @@ struct OnRay<'a> {
 /// Where a solution is on the closed piece: a root a little outside counts as the nearest point of the border.
 ///
 /// # Errors
-/// Where that is not within rounding of the ray: from where along it something may be met for all that, if so.
+/// Where that is not within rounding of the ray.
 fn on_ray<'a>(
     &Place { leaf, piece, .. }: &Place<'a>,
     ray: &RayFrame,
     solution: &Solution,
     known: Option<(Jet, f64)>,
-) -> Result<OnRay<'a>, Option<f64>> {
+) -> Result<OnRay<'a>, Dropped> {
     let error = error_bound(piece, ray);
     let st = on_piece(piece, ray, solution.st);
     let moved = st != solution.st;
@@ -170,7 +240,8 @@ fn on_ray<'a>(
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.proof.stretch();
     let unexplained = stretch.is_some() || !moved || too_coarse;
-    Err(unexplained.then_some(stretch.map_or(z, |[from, _]| from.min(z))))
+    let from = stretch.map_or(z, |[from, _]| from.min(z));
+    Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
 
 /// Whether a ray through a pole may as well touch the surface there as cross it.
