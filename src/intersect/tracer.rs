@@ -291,7 +291,9 @@ fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
-    let cosine = Root::kept_cosine((meeting.error / meeting.z_error).min(1.0));
+    // What is doubtful may be off along the ray by more than its angle says.
+    let least = if meeting.is_certain() { 0.0 } else { meeting.error / meeting.z_error };
+    let cosine = Root::kept_cosine(meeting.cosine.abs().max(least));
     let root = Root { piece: meeting.piece, cosine, st: meeting.st, error: meeting.z_error };
     Hit {
         t: meeting.t,

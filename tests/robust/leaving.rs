@@ -266,8 +266,8 @@ fn origins_moved_off_the_hit_meet_it_again() {
     }
 }
 
-/// At a grazing hit the place along the ray is known to a thousandth of the promise at best, but not the height over
-/// the surface: what starts there does not leave the hit.
+/// At a grazing hit the place along the ray is known a thousand or a million times worse than the height over the
+/// surface: what starts higher does not leave the hit.
 #[test]
 fn origins_moved_off_a_grazing_hit_meet_it_again() {
     let model = models::sphere();
@@ -281,7 +281,7 @@ fn origins_moved_off_a_grazing_hit_meet_it_again() {
                 let along = (random.perpendicular(normal) - cosine * normal).normalize();
                 let seen = Ray::new(normal - 3.0 * along, along).unwrap();
                 let seen = tracer.first_hit(&Query::primary(seen)).hit.unwrap();
-                assert!(seen.point.distance(normal) < 1e-8);
+                assert!(seen.point.distance(normal) < 1e-7, "aimed there");
                 for moved in [1e-12, 1e-10] {
                     let origin = seen.point + moved * seen.normal;
                     let ray = Ray::new(origin, -seen.normal).unwrap();
