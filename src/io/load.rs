@@ -97,8 +97,7 @@ fn cached_model(
     let label = path.display().to_string();
     let model = match file_type(&path, place)? {
         FileType::Scene => {
-            let what = "a scene cannot be the shape of an object";
-            return Err(LoadError::new(place.clone(), LoadFault::UnknownType { path, what }));
+            return Err(LoadError::new(place.clone(), LoadFault::NotAShape { path }));
         }
         FileType::Model => read_geomdl(&read_text(&path, place)?, &label, called)?,
         FileType::Cage => read_cage(&read_text(&path, place)?, &label)?,
@@ -323,9 +322,8 @@ mod tests {
         );
         assert_eq!(
             error(&[("s.toml", b"[[object]]\nshape = { file = 's.toml' }")]),
-            format!(
-                "s.toml:2:18: cannot read \"s.toml\": a scene cannot be the shape of an object{known}"
-            )
+            "s.toml:2:18: \"s.toml\" is a scene, which cannot be the shape of an object; models (.json) and cages \
+             (.obj) can"
         );
         assert_eq!(
             error(&[("m.json", b"{\"a\": \"\xff\"}")]),

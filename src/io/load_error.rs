@@ -31,6 +31,11 @@ pub enum LoadFault {
         /// Which.
         path: PathBuf,
     },
+    /// It is a scene, where the shape of an object is needed.
+    NotAShape {
+        /// Which file.
+        path: PathBuf,
+    },
     /// It is larger than any sensible input.
     TooLarge {
         /// Which file.
@@ -110,6 +115,12 @@ impl fmt::Display for LoadFault {
             Self::NotAFile { path } => {
                 write!(f, "cannot read {}: it is a pipe or a device, not a file", Quoted(path))
             }
+            Self::NotAShape { path } => write!(
+                f,
+                "{} is a scene, which cannot be the shape of an object; models (.json) and cages \
+                 (.obj) can",
+                Quoted(path)
+            ),
             Self::TooLarge { path, bytes, limit } => {
                 let path = Quoted(path);
                 write!(f, "cannot read {path}: {bytes} bytes are more than the {limit} allowed")

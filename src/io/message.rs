@@ -116,8 +116,10 @@ fn unknown(what: &'static str, rest: &str) -> String {
 fn plain(name: &str) -> String {
     // Integers beyond 64 bits are read as longer ones.
     let quoted = name.replace('`', "").replace(" as i128", "").replace(" as u128", "");
-    if let Some(Ok(number)) = quoted.strip_prefix("floating point ").map(str::parse) {
-        return format!("the number {}", Shown(number));
+    if let Some(Ok(number)) = quoted.strip_prefix("floating point ").map(str::parse::<f64>) {
+        // As it was written: a whole one may be what is needed, but for its point.
+        let pointed = number.fract() == 0.0 && number.abs() < 1e6;
+        return format!("the number {}{}", Shown(number), if pointed { ".0" } else { "" });
     }
     for (theirs, ours) in TYPES {
         let whole = quoted == theirs || (theirs == "struct" && quoted.starts_with("struct "));
@@ -181,6 +183,10 @@ mod tests {
         assert_eq!(
             explain(&format!("invalid type: floating point `{:.1}`, expected u32", 1e300), ""),
             "found the number 1e300, needed a whole number from 0 to 4294967295"
+        );
+        assert_eq!(
+            explain("invalid type: floating point `4.0`, expected usize", "4.0"),
+            "found the number 4.0, needed a whole number from 0 on"
         );
         assert_eq!(
             explain("invalid type: map, expected a sequence", "[light]"),

@@ -18,8 +18,9 @@ impl<'a> Reader<'a> {
         let [integers, numbers, strings] = self.counts(counts)?;
         let wanted = integers.checked_add(numbers).and_then(|sum| sum.checked_add(strings));
         if wanted != Some(values.len()) {
+            let needed = wanted.map_or_else(String::new, |wanted| format!(", which need {wanted}"));
             let message = format!(
-                "{} {} the counts {}",
+                "{} {} the counts {}{needed}",
                 Counted(values.len(), "value"),
                 if values.len() == 1 { "follows" } else { "follow" },
                 shown(counts)

@@ -91,7 +91,7 @@ fn errors_name_line_and_column() {
         ("hello", "x.obj:16:1: unknown statement \"hello\""),
         ("t crease", "x.obj:16:1: a tag needs a name and counts, as in t crease 2/1/0 0 1 2.5"),
         ("t crease 2/1 0 1 1", "x.obj:16:10: \"2/1\" is no count of values like 2/1/0"),
-        ("t crease 2/1/0 0 1", "x.obj:16:10: 2 values follow the counts \"2/1/0\""),
+        ("t crease 2/1/0 0 1", "x.obj:16:10: 2 values follow the counts \"2/1/0\", which need 3"),
         (
             "t crease 2/1/0 0 9 1",
             "x.obj:16:16: crease 0: there is no edge between vertices 0 and 9 (counted from 0)",
