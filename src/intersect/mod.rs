@@ -71,6 +71,7 @@
 //! ```
 
 mod accept;
+mod bits;
 mod borders;
 mod bvh;
 mod coherence;

@@ -1,5 +1,6 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave.
 
+use super::bits::set_bits;
 use super::borders::{at_border, error_bound};
 use super::meeting::{Meeting, occlusion};
 use super::read_ahead::{Ahead, Moment, ReadAhead};
@@ -39,7 +40,7 @@ impl Tracer<'_> {
             self.search_rest(packet, Wanted::First);
             let first = answers.len();
             self.answer_packet(packet, answers);
-            for k in left_out(self.packets.packet.far_off()) {
+            for k in set_bits(self.packets.packet.far_off()) {
                 self.findings.statistics.uncount();
                 answers[first + k] = self.scalar_first(&packet[k].query());
             }
@@ -78,7 +79,7 @@ impl Tracer<'_> {
                     self.judged_occlusion(k)
                 });
             }
-            for k in left_out(self.packets.packet.far_off()) {
+            for k in set_bits(self.packets.packet.far_off()) {
                 self.findings.statistics.uncount();
                 answers[first + k] = self.scalar_any(&packet[k]);
             }
@@ -167,15 +168,6 @@ impl Tracer<'_> {
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer
     }
-}
-
-/// The rays that packets do not trace.
-fn left_out(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let k = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (k < PACKET).then_some(k)
-    })
 }
 
 /// A lane's hit as the scalar search would have found it.

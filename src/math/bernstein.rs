@@ -91,8 +91,9 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
 /// There are `p + 1` coefficients, one at least. `a` and `b` may lie outside `[0, 1]`. Each
-/// coefficient moves by at most `4 p u` times the largest one, for `[a, b]` within `[0, 1]`; beyond, what
-/// is off grows as polynomials do: `e` outside at both ends, by up to `(1 + 2 e)ᵖ`.
+/// coefficient moves by at most `6 p u` times the largest one, for `[a, b]` within `[0, 1]`: each of the two cuts mixes
+/// `p` times, with three roundings a mix; of random signs they come to less than `4 p u`. Beyond, what is off grows as
+/// polynomials do: `e` outside at both ends, by up to `(1 + 2 e)ᵖ`.
 pub fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,

@@ -129,7 +129,7 @@ pub(crate) struct ExactSolver {
     /// weight. The other half is kept for what a contact's own point is off.
     ///
     /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)) it holds for errors of random
-    /// sign. Were all of one sign, the two times a net is cut down could cost `8 (p + q) u`, more than the
+    /// sign. Were all of one sign, the two times a net is cut down could cost `12 (p + q) u`, more than the
     /// `2 (p + q + 4) u` taken here; of random nets of degree 1 to 12, compared with exact fractions, none was off by
     /// half of that.
     error: f64,

@@ -12,6 +12,7 @@ use super::scene::Scene;
 use super::search::{load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
+use crate::intersect::bits::set_bits;
 use crate::patch::SceneFrame;
 
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
@@ -30,7 +31,7 @@ pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], 
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
     let far_off = beyond(simd, packet, scene.reach_of_f32);
     if far_off != 0 {
-        for k in lanes_of(far_off) {
+        for k in set_bits(far_off) {
             packet.z[k] = f64::NEG_INFINITY;
         }
         packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
@@ -69,11 +70,6 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFram
     packet.farthest = farthest(simd, packet);
 }
 
-/// The places of the bits that are set.
-fn lanes_of(bits: u64) -> impl Iterator<Item = usize> {
-    (0..PACKET).filter(move |k| bits >> k & 1 != 0)
-}
-
 /// The lanes, idle ones too, whose rays come from too far away.
 #[simd]
 fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
@@ -90,7 +86,7 @@ fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
 /// ray, there may be no numbers of f32, which would spoil what is said of all lanes.
 fn leave_out(packet: &mut Packet, far_off: u64) {
     let other = (!far_off).trailing_zeros() as usize % PACKET;
-    for k in lanes_of(far_off) {
+    for k in set_bits(far_off) {
         packet.far_f[k] = f32::NEG_INFINITY;
         packet.near_f[k] = packet.near_f[other];
         for i in 0..3 {

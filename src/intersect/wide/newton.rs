@@ -264,7 +264,9 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     let inverse_det = one / (a1 * b2 - a2 * b1);
     let slopes = [[a1, a2], [b1, b2]];
-    // Converged where the residual is within the error; or will be after this step, as far as it is not rounded.
+    // Converged where the residual is within the error; or will be after this step, as far as it is not rounded. (A step
+    // from a place that is within the error leaves next to nothing of it: it is no longer than half the slack of the
+    // leaf, and no certificate speaks of rays that are flatter than the surface turns on its way.)
     let error = rays.error();
     let (residual, squared) = (f1.mul_add(f1, f2 * f2), error * error);
     let close = residual.simd_le(squared);
