@@ -19,14 +19,19 @@ pub const fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
 
 /// The largest f32 not above `x`.
 pub fn f32_below(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+    -f32_above(-x)
 }
 
 /// The smallest f32 not below `x`.
+///
+/// Without a branch: none could be foreseen, and a wrong guess takes as long as a good part of a ray.
+#[inline(always)]
 pub fn f32_above(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+    let bits = nearest.to_bits();
+    // One number up: numbers below zero are counted downwards.
+    let up = 1u32.wrapping_sub(2 * (bits >> 31));
+    f32::from_bits(bits.wrapping_add(up.wrapping_mul(u32::from(f64::from(nearest) < x))))
 }
 
 /// The largest power of two not above `x`, kept normal: scaling by it is exact.
@@ -58,9 +63,13 @@ mod tests {
 
     #[test]
     fn f32_conversions_enclose() {
-        for x in [0.1, -0.1, 1e30, -1e-30, 1.0, 0.0, 16777217.0, 1e300, -1e300, 1e-320] {
+        let plain = [0.1, 1e30, 1e-30, 1.0, 0.0, 16777217.0, 1e300, 1e-320, 1e-45, f64::INFINITY];
+        for x in plain.into_iter().flat_map(|x| [x, -x]) {
             assert!(f64::from(f32_below(x)) <= x && x <= f64::from(f32_above(x)), "{x}");
             assert!(f32_above(x) <= f32_below(x).next_up(), "{x}: not the nearest two");
+            let is_number_of_f32 = f64::from(x as f32) == x;
+            assert_eq!(f32_above(x) == f32_below(x), is_number_of_f32, "{x}");
         }
+        assert!(f32_above(f64::NAN).is_nan() && f32_below(f64::NAN).is_nan());
     }
 }
