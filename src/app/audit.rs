@@ -73,7 +73,7 @@ Columns, for each class:
 Certain is a hit of the exact solver without doubt, unless it lies within the
 bound of an end of the ray's range, or the ray passes a border on its outside by
 more than a quarter of the bound, or a trim edge in what is cut off by more than
-the curve's rounding; and the point a ray was aimed at, if |N.d| >=
+the promise and the curve's rounding; and the point a ray was aimed at, if |N.d| >=
 0.01 or the point lies on a border, and trims have not cut it off; but no border
 point of a triangle or subdivision surface that rounding of u and v may have put
 beyond the border by more than a quarter of the promise. What trims
@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
         classes.iter().flat_map(|(_, tally)| tally.offenders()).copied().collect();
     let report = Report::new(classes);
     let threads = pool.current_num_threads();
-    if arguments.json {
+    let printed = if arguments.json {
         let [classes, groups, total] = report.json();
         console::print_json(&json!({
             "input": arguments.input.display().to_string(),
@@ -143,17 +143,18 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
             "classes": classes,
             "groups": groups,
             "total": total,
-        }))?;
+        }))
     } else {
         let (rays, workers) = (count(arguments.rays, "ray"), count(threads as u64, "thread"));
         let settings = format!("{rays}, seed {}, kernel {kernel}, {workers}", arguments.seed);
-        console::print(&format!("{settings}\n\n{}\n{}", report.table(), report.verdict()))?;
-    }
-    // Last, so that nothing that was found out is lost where they cannot be written.
+        console::print(&format!("{settings}\n\n{}\n{}", report.table(), report.verdict()))
+    };
+    // What was found out is not lost where one of the two cannot be written.
     if let Some(path) = &arguments.offenders {
         let rows: Vec<[f64; 8]> = offenders.iter().map(row).collect();
         write_rows(path, &rows).or_failed()?;
     }
+    printed?;
     match report.accusation() {
         None => Ok(ExitCode::SUCCESS),
         Some(accusation) => Err(Failure::work(accusation)),

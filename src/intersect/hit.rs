@@ -117,7 +117,7 @@ impl Query {
     /// The ray is to start at [`Hit::point`], or as near as `o + t d` comes to it. One that starts
     /// elsewhere, as where its origin was moved along the normal to be on the safe side, does not
     /// leave the hit: it is asked about like any other ray. The hit is to be as it was answered, and of
-    /// the surfaces that are asked about: no more of it is looked at than where it is.
+    /// the surfaces that are asked about: no more of it is looked at than its point and normal.
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
         let Root { error, cosine, .. } = hit.root;
         let moved = ray.origin() - hit.point;

@@ -3,6 +3,7 @@
 use fearless_simd::Level;
 use glam::DVec3;
 
+use super::accept::AROUND;
 use super::leaf_search;
 use super::meeting::{Findings, Meeting, Place, Question};
 use super::tree::ChildCode;
@@ -292,8 +293,8 @@ fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
         DVec3::NAN
     });
     // What is doubtful may be off along the ray by more than its angle says.
-    let least = if meeting.is_certain() { 0.0 } else { meeting.error / meeting.z_error };
-    let cosine = Root::kept_cosine(meeting.cosine.abs().max(least));
+    let least = if meeting.is_certain() { 0.0 } else { AROUND * meeting.error / meeting.z_error };
+    let cosine = Root::kept_cosine(meeting.cosine.abs().max(least).min(1.0));
     let root = Root { piece: meeting.piece, cosine, st: meeting.st, error: meeting.z_error };
     Hit {
         t: meeting.t,

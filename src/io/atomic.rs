@@ -80,7 +80,7 @@ pub fn write_atomically(
 /// A file that is written, but not in its place yet: dropped, it leaves no trace.
 ///
 /// Of several files that belong together each is staged before the first is put in its place, so that none is
-/// replaced if another cannot be written.
+/// replaced if the contents of another cannot be written.
 #[derive(Debug)]
 #[must_use = "it is not there yet"]
 pub struct StagedFile {
@@ -138,7 +138,7 @@ impl StagedFile {
 /// is replaced then.
 ///
 /// # Errors
-/// When the system refuses.
+/// When the system refuses; those before are in their places then.
 pub fn put_all_in_place(files: Vec<StagedFile>) -> Result<(), WriteError> {
     let is_stream = |file: &StagedFile| matches!(file.staged, Staged::Stream(_));
     let (streams, files): (Vec<_>, Vec<_>) = files.into_iter().partition(is_stream);

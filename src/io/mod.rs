@@ -15,7 +15,7 @@
 //! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
 //! points of degree 3 need 11`. Files are written under another name and moved into place
 //! when complete ([`write_atomically`]), so a failure leaves the older file as it was; files that belong
-//! together all at once ([`stage`], [`put_all_in_place`]).
+//! together when all are complete ([`stage`], [`put_all_in_place`]).
 //!
 //! STEP, IGES and 3dm have their place here, but are not read yet, nor are NURBS in OBJ.
 

@@ -189,13 +189,20 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether the ray passes a border on its outside, farther off than half the slack; or a trim edge
-    /// in what is cut off, farther than the curve may be off: by no more than the hit may, as far as the
-    /// tracer can tell.
+    /// in what is cut off, farther than the promise and what the curve may be off: by no more than the hit
+    /// may, as far as the tracer can tell.
     fn is_beyond(&self, hit: &Hit, measure: &Measure) -> bool {
         let surface = self.surfaces.get(hit.surface as usize);
         let beyond_edge = || {
             let trims = surface.and_then(Surface::trimmed).map(TrimmedSurface::trims);
-            trims.is_some_and(|trims| trims.contains(hit.uv) == Side::Outside)
+            trims.zip(surface).is_some_and(|(trims, surface)| {
+                let at = surface.derivatives(hit.uv);
+                let lengths = DVec2::new(at.du.length(), at.dv.length());
+                let sine = at.du.cross(at.dv).length() / (lengths.x * lengths.y);
+                let reach = measure.promise / (lengths * sine); // no number, or infinite, at a pole
+                let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
+                trims.contains_within(hit.uv, reach) == Side::Outside
+            })
         };
         (hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound)
             || (hit.flags.contains(HitFlags::TRIM_EDGE) && beyond_edge())

@@ -14,12 +14,16 @@ use crate::geometry::construct::Course;
 /// wide is 10⁻⁴ of it; a gap that is seen is an error.
 pub const JOINT_TOLERANCE: f64 = 1e-4;
 
-/// Sides of loops that stay this near to the seam of a periodic domain, per period, are taken to lie on it.
+/// Sides of loops that run along the seam of a periodic domain, this near to it, per period, and within
+/// [`JOINT_TOLERANCE`] of the loop's extent, are taken to lie on it.
 ///
 /// A loop that runs once around a cylinder, there and back again, has two sides on the seam, which CAD files fit
 /// separately: those of a face of a ball were seen to be 3·10⁻¹⁰ off, to both sides. As they were written, they would
 /// cross, or leave a slit.
 pub const SEAM_TOLERANCE: f64 = 1e-8;
+
+/// A side runs along a seam if it leaves it by no more than this part of its length, each in the loop's extent.
+const ALONG: f64 = 1e-3;
 
 /// A closed loop in the (u, v) plane, made of curves each of which begins where the one
 /// before it ends, the first where the last one ends.
@@ -156,28 +160,29 @@ impl TrimLoop {
         Self { pieces: self.pieces.iter().map(moved).collect(), ..*self }
     }
 
-    /// The loop with those of its pieces straight, and on a seam, that are no farther off than [`SEAM_TOLERANCE`], unless
-    /// all are. How far they were moved counts as a gap.
+    /// The loop with those of its pieces straight, and on a seam, that are no farther off than [`SEAM_TOLERANCE`] says.
+    /// How far they were moved counts as a gap.
     pub(super) fn straight_along_seams(&self, domain: &TrimDomain) -> Self {
-        let mut straight = self.clone();
+        let (mut straight, size) = (self.clone(), self.bounds().size());
         for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
-            let size = self.bounds().size()[axis];
-            let [start, end] = domain.range()[axis];
-            let period = end - start;
-            if !domain.is_periodic(direction) || size <= 4.0 * SEAM_TOLERANCE * period {
+            if !domain.is_periodic(direction) {
                 continue;
             }
+            let [start, end] = domain.range()[axis];
+            let period = end - start;
             let count = straight.pieces.len();
             for index in 0..count {
                 let piece = &mut straight.pieces[index];
                 let periods = ((piece.ends[0][axis] - start) / period).round();
                 let seam = if periods == 1.0 { end } else { start + periods * period };
                 let off = piece.hull().map(|point| (point[axis] - seam).abs()).fold(0.0, f64::max);
-                let is_on_seam = off <= SEAM_TOLERANCE * period; // false for NaN
-                if off == 0.0 || !is_on_seam {
-                    continue;
+                let length = UvBox::around(piece.hull()).size()[1 - axis];
+                let is_along = off / size[axis] <= ALONG * length / size[1 - axis];
+                let is_near = off <= SEAM_TOLERANCE * period && off <= JOINT_TOLERANCE * size[axis];
+                if off == 0.0 || !(is_near && is_along) {
+                    continue; // also for NaN
                 }
-                straight.widest_gap = straight.widest_gap.max(off / size);
+                straight.widest_gap = straight.widest_gap.max(off / size[axis]);
                 piece.control.iter_mut().for_each(|point| point[axis] = point.z * seam);
                 piece.ends.iter_mut().for_each(|end| end[axis] = seam);
                 let [from, to] = piece.ends;
