@@ -73,10 +73,10 @@ Columns, for each class:
 Certain is a hit of the exact solver without doubt, unless it lies within the
 bound of an end of the ray's range, or the ray passes a border on its outside by
 more than a quarter of the bound, or a trim edge in what is cut off by more than
-the promise and the curve's rounding; and the point a ray was aimed at, if |N.d| >=
-0.01 or the point lies on a border, and trims have not cut it off; but no border
-point of a triangle or subdivision surface that rounding of u and v may have put
-beyond the border by more than a quarter of the promise. What trims
+the promise and the curve's rounding; and the point a ray was aimed at, if
+|N.d| >= 0.01 or the point lies on a border, and trims have not cut it off; but
+no border point of a triangle or subdivision surface that rounding of u and v
+may have put beyond the border by more than a quarter of the promise. What trims
 keep is judged by even-odd against polylines within 1/1000 of the domain of the
 trim curves, which the tracer does not know; within twice that of one both sides
 pass, but points of class trim-edges are on the curves, and owed. M is the

@@ -87,8 +87,8 @@ and with a rival:
                   build_seconds
   rival_bytes     what Embree reports, vertices included; normals and (u, v) are
                   not
-  rival_tnear, hit_disagreements, t_disagreements (rays; the last not of rays that
-                  ask for any hit)
+  rival_tnear, hit_disagreements, t_disagreements
+                  (rays; the last not of those that ask for any hit)
   ratio           mrays_per_s / rival_mrays_per_s
 Preparations are repeated up to 9 times; their figures are those of the run that
 took the median time.

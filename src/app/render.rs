@@ -34,7 +34,8 @@ What a pixel shows (--integrator):
   depth       the distance along the ray, from white to dark grey over the model
   id          a colour for each surface
   iterations  the work of each ray, from black over red and yellow to white
-All but direct are black where nothing is hit (iterations: where nothing was done).
+All but direct are black where nothing is hit (iterations: where nothing was
+done).
 
 What an EXR holds besides R, G, B and A, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the

@@ -217,3 +217,44 @@ fn join_stretches(meetings: &mut Vec<Meeting>) {
         })
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::Jet;
+
+    fn view(t: f64, cosine: f64, flags: HitFlags) -> Meeting {
+        let jet = Jet { point: t * DVec3::Z, ds: DVec3::X, dt: DVec3::Y };
+        Meeting {
+            t,
+            t_error: 1e-15 / cosine,
+            z_error: 1e-15 / cosine,
+            surface: 0,
+            piece: 0,
+            st: DVec2::splat(0.5),
+            jet,
+            normal: Some(DVec3::Z),
+            flags,
+            error: 1e-15,
+            cosine,
+            stretch: None,
+            beyond: false,
+        }
+    }
+
+    #[test]
+    fn a_certain_view_stays_where_a_grazing_one_leaves_doubt() {
+        let (first, other) = (view(1.0, 0.5, HitFlags::NONE), view(1.5, 0.7, HitFlags::BORDER));
+        let grazing = view(1.2, 1e-5, HitFlags::DOUBTFUL);
+        let mut crossing = Crossing::new(first);
+        crossing.join(grazing);
+        crossing.join(other);
+        assert_eq!(crossing.view.t, 1.0);
+        assert_eq!(crossing.view.flags, HitFlags::DOUBTFUL.with(HitFlags::BORDER));
+
+        // A steep one is but another view: it gives way, and takes its doubt along.
+        let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
+        crossing.join(first);
+        assert_eq!((crossing.view.t, crossing.view.flags), (1.0, HitFlags::NONE));
+    }
+}

@@ -335,6 +335,9 @@ mod tests {
             message(VIEW, Projection::Perspective { fov: 180.0 }),
             "fov is 180: needed is an angle from 1e-6 degrees up to, not including, 180"
         );
+        // The eye may be where it is because of the field of view.
+        let far = View { look_from: DVec3::splat(f64::INFINITY), ..VIEW };
+        assert!(message(far, Projection::Perspective { fov: 0.0 }).starts_with("fov is 0: "));
         assert_eq!(
             message(VIEW, Projection::Orthographic { height: 0.0 }),
             "height is 0: needed is a positive length, at most 1e100"

@@ -219,4 +219,11 @@ fn sets_without_rays_are_said_to_be_empty() {
     let run = run.succeeded();
     assert_eq!(run.stderr, "warning: dark.toml: there are no shadow rays\n");
     assert_eq!(lines(&run).len(), 1);
+
+    let run = sandbox.run(&format!("bench dark.toml --rays shadow {QUICK} --json"));
+    run.failed_with_warning(
+        1,
+        "dark.toml: there are no shadow rays",
+        "nothing was measured: there are no such rays",
+    );
 }

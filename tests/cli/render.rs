@@ -353,3 +353,14 @@ fn a_failed_run_leaves_older_pictures_alone() {
     assert_ne!(sandbox.bytes("a.png"), b"older");
     assert_eq!(sandbox.files(), ["a.png", "sphere.toml"]);
 }
+
+/// Of two outputs the first stays as it was where the second cannot be written.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_picture_is_replaced_if_another_cannot_be_written() {
+    let sandbox = Sandbox::with(&[("sphere.toml", SPHERE), ("good.exr", "old")]);
+    std::os::unix::fs::symlink("/dev/full", sandbox.path("full.png")).unwrap();
+    let run = sandbox.run("render sphere.toml -o good.exr -o full.png");
+    run.failed(1, "cannot write \"full.png\": No space left on device (os error 28)");
+    assert_eq!(sandbox.bytes("good.exr"), b"old");
+}

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::Side;
-use nurbray::geometry::{Charts, Surface, TrimmedSurface};
+use nurbray::geometry::{Charts, Surface};
 use nurbray::intersect::{Answer, Hit, HitFlags};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
@@ -192,20 +192,21 @@ impl<'a> Judge<'a> {
     /// in what is cut off, farther than the promise and what the curve may be off: by no more than the hit
     /// may, as far as the tracer can tell.
     fn is_beyond(&self, hit: &Hit, measure: &Measure) -> bool {
-        let surface = self.surfaces.get(hit.surface as usize);
-        let beyond_edge = || {
-            let trims = surface.and_then(Surface::trimmed).map(TrimmedSurface::trims);
-            trims.zip(surface).is_some_and(|(trims, surface)| {
-                let at = surface.derivatives(hit.uv);
-                let lengths = DVec2::new(at.du.length(), at.dv.length());
-                let sine = at.du.cross(at.dv).length() / (lengths.x * lengths.y);
-                let reach = measure.promise / (lengths * sine); // no number, or infinite, at a pole
-                let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
-                trims.contains_within(hit.uv, reach) == Side::Outside
-            })
-        };
         (hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound)
-            || (hit.flags.contains(HitFlags::TRIM_EDGE) && beyond_edge())
+            || (hit.flags.contains(HitFlags::TRIM_EDGE)
+                && self.is_beyond_edge(hit, measure.promise))
+    }
+
+    /// Whether all is cut off that is as near to a hit as this, in space.
+    fn is_beyond_edge(&self, hit: &Hit, near: f64) -> bool {
+        let Some(surface) = self.surfaces.get(hit.surface as usize) else { return false };
+        let Some(trimmed) = surface.trimmed() else { return false };
+        let at = surface.derivatives(hit.uv);
+        let lengths = DVec2::new(at.du.length(), at.dv.length());
+        let sine = at.du.cross(at.dv).length() / (lengths.x * lengths.y);
+        let reach = near / (lengths * sine); // no number, or infinite, at a pole
+        let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
+        trimmed.trims().contains_within(hit.uv, reach) == Side::Outside
     }
 
     /// Whether two hits are one root: their `t` agree to within their error bounds, or the
@@ -292,7 +293,8 @@ fn largest(surface: &Surface) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
+    use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+    use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
     use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
 
     use super::*;
@@ -330,6 +332,36 @@ mod tests {
         let bound = |v: f64| judge.at(&ray, Site { surface: 0, uv: DVec2::new(0.5, v) }, 1.0).bound;
         assert!(bound(knot) > 1e6 * UNIT_ROUNDOFF, "{:e}", bound(knot));
         assert!(bound(knot + 0.1) < 1e3 * UNIT_ROUNDOFF, "{:e}", bound(knot + 0.1));
+    }
+
+    /// Beside a trim edge by so many times what a point of the plane may be off, is what was seen there owed?
+    #[test]
+    fn what_lies_beyond_a_trim_edge_by_more_than_the_promise_is_not_owed() {
+        let knots = KnotVector::bezier(1).unwrap();
+        let points = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+        let net = points.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        let plane = NurbsSurface::new(knots.clone(), knots, net, None).unwrap();
+        let domain = TrimDomain::of(&plane).unwrap();
+        let half = TrimLoop::rectangle(UvBox::new([0.0, 0.5], [0.0, 1.0])).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[half]).unwrap();
+        let surfaces = [TrimmedSurface::new(plane, trims).unwrap().into()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let judge = Judge::new(&surfaces);
+        let promise = residual_factor(1, 1);
+        // Within twice as far as curves are off themselves, and much farther off.
+        for (off, owed) in [(-10.0, true), (-1.0, true), (0.0, true), (0.5, true), (10.0, false)] {
+            let x = 0.5 + off * promise;
+            let ray = Ray::new(DVec3::new(x, 0.5, 1.0), -DVec3::Z).unwrap();
+            let seen = Ray::new(DVec3::new(0.4, 0.5, 1.0), -DVec3::Z).unwrap();
+            let seen = bvh.tracer().first_hit(&Query::primary(seen)).hit.unwrap();
+            let uv = DVec2::new(x, 0.5);
+            let point = DVec3::new(x, 0.5, 0.0);
+            let root = Hit { uv, point, flags: HitFlags::TRIM_EDGE, ..seen };
+            let shot = Shot { query: Query::primary(ray), target: None };
+            let truth = Truth { hits: &[root], undecided: false };
+            let fault = judge.judge(&shot, &Answer::default(), &truth).fault;
+            assert_eq!(fault, owed.then_some(Fault::Miss), "{off}");
+        }
     }
 
     #[test]
