@@ -39,6 +39,7 @@ pub enum ChartMap {
 
 impl ChartMap {
     /// The whole's parameters of a place on the chart.
+    #[inline]
     pub fn uv(&self, at: DVec2) -> DVec2 {
         match self {
             Self::Identity => at,

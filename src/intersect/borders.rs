@@ -8,7 +8,7 @@ use super::grazing::Known;
 use super::newton::project;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
-use crate::patch::{Jet, LEAF_SLACK, Leaf, Piece, WIDENING};
+use crate::patch::{Jet, Leaf, Piece, WIDENING};
 
 /// How far a computed point of the piece may be from the true one, for this ray.
 pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
@@ -109,22 +109,6 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     let sine = jet.ds.cross(jet.dt).length() / (lengths.x * lengths.y);
     let sine = if sine > 0.0 { sine } else { 1.0 }; // also where it is not a number
     TRIM_REACH * error / (lengths * sine)
-}
-
-/// Each side of the piece that is a border of the surface and near the leaf, and how far from it,
-/// in the parameter, a hit may be within rounding of it.
-///
-/// The leaf is certified for the ray, so rounding moves a root by less than half of the
-/// leaf's slack: what is farther from the side than a few times that is not at the border.
-#[inline(always)]
-pub(super) fn near_borders(leaf: &Leaf, piece: &Piece) -> impl Iterator<Item = (usize, f64)> {
-    let rect = leaf.rect();
-    (0..4).filter(|&side| piece.is_border(side)).filter_map(move |side| {
-        let [from, to] = rect[side / 2];
-        let reach = 4.0 * LEAF_SLACK * (to - from);
-        let distance = if side % 2 == 0 { from } else { 1.0 - to };
-        (distance <= reach).then_some((side, reach))
-    })
 }
 
 /// Whether a point lies within rounding of a side that is a border of the surface.

@@ -175,7 +175,7 @@ mod tests {
                     let node = &tree.nodes[index as usize];
                     waiting.extend(node.filled().map(|k| {
                         let side = |side: usize| {
-                            Vec3::from_array([0, 1, 2].map(|axis| node.planes[2 * axis + side][k]))
+                            Vec3::from_array([0, 1, 2].map(|axis| node.planes[axis][side][k]))
                         };
                         let mut boxes = boxes.clone();
                         boxes.push((frame, ScaledBox { min: side(0), max: side(1) }));

@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::borders::{at_border, error_bound, near_borders};
+use super::borders::{at_border, error_bound};
 use super::hit::Root;
 use super::leaf_search;
 use super::meeting::{Meeting, Question};
@@ -196,7 +196,7 @@ impl<'a> Certain<'a> {
             let limit = piece.normal(hit.st, &piece.patch.jet(hit.st));
             normal = limit.filter(|_| !piece.is_tip(hit.point)).unwrap_or(DVec3::NAN);
         }
-        if piece.has_border() && near_border(leaf, piece, hit.st) {
+        if leaf.is_at_border() && near_border(leaf, piece, hit.st) {
             let jet = piece.patch.jet(hit.st);
             let error = error_bound(piece, &RayFrame::new(ray));
             if at_border(piece, hit.st, &jet, error) {
@@ -251,5 +251,5 @@ impl<'a> Certain<'a> {
 /// Whether a hit may lie within rounding of a border of its surface.
 fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
     let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    near_borders(leaf, piece).any(|(side, reach)| distance[side] <= reach)
+    leaf.near_borders(piece).any(|(side, reach)| distance[side] <= reach)
 }

@@ -101,7 +101,7 @@ impl Slabs {
     /// pass over it.
     fn entry(&self, node: &Node, k: usize) -> Option<f64> {
         let plane = |side: usize| {
-            let at = |axis: usize| f64::from(node.planes[2 * axis + side][k]);
+            let at = |axis: usize| f64::from(node.planes[axis][side][k]);
             DVec3::new(at(0), at(1), at(2))
         };
         let low = (plane(0) - self.origin_low) * self.inverse;

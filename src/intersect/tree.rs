@@ -88,30 +88,27 @@ impl ChildCode {
 #[repr(align(64))]
 pub(super) struct Node {
     /// The lower and the upper planes of the first coordinate, of the second, of the third.
-    pub(super) planes: [[f32; LANES]; 6],
+    pub(super) planes: [[[f32; LANES]; 2]; 3],
     pub(super) child: [ChildCode; LANES],
 }
 
 impl Node {
     pub(super) fn empty() -> Self {
-        let mut planes = [[f32::INFINITY; LANES]; 6];
-        for axis in 0..3 {
-            planes[2 * axis + 1] = [f32::NEG_INFINITY; LANES];
-        }
-        Self { planes, child: [ChildCode::default(); LANES] }
+        let nowhere = [[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]];
+        Self { planes: [nowhere; 3], child: [ChildCode::default(); LANES] }
     }
 
     pub(super) fn set(&mut self, k: usize, bounds: &ScaledBox, child: Child) {
         for axis in 0..3 {
-            self.planes[2 * axis][k] = bounds.min[axis];
-            self.planes[2 * axis + 1][k] = bounds.max[axis];
+            self.planes[axis][0][k] = bounds.min[axis];
+            self.planes[axis][1][k] = bounds.max[axis];
         }
         self.child[k] = ChildCode::new(child);
     }
 
     /// Which children there are.
     pub(super) fn filled(&self) -> impl Iterator<Item = usize> {
-        (0..LANES).filter(|&k| self.planes[0][k] <= self.planes[1][k])
+        (0..LANES).filter(|&k| self.planes[0][0][k] <= self.planes[0][1][k])
     }
 }
 

@@ -48,14 +48,21 @@ impl RayFrame {
     }
 }
 
-/// The unit vector along `v` and the length of `v`; scaled first where the squares of tiny or
-/// huge components would be lost.
+/// The unit vector along `v` and the length of `v`.
+#[inline(always)]
 fn unit_and_length(v: DVec3) -> (DVec3, f64) {
     let square = v.length_squared();
-    if (1e-100..1e100).contains(&square) {
-        let length = square.sqrt();
-        return (v * (1.0 / length), length);
+    if !(1e-100..1e100).contains(&square) {
+        return unit_and_length_of_extreme(v);
     }
+    let length = square.sqrt();
+    (v * (1.0 / length), length)
+}
+
+/// The same, scaled first: the squares of tiny or huge components would be lost.
+#[cold]
+#[inline(never)] // else both cases would meet in memory, written as single numbers and read as vectors
+fn unit_and_length_of_extreme(v: DVec3) -> (DVec3, f64) {
     let largest = v.abs().max_element();
     let scaled = v / largest;
     let length = scaled.length();

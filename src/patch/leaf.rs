@@ -54,7 +54,7 @@ pub struct Leaf {
     /// `T / M`, with `M` as kept in `fit_bend`.
     fit_third: Up8,
     stretch: Up16,
-    /// [`TRIMMED`] and [`FLAT`].
+    /// [`TRIMMED`], [`FLAT`] and [`AT_BORDER`].
     marks: u8,
 }
 
@@ -93,6 +93,7 @@ impl Leaf {
         let [x, y] = leaf.half_side_lengths().map(f64::from);
         let is_flat = error.bend <= MOST_BEND_OF_FLAT * x.min(y);
         leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
+        leaf.marks |= if leaf.near_borders(piece).next().is_some() { AT_BORDER } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf, &weight, &halving, piece, &error));
         (leaf, weight, oriented)
     }
@@ -154,6 +155,28 @@ impl Leaf {
     #[inline(always)]
     pub fn is_flat(&self) -> bool {
         self.marks & FLAT != 0
+    }
+
+    /// Whether hits on the leaf may be within rounding of a border of the surface: see [`Self::near_borders`].
+    #[inline(always)]
+    pub(crate) fn is_at_border(&self) -> bool {
+        self.marks & AT_BORDER != 0
+    }
+
+    /// Each side of the piece that is a border of the surface and near the leaf, and how far from it,
+    /// in the parameter, a hit may be within rounding of it, if the leaf is certified for the ray.
+    ///
+    /// Then rounding moves a root by less than half of the leaf's slack: what is farther from the side than a few
+    /// times that is not at the border.
+    #[inline(always)]
+    pub(crate) fn near_borders(&self, piece: &Piece) -> impl Iterator<Item = (usize, f64)> {
+        let rect = self.rect();
+        (0..4).filter(|&side| piece.is_border(side)).filter_map(move |side| {
+            let [from, to] = rect[side / 2];
+            let reach = 4.0 * LEAF_SLACK * (to - from);
+            let distance = if side % 2 == 0 { from } else { 1.0 - to };
+            (distance <= reach).then_some((side, reach))
+        })
     }
 
     /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.
@@ -266,9 +289,10 @@ fn stretch(
 /// Leaves whose [`FitError::bend`] is no larger a part of their half sides are taken for flat.
 const MOST_BEND_OF_FLAT: f64 = 1e-6;
 
-/// What leaves are marked with: see [`Leaf::is_trimmed`] and [`Leaf::is_flat`].
+/// What leaves are marked with: see [`Leaf::is_trimmed`], [`Leaf::is_flat`] and [`Leaf::is_at_border`].
 const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
+const AT_BORDER: u8 = 4;
 
 /// Leaves that are stretched less need no second look, nor do those that are not so many times as long as wide.
 const WELL_STRETCHED: f64 = 2.0;

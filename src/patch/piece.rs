@@ -66,18 +66,15 @@ impl Piece {
         self.border >> side & 1 != 0
     }
 
-    /// Whether any side is.
-    pub fn has_border(&self) -> bool {
-        self.border != 0
-    }
-
     /// The surface parameters of a point of the unit square; exact at its corners, but at an
     /// open end: there it is the last number before the knot.
+    #[inline]
     pub fn uv(&self, st: DVec2) -> DVec2 {
         self.patch.net.map.uv(self.chart_uv(st))
     }
 
     /// The same in the parameters of its chart.
+    #[inline]
     pub(crate) fn chart_uv(&self, st: DVec2) -> DVec2 {
         let domain = self.domain();
         let at = |k: usize| {

@@ -143,8 +143,8 @@ fn meeting_one_by_one<S: Simd>(
             children &= children - 1;
             let (mut near, mut far) = (near_f, far_f);
             for axis in 0..3 {
-                let low = f32x16::splat(simd, node.planes[2 * axis][child]);
-                let high = f32x16::splat(simd, node.planes[2 * axis + 1][child]);
+                let low = f32x16::splat(simd, node.planes[axis][0][child]);
+                let high = f32x16::splat(simd, node.planes[axis][1][child]);
                 let a = (low - for_low[axis]) * inverse[axis];
                 let b = (high - for_high[axis]) * inverse[axis];
                 near = near.max(a.min(b));

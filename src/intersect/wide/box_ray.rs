@@ -31,10 +31,10 @@ pub(super) struct BoxRay {
     /// The origin, moved along the ray to be near the scene, and the unit direction.
     pub(super) origin: [f32; 3],
     pub(super) axis: [f32; 3],
-    /// One over the direction; which plane of a box comes first, and the origin moved by
+    /// One over the direction; whether the upper plane of a box comes first, and the origin moved by
     /// [`BLUR`] for either.
     inverse: [f32; 3],
-    near_side: [usize; 3],
+    upper_first: [bool; 3],
     origin_for_near: [f32; 3],
     origin_for_far: [f32; 3],
     /// The part of the ray that is still searched.
@@ -61,7 +61,7 @@ impl BoxRay {
             self.origin[k] = origin[k];
             self.axis[k] = axis[k];
             self.inverse[k] = 1.0 / along;
-            self.near_side[k] = usize::from(along < 0.0);
+            self.upper_first[k] = along < 0.0;
             self.origin_for_near[k] = origin[k] + blur;
             self.origin_for_far[k] = origin[k] - blur;
         }
@@ -72,16 +72,16 @@ impl BoxRay {
     /// The nearer planes are moved towards the ray's origin and the farther ones away from it, by
     /// more than all rounding of origin, direction and quotients comes to: so no box is entered
     /// too late or left too early.
-    #[simd]
+    #[inline(always)] // a call would cost as much as what is done here
     pub(super) fn entries<S: Simd>(&self, simd: S, node: &Node) -> (f32x16<S>, u32) {
         let mut near = f32x16::splat(simd, self.near);
         let mut far = f32x16::splat(simd, self.far);
         for axis in 0..3 {
-            let side = self.near_side[axis];
+            let (planes, upper_first) = (&node.planes[axis], self.upper_first[axis]);
             let inverse = f32x16::splat(simd, self.inverse[axis]);
-            let to_near = f32x16::from_slice(simd, &node.planes[2 * axis + side])
+            let to_near = f32x16::from_slice(simd, &planes[usize::from(upper_first)])
                 - f32x16::splat(simd, self.origin_for_near[axis]);
-            let to_far = f32x16::from_slice(simd, &node.planes[2 * axis + 1 - side])
+            let to_far = f32x16::from_slice(simd, &planes[usize::from(!upper_first)])
                 - f32x16::splat(simd, self.origin_for_far[axis]);
             near = near.max(to_near * inverse);
             far = far.min(to_far * inverse);
@@ -90,23 +90,28 @@ impl BoxRay {
     }
 
     /// The nearest child whose box the ray meets; the others go onto the stack, the nearest last.
-    #[simd]
+    #[inline(always)]
     pub(super) fn enter<S: Simd>(
         &self,
         simd: S,
         node: &Node,
         stack: &mut Stack,
     ) -> Option<ChildCode> {
+        let mut entries = Entries::NONE;
+        let met = self.entries_into(simd, node, &mut entries);
+        if met & met.wrapping_sub(1) == 0 {
+            return (met != 0).then(|| node.child[met.trailing_zeros() as usize]);
+        }
+        Some(push_others(stack, &entries.0, met, node))
+    }
+
+    /// Where the ray enters each of a node's boxes; returns which it meets.
+    #[inline(never)] // else the ray is spread over lanes before the loop over nodes, and kept so in memory
+    #[simd]
+    fn entries_into<S: Simd>(&self, simd: S, node: &Node, entries: &mut Entries) -> u32 {
         let (near, met) = self.entries(simd, node);
-        if met == 0 {
-            return None;
-        }
-        if met & (met - 1) == 0 {
-            return Some(node.child[met.trailing_zeros() as usize]);
-        }
-        let entries: [f32; LANES] = near.into();
-        push(stack, &entries, met, node);
-        stack.pop().map(|(_, child)| child)
+        near.store_slice(&mut entries.0);
+        met
     }
 
     /// The slab test of sixteen oriented boxes.
@@ -186,26 +191,47 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// Puts children onto the stack, the nearest last: quick where one ray is much like the one before.
+/// The nearest child of those that are met, of which there is one; the others are put onto the stack, the nearer
+/// ones later: quick where one ray is much like the one before.
 #[inline(always)]
-fn push(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) {
+fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) -> ChildCode {
     let bottom = stack.len();
-    while met != 0 {
+    let next = |met: &mut u32| {
         let k = met.trailing_zeros() as usize;
-        met &= met - 1;
-        let item = (entries[k], node.child[k]);
-        let mut place = stack.len();
-        stack.push(item);
-        while place > bottom && stack[place - 1].0 < item.0 {
-            stack[place] = stack[place - 1];
-            place -= 1;
+        *met &= *met - 1;
+        (entries[k], node.child[k])
+    };
+    let mut nearest = next(&mut met);
+    while met != 0 {
+        let item = next(&mut met);
+        if item.0 <= nearest.0 {
+            stack.push(nearest);
+            nearest = item;
+            continue;
         }
-        stack[place] = item;
+        stack.push(item);
+        let others = &mut stack[bottom..];
+        for place in (1..others.len()).rev() {
+            let before = others[place - 1];
+            if before.0 >= item.0 {
+                break;
+            }
+            (others[place - 1], others[place]) = (item, before);
+        }
     }
+    nearest.1
 }
 
-/// Puts children onto the stack, the nearest last: quick where a ray has nothing in common with the one
-/// before.
+/// Where a ray enters sixteen boxes.
+#[repr(align(64))]
+struct Entries([f32; LANES]);
+
+impl Entries {
+    const NONE: Self = Self([0.0; LANES]);
+}
+
+/// Puts all children that are met onto the stack, the nearest last: quick where a ray has nothing in common
+/// with the one before.
 ///
 /// For each child those that come before it are counted, in all lanes at once: no branch depends on which is
 /// the nearer, as none could be foreseen.
@@ -259,6 +285,13 @@ impl Crossings {
         slopes: [[0.0; LANES]; 3],
     };
 
+    /// What a leaf's rows say of the direction.
+    #[inline(always)]
+    pub(super) fn slopes_of(&self, k: usize) -> [f32; 3] {
+        // Each lane of its own: by `map` the lanes would be copied first.
+        [self.slopes[0][k], self.slopes[1][k], self.slopes[2][k]]
+    }
+
     /// The leaf that is entered first, of those whose bit is set in `met`, which is not zero.
     #[inline(always)]
     pub(super) fn nearest(&self, met: u32) -> usize {
@@ -295,7 +328,10 @@ mod tests {
             }
             let before = (7.0, ChildCode::new(Child::Node(3)));
             let [mut one_way, mut other_way] = [vec![before], vec![before]];
-            push(&mut one_way, &entries, met, &node);
+            if met != 0 {
+                let nearest = push_others(&mut one_way, &entries, met, &node);
+                one_way.push((entries[nearest.index() as usize], nearest));
+            }
             dispatch!(Level::new(), simd => {
                 push_unforeseen(simd, &mut other_way, &entries, met, &node);
             });

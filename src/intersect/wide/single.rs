@@ -116,7 +116,7 @@ fn search_block<S: Simd>(
         let start = [crossings.x[nearest], crossings.y[nearest]];
         statistics.leaf_tests += 1;
         let leaf = first + nearest as u32;
-        let slopes = crossings.slopes.map(|slopes| slopes[nearest]);
+        let slopes = crossings.slopes_of(nearest);
         search_leaf(simd, scene, leaf, (start, slopes), (&mut *ray, &mut *work));
         if ray.is_done() {
             return;
@@ -139,7 +139,8 @@ fn search_leaf<S: Simd>(
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, start, slopes, error);
     let fitted = scene.fitted(index, patch);
-    if !ray.start.is_done_with(simd, (fitted, patch), ray.boxes.axis, (guess.is_some(), error)) {
+    let line = (ray.frame.origin, ray.boxes.axis);
+    if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
         search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
 }
@@ -160,7 +161,8 @@ pub(super) fn search_ahead<S: Simd>(
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
     let fitted = scene.fitted(index, patch);
-    search_net(simd, scene, (index, fitted, &OneNet { patch, net }), (guess, error), (ray, work));
+    let surface = OneNet { patch, net };
+    search_net(simd, scene, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
     work.nets = nets;
 }
 
@@ -173,9 +175,12 @@ fn search_net<S: Simd>(
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let distances = || Distances::new(simd, fitted, ray);
     if let Some(Guess { start, clearance }) = guess {
-        let near = if fitted.leaf.is_flat() { start } else { distances().newton(simd, start) };
+        let near = if fitted.leaf.is_flat() {
+            start
+        } else {
+            Distances::new(simd, fitted, ray).newton(simd, start)
+        };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
@@ -189,8 +194,20 @@ fn search_net<S: Simd>(
             }
         }
     }
-    // Too flat an angle, or the one root is outside: the ray's own proof.
-    let distances = distances();
+    // Too flat an angle, or the one root is outside.
+    search_by_proof(simd, scene, (index, fitted, surface), error, (ray, work));
+}
+
+/// The same by the ray's own proof of how many roots it has there.
+#[simd] // a function of its own: it needs far more room than the usual way
+fn search_by_proof<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
+    error: f64,
+    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
+) {
+    let distances = Distances::new(simd, fitted, ray);
     let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
         work.rest.push(index);
         return;

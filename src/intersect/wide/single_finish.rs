@@ -64,7 +64,7 @@ pub(super) enum Outcome {
 ///
 /// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
 /// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
-#[simd]
+#[inline(always)]
 pub(super) fn finish<S: Simd>(
     simd: S,
     leaf: Fitted<'_>,
@@ -175,14 +175,15 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            let mut tangents = Tangents::new(fitted, [sums[0], along_x, along_y], [step_x, step_y]);
+            let sums = [sums[0], along_x, along_y];
+            let mut tangents = Tangents::after(fitted, sums, [step_x, step_y]);
             // The weight goes along the same plane as what is divided by it.
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
-                tangents = Tangents::new(fitted, [value, along_x, along_y], [0.0; 2]);
+                tangents = Tangents::of([value, along_x, along_y]);
             }
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
@@ -194,7 +195,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
     (Outcome::NotFound, MOST_STEPS)
 }
 
-/// The surface after a last small step, by box coordinates.
+/// The surface at a place, by box coordinates.
 struct Tangents {
     point: DVec3,
     weight: f64,
@@ -204,10 +205,24 @@ struct Tangents {
 }
 
 impl Tangents {
-    /// From `X, W` and their derivatives before the step: the point follows the tangent plane, the
+    /// From `X, W` and their derivatives there.
+    #[inline(always)]
+    fn of<S: Simd>(sums: [f64x4<S>; 3]) -> Self {
+        let simd = sums[0].simd;
+        let inverse = f64x4::splat(simd, 1.0 / sums[0][3]);
+        let point = sums[0] * inverse;
+        let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
+        let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
+        let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
+        let [along_x, along_y] = [vector(along_x), vector(along_y)];
+        let cross = along_x.cross(along_y);
+        Self { point: vector(point), weight: sums[0][3], along_x, along_y, cross }
+    }
+
+    /// From those before a last small step: the point follows the tangent plane, the
     /// tangents the second derivatives in the middle of the leaf's approximation.
     #[inline(always)]
-    fn new<S: Simd>(
+    fn after<S: Simd>(
         Fitted { leaf, weight }: Fitted<'_>,
         sums: [f64x4<S>; 3],
         [step_x, step_y]: [f64; 2],
@@ -215,16 +230,12 @@ impl Tangents {
         let simd = sums[0].simd;
         let (move_x, move_y) = (f64x4::splat(simd, step_x), f64x4::splat(simd, step_y));
         let moved = sums[0] - sums[1] * move_x - sums[2] * move_y;
-        let inverse = f64x4::splat(simd, 1.0 / moved[3]);
-        let point = moved * inverse;
-        let along_x = (sums[1] - point * f64x4::splat(simd, sums[1][3])) * inverse;
-        let along_y = (sums[2] - point * f64x4::splat(simd, sums[2][3])) * inverse;
+        let mut tangents = Self::of([moved, sums[1], sums[2]]);
         let [xx, xy, yy] = leaf.second_derivatives(weight);
-        let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
-        let along_x = vector(along_x) - (xx * step_x + xy * step_y);
-        let along_y = vector(along_y) - (xy * step_x + yy * step_y);
-        let cross = along_x.cross(along_y);
-        Self { point: vector(point), weight: moved[3], along_x, along_y, cross }
+        tangents.along_x -= xx * step_x + xy * step_y;
+        tangents.along_y -= xy * step_x + yy * step_y;
+        tangents.cross = tangents.along_x.cross(tangents.along_y);
+        tangents
     }
 
     /// Whether the normal turns by less than an angle, in radians, where the tangents turn by no

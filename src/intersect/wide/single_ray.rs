@@ -66,14 +66,18 @@ pub(super) struct Place {
 }
 
 /// A hit that is certain.
+///
+/// In this order, with the leaf between the two vectors: else both would be written as one long and one short vector,
+/// and be read across the two, which has to wait for them.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(in crate::intersect) struct SingleHit {
-    pub(in crate::intersect) leaf: u32,
+    pub(in crate::intersect) st: DVec2,
     pub(in crate::intersect) z: f64,
     /// How far `z` may be off.
     pub(in crate::intersect) z_error: f64,
-    pub(in crate::intersect) st: DVec2,
     pub(in crate::intersect) point: DVec3,
+    pub(in crate::intersect) leaf: u32,
     /// Along `S_s × S_t`.
     pub(in crate::intersect) cross: DVec3,
 }
@@ -108,7 +112,7 @@ impl<'a> SingleRay<'a> {
         scene: &SceneFrame,
     ) -> Self {
         let (boxes, shift) = boxes_in(scene, frame, frame.z_range[1]);
-        let start = Start { from, origin: frame.origin, ahead: frame.z_range[0] >= 0.0 };
+        let start = Start { from, ahead: frame.z_range[0] >= 0.0 };
         Self { frame, start, wanted, boxes, shift, scale: scene.scale }
     }
 

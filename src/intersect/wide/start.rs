@@ -15,8 +15,6 @@ use crate::patch::{Leaf, TensorPatch, WIDENING};
 pub(super) struct Start<'a> {
     /// The root it starts on, if it does.
     pub(super) from: Option<&'a Root>,
-    /// The ray's origin.
-    pub(super) origin: DVec3,
     /// Whether hits count ahead of the origin only.
     pub(super) ahead: bool,
 }
@@ -32,20 +30,20 @@ impl Start<'_> {
     }
 
     /// Whether the ray is known not to meet a leaf again that it starts on; `certified` says whether
-    /// the leaf's certificate speaks of the ray along the unit vector `axis`, `error` how far a
+    /// the leaf's certificate speaks of the ray from `origin` along the unit vector `axis`, `error` how far a
     /// point may be from it.
     #[inline(always)]
     pub(super) fn is_done_with<S: Simd>(
         &self,
         simd: S,
         (fitted, patch): (Fitted<'_>, &TensorPatch),
-        axis: [f32; 3],
+        (origin, axis): (DVec3, [f32; 3]),
         (certified, error): (bool, f64),
     ) -> bool {
         if certified {
             self.is_root_of(fitted.leaf)
         } else {
-            self.departs_from(simd, (fitted, patch), axis, error)
+            self.departs_from(simd, (fitted, patch), (origin, axis), error)
         }
     }
 
@@ -64,7 +62,7 @@ impl Start<'_> {
         &self,
         simd: S,
         (fitted, patch): (Fitted<'_>, &TensorPatch),
-        axis: [f32; 3],
+        (ray_origin, axis): (DVec3, [f32; 3]),
         error: f64,
     ) -> bool {
         let leaf = fitted.leaf;
@@ -73,7 +71,7 @@ impl Start<'_> {
         if !(nearby && self.ahead) {
             return false;
         }
-        let [x, y, z] = (self.origin - leaf.middle).as_vec3().to_array();
+        let [x, y, z] = (ray_origin - leaf.middle).as_vec3().to_array();
         let [dx, dy, dz] = axis;
         let reach = root.error + error;
         let departure = Departure {
@@ -83,7 +81,7 @@ impl Start<'_> {
             reach: f32x16::splat(simd, rounding::f32_above(reach)),
         };
         let Final { surely, if_near } = departure.is_final(simd, fitted);
-        let near = || patch.point(root.st).distance(self.origin) <= reach;
+        let near = || patch.point(root.st).distance(ray_origin) <= reach;
         surely & 1 != 0 || (if_near & 1 != 0 && near())
     }
 }

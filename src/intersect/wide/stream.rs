@@ -236,7 +236,7 @@ fn prefetch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
 #[inline(always)]
 fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
     let ray = shot.ray();
-    Start { from: shot.from(), origin: ray.origin(), ahead: ray.t_min() >= 0.0 }
+    Start { from: shot.from(), ahead: ray.t_min() >= 0.0 }
 }
 
 /// All rays before the root.
@@ -316,14 +316,14 @@ impl Task<'_> {
             statistics.leaf_tests += 1;
             let index = first + nearest as u32;
             let start = [crossings.x[nearest], crossings.y[nearest]];
-            let slopes = crossings.slopes.map(|slopes| slopes[nearest]);
+            let slopes = crossings.slopes_of(nearest);
             let leaf = &self.scene.leaves[index as usize];
             let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
-            let axis = flight.boxes.axis;
+            let line = (self.ray.origin(), flight.boxes.axis);
             let fitted = self.scene.fitted(index, patch);
-            if self.start.is_done_with(simd, (fitted, patch), axis, (guess.is_some(), error)) {
+            if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
                 continue;
             }
             if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {

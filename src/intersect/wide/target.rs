@@ -10,7 +10,6 @@ use super::newton::{Leaves, Rays, Step};
 use super::scene::{Fitted, Scene};
 use super::search::dot_d;
 use super::single_ray::WITH_SLACK;
-use crate::intersect::borders::near_borders;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
@@ -64,8 +63,8 @@ impl<'a> Target<'a> {
     #[inline(always)]
     pub(super) fn closer(&self) -> Closer {
         let mut near_sides = None;
-        if self.piece.has_border() {
-            for (side, near) in near_borders(self.leaf, self.piece) {
+        if self.leaf.is_at_border() {
+            for (side, near) in self.leaf.near_borders(self.piece) {
                 near_sides.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
             }
         }

@@ -198,8 +198,8 @@ fn enter<S: Simd>(
     let mut far = f32x16::splat(simd, f32::MAX);
     let mut filled = u32::MAX;
     for axis in 0..3 {
-        let low = f32x16::from_slice(simd, &node.planes[2 * axis]);
-        let high = f32x16::from_slice(simd, &node.planes[2 * axis + 1]);
+        let low = f32x16::from_slice(simd, &node.planes[axis][0]);
+        let high = f32x16::from_slice(simd, &node.planes[axis][1]);
         filled &= bits(low.simd_le(high));
         let (a, b) = (
             f32x16::splat(simd, bounds.inverse_min[axis]),
