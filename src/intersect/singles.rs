@@ -189,7 +189,7 @@ impl<'a> Certain<'a> {
         let leaf = &scene.leaves[hit.leaf as usize];
         let index = leaf.piece;
         let piece = &scene.set.pieces()[index as usize];
-        let mut normal = hit.cross * (1.0 / hit.cross.length());
+        let mut normal = hit.cross * (1.0 / hit.size);
         let mut flags = HitFlags::NONE;
         // Near a pole the normal is a limit.
         if leaf.has_pole() {
@@ -251,5 +251,5 @@ impl<'a> Certain<'a> {
 /// Whether a hit may lie within rounding of a border of its surface.
 fn near_border(leaf: &Leaf, piece: &Piece, st: DVec2) -> bool {
     let distance = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
-    leaf.near_borders(piece).any(|(side, reach)| distance[side] <= reach)
+    (0..4).any(|side| leaf.near_border(piece, side).is_some_and(|reach| distance[side] <= reach))
 }

@@ -40,9 +40,15 @@ impl CollapsedSide {
         rect[self.parameter()][self.end()] == self.end() as f64
     }
 
-    /// Makes a rectangle, or range of parameters, end there.
-    pub(super) fn end_at_it(self, rect: &mut [[f64; 2]; 2]) {
-        rect[self.parameter()][self.end()] = self.end() as f64;
+    /// A rectangle, or range of parameters, made to end there.
+    #[inline(always)]
+    pub(super) fn ended_at_it(self, [s, t]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Self::S(0) => [[0.0, s[1]], t],
+            Self::S(_) => [[s[0], 1.0], t],
+            Self::T(0) => [s, [0.0, t[1]]],
+            Self::T(_) => [s, [t[0], 1.0]],
+        }
     }
 
     /// The point of it that is beside a place: all of them are the same in space.
@@ -63,9 +69,9 @@ mod tests {
             let on_it = side.beside(DVec2::new(0.3, 0.7));
             let kept = 1 - side.parameter();
             assert_eq!(on_it[kept], [0.3, 0.7][kept]);
-            let mut rect = [[0.25, 0.5]; 2];
+            let rect = [[0.25, 0.5]; 2];
             assert!(!side.is_reached_by(&rect));
-            side.end_at_it(&mut rect);
+            let rect = side.ended_at_it(rect);
             assert!(side.is_reached_by(&rect));
             assert_eq!(rect[side.parameter()][side.end()], on_it[side.parameter()]);
             assert_eq!(rect[kept], [0.25, 0.5]);

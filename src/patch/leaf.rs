@@ -93,7 +93,8 @@ impl Leaf {
         let [x, y] = leaf.half_side_lengths().map(f64::from);
         let is_flat = error.bend <= MOST_BEND_OF_FLAT * x.min(y);
         leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
-        leaf.marks |= if leaf.near_borders(piece).next().is_some() { AT_BORDER } else { 0 };
+        leaf.marks |=
+            if (0..4).any(|side| leaf.near_border(piece, side).is_some()) { AT_BORDER } else { 0 };
         leaf.stretch = Up16::above(stretch(&leaf, &weight, &halving, piece, &error));
         (leaf, weight, oriented)
     }
@@ -120,14 +121,16 @@ impl Leaf {
     /// is collapsed to a point.
     #[inline(always)]
     pub fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
-        let mut rect = self.rect().map(|[from, to]| {
+        let wider = |[from, to]: [f64; 2]| {
             let more = part * (to - from);
             [from - more, to + more]
-        });
-        if let Some(side) = self.collapsed(piece) {
-            side.end_at_it(&mut rect);
+        };
+        let [s, t] = self.rect();
+        let rect = [wider(s), wider(t)];
+        match self.collapsed(piece) {
+            Some(side) => side.ended_at_it(rect),
+            None => rect,
         }
-        rect
     }
 
     /// Where the leaf ends at a collapsed side of its piece.
@@ -157,26 +160,24 @@ impl Leaf {
         self.marks & FLAT != 0
     }
 
-    /// Whether hits on the leaf may be within rounding of a border of the surface: see [`Self::near_borders`].
+    /// Whether hits on the leaf may be within rounding of a border of the surface: see [`Self::near_border`].
     #[inline(always)]
     pub(crate) fn is_at_border(&self) -> bool {
         self.marks & AT_BORDER != 0
     }
 
-    /// Each side of the piece that is a border of the surface and near the leaf, and how far from it,
-    /// in the parameter, a hit may be within rounding of it, if the leaf is certified for the ray.
+    /// How far from a side of the piece, in its parameter, a hit may be within rounding of it, if the side is a border
+    /// of the surface and near the leaf, which is certified for the ray; sides are counted as in
+    /// [`Piece::is_border`].
     ///
     /// Then rounding moves a root by less than half of the leaf's slack: what is farther from the side than a few
     /// times that is not at the border.
     #[inline(always)]
-    pub(crate) fn near_borders(&self, piece: &Piece) -> impl Iterator<Item = (usize, f64)> {
-        let rect = self.rect();
-        (0..4).filter(|&side| piece.is_border(side)).filter_map(move |side| {
-            let [from, to] = rect[side / 2];
-            let reach = 4.0 * LEAF_SLACK * (to - from);
-            let distance = if side % 2 == 0 { from } else { 1.0 - to };
-            (distance <= reach).then_some((side, reach))
-        })
+    pub(crate) fn near_border(&self, piece: &Piece, side: usize) -> Option<f64> {
+        let [from, to] = self.rect()[side / 2];
+        let reach = 4.0 * LEAF_SLACK * (to - from);
+        let distance = if side.is_multiple_of(2) { from } else { 1.0 - to };
+        (piece.is_border(side) && distance <= reach).then_some(reach)
     }
 
     /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.

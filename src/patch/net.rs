@@ -85,6 +85,8 @@ fn spline_saves(surface: &NurbsSurface) -> bool {
 #[derive(Debug)]
 pub(super) struct ChartNet {
     pub(super) degree: [usize; 2],
+    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): asked for by every ray at every leaf.
+    pub(super) residual_factor: f64,
     /// Row by row.
     control: Control,
     /// The length of a row.
@@ -274,8 +276,18 @@ impl ChartNet {
         ];
         let stride = knots[1].point_count();
         let (map, trims) = (chart.map, chart.trims.clone());
-        let sums = Sums::Bernstein;
-        (Self { degree, control, stride, extraction, sums, spans, map, trims }, firsts)
+        let net = Self {
+            degree,
+            residual_factor: rounding::residual_factor(degree[0], degree[1]),
+            control,
+            stride,
+            extraction,
+            sums: Sums::Bernstein,
+            spans,
+            map,
+            trims,
+        };
+        (net, firsts)
     }
 
     /// The nets by powers of the pieces that begin with these rows and columns, if most are well conditioned.
@@ -331,7 +343,7 @@ impl ChartNet {
         });
         let made = MadePowers { along, degree: self.degree, others: Others(Vec::new()) };
         let gentle = powers::are_gentle(knots, control);
-        let factor = rounding::residual_factor(self.degree[0], self.degree[1]);
+        let factor = self.residual_factor;
         let suits = |first: [u32; 2]| {
             let NetSource::Spline(net) = self.source(first) else { return true }; // these are not
             let bezier = net.bezier_net();

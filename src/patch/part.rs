@@ -198,7 +198,7 @@ impl Halving {
     pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> ControlNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {
-            side.end_at_it(&mut ranges);
+            ranges = side.ended_at_it(ranges);
         }
         self.grown(piece, ranges[0], ranges[1])
     }

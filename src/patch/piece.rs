@@ -57,8 +57,10 @@ impl Piece {
     }
 
     /// The knot rectangle of its chart that the piece covers: from and to in `u`, then in `v`.
+    #[inline]
     pub fn domain(&self) -> [[f64; 2]; 2] {
-        [0, 1].map(|k| self.patch.net.spans[k][self.patch.first[k] as usize].domain)
+        let TensorPatch { net, first: [row, column], .. } = &self.patch;
+        [net.spans[0][*row as usize].domain, net.spans[1][*column as usize].domain]
     }
 
     /// Whether a side is a border of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
@@ -131,9 +133,15 @@ impl Piece {
         !matches!(self.patch.net.map, ChartMap::Identity)
     }
 
-    /// The point a side is collapsed to; sides are counted as in [`Self::is_border`].
+    /// Whether a side is collapsed to a point; sides are counted as in [`Self::is_border`].
+    #[inline(always)]
+    pub(crate) fn is_collapsed(&self, side: usize) -> bool {
+        self.collapsed >> side & 1 != 0
+    }
+
+    /// The point a side is collapsed to.
     pub(crate) fn collapsed(&self, side: usize) -> Option<DVec3> {
-        if self.collapsed >> side & 1 == 0 {
+        if !self.is_collapsed(side) {
             return None;
         }
         let [p, q] = self.patch.degree();

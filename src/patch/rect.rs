@@ -25,14 +25,19 @@ impl DyadicRect {
     /// From and to in `s`, then in `t`.
     #[inline]
     pub fn ranges(self) -> [[f64; 2]; 2] {
-        self.0.map(|code| {
-            let halvings = code.ilog2();
-            // 2⁻ʰ, by its exponent.
-            let side = f64::from_bits(u64::from(1023 - halvings) << 52);
-            let from = f64::from(code - (1 << halvings)) * side;
-            [from, from + side]
-        })
+        let Self([s, t]) = self;
+        [range(s), range(t)]
     }
+}
+
+/// From and to of the range of that number.
+#[inline(always)]
+fn range(number: u32) -> [f64; 2] {
+    let halvings = number.ilog2();
+    // 2⁻ʰ, by its exponent.
+    let side = f64::from_bits(u64::from(1023 - halvings) << 52);
+    let from = f64::from(number - (1 << halvings)) * side;
+    [from, from + side]
 }
 
 impl PartialOrd for DyadicRect {

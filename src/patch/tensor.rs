@@ -10,7 +10,7 @@ use super::piece_net::LONGEST_OF_CUBIC;
 use super::{ControlNet, NetRoom, NetSource, PieceNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
-use crate::math::{Aabb, prefetch, rounding};
+use crate::math::{Aabb, prefetch};
 
 /// The points that the control points of a net stand for: those of a bicubic lie in place.
 pub(super) type Points = SmallVec<[DVec3; 16]>;
@@ -179,8 +179,9 @@ impl TensorPatch {
 
     /// How far a computed point may be from the true one, per unit of the largest
     /// coordinate involved: see [`rounding::residual_factor`].
+    #[inline(always)]
     pub fn residual_factor(&self) -> f64 {
-        rounding::residual_factor(self.degree()[0], self.degree()[1])
+        self.net.residual_factor
     }
 
     /// How far a computed point may be from the true one, in scene units.

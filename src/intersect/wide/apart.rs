@@ -81,7 +81,7 @@ impl Apart {
     }
 
     /// For every sixteen rays, which of a block's leaves those of `rays` may meet, of those whose bit
-    /// is set in `met`.
+    /// is set in `met`: sixteen bits for the first rays, sixteen for the next.
     #[simd]
     pub(super) fn leaves<S: Simd>(
         &mut self,
@@ -89,27 +89,42 @@ impl Apart {
         (block, met): (&LeafBlock, u32),
         packet: &Packet,
         rays: u64,
-    ) -> [u32; PACKET / LANES] {
+    ) -> u64 {
         if self.one_by_one {
             return leaves_of_rays(simd, (block, met), packet, rays);
         }
         if met.count_ones() <= FEW {
-            return [met; PACKET / LANES];
+            return for_all(met);
         }
         let groups = self.groups.get_or_insert_with(|| {
             std::array::from_fn(|k| bounds(simd, packet, LANES * k..LANES * (k + 1)))
         });
-        let mut apart = [0; PACKET / LANES];
-        for (of_group, bounds) in apart.iter_mut().zip(groups) {
-            *of_group = met & enter_block(simd, block, bounds, packet.farthest).1;
+        let mut apart = 0;
+        for (k, bounds) in groups.iter().enumerate() {
+            let of_group = met & enter_block(simd, block, bounds, packet.farthest).1;
+            apart |= u64::from(of_group) << (LANES * k);
         }
         apart
     }
 }
 
-/// How many sixteens of rays have any.
-fn groups(rays: u64) -> u32 {
-    (0..PACKET / LANES).map(|k| u32::from(rays >> (LANES * k) & 0xffff != 0)).sum()
+/// The same leaves for every sixteen rays.
+#[inline(always)]
+fn for_all(met: u32) -> u64 {
+    u64::from(met) * EVERY_SIXTEEN
+}
+
+/// The first bit of every sixteen.
+const EVERY_SIXTEEN: u64 = 0x0001_0001_0001_0001;
+const _: () = assert!(PACKET == u64::BITS as usize && LANES == 16);
+
+/// Of every sixteen bits the first, if any of them is set.
+fn groups(rays: u64) -> u64 {
+    let mut any = rays;
+    for shift in [8, 4, 2, 1] {
+        any |= any >> shift;
+    }
+    any & EVERY_SIXTEEN
 }
 
 /// See [`Apart::meeting`]. The planes are moved outwards by more than rounding comes to, as in
@@ -164,21 +179,20 @@ fn leaves_of_rays<S: Simd>(
     (block, met): (&LeafBlock, u32),
     packet: &Packet,
     rays: u64,
-) -> [u32; PACKET / LANES] {
-    let mut apart = [0; PACKET / LANES];
-    if rays.count_ones() > groups(rays) * met.count_ones() {
-        for k in 0..PACKET / LANES {
-            apart[k] = if rays >> (LANES * k) & 0xffff != 0 { met } else { 0 };
-        }
-        return apart;
+) -> u64 {
+    let groups = groups(rays);
+    if rays.count_ones() > groups.count_ones() * met.count_ones() {
+        return u64::from(met) * groups;
     }
+    let mut apart = 0;
     let ([x, y, z], [dx, dy, dz]) = (&packet.origin_f, &packet.axis_f);
     let mut left = rays;
     while left != 0 {
         let k = left.trailing_zeros() as usize;
         left &= left - 1;
         let slabs = Slabs::new(simd, block, [x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
-        apart[k / LANES] |= met & slabs.met(simd, [packet.near_f[k], packet.far_f[k]]);
+        let of_ray = met & slabs.met(simd, [packet.near_f[k], packet.far_f[k]]);
+        apart |= u64::from(of_ray) << (k / LANES * LANES);
     }
     apart
 }

@@ -232,9 +232,6 @@ impl Entries {
 
 /// Puts all children that are met onto the stack, the nearest last: quick where a ray has nothing in common
 /// with the one before.
-///
-/// For each child those that come before it are counted, in all lanes at once: no branch depends on which is
-/// the nearer, as none could be foreseen.
 #[inline(always)]
 pub(super) fn push_unforeseen<S: Simd>(
     simd: S,
@@ -243,10 +240,25 @@ pub(super) fn push_unforeseen<S: Simd>(
     met: u32,
     node: &Node,
 ) {
+    push_in_order(simd, stack, entries, met, |k| (entries[k], node.child[k]));
+}
+
+/// Puts what is made of the numbers of those boxes that are met onto a stack, of the nearest box last.
+///
+/// For each box those that come before it are counted, in all lanes at once: no branch depends on which is
+/// the nearer, as none could be foreseen, and nothing is moved once it is written.
+#[inline(always)]
+pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
+    simd: S,
+    stack: &mut Vec<T>,
+    entries: &[f32; LANES],
+    met: u32,
+    made: impl Fn(usize) -> T,
+) {
     let near = f32x16::from_slice(simd, entries);
     let bottom = stack.len();
     // Room for sixteen: a known number takes no call.
-    stack.extend_from_slice(&[(0.0, ChildCode::default()); LANES]);
+    stack.extend_from_slice(&[T::default(); LANES]);
     stack.truncate(bottom + met.count_ones() as usize);
     let places = &mut stack[bottom..];
     let mut rest = met;
@@ -258,7 +270,7 @@ pub(super) fn push_unforeseen<S: Simd>(
         // Of those that are entered at the same place the last comes first, as above.
         let as_far = near.simd_ge(entry).to_bitmask() as u32 & ((1 << k) - 1);
         let before = met & (farther | as_far);
-        places[before.count_ones() as usize] = (entries[k], node.child[k]);
+        places[before.count_ones() as usize] = made(k);
     }
 }
 

@@ -103,14 +103,14 @@ pub(super) fn finish<S: Simd>(
             let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
             close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
         }
-        if let Some(near_sides) = closer.near_sides {
+        if closer.has_near_sides {
             let distances = [root_s, high - root_s, root_t, high - root_t];
             for side in 0..4 {
-                close |= distances[side].simd_le(f64x8::splat(simd, near_sides[side]));
+                close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
             }
         }
         let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
-        let uv = surface_parameters(simd, (target.piece, closer), [root_s, root_t]);
+        let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
         put(simd, hit, &mut packet.z, base, z);
         put(simd, hit, &mut packet.ray_t, base, ray_t);
         put(simd, hit, &mut packet.z_error, base, z_error);
@@ -252,11 +252,7 @@ fn earlier<S: Simd>(
 
 /// [`Piece::uv`] for eight places.
 #[inline(always)]
-fn surface_parameters<S: Simd>(
-    simd: S,
-    (piece, closer): (&Piece, &Closer),
-    st: [f64x8<S>; 2],
-) -> [f64x8<S>; 2] {
+fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f64x8<S>; 2] {
     let mut uv = st;
     if piece.is_placed() {
         for lane in 0..8 {
@@ -265,12 +261,13 @@ fn surface_parameters<S: Simd>(
         }
         return uv;
     }
+    let domain = piece.domain();
     for k in 0..2 {
-        let [from, to] = closer.uv_domain[k];
+        let [from, to] = domain[k];
         let (from, to) = (f64x8::splat(simd, from), f64x8::splat(simd, to));
         let end = st[k].simd_eq(f64x8::splat(simd, 1.0));
         uv[k] = end.select(to, from + st[k] * (to - from));
-        if let Some(end) = closer.open_end[k] {
+        if let Some(end) = piece.open_end(k) {
             let last = f64x8::splat(simd, end.next_down());
             uv[k] = uv[k].simd_ge(to).select(last, uv[k]);
         }

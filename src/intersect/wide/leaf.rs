@@ -11,7 +11,7 @@ use super::load::{farthest, turn};
 use super::packet::Packet;
 use super::scene::Scene;
 use super::screen::{Screened, screen};
-use super::search::{bits, certify, cross_box};
+use super::search::{Crossing, bits, certify, cross_box};
 use super::single_ray::WIDENED;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
@@ -32,111 +32,149 @@ pub(super) fn search_leaf<S: Simd, Q>(
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
+    let mut groups = groups;
     // The boxes of most leaves are missed by most rays: their data are only touched when they
     // are needed.
-    let (mut target, mut closer) = (None, None);
+    let Some(mut next) = next_group(simd, oriented, packet, &mut groups) else { return };
+    if !packet.turned {
+        turn(simd, packet);
+    }
+    // Not an option that is filled in the loop: it would be made elsewhere, and copied.
+    let target = Target::new(scene, oriented, index);
+    let mut closer = None;
     let mut found = false;
-    let mut groups = groups;
-    while groups != 0 {
-        let base = LANES * groups.trailing_zeros() as usize;
-        groups &= groups - 1;
-        if base >= packet.count.min(PACKET) {
-            break;
-        }
-        let crossing = cross_box(simd, oriented, packet, base);
-        let met = bits(crossing.met);
-        if met == 0 {
-            continue;
-        }
-        if !packet.turned {
-            turn(simd, packet);
-        }
-        let target = target.get_or_insert_with(|| Target::new(scene, oriented, index));
-        let patch = &target.piece.patch;
-        let factor = patch.residual_factor();
-        statistics.leaf_tests += u64::from(met.count_ones());
-
-        // The certificate, lane by lane.
-        let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
-            .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
-        let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-        let mut certain = met & bits(certified);
-        let mut doubted = met & !certain;
-        if packet.from_roots {
-            // The one root of these is the one they start on.
-            let certified = [target.certified(simd); 2];
-            let mut starting = certain;
-            starting &= packet.starts_in(simd, base, target.leaf.piece, &certified);
-            if starting != 0
-                && let Some(pole) = target.pole
-            {
-                starting &= away_from_pole(simd, target, pole, (&*packet, base));
-            }
-            certain &= !starting;
-            if doubted != 0 {
-                doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
-            }
-        }
-        if certain | doubted == 0 {
-            continue;
-        }
-        let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-        // Of flat leaves nothing is to be searched, and no more to be seen before a closer look.
-        let is_flat = target.leaf.is_flat() && !packet.any;
-        let known = !is_flat || doubted != 0;
-        if known {
-            work.distances.take(simd, target.fitted(), packet, base);
-        }
-        let mut done = Done::default();
-        if certain != 0 {
-            let start = [crossing.x, crossing.y];
-            let widened = f32x16::splat(simd, WIDENED as f32);
-            let searched =
-                (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
-            if let Some(searched) = &searched {
-                let rays = (&*packet, base);
-                let asked = (certain, error);
-                let search = (&work.distances, &crossing, searched);
-                let Screened { missed, met } = screen(simd, target, rays, search, asked);
-                certain &= !(missed | met);
-                if met != 0 {
-                    packet.meet(simd, base, met);
-                    found = true;
-                }
-            }
-            if certain != 0 {
-                ahead.ask(Moment::Finish);
-                let near = match &searched {
-                    Some(searched) => work.distances.refine(simd, searched),
-                    None => start.map(|x| x.max(-widened).min(widened)),
-                };
-                let closer = closer.get_or_insert_with(|| target.closer());
-                let lanes = (certain, Ground::Certificate);
-                let net = work.nets.net_of(simd, (target.leaf.piece, patch));
-                let surface = OneNet { patch, net };
-                let about = (&*target, &*closer, &surface);
-                done = finish_all(simd, about, (&mut *packet, base), lanes, &near);
-                doubted |= done.open;
-            }
-        }
-        let mut rest = done.judged;
-        if doubted != 0 {
-            if !known {
-                work.distances.take(simd, target.fitted(), packet, base);
-            }
-            let lanes = (doubted, crossing.entry, error);
-            rest |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
-        }
-        found |= done.found;
-        statistics.newton_iterations += u64::from(done.steps);
-        work.leave(base, rest, index);
+    loop {
+        let (base, crossing) = next;
+        let rays = (&mut *packet, base, &crossing);
+        found |= search_group(simd, (&target, &mut closer), rays, ahead, work, statistics);
         if work.doubts.are_many() {
             settle(simd, scene, packet, work, statistics, LANES);
         }
+        let Some(group) = next_group(simd, oriented, packet, &mut groups) else { break };
+        next = group;
     }
     if found {
         packet.farthest = farthest(simd, packet);
     }
+}
+
+/// The next sixteen rays, of those whose bit is set, some of which meet the box: the first of them, and their ways
+/// through the box.
+#[inline(always)]
+fn next_group<S: Simd>(
+    simd: S,
+    oriented: &OrientedBox,
+    packet: &Packet,
+    groups: &mut u32,
+) -> Option<(usize, Crossing<S>)> {
+    while *groups != 0 {
+        let base = LANES * groups.trailing_zeros() as usize;
+        *groups &= *groups - 1;
+        if base >= packet.count.min(PACKET) {
+            return None;
+        }
+        let crossing = cross_box(simd, oriented, packet, base);
+        if bits(crossing.met) != 0 {
+            return Some((base, crossing));
+        }
+    }
+    None
+}
+
+/// One leaf against the sixteen rays from `base` on, whose ways through its box are told; returns whether some ray's
+/// nearest hit is new.
+#[inline(always)]
+fn search_group<S: Simd, Q>(
+    simd: S,
+    (target, closer): (&Target<'_>, &mut Option<Closer>),
+    (packet, base, crossing): (&mut Packet, usize, &Crossing<S>),
+    ahead: &mut Ahead<'_, Q>,
+    work: &mut Work,
+    statistics: &mut Statistics,
+) -> bool {
+    let met = bits(crossing.met);
+    let patch = &target.piece.patch;
+    let factor = patch.residual_factor();
+    statistics.leaf_tests += u64::from(met.count_ones());
+
+    // The certificate, lane by lane.
+    let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
+        .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
+    let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
+    let mut certain = met & bits(certified);
+    let mut doubted = met & !certain;
+    if packet.from_roots {
+        // The one root of these is the one they start on.
+        let certified = [target.certified(simd); 2];
+        let mut starting = certain;
+        starting &= packet.starts_in(simd, base, target.leaf.piece, &certified);
+        if starting != 0
+            && let Some(pole) = target.pole
+        {
+            starting &= away_from_pole(simd, target, pole, (&*packet, base));
+        }
+        certain &= !starting;
+        if doubted != 0 {
+            doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
+        }
+    }
+    if certain | doubted == 0 {
+        return false;
+    }
+    let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
+    // Of flat leaves nothing is to be searched, and no more to be seen before a closer look.
+    let is_flat = target.leaf.is_flat() && !packet.any;
+    let known = !is_flat || doubted != 0;
+    if known {
+        work.distances.take(simd, target.fitted(), packet, base);
+    }
+    let mut done = Done::default();
+    if certain != 0 {
+        let start = [crossing.x, crossing.y];
+        let widened = f32x16::splat(simd, WIDENED as f32);
+        let searched =
+            (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
+        if let Some(searched) = &searched {
+            let rays = (&*packet, base);
+            let asked = (certain, error);
+            let search = (&work.distances, crossing, searched);
+            let Screened { missed, met } = screen(simd, target, rays, search, asked);
+            certain &= !(missed | met);
+            if met != 0 {
+                packet.meet(simd, base, met);
+                done.found = true;
+            }
+        }
+        if certain != 0 {
+            ahead.ask(Moment::Finish);
+            let near = match &searched {
+                Some(searched) => work.distances.refine(simd, searched),
+                None => start.map(|x| x.max(-widened).min(widened)),
+            };
+            if closer.is_none() {
+                *closer = Some(target.closer());
+            }
+            let Some(closer) = &*closer else { return done.found };
+            let lanes = (certain, Ground::Certificate);
+            let net = work.nets.net_of(simd, (target.leaf.piece, patch));
+            let surface = OneNet { patch, net };
+            let about = (target, closer, &surface);
+            let finished = finish_all(simd, about, (&mut *packet, base), lanes, &near);
+            done = Done { found: done.found | finished.found, ..finished };
+            doubted |= done.open;
+        }
+    }
+    let mut rest = done.judged;
+    if doubted != 0 {
+        if !known {
+            work.distances.take(simd, target.fitted(), packet, base);
+        }
+        let lanes = (doubted, crossing.entry, error);
+        rest |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
+    }
+    statistics.newton_iterations += u64::from(done.steps);
+    work.leave(base, rest, target.index);
+    done.found
 }
 
 /// What became of sixteen rays.

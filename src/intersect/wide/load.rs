@@ -179,7 +179,7 @@ fn store_f<S: Simd>(
 }
 
 /// What some lanes' rays have in common. Idle lanes repeat a ray, so they do no harm.
-#[simd]
+#[inline(always)] // returned, it would be copied, which stalls
 pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> PacketBounds {
     let mut bounds = PacketBounds::default();
     let mut axis = load3(simd, &packet.axis_f, lanes.start);

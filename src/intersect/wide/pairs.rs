@@ -233,6 +233,7 @@ impl PairLanes {
             hit.point[i] = self.point[i][lane];
             hit.cross[i] = self.cross[i][lane];
         }
+        hit.size = hit.cross.length();
     }
 
     /// Takes in what is to be known of a leaf but for its approximation.

@@ -113,31 +113,29 @@ fn search_block<S: Simd>(
         if crossings.entry[nearest] > ray.boxes.far + SPARE {
             return;
         }
-        let start = [crossings.x[nearest], crossings.y[nearest]];
         statistics.leaf_tests += 1;
         let leaf = first + nearest as u32;
-        let slopes = crossings.slopes_of(nearest);
-        search_leaf(simd, scene, leaf, (start, slopes), (&mut *ray, &mut *work));
+        search_leaf(simd, scene, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
         if ray.is_done() {
             return;
         }
     }
 }
 
-/// One leaf against one ray, from a start in box coordinates and with what the box's rows say of
-/// the direction.
+/// One leaf against one ray, whose way through its box is told with those of a block.
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
     index: u32,
-    (start, slopes): ([f32; 2], [f32; 3]),
+    (crossings, k): (&Crossings, usize),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     let error = patch.error_bound(ray.magnitude());
-    let guess = Guess::of(leaf, start, slopes, error);
+    let start = [crossings.x[k], crossings.y[k]];
+    let guess = Guess::of(leaf, start, crossings.slopes_of(k), error);
     let fitted = scene.fitted(index, patch);
     let line = (ray.frame.origin, ray.boxes.axis);
     if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
@@ -147,7 +145,7 @@ fn search_leaf<S: Simd>(
 
 /// One leaf against one ray that does not start on the one root it has there: from a start in box
 /// coordinates, if the leaf is certified for the ray; `error` is how far a point may be from it.
-#[simd]
+#[inline(always)]
 pub(super) fn search_ahead<S: Simd>(
     simd: S,
     scene: &Scene<'_>,

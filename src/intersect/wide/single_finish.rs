@@ -28,11 +28,6 @@ const MOST_STEPS: u64 = 4;
 /// promised error, for the sum of both speeds times this.
 pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
-/// A bound of how far the normal may turn in a last step, in radians, that second derivatives are
-/// to make up for: those in the middle of the leaf leave a tenth or so of it, as a rule. (Nothing
-/// proves that; all of it is a fifth of what packets' normals may be off by.)
-const MOST_TURN: f64 = 1e-12;
-
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
 pub(super) struct Task {
@@ -175,16 +170,16 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            let sums = [sums[0], along_x, along_y];
-            let mut tangents = Tangents::after(fitted, sums, [step_x, step_y]);
-            // The weight goes along the same plane as what is divided by it.
-            let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
-            if ray.asks_where() && !tangents.turn_less(MOST_TURN, bend * longest) {
+            let tangents = if ray.asks_where() {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
-                tangents = Tangents::of([value, along_x, along_y]);
-            }
+                Tangents::of([value, along_x, along_y])
+            } else {
+                Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
+            };
+            // The weight goes along the same plane as what is divided by it.
+            let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
         }
@@ -237,15 +232,6 @@ impl Tangents {
         tangents.cross = tangents.along_x.cross(tangents.along_y);
         tangents
     }
-
-    /// Whether the normal turns by less than an angle, in radians, where the tangents turn by no
-    /// more than `bent`.
-    #[inline(always)]
-    fn turn_less(&self, angle: f64, bent: f64) -> bool {
-        let sides = sum_of_sizes(self.along_x) + sum_of_sizes(self.along_y);
-        let turn = 2.0 * bent * sides;
-        turn * turn <= angle * angle * self.cross.length_squared()
-    }
 }
 
 /// No less than the length.
@@ -277,7 +263,8 @@ fn judge(
     let &Converged { st, half, z, determinant, ref tangents } = root;
     let Tangents { point, weight, along_x, along_y, cross } = tangents;
     // One over the cosine is `|a × b| / det`.
-    let secant = cross.length() * (weight * weight / determinant).abs();
+    let size = cross.length();
+    let secant = size * (weight * weight / determinant).abs();
     let z_error = error * secant;
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;
@@ -296,7 +283,7 @@ fn judge(
         return Outcome::Missed;
     }
     (found.z, found.z_error, found.st) = (z, z_error, st);
-    (found.point, found.cross) = (*point, *cross);
+    (found.point, found.cross, found.size) = (*point, *cross, size);
     Outcome::Hit
 }
 

@@ -78,8 +78,9 @@ pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) point: DVec3,
     pub(in crate::intersect) leaf: u32,
-    /// Along `S_s × S_t`.
+    /// Along `S_s × S_t`, and its length.
     pub(in crate::intersect) cross: DVec3,
+    pub(in crate::intersect) size: f64,
 }
 
 /// One ray, in f64 and in scaled f32 coordinates.

@@ -79,8 +79,9 @@ impl<S: Simd> Distances<S> {
 
     /// Newton's iteration in box coordinates, from a start there.
     ///
-    /// Horner's scheme in `x` runs on all lanes at once; they are then turned into four powers
-    /// of `y` of `f₁`, `f₂` and their derivatives by `x`.
+    /// Sums of powers of `x` run on all lanes at once; they are then turned into four powers
+    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. One operation waits for the other here: sums are made by
+    /// halves (Estrin 1960), which takes two thirds of the time of Horner's scheme.
     #[simd]
     pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;
@@ -88,14 +89,14 @@ impl<S: Simd> Distances<S> {
         let twice = rows[2] + rows[2];
         let thrice = rows[3] * f32x8::splat(simd, 3.0);
         for _ in 0..STEPS {
-            let xs = f32x8::splat(simd, x);
-            let value = rows[3].mul_add(xs, rows[2]).mul_add(xs, rows[1]).mul_add(xs, rows[0]);
-            let slope = thrice.mul_add(xs, twice).mul_add(xs, rows[1]);
+            let (xs, ys) = (f32x8::splat(simd, x), f32x4::splat(simd, y));
+            let (xx, yy) = (xs * xs, ys * ys);
+            let (two_y, three_yy) = (ys + ys, f32x4::splat(simd, 3.0) * yy);
+            let value = rows[3].mul_add(xs, rows[2]).mul_add(xx, rows[1].mul_add(xs, rows[0]));
+            let slope = thrice.mul_add(xx, twice.mul_add(xs, rows[1]));
             let [c0, c1, c2, c3] = transposed(value, slope);
-            let ys = f32x4::splat(simd, y);
-            let across = c3.mul_add(ys, c2).mul_add(ys, c1).mul_add(ys, c0);
-            let three = f32x4::splat(simd, 3.0);
-            let along_y = (c3 * three).mul_add(ys, c2 + c2).mul_add(ys, c1);
+            let across = c3.mul_add(ys, c2).mul_add(yy, c1.mul_add(ys, c0));
+            let along_y = c3.mul_add(three_yy, c2.mul_add(two_y, c1));
             let (f1, f2, a1, a2) = (across[0], across[1], across[2], across[3]);
             let (b1, b2) = (along_y[0], along_y[1]);
             let inverse = 1.0 / (a1 * b2 - a2 * b1);

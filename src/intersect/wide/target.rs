@@ -31,9 +31,8 @@ pub(super) struct Target<'a> {
 /// What is to be known of a leaf that roots are looked for in.
 #[derive(Clone, Copy)]
 pub(super) struct Closer {
-    /// How near a side of the piece a hit may be at a border of the surface, or its normal a limit;
-    /// `None` if the leaf is away from all of these.
-    pub(super) near_sides: Option<[f64; 4]>,
+    /// Whether a hit may be near a side, in the sense of [`Target::near_side`].
+    pub(super) has_near_sides: bool,
     /// Half the sides of the leaf's rectangle, one over that, and its middle.
     half: [f64; 2],
     per_half: [f64; 2],
@@ -42,9 +41,6 @@ pub(super) struct Closer {
     /// patch's, and that of the ray's origin.
     pub(super) residual_factor: f64,
     pub(super) magnitude: f64,
-    /// See [`Piece::domain`] and [`Piece::open_end`].
-    pub(super) uv_domain: [[f64; 2]; 2],
-    pub(super) open_end: [Option<f64>; 2],
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
     third: f64,
@@ -62,32 +58,27 @@ impl<'a> Target<'a> {
 
     #[inline(always)]
     pub(super) fn closer(&self) -> Closer {
-        let mut near_sides = None;
-        if self.leaf.is_at_border() {
-            for (side, near) in self.leaf.near_borders(self.piece) {
-                near_sides.get_or_insert([f64::NEG_INFINITY; 4])[side] = near;
-            }
-        }
-        if self.pole.is_some() {
-            // Near a pole the normal is a limit.
-            for (side, _) in self.piece.collapsed_sides() {
-                let near = &mut near_sides.get_or_insert([f64::NEG_INFINITY; 4])[side.number()];
-                *near = near.max(BESIDE_COLLAPSED);
-            }
-        }
         let [[s0, s1], [t0, t1]] = self.rect;
         Closer {
-            near_sides,
+            has_near_sides: self.leaf.is_at_border() || self.pole.is_some(),
             half: [0.5 * (s1 - s0), 0.5 * (t1 - t0)],
             per_half: [2.0 / (s1 - s0), 2.0 / (t1 - t0)],
             middle: [0.5 * (s0 + s1), 0.5 * (t0 + t1)],
             residual_factor: self.piece.patch.residual_factor(),
             magnitude: self.piece.patch.magnitude(),
-            uv_domain: self.piece.domain(),
-            open_end: [self.piece.open_end(0), self.piece.open_end(1)],
             bend: f64::from(self.leaf.fit_bend()),
             third: self.leaf.fit_third(),
         }
+    }
+
+    /// How near a side of the piece a hit may be at a border of the surface, or its normal a limit; minus
+    /// infinity if neither can be.
+    #[inline(always)]
+    pub(super) fn near_side(&self, side: usize) -> f64 {
+        let border = self.leaf.near_border(self.piece, side).unwrap_or(f64::NEG_INFINITY);
+        // Near a pole the normal is a limit.
+        let is_beside_pole = self.pole.is_some() && self.piece.is_collapsed(side);
+        if is_beside_pole { border.max(BESIDE_COLLAPSED) } else { border }
     }
 
     /// The leaf with its weight.

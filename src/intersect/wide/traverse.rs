@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::Vec3;
 
 use super::apart::{ALL, Apart};
+use super::box_ray::push_in_order;
 use super::distances::LaneDistances;
 use super::doubts::{Doubts, settle};
 use super::lane_proof::Parts;
@@ -103,18 +104,11 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
             Child::Node(index) => {
                 statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
-                let first = work.stack.len();
-                let (entries, mut met) = enter(simd, node, &packet.bounds, packet.farthest);
+                let (entries, met) = enter(simd, node, &packet.bounds, packet.farthest);
                 let meeting = work.apart.meeting(simd, packet, (node, met), rays);
-                while met != 0 {
-                    let k = met.trailing_zeros() as usize;
-                    met &= met - 1;
-                    if meeting[k] != 0 {
-                        work.stack.push((entries[k], node.child[k], meeting[k]));
-                    }
-                }
-                // The nearest child is popped first.
-                work.stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+                let kept = (0..LANES).map(|k| u32::from(meeting[k] != 0) << k).sum::<u32>();
+                let visit = |k: usize| (entries[k], node.child[k], meeting[k]);
+                push_in_order(simd, &mut work.stack, &entries, met & kept, visit);
             }
             Child::Region(index, way) => {
                 let (region, next) = tree.enter(index, way);
@@ -290,7 +284,8 @@ fn search_block<S: Simd, Q>(
     let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
     let leaves = (block, met & ((1 << count) - 1));
     let apart = work.apart.leaves(simd, leaves, packet, rays);
-    let mut met = apart.iter().fold(0, |all, met| all | met);
+    let two = apart | apart >> 32;
+    let mut met = (two | two >> 16) as u32 & 0xffff;
     scene.prefetch_leaves(first, met);
     while met != 0 {
         let mut nearest = met.trailing_zeros() as usize;
@@ -309,7 +304,7 @@ fn search_block<S: Simd, Q>(
         let oriented = block.oriented(nearest);
         let mut groups = 0;
         for k in 0..PACKET / LANES {
-            groups |= (apart[k] >> nearest & 1) << k;
+            groups |= ((apart >> (LANES * k + nearest)) as u32 & 1) << k;
         }
         let leaf = (first + nearest as u32, &oriented, groups, &mut *ahead);
         search_leaf(simd, scene, leaf, packet, work, statistics);
