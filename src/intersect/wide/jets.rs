@@ -31,11 +31,19 @@ pub(super) trait Net<S: Simd> {
         Self: 'a;
 }
 
-/// One patch for all lanes, and the net for its sums.
+/// One patch for all lanes, the net for its sums, and of which form they are.
 #[derive(Clone, Copy)]
 pub(super) struct OneNet<'a> {
     pub(super) patch: &'a TensorPatch,
     pub(super) net: PieceNet<'a>,
+    pub(super) form: Form,
+}
+
+impl<'a> OneNet<'a> {
+    #[inline(always)]
+    pub(super) fn new(patch: &'a TensorPatch, net: PieceNet<'a>) -> Self {
+        Self { patch, net, form: Form::of(patch) }
+    }
 }
 
 impl<S: Simd> Net<S> for OneNet<'_> {
@@ -46,7 +54,7 @@ impl<S: Simd> Net<S> for OneNet<'_> {
 
     #[inline(always)]
     fn form(&self) -> Form {
-        Form::of(self.patch)
+        self.form
     }
 
     #[inline(always)]
@@ -57,7 +65,7 @@ impl<S: Simd> Net<S> for OneNet<'_> {
 
     #[inline(always)]
     fn row(&self, i: usize, length: usize) -> Self::Row<'_> {
-        &self.net.row(i)[..length]
+        self.net.numbers_from(i, length)
     }
 
     #[inline(always)]

@@ -157,7 +157,7 @@ fn search_group<S: Simd, Q>(
             let Some(closer) = &*closer else { return done.found };
             let lanes = (certain, Ground::Certificate);
             let net = work.nets.net_of(simd, (target.leaf.piece, patch));
-            let surface = OneNet { patch, net };
+            let surface = OneNet::new(patch, net);
             let about = (target, closer, &surface);
             let finished = finish_all(simd, about, (&mut *packet, base), lanes, &near);
             done = Done { found: done.found | finished.found, ..finished };

@@ -132,10 +132,15 @@ fn search_leaf<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    let patch = &scene.set.pieces()[leaf.piece as usize].patch;
+    let piece = scene.piece_of(index as usize);
+    let patch = &piece.patch;
     let error = patch.error_bound(ray.magnitude());
-    let start = [crossings.x[k], crossings.y[k]];
-    let guess = Guess::of(leaf, start, crossings.slopes_of(k), error);
+    let (start, slopes) = ([crossings.x[k], crossings.y[k]], crossings.slopes_of(k));
+    let guess = if leaf.has_pole() {
+        Guess::beside_pole((leaf, piece), ray.frame, (start, slopes), error)
+    } else {
+        Guess::of(leaf, start, slopes, error)
+    };
     let fitted = scene.fitted(index, patch);
     let line = (ray.frame.origin, ray.boxes.axis);
     if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
@@ -159,7 +164,7 @@ pub(super) fn search_ahead<S: Simd>(
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
     let fitted = scene.fitted(index, patch);
-    let surface = OneNet { patch, net };
+    let surface = OneNet::new(patch, net);
     search_net(simd, scene, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
     work.nets = nets;
 }
@@ -181,7 +186,9 @@ fn search_net<S: Simd>(
         };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
+            let piece = scene.piece_of(index as usize);
+            let domain = fitted.leaf.certified_square(piece, WIDENED);
+            let task = Task { near, domain, error, clearance };
             let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {

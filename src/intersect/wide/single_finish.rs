@@ -11,7 +11,6 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::form::Form;
 use super::jets::OneNet;
 use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
@@ -70,7 +69,7 @@ pub(super) fn finish<S: Simd>(
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
-    let form = Form::of(surface.patch);
+    let form = surface.form;
     let [p, q] = form.degree();
     match (form.by_powers, [p, q], form.rational) {
         (true, [3, 3], true) => {
@@ -170,6 +169,9 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
+            // The weight goes along the same plane as what is divided by it.
+            let divisor = weight - along_x[3] * step_x - along_y[3] * step_y;
+            let z = (at[2] - a[2] * step_x - b[2] * step_y) / divisor;
             let tangents = if ray.asks_where() {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
@@ -178,8 +180,6 @@ fn finish_of<S: Simd, F: Sums<S>>(
             } else {
                 Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
             };
-            // The weight goes along the same plane as what is divided by it.
-            let z = (at[2] - a[2] * step_x - b[2] * step_y) / tangents.weight;
             let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
         }

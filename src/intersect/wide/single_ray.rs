@@ -7,7 +7,7 @@ use super::frames::shift_to_scene;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, Piece, SceneFrame, WIDENING};
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
@@ -46,13 +46,26 @@ impl Guess {
     /// where the leaf's certificate does not speak of the ray.
     #[inline(always)]
     pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
-        let certificate = &leaf.certificate;
-        // How far rays pass from a pole is not looked at here: the scalar search and the packets do.
+        // How far the ray passes from a pole is to be looked at, too.
         if leaf.has_pole() {
             return None;
         }
+        let certificate = &leaf.certificate;
         let steepness = certificate.speaks_of(slopes.map(f64::from), error)?;
         Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
+    }
+
+    /// The same for leaves that end in a pole: `None` also where the ray passes too near it.
+    #[cold]
+    pub(super) fn beside_pole(
+        (leaf, piece): (&Leaf, &Piece),
+        ray: &RayFrame,
+        (start, slopes): ([f32; 2], [f32; 3]),
+        error: f64,
+    ) -> Option<Self> {
+        let steepness = leaf.certificate.speaks_of(slopes.map(f64::from), error)?;
+        let speaks = leaf.is_far_from_pole(piece, ray, (steepness, error));
+        speaks.then_some(Self { start, clearance: f64::INFINITY })
     }
 }
 

@@ -318,15 +318,24 @@ impl Task<'_> {
             let start = [crossings.x[nearest], crossings.y[nearest]];
             let slopes = crossings.slopes_of(nearest);
             let leaf = &self.scene.leaves[index as usize];
-            let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
+            let piece = self.scene.piece_of(index as usize);
+            let patch = &piece.patch;
             let error = patch.error_bound(flight.magnitude);
-            let guess = Guess::of(leaf, start, slopes, error);
+            let guess = if leaf.has_pole() {
+                let frame = RayFrame::new(self.ray);
+                Guess::beside_pole((leaf, piece), &frame, (start, slopes), error)
+            } else {
+                Guess::of(leaf, start, slopes, error)
+            };
             let line = (self.ray.origin(), flight.boxes.axis);
             let fitted = self.scene.fitted(index, patch);
             if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
                 continue;
             }
-            if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
+            // Pairs know nothing of poles.
+            if let (Some(guess), Some(form), false) =
+                (guess, Form::of_pairs(patch), leaf.has_pole())
+            {
                 self.scene.prefetch_leaves(index, 1); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
