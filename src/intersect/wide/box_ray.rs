@@ -297,6 +297,12 @@ impl Crossings {
         slopes: [[0.0; LANES]; 3],
     };
 
+    /// Where the ray crosses a leaf's middle.
+    #[inline(always)]
+    pub(super) fn place_of(&self, k: usize) -> [f32; 2] {
+        [self.x[k], self.y[k]]
+    }
+
     /// What a leaf's rows say of the direction.
     #[inline(always)]
     pub(super) fn slopes_of(&self, k: usize) -> [f32; 3] {

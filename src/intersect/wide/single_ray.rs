@@ -46,17 +46,13 @@ impl Guess {
     /// where the leaf's certificate does not speak of the ray.
     #[inline(always)]
     pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
-        // How far the ray passes from a pole is to be looked at, too.
-        if leaf.has_pole() {
-            return None;
-        }
+        debug_assert!(!leaf.has_pole(), "more is to be asked of it: see `beside_pole`");
         let certificate = &leaf.certificate;
         let steepness = certificate.speaks_of(slopes.map(f64::from), error)?;
         Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
     }
 
     /// The same for leaves that end in a pole: `None` also where the ray passes too near it.
-    #[cold]
     pub(super) fn beside_pole(
         (leaf, piece): (&Leaf, &Piece),
         ray: &RayFrame,

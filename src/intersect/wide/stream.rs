@@ -15,7 +15,7 @@ use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
 use super::pairs::{Pair, PairLanes};
 use super::scene::Scene;
-use super::single::{SingleWork, search_ahead};
+use super::single::{SingleWork, search_ahead, search_at_pole};
 use super::single_ray::{Guess, Place, SingleHit, SingleRay, Wanted, boxes_in};
 use super::start::Start;
 use crate::intersect::tree::{Child, ChildCode, Way};
@@ -315,27 +315,28 @@ impl Task<'_> {
             }
             statistics.leaf_tests += 1;
             let index = first + nearest as u32;
-            let start = [crossings.x[nearest], crossings.y[nearest]];
-            let slopes = crossings.slopes_of(nearest);
             let leaf = &self.scene.leaves[index as usize];
-            let piece = self.scene.piece_of(index as usize);
-            let patch = &piece.patch;
+            if leaf.has_pole() {
+                let work = (&mut *single, &mut *statistics);
+                self.alone(flight, work, |ray, single| {
+                    let crossing = (crossings, nearest);
+                    search_at_pole(simd, self.scene, index, crossing, (ray, single));
+                });
+                if flight.alone {
+                    return;
+                }
+                continue;
+            }
+            let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
             let error = patch.error_bound(flight.magnitude);
-            let guess = if leaf.has_pole() {
-                let frame = RayFrame::new(self.ray);
-                Guess::beside_pole((leaf, piece), &frame, (start, slopes), error)
-            } else {
-                Guess::of(leaf, start, slopes, error)
-            };
+            let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
+            let guess = Guess::of(leaf, start, slopes, error);
             let line = (self.ray.origin(), flight.boxes.axis);
             let fitted = self.scene.fitted(index, patch);
             if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
                 continue;
             }
-            // Pairs know nothing of poles.
-            if let (Some(guess), Some(form), false) =
-                (guess, Form::of_pairs(patch), leaf.has_pole())
-            {
+            if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
                 self.scene.prefetch_leaves(index, 1); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
@@ -354,15 +355,28 @@ impl Task<'_> {
         &self,
         simd: S,
         leaf: u32,
-        (guess, error): (Option<Guess>, f64),
+        asked: (Option<Guess>, f64),
+        flight: &mut Flight,
+        work: (&mut SingleWork, &mut Statistics),
+    ) {
+        self.alone(flight, work, |ray, single| {
+            search_ahead::<S, false>(simd, self.scene, leaf, asked, (ray, single));
+        });
+    }
+
+    /// A search for this ray only, and what comes of it.
+    #[inline(always)]
+    fn alone(
+        &self,
         flight: &mut Flight,
         (single, statistics): (&mut SingleWork, &mut Statistics),
+        search: impl FnOnce(&mut SingleRay<'_>, &mut SingleWork),
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray =
             SingleRay::new(&frame, self.start.from, Wanted::First, self.scene.tree.frame());
         single.clear();
-        search_ahead(simd, self.scene, leaf, (guess, error), (&mut ray, &mut *single));
+        search(&mut ray, &mut *single);
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.rest.is_empty();
         if let Some(hit) = single.hit()
