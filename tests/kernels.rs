@@ -380,6 +380,66 @@ fn single_rays_are_answered_as_by_the_scalar_kernel() {
     });
 }
 
+/// Rays past a pole in distances from 1e-13 to 1e-2, steep ones and others, some of which end near where they hit.
+fn past_pole(pole: DVec3, random: &mut Random) -> Vec<Query> {
+    let ray = |k: usize| {
+        let aside = 10f64.powf(-2.0 - 11.0 * random.next());
+        // Every third in a plane of symmetry.
+        let side = if k.is_multiple_of(3) { DVec3::X } else { random.direction() };
+        let flat = 10f64.powf(-2.0 * random.next());
+        let from =
+            random.direction() * DVec3::new(1.0, if k.is_multiple_of(3) { 0.0 } else { 1.0 }, flat);
+        let direction = -from * (1.0 + random.next());
+        let origin = pole + aside * side - direction;
+        let spare = [f64::INFINITY, 1e-15, -1e-15, 1e-13][k % 4] * random.next();
+        Query::primary(Ray::with_range(origin, direction, 0.0, 1.0 + spare).unwrap())
+    };
+    (0..2000).map(ray).collect()
+}
+
+/// Takes over normals near a pole: the derivative along a parallel is as short as the parallel, so towards the pole the
+/// rounding of its coordinates turns the normal by that much more.
+fn forgive_normals(pole: DVec3, wide: &mut [Answer], scalar: &[Answer]) {
+    for (a, b) in wide.iter_mut().zip(scalar) {
+        let (Some(a), Some(b)) = (&mut a.hit, &b.hit) else { continue };
+        let parallel = a.point.distance(pole);
+        if a.normal.distance(b.normal) < 1e-14 / parallel {
+            a.normal = b.normal;
+        }
+    }
+}
+
+#[test]
+fn rays_past_poles_are_answered_as_by_the_scalar_kernel() {
+    let surfaces = [
+        ("sphere", shapes::sphere(1.0).unwrap(), DVec3::Z),
+        ("biquadratic sphere", shapes::sphere_biquadratic(1.0).unwrap(), -DVec3::Z),
+        ("cone", shapes::cone(1.0, 1.5).unwrap(), DVec3::new(0.0, 0.0, 1.5)),
+        ("disk", shapes::disk(1.0).unwrap(), DVec3::ZERO),
+    ];
+    for (name, surface, pole) in surfaces {
+        let bvh = SurfaceBvh::build(&[Surface::from(surface)], &BuildOptions::default()).unwrap();
+        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        let queries = past_pole(pole, &mut random);
+        let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+        assert!(hits.iter().filter(|answer| answer.hit.is_some()).count() > 100, "{name}");
+        let leaving = leaving(&hits, 1.0, &mut random);
+        for queries in [queries, leaving] {
+            let scalar = one_by_one(&bvh, Kernel::Scalar, &queries);
+            for kernel in wide_kernels() {
+                for mut wide in [
+                    one_by_one(&bvh, kernel, &queries),
+                    trace(&bvh, kernel, Coherence::Coherent, &queries),
+                    trace(&bvh, kernel, Coherence::Incoherent, &queries),
+                ] {
+                    forgive_normals(pole, &mut wide, &scalar);
+                    compare_all((name, kernel, 1.0), &queries, &wide, &scalar);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn occlusion_is_that_of_the_scalar_kernel() {
     everywhere(|name, _, bvh, queries, leaving| {
@@ -628,7 +688,8 @@ fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
     };
     let queries: Vec<Query> = (0..20_000).map(chord).collect();
     for kernel in wide_kernels() {
-        for answer in trace(&bvh, kernel, Coherence::Incoherent, &queries) {
+        let alone = one_by_one(&bvh, kernel, &queries);
+        for answer in trace(&bvh, kernel, Coherence::Incoherent, &queries).iter().chain(&alone) {
             let hit = answer.hit.unwrap();
             // The derivative along a parallel is as short as the parallel: towards a pole the
             // rounding of its coordinates turns the normal by that much more.

@@ -220,7 +220,10 @@ fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
     let Some(steepness) = certificate.speaks_of(slopes, error) else { return false };
-    place.leaf.is_far_from_pole(place.piece, ray, (steepness, error))
+    place.leaf.pole(place.piece).is_none_or(|pole| {
+        let distance = ray.coordinates(pole).truncate().length();
+        error * f64::from(certificate.pole_per_error()) <= steepness * distance
+    })
 }
 
 /// Box coordinates run from −1 to 1 along the leaf's parameters.

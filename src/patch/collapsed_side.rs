@@ -42,23 +42,12 @@ impl CollapsedSide {
 
     /// A rectangle, or range of parameters, made to end there.
     #[inline(always)]
-    pub(super) fn ended_at_it(self, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        self.ended(rect, [0.0, 1.0])
-    }
-
-    /// The same in box coordinates of a rectangle that ends there, which run from −1 to 1.
-    #[inline(always)]
-    pub(super) fn ended_in_box(self, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        self.ended(rect, [-1.0, 1.0])
-    }
-
-    #[inline(always)]
-    fn ended(self, [s, t]: [[f64; 2]; 2], [low, high]: [f64; 2]) -> [[f64; 2]; 2] {
+    pub(super) fn ended_at_it(self, [s, t]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         match self {
-            Self::S(0) => [[low, s[1]], t],
-            Self::S(_) => [[s[0], high], t],
-            Self::T(0) => [s, [low, t[1]]],
-            Self::T(_) => [s, [t[0], high]],
+            Self::S(0) => [[0.0, s[1]], t],
+            Self::S(_) => [[s[0], 1.0], t],
+            Self::T(0) => [s, [0.0, t[1]]],
+            Self::T(_) => [s, [t[0], 1.0]],
         }
     }
 
@@ -86,10 +75,6 @@ mod tests {
             assert!(side.is_reached_by(&rect));
             assert_eq!(rect[side.parameter()][side.end()], on_it[side.parameter()]);
             assert_eq!(rect[kept], [0.25, 0.5]);
-            let in_box = side.ended_in_box([[-1.5, 1.5]; 2]);
-            assert_eq!(in_box[side.parameter()][side.end()], [-1.0, 1.0][side.end()]);
-            assert_eq!(in_box[kept], [-1.5, 1.5]);
-            assert_eq!(in_box[side.parameter()][1 - side.end()], [1.5, -1.5][side.end()]);
         }
     }
 }

@@ -12,7 +12,7 @@ use super::{
     Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
     SceneFrame,
 };
-use crate::math::{RayFrame, prefetch, rounding};
+use crate::math::{prefetch, rounding};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
 /// that a root on the line between two leaves is not lost to rounding in both.
@@ -144,31 +144,6 @@ impl Leaf {
     pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
         let side = self.collapsed(piece)?;
         piece.collapsed_sides().find(|&(other, _)| other == side).map(|(_, point)| point)
-    }
-
-    /// Whether a ray passes so far from the leaf's pole, if it has one, that its certificate speaks of it: `steepness` is
-    /// what the certificate says of the ray, `error` how far a point may be from it.
-    pub(crate) fn is_far_from_pole(
-        &self,
-        piece: &Piece,
-        ray: &RayFrame,
-        (steepness, error): (f64, f64),
-    ) -> bool {
-        self.pole(piece).is_none_or(|pole| {
-            let distance = ray.coordinates(pole).truncate().length();
-            error * f64::from(self.certificate.pole_per_error()) <= steepness * distance
-        })
-    }
-
-    /// The half sides of the square where the leaf's certificate holds, in box coordinates: it ends at a
-    /// collapsed side of the piece.
-    #[inline(always)]
-    pub(crate) fn certified_square(&self, piece: &Piece, widened: f64) -> [[f64; 2]; 2] {
-        let square = [[-widened, widened]; 2];
-        match self.collapsed(piece) {
-            Some(side) => side.ended_in_box(square),
-            None => square,
-        }
     }
 
     /// Whether a trim curve passes through, so that hits must be asked for their side of it;

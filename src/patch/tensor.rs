@@ -178,7 +178,7 @@ impl TensorPatch {
     }
 
     /// How far a computed point may be from the true one, per unit of the largest
-    /// coordinate involved: see [`rounding::residual_factor`].
+    /// coordinate involved: see [`rounding::residual_factor`](crate::math::rounding::residual_factor).
     #[inline(always)]
     pub fn residual_factor(&self) -> f64 {
         self.net.residual_factor

@@ -196,3 +196,28 @@ fn leaves_of_rays<S: Simd>(
     }
     apart
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn bits_of_sixteens_are_where_their_rays_are(
+            rays in any::<u64>(),
+            kept in any::<[bool; PACKET / LANES]>(),
+            met in 0u32..1 << LANES,
+        ) {
+            let sixteen = |bits: u64, k: usize| (bits >> (LANES * k)) as u32 & 0xffff;
+            let rays = (0..PACKET / LANES).filter(|&k| kept[k]).fold(0, |all, k| {
+                all | u64::from(sixteen(rays, k)) << (LANES * k)
+            });
+            for k in 0..PACKET / LANES {
+                prop_assert_eq!(sixteen(groups(rays), k), u32::from(sixteen(rays, k) != 0));
+                prop_assert_eq!(sixteen(for_all(met), k), met);
+            }
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
 
+use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 
 /// How far the ray in f32 may be from the true one where it meets the scene, or the small part of it whose
@@ -191,7 +192,7 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// The nearest child of those that are met, of which there is one; the others are put onto the stack, the nearer
+/// The nearest child of those that are met, of which there is one at least; the others are put onto the stack, the nearer
 /// ones later: quick where one ray is much like the one before.
 #[inline(always)]
 fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) -> ChildCode {
@@ -246,7 +247,8 @@ pub(super) fn push_unforeseen<S: Simd>(
 /// Puts what is made of the numbers of those boxes that are met onto a stack, of the nearest box last.
 ///
 /// For each box those that come before it are counted, in all lanes at once: no branch depends on which is
-/// the nearer, as none could be foreseen, and nothing is moved once it is written.
+/// the nearer, as none could be foreseen, and nothing is moved once it is written. Where they are entered must be
+/// numbers: else two would have one place.
 #[inline(always)]
 pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     simd: S,
@@ -255,6 +257,7 @@ pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     met: u32,
     made: impl Fn(usize) -> T,
 ) {
+    debug_assert!(set_bits(u64::from(met)).all(|k| !entries[k].is_nan()));
     let near = f32x16::from_slice(simd, entries);
     let bottom = stack.len();
     // Room for sixteen: a known number takes no call.

@@ -250,7 +250,7 @@ fn settle_sixteen<S: Simd>(
             let ground = Ground::Own(moved(domain, bytes));
             let patch = &target.piece.patch;
             let net = nets.net_of(simd, (target.leaf.piece, patch));
-            let surface = OneNet::new(patch, net);
+            let surface = OneNet { patch, net };
             let about = (&target, &target.closer(), &surface);
             let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
             all.found |= done.found;

@@ -8,7 +8,7 @@ use super::jets::OneNet;
 use super::nearest::comes_first;
 use super::newton::{Converged, Ends, Rays, Verdict, newton};
 use super::packet::{Lanes3, Packet};
-use super::search::load3d;
+use super::search::{dot_d, load3d};
 use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};
@@ -59,11 +59,15 @@ pub(super) fn finish<S: Simd>(
         near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
     }
 
-    let root = newton(simd, &leaves, &rays, (wanted & !near_pole, certified), near);
+    let mut root = newton(simd, &leaves, &rays, (wanted & !near_pole, certified), near);
     let steps = root.steps;
     let open = (root.open | near_pole).to_bitmask();
     if root.found.all_false() {
         return Done { open, judged: 0, found: false, steps };
+    }
+    if target.pole.is_some() {
+        // Tangents vanish there, and the determinant before the last step says nothing of that at the hit.
+        root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
     let Converged { st: [root_s, root_t], z, point, cross, speed, .. } = root;
     let from_error = eight(simd, &packet.from_error, base);

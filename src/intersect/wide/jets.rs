@@ -31,19 +31,11 @@ pub(super) trait Net<S: Simd> {
         Self: 'a;
 }
 
-/// One patch for all lanes, the net for its sums, and of which form they are.
+/// One patch for all lanes, and the net for its sums.
 #[derive(Clone, Copy)]
 pub(super) struct OneNet<'a> {
     pub(super) patch: &'a TensorPatch,
     pub(super) net: PieceNet<'a>,
-    pub(super) form: Form,
-}
-
-impl<'a> OneNet<'a> {
-    #[inline(always)]
-    pub(super) fn new(patch: &'a TensorPatch, net: PieceNet<'a>) -> Self {
-        Self { patch, net, form: Form::of(patch) }
-    }
 }
 
 impl<S: Simd> Net<S> for OneNet<'_> {
@@ -54,7 +46,7 @@ impl<S: Simd> Net<S> for OneNet<'_> {
 
     #[inline(always)]
     fn form(&self) -> Form {
-        self.form
+        Form::of(self.patch)
     }
 
     #[inline(always)]

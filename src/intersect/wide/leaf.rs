@@ -151,13 +151,13 @@ fn search_group<S: Simd, Q>(
                 Some(searched) => work.distances.refine(simd, searched),
                 None => start.map(|x| x.max(-widened).min(widened)),
             };
-            if closer.is_none() {
-                *closer = Some(target.closer());
-            }
-            let Some(closer) = &*closer else { return done.found };
+            let closer = match closer {
+                Some(known) => &*known,
+                none => none.insert(target.closer()),
+            };
             let lanes = (certain, Ground::Certificate);
             let net = work.nets.net_of(simd, (target.leaf.piece, patch));
-            let surface = OneNet::new(patch, net);
+            let surface = OneNet { patch, net };
             let about = (target, closer, &surface);
             let finished = finish_all(simd, about, (&mut *packet, base), lanes, &near);
             done = Done { found: done.found | finished.found, ..finished };

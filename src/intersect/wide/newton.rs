@@ -116,7 +116,7 @@ pub(super) struct Converged<S: Simd> {
     pub(super) cross: [f64x8<S>; 3],
     pub(super) speed: f64x8<S>,
     /// One over the determinant of the tangents in the ray's planes.
-    inverse_det: f64x8<S>,
+    pub(super) inverse_det: f64x8<S>,
     /// Steps taken, over all lanes.
     pub(super) steps: u32,
 }

@@ -156,7 +156,7 @@ mod tests {
                 for lane in 0..8 {
                     (st[0][lane], st[1][lane]) = (places[lane].x, places[lane].y);
                 }
-                let net = OneNet::new(patch, nets.net_of(simd, (0, patch)));
+                let net = OneNet { patch, net: nets.net_of(simd, (0, patch)) };
                 let jets = jets::jets::<_, _, true>(simd, &net, &st);
                 let firsts = jets::jets::<_, _, false>(simd, &net, &st);
                 assert_eq!(bits(&jets.point), bits(&firsts.point));

@@ -132,47 +132,20 @@ fn search_leaf<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    if leaf.has_pole() {
-        return search_at_pole(simd, scene, index, (crossings, k), (ray, work));
-    }
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
     let fitted = scene.fitted(index, patch);
     let line = (ray.frame.origin, ray.boxes.axis);
     if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
-        search_ahead::<S, false>(simd, scene, index, (guess, error), (ray, work));
-    }
-}
-
-/// The same for a leaf that ends in a pole.
-#[cold]
-#[simd]
-pub(super) fn search_at_pole<S: Simd>(
-    simd: S,
-    scene: &Scene<'_>,
-    index: u32,
-    (crossings, k): (&Crossings, usize),
-    (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
-) {
-    let leaf = &scene.leaves[index as usize];
-    let piece = scene.piece_of(index as usize);
-    let patch = &piece.patch;
-    let error = patch.error_bound(ray.magnitude());
-    let crossing = (crossings.place_of(k), crossings.slopes_of(k));
-    let guess = Guess::beside_pole((leaf, piece), ray.frame, crossing, error);
-    let fitted = scene.fitted(index, patch);
-    let line = (ray.frame.origin, ray.boxes.axis);
-    if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
-        search_ahead::<S, true>(simd, scene, index, (guess, error), (ray, work));
+        search_ahead(simd, scene, index, (guess, error), (ray, work));
     }
 }
 
 /// One leaf against one ray that does not start on the one root it has there: from a start in box
-/// coordinates, if the leaf is certified for the ray; `error` is how far a point may be from it. The leaf may end in a
-/// pole if `AT_POLE` says so.
+/// coordinates, if the leaf is certified for the ray; `error` is how far a point may be from it.
 #[inline(always)]
-pub(super) fn search_ahead<S: Simd, const AT_POLE: bool>(
+pub(super) fn search_ahead<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
     index: u32,
@@ -185,24 +158,18 @@ pub(super) fn search_ahead<S: Simd, const AT_POLE: bool>(
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
     let fitted = scene.fitted(index, patch);
-    let surface = OneNet::new(patch, net);
-    let square = if AT_POLE {
-        leaf.certified_square(scene.piece_of(index as usize), WIDENED)
-    } else {
-        [[-WIDENED, WIDENED]; 2]
-    };
-    let leaf = (index, fitted, &surface);
-    search_net(simd, scene, leaf, (guess, square, error), (&mut *ray, &mut *work));
+    let surface = OneNet { patch, net };
+    search_net(simd, scene, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
     work.nets = nets;
 }
 
-/// The same, once there is a net for sums; the certificate holds in a square of box coordinates.
+/// The same, once there is a net for sums.
 #[inline(always)]
 fn search_net<S: Simd>(
     simd: S,
     scene: &Scene<'_>,
     (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
-    (guess, domain, error): (Option<Guess>, [[f64; 2]; 2], f64),
+    (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     if let Some(Guess { start, clearance }) = guess {
@@ -213,7 +180,7 @@ fn search_net<S: Simd>(
         };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Task { near, domain, error, clearance };
+            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
             let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {

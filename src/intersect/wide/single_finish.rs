@@ -11,6 +11,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::form::Form;
 use super::jets::OneNet;
 use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
@@ -69,7 +70,7 @@ pub(super) fn finish<S: Simd>(
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
     // out in advance for all.
-    let form = surface.form;
+    let form = Form::of(surface.patch);
     let [p, q] = form.degree();
     match (form.by_powers, [p, q], form.rational) {
         (true, [3, 3], true) => {
@@ -172,7 +173,8 @@ fn finish_of<S: Simd, F: Sums<S>>(
             // The weight goes along the same plane as what is divided by it.
             let divisor = weight - along_x[3] * step_x - along_y[3] * step_y;
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / divisor;
-            let tangents = if ray.asks_where() {
+            // At a pole tangents vanish, and those nearby say nothing of them.
+            let tangents = if ray.asks_where() || leaf.has_pole() {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
                 let along_y = along_t * f64x4::splat(simd, half_t);
@@ -180,7 +182,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
             } else {
                 Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
             };
-            let root = Converged { st, half: [half_s, half_t], z, determinant, tangents };
+            let root = Converged { st, half: [half_s, half_t], z, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
@@ -193,7 +195,6 @@ fn finish_of<S: Simd, F: Sums<S>>(
 /// The surface at a place, by box coordinates.
 struct Tangents {
     point: DVec3,
-    weight: f64,
     along_x: DVec3,
     along_y: DVec3,
     cross: DVec3,
@@ -211,7 +212,7 @@ impl Tangents {
         let vector = |v: f64x4<S>| DVec3::new(v[0], v[1], v[2]);
         let [along_x, along_y] = [vector(along_x), vector(along_y)];
         let cross = along_x.cross(along_y);
-        Self { point: vector(point), weight: sums[0][3], along_x, along_y, cross }
+        Self { point: vector(point), along_x, along_y, cross }
     }
 
     /// From those before a last small step: the point follows the tangent plane, the
@@ -247,8 +248,6 @@ struct Converged {
     half: [f64; 2],
     /// How far along the ray.
     z: f64,
-    /// Of the last step, in homogeneous coordinates.
-    determinant: f64,
     tangents: Tangents,
 }
 
@@ -260,11 +259,10 @@ fn judge(
     (error, clearance): (f64, f64),
     found: &mut SingleHit,
 ) -> Outcome {
-    let &Converged { st, half, z, determinant, ref tangents } = root;
-    let Tangents { point, weight, along_x, along_y, cross } = tangents;
-    // One over the cosine is `|a × b| / det`.
+    let &Converged { st, half, z, ref tangents } = root;
+    let Tangents { point, along_x, along_y, cross } = tangents;
     let size = cross.length();
-    let secant = size * (weight * weight / determinant).abs();
+    let secant = size / cross.dot(ray.frame.axis).abs();
     let z_error = error * secant;
     let reach = ray.start_reach(z_error);
     let [z_min, z_max] = ray.frame.z_range;

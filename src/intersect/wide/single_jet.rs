@@ -20,7 +20,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
     for Powers<P, Q, C, N>
 {
     #[inline(always)]
-    fn at(simd: S, OneNet { patch, net, .. }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
+    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
         let [p, q] = if P == 0 { patch.degree() } else { [P, Q] };
         let (x, y) = (f64x4::splat(simd, s + s - 1.0), f64x4::splat(simd, t + t - 1.0));
         let zero = f64x4::splat(simd, 0.0);
@@ -52,7 +52,7 @@ pub(super) struct Bernstein<const N: usize, const C: usize>;
 
 impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
     #[inline(always)]
-    fn at(simd: S, OneNet { patch, net, .. }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
+    fn at(simd: S, OneNet { patch, net }: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3] {
         let [p, q] = patch.degree();
         let mut bases = [Basis::<N>::ZERO; 2];
         bases[0].fill(p, s);

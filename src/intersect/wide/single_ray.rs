@@ -7,7 +7,7 @@ use super::frames::shift_to_scene;
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, Leaf, Piece, SceneFrame, WIDENING};
+use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
 
 /// Distances along the ray in f32 are given this much to spare.
 const SPARE: f64 = 1e-5;
@@ -46,22 +46,13 @@ impl Guess {
     /// where the leaf's certificate does not speak of the ray.
     #[inline(always)]
     pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
-        debug_assert!(!leaf.has_pole(), "more is to be asked of it: see `beside_pole`");
         let certificate = &leaf.certificate;
+        // How far rays pass from a pole is not looked at here: the scalar search and the packets do.
+        if leaf.has_pole() {
+            return None;
+        }
         let steepness = certificate.speaks_of(slopes.map(f64::from), error)?;
         Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
-    }
-
-    /// The same for leaves that end in a pole: `None` also where the ray passes too near it.
-    pub(super) fn beside_pole(
-        (leaf, piece): (&Leaf, &Piece),
-        ray: &RayFrame,
-        (start, slopes): ([f32; 2], [f32; 3]),
-        error: f64,
-    ) -> Option<Self> {
-        let steepness = leaf.certificate.speaks_of(slopes.map(f64::from), error)?;
-        let speaks = leaf.is_far_from_pole(piece, ray, (steepness, error));
-        speaks.then_some(Self { start, clearance: f64::INFINITY })
     }
 }
 
@@ -87,8 +78,9 @@ pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) point: DVec3,
     pub(in crate::intersect) leaf: u32,
-    /// Along `S_s × S_t`, and its length.
+    /// Along `S_s × S_t`.
     pub(in crate::intersect) cross: DVec3,
+    /// The length of that.
     pub(in crate::intersect) size: f64,
 }
 

@@ -80,7 +80,7 @@ impl<S: Simd> Distances<S> {
     /// Newton's iteration in box coordinates, from a start there.
     ///
     /// Sums of powers of `x` run on all lanes at once; they are then turned into four powers
-    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. One operation waits for the other here: sums are made by
+    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before: sums are made by
     /// halves (Estrin 1960), which takes two thirds of the time of Horner's scheme.
     #[simd]
     pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {

@@ -15,7 +15,7 @@ use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
 use super::pairs::{Pair, PairLanes};
 use super::scene::Scene;
-use super::single::{SingleWork, search_ahead, search_at_pole};
+use super::single::{SingleWork, search_ahead};
 use super::single_ray::{Guess, Place, SingleHit, SingleRay, Wanted, boxes_in};
 use super::start::Start;
 use crate::intersect::tree::{Child, ChildCode, Way};
@@ -315,21 +315,10 @@ impl Task<'_> {
             }
             statistics.leaf_tests += 1;
             let index = first + nearest as u32;
+            let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
             let leaf = &self.scene.leaves[index as usize];
-            if leaf.has_pole() {
-                let work = (&mut *single, &mut *statistics);
-                self.alone(flight, work, |ray, single| {
-                    let crossing = (crossings, nearest);
-                    search_at_pole(simd, self.scene, index, crossing, (ray, single));
-                });
-                if flight.alone {
-                    return;
-                }
-                continue;
-            }
             let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
             let error = patch.error_bound(flight.magnitude);
-            let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
             let guess = Guess::of(leaf, start, slopes, error);
             let line = (self.ray.origin(), flight.boxes.axis);
             let fitted = self.scene.fitted(index, patch);
@@ -355,28 +344,15 @@ impl Task<'_> {
         &self,
         simd: S,
         leaf: u32,
-        asked: (Option<Guess>, f64),
-        flight: &mut Flight,
-        work: (&mut SingleWork, &mut Statistics),
-    ) {
-        self.alone(flight, work, |ray, single| {
-            search_ahead::<S, false>(simd, self.scene, leaf, asked, (ray, single));
-        });
-    }
-
-    /// A search for this ray only, and what comes of it.
-    #[inline(always)]
-    fn alone(
-        &self,
+        (guess, error): (Option<Guess>, f64),
         flight: &mut Flight,
         (single, statistics): (&mut SingleWork, &mut Statistics),
-        search: impl FnOnce(&mut SingleRay<'_>, &mut SingleWork),
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray =
             SingleRay::new(&frame, self.start.from, Wanted::First, self.scene.tree.frame());
         single.clear();
-        search(&mut ray, &mut *single);
+        search_ahead(simd, self.scene, leaf, (guess, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.rest.is_empty();
         if let Some(hit) = single.hit()
