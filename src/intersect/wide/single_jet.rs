@@ -27,7 +27,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
         // Rows do not wait for each other.
         let (mut sums, mut slopes) = ([zero; N], [zero; N]);
         for i in 0..=p {
-            // A length that is known takes one comparison.
+            // A length that is known takes fewer comparisons.
             let row = if Q == 0 { net.row(i) } else { net.numbers_from(i, C * (Q + 1) + 1) };
             let (mut sum, mut slope) = (load::<S, C>(simd, row, q), zero);
             for j in (0..q).rev() {

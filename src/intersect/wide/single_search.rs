@@ -80,8 +80,8 @@ impl<S: Simd> Distances<S> {
     /// Newton's iteration in box coordinates, from a start there.
     ///
     /// Sums of powers of `x` run on all lanes at once; they are then turned into four powers
-    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before: sums are made by
-    /// halves (Estrin 1960), which takes two thirds of the time of Horner's scheme.
+    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before, so sums are made by
+    /// halves (Estrin 1960): of a cubic two operations wait for each other, not three as in Horner's scheme.
     #[simd]
     pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;
