@@ -743,3 +743,40 @@ fn small_bodies_cost_what_they_cost_alone() {
         }
     }
 }
+
+/// Most of a picture may be background, and what is seen small in it: rays that pass the whole scene by are told in
+/// packets from what they have in common.
+#[test]
+fn packets_meet_a_ball_that_is_small_in_the_picture_where_its_lines_do() {
+    let bvh = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()], &BuildOptions::default()).unwrap();
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let mut queries = Vec::new();
+    for _ in 0..600 {
+        let eye = 40.0 * random.next() * random.direction();
+        let right = eye.any_orthonormal_vector();
+        let up = eye.normalize().cross(right);
+        let aside = 6.0 * random.next().powi(2);
+        let pixel = 0.1 * random.next();
+        for k in 0..64 {
+            let (x, y) = (aside + pixel * f64::from(k % 8), pixel * f64::from(k / 8));
+            queries.push(Query::primary(Ray::new(eye, x * right + y * up - eye).unwrap()));
+        }
+    }
+    for kernel in wide_kernels() {
+        let answers = trace(&bvh, kernel, Coherence::Coherent, &queries);
+        let (mut hits, mut misses) = (0, 0);
+        for (query, answer) in queries.iter().zip(&answers) {
+            let (o, d) = (query.ray().origin(), query.ray().direction().normalize());
+            let distance = o.cross(d).length();
+            let ahead = o.length() < 1.0 || o.dot(d) < 0.0;
+            if !ahead || distance > 1.0 + 1e-9 {
+                assert!(answer.hit.is_none(), "{kernel:?}: {query:?}");
+                misses += 1;
+            } else if distance < 1.0 - 1e-9 {
+                assert!(answer.hit.is_some(), "{kernel:?}: {query:?}");
+                hits += 1;
+            }
+        }
+        assert!(hits > 10_000 && misses > 10_000, "{hits} hits, {misses} misses");
+    }
+}

@@ -108,6 +108,8 @@ pub struct Camera {
     view: View,
     projection: Projection,
     span: Span,
+    /// Half the length that the projection spans: at distance 1 in front of the eye, or in scene units.
+    half: f64,
     right: DVec3,
     up: DVec3,
     /// The ray through the middle of the picture; its direction is the unit view direction.
@@ -168,7 +170,11 @@ impl Camera {
         let up = right.cross(forward);
         let axis = Ray::new(view.look_from, forward)
             .map_err(|_| CameraError::NoDirection(view.look_from))?;
-        Ok(Self { view, projection, span, right, up, axis })
+        let half = match projection {
+            Projection::Perspective { fov } => (0.5 * fov.to_radians()).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
+        };
+        Ok(Self { view, projection, span, half, right, up, axis })
     }
 
     /// The ray through a point of the film, for a picture of this aspect (width / height).
@@ -177,14 +183,9 @@ impl Camera {
     /// the camera, and the range is all of `(0, ∞)`: nothing is clipped. Film coordinates
     /// or an aspect that are not finite give the ray through the middle.
     pub fn ray(&self, film: DVec2, aspect: f64) -> Ray {
-        // Half the picture's width and height: at distance 1, or in scene units.
-        let half = match self.projection {
-            Projection::Perspective { fov } => (0.5 * fov.to_radians()).tan(),
-            Projection::Orthographic { height } => 0.5 * height,
-        };
         let half_height = match self.span {
-            Span::ShorterSide if aspect < 1.0 => half / aspect,
-            _ => half,
+            Span::ShorterSide if aspect < 1.0 => self.half / aspect,
+            _ => self.half,
         };
         let x = (2.0 * film.x - 1.0) * half_height * aspect;
         let y = (1.0 - 2.0 * film.y) * half_height;

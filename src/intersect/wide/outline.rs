@@ -3,6 +3,7 @@
 
 use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
+use glam::DVec3;
 
 use super::box_ray::BLUR;
 use super::frames::{END_SPARE, PLAIN, shift_to_scene};
@@ -17,19 +18,28 @@ const FARTHEST_MOVED: f32 = 4.0;
 /// after one more operation, it is at most four times that.
 const ROUNDED: f32 = f32::EPSILON;
 
-/// Bounds of all rays, and the largest of their ends in scaled coordinates; `None` where they
-/// have too little in common, or lie where rounding counts.
+/// No point of a scene is as far as this from its middle, in scaled coordinates, where all of them are at most one
+/// ([`SceneFrame`](crate::patch::SceneFrame)), nor is any point within rounding of it.
+const BESIDE: f64 = 1.75;
+
+/// What is known of some rays.
+pub(super) enum Outline {
+    /// Nothing: they have too little in common, or lie where rounding counts.
+    Unknown,
+    /// All lines through them pass the whole scene by.
+    Beside,
+    /// Their bounds, and the largest of their ends in scaled coordinates.
+    Bounds(PacketBounds, f32),
+}
+
+/// What all of these rays have in common.
 ///
 /// All is interval arithmetic on the ranges of the eight numbers of a ray. Unit directions are
 /// those given over a length between the shortest and the longest there may be; the origins are
 /// moved towards the scene by one distance for all.
 #[simd]
-pub(super) fn outline<S: Simd, Q: Shot>(
-    simd: S,
-    shots: &[Q],
-    scene: &Scene<'_>,
-) -> Option<(PacketBounds, f32)> {
-    let [low, high] = hull(simd, shots)?;
+pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Scene<'_>) -> Outline {
+    let Some([low, high]) = hull(simd, shots) else { return Outline::Unknown };
     let (mut least, mut most) = (0.0, 0.0);
     for k in 3..6 {
         let size = low[k].max(-high[k]).max(0.0);
@@ -38,7 +48,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     }
     let alike = least > 0.25 * most && least > PLAIN && most < 1.0 / PLAIN;
     if !alike {
-        return None;
+        return Outline::Unknown;
     }
     let (shortest, longest) = (least.sqrt(), most.sqrt());
     let (per_shortest, per_longest) = (1.0 / shortest, 1.0 / longest);
@@ -52,24 +62,25 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     }
     let magnitude = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
     if scene.is_beyond_f32(magnitude) {
-        return None;
+        return Outline::Unknown;
     }
+    let unit =
+        [0, 1, 2].map(|k| unit_range([low[3 + k], high[3 + k]], [per_shortest, per_longest]));
+    let reach = [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]) * frame.scale);
     let along: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();
     let shift = shift_to_scene(square, along);
 
     let mut bounds = PacketBounds::default();
     for k in 0..3 {
-        let (from, to) = (low[3 + k], high[3 + k]);
-        let from = from * if from < 0.0 { per_shortest } else { per_longest };
-        let to = to * if to > 0.0 { per_shortest } else { per_longest };
+        let [from, to] = unit[k];
         bounds.set_directions(k, from as f32 - ROUNDED, to as f32 + ROUNDED);
-        let reach = 0.5 * (high[k] - low[k]) * frame.scale;
         let (moved_by_from, moved_by_to) = (shift * from, shift * to);
-        let first = (middle[k] - reach + moved_by_from.min(moved_by_to)) as f32;
-        let last = (middle[k] + reach + moved_by_from.max(moved_by_to)) as f32;
+        let first = (middle[k] - reach[k] + moved_by_from.min(moved_by_to)) as f32;
+        let last = (middle[k] + reach[k] + moved_by_from.max(moved_by_to)) as f32;
         let nearby = first > -FARTHEST_MOVED && last < FARTHEST_MOVED; // false for NaN
         if !nearby {
-            return None;
+            let beside = least_distance((middle, reach), &unit) > BESIDE;
+            return if beside { Outline::Beside } else { Outline::Unknown };
         }
         bounds.origin_min[k] = first - (BLUR + 4.0 * ROUNDED);
         bounds.origin_max[k] = last + (BLUR + 4.0 * ROUNDED);
@@ -77,7 +88,27 @@ pub(super) fn outline<S: Simd, Q: Shot>(
     let from = low[6] * if low[6] > 0.0 { shortest } else { longest };
     let to = high[7] * if high[7] > 0.0 { longest } else { shortest };
     bounds.nearest = (from * frame.scale - shift) as f32 - END_SPARE;
-    Some((bounds, (to * frame.scale - shift) as f32 + END_SPARE))
+    Outline::Bounds(bounds, (to * frame.scale - shift) as f32 + END_SPARE)
+}
+
+/// The range of a component of unit vectors, from that of vectors and of one over their lengths.
+fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f64; 2] {
+    [
+        from * if from < 0.0 { per_shortest } else { per_longest },
+        to * if to > 0.0 { per_shortest } else { per_longest },
+    ]
+}
+
+/// How near to 0 lines may come through points of a box, given by its middle and half sides, with unit directions
+/// of these ranges.
+///
+/// With the middles `m` and `d`, and all else no farther from them than `r` and `e`, that is
+/// `|(m + δ) × (d + ε)| ≥ |m × d| − |m| e − r`, for `d + ε` is a unit vector.
+fn least_distance((middle, reach): ([f64; 3], [f64; 3]), unit: &[[f64; 2]; 3]) -> f64 {
+    let [m, r] = [middle, reach].map(DVec3::from_array);
+    let [from, to] = [0, 1].map(|end| DVec3::from_array(unit.map(|range| range[end])));
+    let (d, e) = (0.5 * (from + to), 0.5 * (to - from));
+    m.cross(d).length() - m.length() * e.length() - r.length()
 }
 
 /// The least and the largest of each of the eight numbers of some rays; `None` without rays.
@@ -100,4 +131,50 @@ fn hull<S: Simd, Q: Shot>(simd: S, shots: &[Q]) -> Option<[[f64; 8]; 2]> {
     let low = low[0].min(low[1]).min(low[2].min(low[3]));
     let high = high[0].max(high[1]).max(high[2].max(high[3]));
     Some([low.into(), high.into()])
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The least and the largest coordinates of vectors.
+    fn ranges(vectors: &[DVec3]) -> [[f64; 2]; 3] {
+        let first = vectors[0];
+        let (low, high) = vectors.iter().fold((first, first), |(a, b), v| (a.min(*v), b.max(*v)));
+        [0, 1, 2].map(|k| [low[k], high[k]])
+    }
+
+    #[test]
+    fn no_line_comes_nearer_than_is_said() {
+        let vector = || prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from_array);
+        let spread = || prop_oneof![Just(0.0), 0.0..0.01f64, 0.0..1.0f64];
+        let bundle = (vector(), vector(), 0.1..20.0f64, spread(), spread());
+        let others = prop::collection::vec((vector(), vector()), 1..20);
+        proptest!(|(bundle in bundle, others in others)| {
+            let (origin, direction, away, origin_spread, direction_spread) = bundle;
+            prop_assume!(direction.length() > 0.1);
+            let lines = others.iter().map(|&(o, d)| {
+                (away * origin + origin_spread * o, direction.normalize() + direction_spread * d)
+            });
+            let (origins, directions): (Vec<_>, Vec<_>) = lines.unzip();
+            prop_assume!(directions.iter().all(|d| d.length() > 0.1));
+            let lengths = directions.iter().map(|d| d.length());
+            let longest = lengths.clone().fold(0.0, f64::max);
+            let shortest = lengths.fold(f64::INFINITY, f64::min);
+            let (o, d) = (ranges(&origins), ranges(&directions));
+            let middle = o.map(|[from, to]| 0.5 * (from + to));
+            let reach = o.map(|[from, to]| 0.5 * (to - from));
+            let unit = d.map(|range| unit_range(range, [1.0 / shortest, 1.0 / longest]));
+            let least = least_distance((middle, reach), &unit);
+            let lines = origins.iter().zip(&directions);
+            let nearest = lines.map(|(o, d)| o.cross(d.normalize()).length());
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            prop_assert!(least <= nearest + 1e-13, "{least} of {nearest}");
+            if origin_spread + direction_spread == 0.0 {
+                prop_assert!(least >= nearest - 1e-13, "{least} of {nearest}");
+            }
+        });
+    }
 }

@@ -11,7 +11,7 @@ use super::doubts::{Doubts, settle};
 use super::lane_proof::Parts;
 use super::leaf::search_leaf;
 use super::load::{change_to, load};
-use super::outline::outline;
+use super::outline::{Outline, outline};
 use super::packet::{Packet, PacketBounds};
 use super::scene::Scene;
 use super::search::bits;
@@ -147,7 +147,11 @@ fn meets_nothing<S: Simd, Q: Shot>(
     (work, statistics): (&mut Work, &mut Statistics),
 ) -> bool {
     let tree = scene.tree;
-    let Some((bounds, farthest)) = outline(simd, shots, scene) else { return false };
+    let (bounds, farthest) = match outline(simd, shots, scene) {
+        Outline::Unknown => return false,
+        Outline::Beside => return true,
+        Outline::Bounds(bounds, farthest) => (bounds, farthest),
+    };
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
     while let Some((_, code, _)) = work.stack.pop() {
