@@ -50,20 +50,23 @@ Rays are made from the model's own surfaces, by class:
   leaving      leaving a hit, as secondary rays do
   far          as aimed, from a million sizes away
 
-A third of the rays is traced one by one, a third as packets, a third as batches
-of incoherent rays.
+A third of the rays is traced one by one, a third in packets, a third in batches
+of incoherent rays: each for its first hit, and for whether anything is hit.
 
 Columns, for each class:
   rays         rays made
   hits         rays for which the fast path has a hit
-  misses       the fast path has no hit and no doubt, but there is a certain hit
+  misses       the fast path has no hit and no doubt, or says so of any hit, but
+               there is a certain hit
   wrong        the fast path's hit lies behind a certain hit by more than the
                bound of t (JSON: wrong_roots)
   false        the fast path's hit has a residual above the bound, lies outside
                the ray's range or in what trims have cut off, by more than
                it may be off, or the exact solver, without doubt, has no root
-               there (JSON: false_hits)
-  doubtful     rays whose answer the fast path flags; they are not judged
+               there; or any hit is said to be where there is none (JSON:
+               false_hits)
+  doubtful     rays whose first hit the fast path flags; such answers are not
+               judged, nor are those about any hit that it flags
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
   error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and

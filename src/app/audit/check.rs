@@ -1,12 +1,14 @@
 //! The audit itself: every ray by the fast path and by the exact solver, on all threads.
 
+use std::ops::Range;
+
 use nurbray::geometry::Surface;
-use nurbray::intersect::{Coherence, Kernel, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use rayon::prelude::*;
 
 use super::class::{Class, shares};
 use super::judge::{Judge, Truth};
-use super::rays::RaySource;
+use super::rays::{RaySource, Shot};
 use super::tally::Tally;
 
 /// Rays a thread takes at a time: some milliseconds' work, and few enough that all threads are
@@ -66,33 +68,57 @@ fn chunk(
     what: &Audit<'_>,
     (source, judge): (&RaySource<'_>, &Judge<'_>),
     class: Class,
-    indices: std::ops::Range<u64>,
+    indices: Range<u64>,
 ) -> Tally {
     let mut tracer = what.bvh.tracer_with(what.kernel);
     let mut hits = Vec::new();
-    let mut answers = Vec::new();
     let mut tally = Tally::default();
+    // Each third of the rays in its own way; in the order of the rays, whatever becomes of them.
+    let mut thirds = [const { Vec::new() }; 3];
     for index in indices {
-        let Some(shot) = source.shot(class, index, &mut tracer) else {
-            continue;
-        };
-        // Each third of the rays in its own way: what a ray is answered in packets or streams does
-        // not depend on how many there are.
-        let coherence = [None, Some(Coherence::Coherent), Some(Coherence::Incoherent)];
-        let answer = match coherence[(index % 3) as usize] {
-            None => tracer.first_hit(&shot.query),
-            Some(coherence) => {
-                tracer.first_hits(&[shot.query], coherence, &mut answers);
-                answers[0]
-            }
-        };
+        if let Some(shot) = source.shot(class, index, &mut tracer) {
+            thirds[(index % 3) as usize].push((index, shot));
+        }
+    }
+    let ways = [None, Some(Coherence::Coherent), Some(Coherence::Incoherent)];
+    let mut seen: Vec<_> = thirds
+        .iter()
+        .zip(ways)
+        .flat_map(|(shots, way)| shots.iter().zip(look(&mut tracer, way, shots)))
+        .collect();
+    seen.sort_unstable_by_key(|((index, _), _)| *index);
+
+    for ((_, shot), (answer, shadow)) in seen {
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
-        tally.add(shot.query.ray(), judge.judge(&shot, &answer, &truth));
+        let mut finding = judge.judge(shot, &answer, &truth);
+        finding.fault =
+            finding.fault.or_else(|| judge.fault_of_shadow(shot, shadow, &answer, &truth));
+        tally.add(shot.query.ray(), finding);
         tally.undecided += u64::from(undecided);
     }
     tally
+}
+
+/// Asks the fast path for the first hits of some rays and for what is in their way, all in one batch or, if it is not
+/// told what they have in common, one by one.
+fn look(
+    tracer: &mut Tracer<'_>,
+    way: Option<Coherence>,
+    shots: &[(u64, Shot)],
+) -> Vec<(Answer, Occlusion)> {
+    let queries: Vec<Query> = shots.iter().map(|(_, shot)| shot.query).collect();
+    let Some(coherence) = way else {
+        return queries
+            .iter()
+            .map(|query| (tracer.first_hit(query), tracer.occluded(query)))
+            .collect();
+    };
+    let (mut answers, mut shadows) = (Vec::new(), Vec::new());
+    tracer.first_hits(&queries, coherence, &mut answers);
+    tracer.occlusions(&queries, coherence, &mut shadows);
+    answers.into_iter().zip(shadows).collect()
 }
 
 #[cfg(test)]

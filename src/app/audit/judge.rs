@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::Side;
 use nurbray::geometry::{Charts, Surface};
-use nurbray::intersect::{Answer, Hit, HitFlags};
+use nurbray::intersect::{Answer, Hit, HitFlags, Occlusion};
 use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
@@ -15,14 +15,14 @@ use super::sites::{Site, Sites};
 /// What is wrong with an answer that carries no doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// There is a certain hit, the fast path has none. Certain are hits of the exact solver
-    /// without doubt, and the point of a surface the ray was aimed at.
+    /// There is a certain hit, the fast path has none, or sees nothing in the way. Certain are hits of the exact
+    /// solver without doubt, and the point of a surface the ray was aimed at.
     Miss,
     /// The fast path's hit lies behind a certain hit, by more than the error bound of `t`.
     WrongRoot,
     /// The fast path's hit is not on the surface and the ray to within the error bound, or not
     /// in the ray's range, or in a part that trims have cut off, or no root of the exact solver
-    /// lies there.
+    /// lies there; or something is said to be in the way of a ray that meets nothing.
     FalseHit,
 }
 
@@ -105,13 +105,36 @@ impl<'a> Judge<'a> {
         let fault = match measured {
             _ if doubtful => None,
             Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
-            None => {
-                let due = truth.hits.iter().any(|hit| self.is_due(ray, hit));
-                (due || self.target(shot).is_some()).then_some(Fault::Miss)
-            }
+            None => self.is_owed(shot, truth).then_some(Fault::Miss),
         };
         let tangent = self.tangent(ray, answer.hit.iter().chain(truth.hits));
         Finding { fault, error, doubtful, tangent }
+    }
+
+    /// What is wrong with the answer to whether anything is in the way of the ray, whose first hit the fast path
+    /// says to be `first`.
+    pub(crate) fn fault_of_shadow(
+        &self,
+        shot: &Shot,
+        shadow: Occlusion,
+        first: &Answer,
+        truth: &Truth<'_>,
+    ) -> Option<Fault> {
+        if shadow.doubtful {
+            return None;
+        }
+        if shadow.occluded {
+            // Where in the way is not told: any root will do, certain or not.
+            let nothing = truth.hits.is_empty() && !truth.undecided;
+            return (nothing && first.hit.is_none() && !first.doubtful).then_some(Fault::FalseHit);
+        }
+        self.is_owed(shot, truth).then_some(Fault::Miss)
+    }
+
+    /// Whether there is anything that must be seen.
+    fn is_owed(&self, shot: &Shot, truth: &Truth<'_>) -> bool {
+        let due = |hit| self.is_due(shot.query.ray(), hit);
+        truth.hits.iter().any(due) || self.target(shot).is_some()
     }
 
     fn fault_of_hit(
@@ -411,6 +434,32 @@ mod tests {
             assert_eq!(falsified(Hit { surface: 7, ..hit }), Some(Fault::FalseHit));
             assert_eq!(ruling(answer, &[]).fault, Some(Fault::FalseHit));
         });
+    }
+
+    #[test]
+    fn shadows_are_judged_by_whether_anything_is_there() {
+        let surfaces = [shapes::sphere(1.0).unwrap().into()];
+        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let judge = Judge::new(&surfaces);
+        let direction = DVec3::new(-0.6, -0.48, -0.64);
+        let beside = direction.any_orthonormal_vector();
+        let mut tracer = bvh.tracer();
+        for (aside, is_met) in [(0.0, true), (0.999, true), (1.001, false)] {
+            let query =
+                Query::primary(Ray::new(aside * beside - 3.0 * direction, direction).unwrap());
+            let shot = Shot { query, target: None };
+            let mut hits = Vec::new();
+            let undecided = tracer.all_hits(&query, &mut hits);
+            let truth = Truth { hits: &hits, undecided };
+            let first = tracer.first_hit(&query);
+            let fault = |occluded, doubtful| {
+                judge.fault_of_shadow(&shot, Occlusion { occluded, doubtful }, &first, &truth)
+            };
+            assert_eq!(fault(is_met, false), None, "{aside}");
+            let wrong = if is_met { Fault::Miss } else { Fault::FalseHit };
+            assert_eq!(fault(!is_met, false), Some(wrong), "{aside}");
+            assert_eq!(fault(!is_met, true), None, "{aside}");
+        }
     }
 
     #[test]
