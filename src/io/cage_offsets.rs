@@ -19,7 +19,9 @@ impl CageOffsets {
             | CageError::NoSuchVertex { face, .. }
             | CageError::RepeatedVertex { face, .. } => (&self.faces, *face),
             CageError::NonManifoldEdge { faces, .. } => (&self.faces, *faces.last()?),
-            CageError::Orientation { faces, .. } => (&self.faces, faces[1]),
+            CageError::Orientation { faces, .. } | CageError::SameFace { faces } => {
+                (&self.faces, faces[1])
+            }
             CageError::Position { vertex, .. }
             | CageError::IsolatedVertex { vertex }
             | CageError::NonManifoldVertex { vertex, .. } => (&self.vertices, *vertex),

@@ -116,8 +116,7 @@ enum FileType {
 /// Tells by the ending, else by the beginning, what a file is. `mentioned` is where a scene
 /// names it.
 fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    let ending = ending.unwrap_or_default();
+    let ending = file_ending(path);
     match ending.as_str() {
         "toml" => return Ok(FileType::Scene),
         "json" => return Ok(FileType::Model),
@@ -138,6 +137,12 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
     };
     let fault = LoadFault::UnknownType { path: path.to_owned(), what };
     Err(LoadError::new(mentioned.clone(), fault))
+}
+
+/// What a file's name ends with, in small letters.
+fn file_ending(path: &Path) -> String {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.unwrap_or_default()
 }
 
 /// The text of a file; devices, pipes and absurdly large files are refused unread.
@@ -164,6 +169,10 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(cannot)?;
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(cannot)?; // it may be growing
+    if file_ending(path) == "obj" {
+        // Names and comments may be in any encoding; they are not used.
+        return Ok(String::from_utf8_lossy(&bytes).into_owned());
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         fail(LoadFault::NotText { path: path.to_owned(), valid })
@@ -329,6 +338,13 @@ mod tests {
             error(&[("m.json", b"{\"a\": \"\xff\"}")]),
             "cannot read \"m.json\": it is not UTF-8 text from byte 7 on"
         );
+    }
+
+    #[test]
+    fn names_and_comments_of_cages_may_be_in_any_encoding() {
+        let cage = b"# caf\xe9\no W\xfcrfel\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+        assert!(load(&[("m.obj", cage)]).1.is_ok());
+        assert_eq!(error(&[("m.obj", b"v 0 0 \xe9\n")]), "m.obj:1:7: \"\u{fffd}\" is not a number");
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub(super) fn nearest_file(path: &Path, endings: &[&str]) -> Option<PathBuf> {
     names.retain(|name| {
         let ending = name.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         ending.is_some_and(|ending| endings.contains(&ending.as_str()))
+            && Some(name.as_os_str()) != path.file_name() // it is there, and of no use
     });
     // The order of a folder is not the same everywhere; of equal names one of the ending wanted.
     names.sort_by_key(|name| (name.extension() != path.extension(), name.clone()));
@@ -53,6 +54,7 @@ mod tests {
             ("mien.toml", Some("mine.toml")),
             ("mine", Some("mine.toml")), // the EXR cannot be what was meant
             ("mine.json", Some("mine.toml")),
+            ("mine.toml", None),
             ("bal.json", Some("ball.json")),
             ("bal.TOML", Some("ball.TOML")),
             ("nope.toml", None),

@@ -13,7 +13,10 @@
 //!
 //! | statement | |
 //! |---|---|
-//! | `v` with a weight or a colour | the weight must be 1; colours are not used, and a note says so |
+//! | `v` with a weight or a colour | the weight must be 1 if a face has the vertex; colours are not used, and a note says so |
+//! | `v` that no face and no tag has | left out, and a note says so |
+//! | `f` that has a vertex twice in a row | it counts once; without three others the face is left out; a note says so |
+//! | `fo` | `f` in older files |
 //! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
 //! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
 //! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
@@ -49,7 +52,7 @@ pub struct CageModel {
 const FREE_FORM: &str = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
 
 /// Statements that are no part of a cage, and what they are.
-const IGNORED: [(&str, &str); 40] = [
+const IGNORED: [(&str, &str); 42] = [
     ("vt", "texture coordinates are not used"),
     ("vn", "the surface has its own normals"),
     ("vp", FREE_FORM),
@@ -69,6 +72,8 @@ const IGNORED: [(&str, &str); 40] = [
     ("lod", "it is for display only"),
     ("shadow_obj", "it is for display only"),
     ("trace_obj", "it is for display only"),
+    ("call", "no other file is read, and no program run"),
+    ("csh", "no other file is read, and no program run"),
     ("ctech", FREE_FORM),
     ("stech", FREE_FORM),
     ("cstype", FREE_FORM),
@@ -96,6 +101,15 @@ const IGNORED: [(&str, &str); 40] = [
 /// What stands for a colour behind a vertex among the statements left out.
 const COLOUR: (&str, &str) = ("v", "colours of vertices are not used");
 
+/// What stands for vertices without faces.
+const UNUSED: (&str, &str) = ("v", "a vertex of no face is not used");
+
+/// What stands for faces that have a vertex twice in a row.
+const REPEATED: (&str, &str) = ("f", "a corner repeated in a row counts once");
+
+/// And for those that have no three others.
+const DEGENERATE: (&str, &str) = ("f", "a face of fewer than three different corners is not used");
+
 /// Reads a cage; errors and notes call the file `label`.
 ///
 /// # Errors
@@ -108,7 +122,7 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
         parts: CageParts::default(),
         offsets: CageOffsets::default(),
         left_out: Vec::new(),
-        weighted: None,
+        weighted: Vec::new(),
     };
     for line in lines(text) {
         reader.statement(&line)?;
@@ -156,8 +170,8 @@ struct Reader<'a> {
     offsets: CageOffsets,
     /// Kind, first place, number.
     left_out: Vec<((&'static str, &'static str), usize, usize)>,
-    /// What is wrong with the first weight that is not 1: those of free-form surfaces need not be.
-    weighted: Option<LoadError>,
+    /// Vertices whose weight is not 1, and how it is written: those of free-form surfaces need not be.
+    weighted: Vec<(usize, &'a str)>,
 }
 
 impl<'a> Reader<'a> {
@@ -165,7 +179,7 @@ impl<'a> Reader<'a> {
         let Some((&keyword, values)) = words.split_first() else { return Ok(()) };
         match keyword {
             "v" => self.vertex(keyword, values),
-            "f" => self.face(keyword, values),
+            "f" | "fo" => self.face(keyword, values),
             "t" => self.tag(keyword, values),
             _ => match IGNORED.iter().find(|(known, _)| *known == keyword) {
                 Some(kind) => {
@@ -211,12 +225,8 @@ impl<'a> Reader<'a> {
                 return Err(self.malformed(keyword, message));
             }
         };
-        if let Some(index) = weight.filter(|&index| numbers[index] != 1.0)
-            && self.weighted.is_none()
-        {
-            let message =
-                format!("weight {}: vertices of a cage have weight 1", shown(values[index]));
-            self.weighted = Some(self.malformed(values[index], message));
+        if let Some(index) = weight.filter(|&index| numbers[index] != 1.0) {
+            self.weighted.push((self.parts.positions.len(), values[index]));
         }
         if numbers.len() > 4 {
             self.leave_out(COLOUR, keyword);
@@ -234,7 +244,18 @@ impl<'a> Reader<'a> {
             return Err(self.malformed(keyword, message));
         }
         let corners = values.iter().map(|word| self.corner_vertex(word));
-        let corners = corners.collect::<Result<Vec<usize>, _>>()?;
+        let mut corners = corners.collect::<Result<Vec<usize>, _>>()?;
+        corners.dedup();
+        if corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            self.leave_out(DEGENERATE, keyword);
+            return Ok(());
+        }
+        if corners.len() < values.len() {
+            self.leave_out(REPEATED, keyword);
+        }
         self.parts.faces.push(corners);
         self.offsets.faces.push(self.source.offset_of(keyword));
         Ok(())
@@ -254,11 +275,8 @@ impl<'a> Reader<'a> {
             }
         };
         let vertex = index(vertex)?;
-        for (place, other) in others.iter().enumerate() {
-            let left_empty = other.is_empty() && place == 0 && others.len() == 2;
-            if !left_empty {
-                index(other)?;
-            }
+        for other in others.iter().filter(|other| !other.is_empty()) {
+            index(other)?;
         }
         if others.len() > 2 {
             let message = format!("{} has {} indices: at most 3", shown(word), others.len() + 1);
@@ -283,16 +301,50 @@ impl<'a> Reader<'a> {
         kinds.next().map(|((keyword, _), first, _)| (*keyword, *first))
     }
 
+    /// Leaves out vertices that neither faces nor tags have, and says which are kept. If some have vertices that are not
+    /// there, which is an error, all are.
+    fn keep_used_vertices(&mut self) -> Vec<usize> {
+        let CageParts { positions, faces, creases, corners, .. } = &mut self.parts;
+        let mut is_used = vec![false; positions.len()];
+        let named = faces.iter().flatten().copied();
+        let named = named.chain(creases.iter().flat_map(|crease| crease.vertices));
+        for vertex in named.chain(corners.iter().map(|corner| corner.vertex)) {
+            match is_used.get_mut(vertex) {
+                Some(used) => *used = true,
+                None => return (0..positions.len()).collect(),
+            }
+        }
+        let (kept, unused): (Vec<usize>, Vec<usize>) =
+            (0..positions.len()).partition(|&vertex| is_used[vertex]);
+        if let Some(&first) = unused.first() {
+            self.left_out.push((UNUSED, self.offsets.vertices[first], unused.len()));
+            self.left_out.sort_by_key(|(_, first, _)| *first); // as they are written
+            let mut number = vec![0; positions.len()];
+            for (new, &old) in kept.iter().enumerate() {
+                number[old] = new;
+            }
+            *positions = kept.iter().map(|&vertex| positions[vertex]).collect();
+            faces.iter_mut().flatten().for_each(|vertex| *vertex = number[*vertex]);
+            let ends = creases.iter_mut().flat_map(|crease| &mut crease.vertices);
+            ends.for_each(|vertex| *vertex = number[*vertex]);
+            corners.iter_mut().for_each(|corner| corner.vertex = number[corner.vertex]);
+        }
+        kept
+    }
+
     fn finish(mut self) -> Result<CageModel, LoadError> {
-        // Weights, vertices without faces, and no face at all are what files of free-form
-        // surfaces have; then it is these that are not read, not the cage that is wrong.
+        let kept = self.keep_used_vertices();
+        // No face at all is what files of free-form surfaces have; then it is these that are not read, not the
+        // cage that is wrong.
         let free_form = self.free_form().map(|(keyword, first)| {
             let message =
                 format!("statement \"{keyword}\": {FREE_FORM}; cages, made of faces, are");
             LoadError::malformed(self.source.place(first), message)
         });
-        if let Some(weighted) = self.weighted.take() {
-            return Err(free_form.unwrap_or(weighted));
+        let of_cage = |vertex: &usize| kept.binary_search(vertex).is_ok();
+        if let Some(&(_, weight)) = self.weighted.iter().find(|(vertex, _)| of_cage(vertex)) {
+            let message = format!("weight {}: vertices of a cage have weight 1", shown(weight));
+            return Err(self.malformed(weight, message));
         }
         let notes = self.left_out.iter().map(|((keyword, why), first, count)| {
             let times = if *count == 1 { "once" } else { &format!("{count} times") };
@@ -304,11 +356,10 @@ impl<'a> Reader<'a> {
         match Cage::new(self.parts) {
             Ok(cage) => Ok(CageModel { cage, notes }),
             Err(error) => {
-                if let (CageError::Empty | CageError::IsolatedVertex { .. }, Some(free_form)) =
-                    (&error, free_form)
-                {
+                if let (CageError::Empty, Some(free_form)) = (&error, free_form) {
                     return Err(free_form);
                 }
+                let error = error.of_kept_vertices(&kept);
                 let place = match offsets.of(&error) {
                     Some(offset) => source.place(offset),
                     None => source.file().clone(),

@@ -7,6 +7,7 @@ use super::mesh::Mesh;
 use super::topology::{EdgeFault, Topology};
 use crate::geometry::MAX_MAGNITUDE;
 use crate::geometry::construct::ControlNet;
+use crate::math::Aabb;
 
 /// A cage as its author wrote it: plain data that [`Cage::new`] checks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -163,7 +164,26 @@ impl Cage {
     pub fn magnitude(&self) -> f64 {
         self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
+
+    /// The largest side of its bounding box.
+    pub(super) fn largest_side(&self) -> f64 {
+        Aabb::around(self.positions().iter().copied()).size().max_element()
+    }
+
+    /// The smallest tolerance that its limit surface can be had to: 1e-9 of half its largest side, or what rounding
+    /// needs of its largest coordinate, 1e-12, where it lies more than a thousand sizes from the origin.
+    pub fn smallest_tolerance(&self) -> f64 {
+        let by_steps = SMALLEST_OF_SIZE * 0.5 * self.largest_side();
+        by_steps.max(SMALLEST_OF_MAGNITUDE * self.magnitude())
+    }
 }
+
+/// It is reached well within the steps of halving there are: the worst vertices shrink by 0.6545 a step.
+const SMALLEST_OF_SIZE: f64 = 1e-9;
+
+/// Patches are asked to be within a share of the tolerance, 0.0064 of it at least: that is 50 roundings of the largest
+/// coordinate. A step makes averages, and errs by a few.
+const SMALLEST_OF_MAGNITUDE: f64 = 1e-12;
 
 fn check_sizes(parts: &CageParts) -> Result<(), CageError> {
     if parts.faces.is_empty() {

@@ -36,7 +36,7 @@ impl Cage {
     /// corners at boundary vertices bring none.
     ///
     /// # Errors
-    /// When the tolerance is no length, less than 1e-9 of the largest coordinate, or would
+    /// When the tolerance is no length, less than [`Cage::smallest_tolerance`], or would
     /// need millions of patches; when inner edges or vertices are sharp, which this scheme
     /// does not know; when all vertices are on the boundary; when a vertex has two faces.
     pub fn doo_sabin(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
@@ -46,7 +46,7 @@ impl Cage {
 
     /// Patches within a share of the tolerance; where they are not exact they may not meet.
     fn doo_sabin_patches(&self, tolerance: f64, share: f64) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(2, (tolerance, share), self.magnitude())?;
+        let mut tree = Tree::new(2, (tolerance, share), self)?;
         let mut level = Some(start(self.mesh(), &mut tree)?);
         for _ in 0..=MAX_LEVELS {
             let Some((mesh, elements)) = &level else { return tree.patches(self.mesh()) };

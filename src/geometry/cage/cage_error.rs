@@ -158,6 +158,36 @@ pub enum CageError {
     },
 }
 
+impl CageError {
+    /// The same of a cage whose vertices are some of another one's, `kept`, in whose numbers they are then told.
+    #[must_use]
+    pub(crate) fn of_kept_vertices(mut self, kept: &[usize]) -> Self {
+        let told = |vertex: &mut usize| {
+            if let Some(&number) = kept.get(*vertex) {
+                *vertex = number;
+            }
+        };
+        match &mut self {
+            Self::Position { vertex, .. }
+            | Self::RepeatedVertex { vertex, .. }
+            | Self::IsolatedVertex { vertex }
+            | Self::NonManifoldVertex { vertex, .. } => told(vertex),
+            Self::NonManifoldEdge { vertices, .. }
+            | Self::Orientation { vertices, .. }
+            | Self::NoSuchEdge { vertices, .. } => vertices.iter_mut().for_each(told),
+            Self::Empty
+            | Self::TooLarge { .. }
+            | Self::FewCorners { .. }
+            | Self::NoSuchVertex { .. }
+            | Self::SameFace { .. }
+            | Self::NoSuchCorner { .. }
+            | Self::Sharpness { .. }
+            | Self::TwoSharpnesses { .. } => {}
+        }
+        self
+    }
+}
+
 /// What can be sharp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {

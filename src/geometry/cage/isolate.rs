@@ -21,7 +21,7 @@ impl Cage {
     /// squares that a single patch fits are taken.
     ///
     /// # Errors
-    /// When the tolerance is no length, less than 1e-9 of the largest coordinate, or would
+    /// When the tolerance is no length, less than [`Cage::smallest_tolerance`], or would
     /// need millions of patches.
     pub fn catmull_clark(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
         within(tolerance, self.mesh(), |share| self.catmull_clark_patches(tolerance, share))
@@ -33,7 +33,7 @@ impl Cage {
         tolerance: f64,
         share: f64,
     ) -> Result<LimitSurface, LimitError> {
-        let mut tree = Tree::new(3, (tolerance, share), self.magnitude())?;
+        let mut tree = Tree::new(3, (tolerance, share), self)?;
         let borders = Borders(&self.mesh().topology);
         let mut faces = Vec::new();
         let mut units = 0;
@@ -67,9 +67,9 @@ impl Cage {
     /// it is for: a crease of sharpness 6 is rounded over a 64th of a face, in as many patches
     /// as that takes, and at 1e-3 would be a tenth of that many and 2e-4 of the side off.
     pub fn default_tolerance(&self) -> f64 {
-        let size = Aabb::around(self.positions().iter().copied()).size().max_element();
-        // A cage far away from the origin, or one with no extent, cannot have that.
-        (1e-4 * size).max(1e-9 * self.magnitude()).max(f64::MIN_POSITIVE)
+        let size = self.largest_side();
+        // A cage very far away from the origin, or one with no extent, cannot have that.
+        (1e-4 * size).max(self.smallest_tolerance()).max(f64::MIN_POSITIVE)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::Cage;
 use super::cage_error::LimitError;
 use super::limit_surface::{FaceSquare, LimitPatch, LimitSurface};
 use super::mesh::Mesh;
@@ -53,18 +54,14 @@ const MAX_SQUARES: usize = 1 << 22;
 /// Steps of halving after which the corners of squares no longer are exact in f64.
 pub(super) const MAX_LEVELS: u32 = 52;
 
-/// The smallest tolerance, relative to the cage's coordinates. It is reached within
-/// [`MAX_LEVELS`] steps (the worst vertices shrink by 0.6545 a step), and far above rounding.
-const SMALLEST_TOLERANCE: f64 = 1e-9;
-
 impl Tree {
     /// No squares yet. Patches may be a share of the tolerance from the surface.
     pub(super) fn new(
         degree: usize,
         (tolerance, share): (f64, f64),
-        magnitude: f64,
+        cage: &Cage,
     ) -> Result<Self, LimitError> {
-        let smallest = SMALLEST_TOLERANCE * magnitude;
+        let (magnitude, smallest) = (cage.magnitude(), cage.smallest_tolerance());
         if !(tolerance >= smallest && tolerance > 0.0 && tolerance.is_finite()) {
             return Err(LimitError::Tolerance { tolerance, magnitude, smallest });
         }

@@ -68,26 +68,30 @@ fn errors_name_line_and_column() {
         ("v 1 2 x", "x.obj:16:7: \"x\" is not a number"),
         ("v 1 nan 3", "x.obj:16:5: \"nan\": numbers must be finite"),
         ("v 1 1e999 3", "x.obj:16:5: \"1e999\": numbers must be finite"),
-        ("v 1 2 3 0.5", "x.obj:16:9: weight \"0.5\": vertices of a cage have weight 1"),
+        ("v 1 2 3 0.5\nf 1 2 7", "x.obj:16:9: weight \"0.5\": vertices of a cage have weight 1"),
         ("f 1 2", "x.obj:16:1: a face has 2 corners: it needs 3 or more"),
         ("f 1 2 0", "x.obj:16:7: index 0: indices count from 1"),
         ("f 1 2 -9", "x.obj:16:7: vertex -9: only 6 vertices come before"),
         ("f 1 2 99", "x.obj:16:1: vertex 99: the file has only 6"),
-        ("f 1 2 3/", "x.obj:16:7: \"3/\" is not a corner: v, v/vt, v//vn or v/vt/vn"),
+        ("f 1 2 /3", "x.obj:16:7: \"/3\" is not a corner: v, v/vt, v//vn or v/vt/vn"),
         ("f 1 2 3/1/1/1", "x.obj:16:7: \"3/1/1/1\" has 4 indices: at most 3"),
         (
             "f 1 2 99999999999999999999",
             "x.obj:16:7: \"99999999999999999999\" is not a corner: v, v/vt, v//vn or v/vt/vn",
         ),
         (
-            "f 1 2 1",
+            "f 1 2 1 4",
             "x.obj:16:1: face 2 names vertex 0 twice: its corners must differ (counted from 0)",
         ),
         (
             "f 1 2 6",
             "x.obj:16:1: faces 0 and 2 both run from vertex 0 to vertex 1: one of them is inside out (counted from 0)",
         ),
-        ("v 7 7 7", "x.obj:16:1: vertex 6 belongs to no face (counted from 0)"),
+        (
+            "f 4 3 2 1",
+            "x.obj:16:1: faces 0 and 2 have the same vertices: they would cover each other (counted from 0)",
+        ),
+        ("t corner 1/1/0 6 1\nv 7 7 7", "x.obj:17:1: vertex 6 belongs to no face (counted from 0)"),
         ("hello", "x.obj:16:1: unknown statement \"hello\""),
         ("t crease", "x.obj:16:1: a tag needs a name and counts, as in t crease 2/1/0 0 1 2.5"),
         ("t crease 2/1 0 1 1", "x.obj:16:10: \"2/1\" is no count of values like 2/1/0"),
@@ -123,13 +127,18 @@ fn free_form_surfaces_are_named_where_they_begin() {
     let unread = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
     let surface = "v 0 0 0\nv 1 0 0 W\nv 0 1 0\nv 1 1 1\ncstype bspline\ndeg 1 1\n\
         surf 0 1 0 1 1 2 3 4\nparm u 0 0 1 1\nparm v 0 0 1 1\nend\n";
-    // With weights and without, alone and beside a cage.
-    for (weight, cage) in [("7.6", ""), ("", ""), ("7.6", SQUARES), ("", SQUARES)] {
-        let line = 5 + cage.lines().count();
+    for weight in ["7.6", ""] {
+        // Alone, and beside a cage that is sound: that is shown.
+        let surface = surface.replace('W', weight);
         assert_eq!(
-            error(&format!("{cage}{}", surface.replace('W', weight))),
-            format!("x.obj:{line}:1: statement \"cstype\": {unread}; cages, made of faces, are")
+            error(&surface),
+            format!("x.obj:5:1: statement \"cstype\": {unread}; cages, made of faces, are")
         );
+        let model = read_obj_cage(&format!("{SQUARES}{surface}"), "x").unwrap();
+        assert_eq!((model.cage.face_count(), model.cage.positions().len()), (2, 6));
+        let notes: Vec<String> = model.notes.iter().map(ToString::to_string).collect();
+        let unused = "x:16:1: statement \"v\", 4 times: a vertex of no face is not used";
+        assert_eq!(notes[6..8], [unused, &format!("x:20:1: statement \"cstype\", once: {unread}")]);
     }
     for old in ["bsp", "bzp", "cdc", "cdp", "res"] {
         let said = error(&format!("v 0 0 0\n{old} 1 2 3\n"));
@@ -144,6 +153,46 @@ fn free_form_surfaces_are_named_where_they_begin() {
     assert_eq!(notes[6], format!("x:16:1: statement \"vp\", once: {unread}"));
     // What is wrong with a cage is not hidden.
     assert!(error(&format!("{SQUARES}{curve}f 1 2 99\n")).contains("vertex 99"));
+}
+
+#[test]
+fn what_other_programs_leave_behind_is_noted() {
+    // Vertices of no face before, between and behind the others: faces and tags go on naming those they name.
+    let loose = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 8 8 8\nv 1 1 0\nv 0 1 0\nv 7 7 7 0.5\n";
+    let model = read_obj_cage(&format!("{loose}f 2 3 5 6\nt crease 2/1/0 4 5 2\n"), "x").unwrap();
+    let corners = model.cage.face(0).unwrap().iter();
+    let corners: Vec<DVec3> = corners.map(|&c| model.cage.positions()[c as usize]).collect();
+    assert_eq!(corners, [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y]);
+    let sharp = model.cage.edges().zip(model.cage.edge_sharpness()).find(|(_, s)| **s == 2.0);
+    assert!(sharp.is_none() || sharp.unwrap().0 == [2, 3]); // borders are sharper than that
+    let note = |text: &str| {
+        let notes = read_obj_cage(text, "x").unwrap().notes;
+        notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    let unused = "a vertex of no face is not used";
+    assert_eq!(
+        note(&format!("{loose}f 2 3 5 6\n")),
+        format!("x:1:1: statement \"v\", 3 times: {unused}")
+    );
+    // Errors tell vertices by the numbers they have in the file.
+    assert_eq!(
+        error(&format!("{loose}f 2 3 5 6\nf 2 3 6\n")),
+        "x.obj:9:1: faces 0 and 1 both run from vertex 1 to vertex 2: one of them is inside out (counted from 0)"
+    );
+
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    assert_eq!(
+        note(&format!("{square}f 1 2 3\nf 1/ 3// 4/ 4/ 1/\nf 1 1 2 2\nfo 2 2 3\n")),
+        "x:6:1: statement \"f\", once: a corner repeated in a row counts once\n\
+         x:7:1: statement \"f\", 2 times: a face of fewer than three different corners is not used"
+    );
+    assert_eq!(
+        error(&format!("{square}f 1 1 2 2\n")),
+        "x.obj: the file has no faces: it is no cage"
+    );
+    assert!(
+        note(&format!("{square}f 1 2 3 4\ncall other.obj\n")).contains("no other file is read")
+    );
 }
 
 #[test]

@@ -144,3 +144,22 @@ fn cages_tell_what_they_are() {
 fn pyramid_cage() -> Cage {
     cage(&pyramid_parts(5))
 }
+
+#[test]
+fn cages_far_from_the_origin_are_known_as_well_as_near_it() {
+    let far = DVec3::new(5e5, 4.6e6, 100.0);
+    for (half, share) in [(1.0, 1e-4), (0.05, 1e-4), (0.01, 2.5e-4), (1e-4, 2.5e-2)] {
+        let parts = cube_parts();
+        let moved = |offset: DVec3| {
+            let positions = parts.positions.iter().map(|&p| half * p + offset).collect();
+            cage(&CageParts { positions, ..parts.clone() })
+        };
+        let (here, there) = (moved(DVec3::ZERO), moved(far));
+        let tolerance = there.default_tolerance();
+        assert!(tolerance <= 1.001 * share * 2.0 * half, "{tolerance:e} for {half}");
+        let limits = [&here, &there].map(|cage| cage.catmull_clark(tolerance).unwrap());
+        let [here, there] = limits.each_ref().map(|limit| limit.patches());
+        assert_eq!(here.len(), there.len(), "{half}");
+        assert!(limits[1].deviation() <= 0.5 * tolerance);
+    }
+}
