@@ -83,7 +83,8 @@ impl SurfaceBvh {
         self.tracer_with(Kernel::default())
     }
 
-    /// Ready to trace on this thread with the kernel named.
+    /// Ready to trace on this thread with the kernel named; with the scalar one if this processor cannot run it
+    /// ([`Kernel::is_available`]), as [`Tracer::kernel`] will tell.
     pub fn tracer_with(&self, kernel: Kernel) -> Tracer<'_> {
         Tracer::new(self, kernel)
     }
@@ -133,6 +134,7 @@ const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 const _: () = {
     let rounded = 4.0 * (5.0 + 8.0) * 0.5 * f32::EPSILON as f64;
     assert!(rounded + BLUR_OF_F32 <= BLUR as f64 + PADDING);
+    assert!(BLUR_OF_F32 <= 0.25 * OrientedBox::GROWTH);
 };
 
 /// Where origins of rays may be for the work in f32.

@@ -173,7 +173,7 @@ impl<'a> AtSides<'a> {
     fn new(meeting: &'a Meeting, piece: &'a Piece, reach: f64) -> Self {
         let distances = piece.side_distances(meeting.st, &meeting.jet);
         let sides = distances.map(|distance| distance <= reach);
-        let ends = |side: usize| piece.is_border(side) || piece.collapsed(side).is_some();
+        let ends = |side: usize| piece.is_border(side) || piece.is_collapsed(side);
         let at_end = meeting.flags.contains(HitFlags::TRIM_EDGE)
             || (0..4).any(|side| sides[side] && ends(side));
         Self { meeting, piece, sides, at_end }

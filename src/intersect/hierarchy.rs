@@ -170,14 +170,14 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
 /// A number by which boxes can be put in an order in which equal ones are neighbours, together
 /// with [`rest_of_key`].
 fn sort_key(b: &ScaledBox) -> u64 {
-    u64::from(bits(b.min.x)) << 32 | u64::from(bits(b.min.y))
+    u64::from(ordered_bits(b.min.x)) << 32 | u64::from(ordered_bits(b.min.y))
 }
 
 fn rest_of_key(b: &ScaledBox) -> [u32; 4] {
-    [b.min.z, b.max.x, b.max.y, b.max.z].map(bits)
+    [b.min.z, b.max.x, b.max.y, b.max.z].map(ordered_bits)
 }
 
 /// The same bits for both zeros.
-fn bits(x: f32) -> u32 {
+fn ordered_bits(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }

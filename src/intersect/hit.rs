@@ -133,7 +133,7 @@ impl Query {
     }
 
     /// The root the ray starts on, to within its error.
-    pub fn from(&self) -> Option<&Root> {
+    pub fn start_root(&self) -> Option<&Root> {
         self.from.as_ref()
     }
 }
@@ -143,10 +143,10 @@ pub trait Shot: sealed::Sealed {
     /// The ray.
     fn ray(&self) -> &Ray;
     /// The root the ray starts on.
-    fn from(&self) -> Option<&Root>;
+    fn start_root(&self) -> Option<&Root>;
     /// Both.
     fn query(&self) -> Query {
-        Query { ray: *self.ray(), from: self.from().copied() }
+        Query { ray: *self.ray(), from: self.start_root().copied() }
     }
 }
 
@@ -155,7 +155,7 @@ impl Shot for Ray {
         self
     }
 
-    fn from(&self) -> Option<&Root> {
+    fn start_root(&self) -> Option<&Root> {
         None
     }
 }
@@ -165,7 +165,7 @@ impl Shot for Query {
         &self.ray
     }
 
-    fn from(&self) -> Option<&Root> {
+    fn start_root(&self) -> Option<&Root> {
         self.from.as_ref()
     }
 }

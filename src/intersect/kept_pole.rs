@@ -52,14 +52,15 @@ impl<'a> Spot<'a> {
             let domain = piece.domain();
             domain[fixed] == own[fixed]
                 && (domain[1 - fixed][0]..=domain[1 - fixed][1]).contains(&to)
-                && piece.collapsed(side.number()).is_some()
+                && piece.is_collapsed(side.number())
                 && piece.trims().is_some_and(|theirs| std::ptr::eq(theirs, trims))
         };
         let (index, piece) = if holds(self.piece) {
             (self.index, self.piece)
         } else {
-            let mut pieces = (0..).zip(set.pieces());
-            pieces.find(|(_, piece)| piece.surface == self.piece.surface && holds(piece))?
+            let mut pieces = set.pieces_of(self.piece.surface as usize);
+            let index = pieces.find(|&index| holds(&set.pieces()[index]))?;
+            (index as u32, &set.pieces()[index])
         };
         let [start, end] = piece.domain()[1 - fixed];
         let mut st = self.st;

@@ -42,14 +42,13 @@ impl Kernel {
 
     /// The instructions it uses, if this processor has them; none for the scalar kernel.
     pub(super) fn level(self) -> Option<Level> {
-        let level = Level::new();
         match self {
             Self::Scalar => None,
             Self::Portable => Some(Level::baseline()),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx2 => level.as_avx2().map(Level::Avx2),
+            Self::Avx2 => Level::new().as_avx2().map(Level::Avx2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx512 => level.as_avx512().map(Level::Avx512),
+            Self::Avx512 => Level::new().as_avx512().map(Level::Avx512),
             #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             Self::Avx2 | Self::Avx512 => None,
         }

@@ -26,13 +26,14 @@ impl Tracer<'_> {
         while let Some(first) = rest.first() {
             // Rays that leave a root are traced one by one: what a ray is answered must not
             // depend on its neighbours.
-            if first.from().is_some() || self.bvh.leaves.is_empty() {
+            if first.start_root().is_some() || self.bvh.leaves.is_empty() {
                 answers.push(self.first_hit(first));
                 rest = &rest[1..];
                 continue;
             }
             near.read(rest);
-            let alike = rest.iter().take(PACKET).take_while(|shot| shot.from().is_none()).count();
+            let alike =
+                rest.iter().take(PACKET).take_while(|shot| shot.start_root().is_none()).count();
             let (packet, others) = rest.split_at(alike);
             near.while_tracing(others, Moment::Finish, |ahead| {
                 self.trace_packet(level, packet, ahead, Wanted::First);
@@ -140,7 +141,7 @@ impl Tracer<'_> {
     /// The nearest of what the packet and the scalar search found for each ray.
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let packet = &self.packets.packet;
-        let mut looked_at = self.packets.work.rest_rays | packet.needs_look();
+        let looked_at = self.packets.work.rest_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
             // One by one: a copy of an answer would write the places of a hit, too.
             answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
@@ -148,10 +149,8 @@ impl Tracer<'_> {
         }
         let first = answers.len();
         answers.extend((0..shots.len()).map(|k| packet.plain_answer(k)));
-        while looked_at != 0 {
-            let k = looked_at.trailing_zeros() as usize;
+        for k in set_bits(looked_at) {
             answers[first + k] = self.judged_answer(shots[k].ray(), k);
-            looked_at &= looked_at - 1;
         }
     }
 
@@ -175,10 +174,9 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
     let piece = &set.pieces()[hit.piece as usize];
     let error = error_bound(piece, frame);
     let mut flags = HitFlags::NONE;
-    let mut jet = Jet { point: hit.point, ds: hit.normal, dt: hit.normal };
+    let jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
     let mut normal = hit.normal.is_finite().then_some(hit.normal);
     if hit.needs_look {
-        jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
         normal = piece.normal(hit.st, &jet);
         if at_border(piece, hit.st, &jet, error) {
             flags.insert(HitFlags::BORDER);

@@ -63,7 +63,7 @@ impl ReadAhead {
         if self.left < PACKET {
             let mut all = 0;
             for shot in &rest[..rest.len().min(AT_ONCE)] {
-                let from = shot.from().map_or(0, |root| u64::from(root.piece));
+                let from = shot.start_root().map_or(0, |root| u64::from(root.piece));
                 all |= shot.ray().t_min().to_bits() | from;
             }
             black_box(all);

@@ -119,7 +119,7 @@ impl Tracer<'_> {
 
 #[simd]
 fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
-    let frame = search(simd, tracer, (shot.ray(), shot.from()), Wanted::First);
+    let frame = search(simd, tracer, (shot.ray(), shot.start_root()), Wanted::First);
     if !tracer.single.rest.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }

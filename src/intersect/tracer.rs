@@ -59,10 +59,11 @@ type Search = fn(&Question<'_>, &Place<'_>, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
+        let level = kernel.level();
         Self {
             bvh,
-            kernel,
-            level: kernel.level(),
+            kernel: if level.is_some() { kernel } else { Kernel::Scalar },
+            level,
             findings: Findings::default(),
             stack: Vec::new(),
             packets: Box::default(),
@@ -134,8 +135,8 @@ impl<'a> Tracer<'a> {
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Rays said to be coherent are traced in packets, others side by side in streams, if the kernel
-    /// has them.
+    /// Rays said to be coherent are traced in packets, but for those that leave a root, which are traced one by one;
+    /// others side by side in streams: if the kernel has them.
     pub fn first_hits<Q: Shot>(
         &mut self,
         shots: &[Q],

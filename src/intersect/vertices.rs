@@ -18,7 +18,7 @@ use super::meeting::Meeting;
 use crate::patch::Piece;
 
 /// How far a sum of angles may be from a whole number of turns, in turns.
-const ROUNDING: f64 = 1e-6;
+const MOST_TURNED: f64 = 1e-6;
 
 /// Of meetings at vertices, by increasing `t`, drops those on the wrong side where a ray only enters, or only
 /// leaves. `axis` is its direction.
@@ -38,7 +38,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);
         if both && all().all(|m| m.is_certain() && !touches(m) && !is_tip(m)) {
             let turns = turns(all(), pieces, axis);
-            for &j in group.iter().filter(|_| (turns.abs() - 1.0).abs() <= ROUNDING) {
+            for &j in group.iter().filter(|_| (turns.abs() - 1.0).abs() <= MOST_TURNED) {
                 wrong[j] = meetings[j].cosine * turns < 0.0;
             }
         }

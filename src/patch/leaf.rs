@@ -142,8 +142,7 @@ impl Leaf {
     /// Where the leaf ends in a point, if it does.
     #[inline(always)]
     pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
-        let side = self.collapsed(piece)?;
-        piece.collapsed_sides().find(|&(other, _)| other == side).map(|(_, point)| point)
+        piece.collapsed(self.collapsed(piece)?.number())
     }
 
     /// Whether a trim curve passes through, so that hits must be asked for their side of it;
@@ -318,7 +317,8 @@ fn term(fit: &Fit, m: usize) -> DVec3 {
 /// The collapsed side of a piece that a rectangle touches.
 fn collapsed_side(rect: DyadicRect, piece: &Piece) -> Option<CollapsedSide> {
     let ranges = rect.ranges();
-    piece.collapsed_sides().map(|(side, _)| side).find(|side| side.is_reached_by(&ranges))
+    let ends_there = |side: &CollapsedSide| side.is_reached_by(&ranges);
+    CollapsedSide::ALL.into_iter().filter(|side| piece.is_collapsed(side.number())).find(ends_there)
 }
 
 const _: () = assert!(size_of::<Leaf>() == 256);

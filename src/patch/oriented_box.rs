@@ -6,10 +6,6 @@ use super::SceneFrame;
 use super::tensor::euclidean;
 use crate::math::RayFrame;
 
-/// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows, origins
-/// and directions to f32 over the distances a ray has inside the scene.
-const GROWTH: f64 = 4e-6;
-
 /// A ray with less than this along a row runs along the slab: nothing can be divided by it.
 const LEAST_ALONG: f64 = 1e-300;
 
@@ -51,6 +47,10 @@ pub struct Passage {
 }
 
 impl OrientedBox {
+    /// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows, origins
+    /// and directions to f32 over the distances a ray has inside the scene.
+    pub(crate) const GROWTH: f64 = 4e-6;
+
     /// A box around control points.
     ///
     /// `noise` is how far the points may be from the true ones; no side is thinner.
@@ -76,7 +76,7 @@ impl OrientedBox {
         let rows = [0, 1, 2].map(|k| {
             // In scaled coordinates lengths are larger by `scale`, rows smaller; then grown.
             let row = dual[k] / (half[k] * frame.scale);
-            let row = row / (1.0 + GROWTH * row.length());
+            let row = row / (1.0 + OrientedBox::GROWTH * row.length());
             let offset = row.dot(center);
             [row.x as f32, row.y as f32, row.z as f32, offset as f32]
         });
@@ -107,7 +107,7 @@ impl OrientedBox {
         // Each pair of planes is met with as much to spare as rounding of f32 does, and the ray's ends have: no more
         // than the box was grown by, each.
         for (half, row) in half.iter_mut().zip([a, b, c]) {
-            *half *= 1.0 + 2.0 * GROWTH * row.length();
+            *half *= 1.0 + 2.0 * OrientedBox::GROWTH * row.length();
         }
         let corner = |[s, t]: [f64; 2]| (half[2] + s * half[0] + t * half[1]).length();
         let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(corner);
@@ -212,8 +212,8 @@ mod tests {
     #[test]
     fn first_guess_is_where_the_ray_crosses_the_plane() {
         let passage = passage(DVec3::new(0.75, 0.25, 5.0), -DVec3::Z).unwrap();
-        assert!((passage.middle - DVec2::new(0.5, -0.5)).length() < 4.0 * GROWTH);
-        let grown = 2.0 * GROWTH;
+        assert!((passage.middle - DVec2::new(0.5, -0.5)).length() < 4.0 * OrientedBox::GROWTH);
+        let grown = 2.0 * OrientedBox::GROWTH;
         assert!((passage.entry - 5.0).abs() < grown && (passage.exit - 5.0).abs() < grown);
     }
 
@@ -227,7 +227,9 @@ mod tests {
         ] {
             assert!(passage(origin, direction).is_some(), "{origin}");
         }
-        assert!(passage(DVec3::new(1.0 + 2.0 * GROWTH, 0.5, 3.0), -DVec3::Z).is_none());
+        assert!(
+            passage(DVec3::new(1.0 + 2.0 * OrientedBox::GROWTH, 0.5, 3.0), -DVec3::Z).is_none()
+        );
     }
 
     /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is no farther from its
@@ -256,7 +258,7 @@ mod tests {
                         exit = f32::MIN;
                     }
                 }
-                if entry <= exit + 4e-6 {
+                if entry <= exit + OrientedBox::GROWTH as f32 {
                     assert!(x.abs() <= reach, "{x} of {reach}, size {size}");
                     closest = closest.min(reach / x.abs());
                 }

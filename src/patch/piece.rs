@@ -176,12 +176,12 @@ impl Piece {
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         let near = |side: usize| {
             let reaches = distances[side] <= clear && parameters[side] <= BESIDE_COLLAPSED;
-            self.collapsed(side).is_some() && reaches
+            self.is_collapsed(side) && reaches
         };
         // Beside a collapsed side those that it meets are near all along it: only that counts which
         // is the nearest in its parameter.
         let nearest = (0..4)
-            .filter(|&side| self.collapsed(side).is_some())
+            .filter(|&side| self.is_collapsed(side))
             .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
             .filter(|&side| near(side));
         let cross = jet.ds.cross(jet.dt);

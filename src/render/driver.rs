@@ -81,8 +81,9 @@ pub fn render(
 
     let state = Mutex::new((film, 0));
     let next = AtomicUsize::new(0);
+    let neighbours = world.neighbours(settings.size.into());
     pool.broadcast(|_| {
-        let mut painter = Painter::new(world, settings);
+        let mut painter = Painter::new(world, settings, neighbours);
         while let Some(tile) = grid.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (pixels, counters) = painter.paint(tile);
             let mut state = lock(&state);

@@ -8,11 +8,12 @@ use super::integrator::{Batch, Integrator, albedo};
 use super::pixels::{FirstHit, Pixels, Sample};
 use super::tile::pixels_of;
 use super::{Aov, Counters, Dimensions, PixelRect, RenderSettings, Sampler};
-use crate::intersect::{Answer, Query, Statistics, Tracer};
+use crate::intersect::{Answer, Neighbours, Statistics, Tracer};
+use crate::math::Ray;
 use crate::scene::World;
 
 /// Samples of a pixel traced together: with tiles of 256 pixels a batch is up to 1024 rays,
-/// whose queries and answers stay in the second-level cache, and 16 neighbouring pixels
+/// whose answers stay in the second-level cache, and 16 neighbouring pixels
 /// make a packet of 64 rays.
 const SAMPLES_TOGETHER: usize = 4;
 
@@ -33,13 +34,18 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(world: &'a World, settings: &'a RenderSettings) -> Self {
+    /// `neighbours` are the camera's rays, as in [`World::neighbours`].
+    pub(super) fn new(
+        world: &'a World,
+        settings: &'a RenderSettings,
+        neighbours: Neighbours,
+    ) -> Self {
         Self {
             world,
             settings,
             sampler: Sampler::new(settings.seed),
             tracer: world.bvh.tracer_with(settings.kernel),
-            integrator: Integrator::new(settings.integrator, world, settings.size.into()),
+            integrator: Integrator::new(settings.integrator, world, neighbours),
             batch: Batch::default(),
             order: Vec::new(),
             rank: Vec::new(),
@@ -76,13 +82,13 @@ impl<'a> Painter<'a> {
     /// Makes the camera rays of some samples of every pixel, a pixel's samples together.
     fn aim(&mut self, samples: Range<u32>) {
         let size = DVec2::new(f64::from(self.settings.size.0), f64::from(self.settings.size.1));
-        self.batch.queries.clear();
+        let aspect = size.x / size.y;
+        self.batch.rays.clear();
         for &pixel in &self.order {
             for index in samples.clone() {
                 let [x, y, ..] = self.sampler.sample(pixel, index, Dimensions::Film);
                 let place = DVec2::new(f64::from(pixel[0]) + x, f64::from(pixel[1]) + y);
-                let ray = self.world.camera.ray(place / size, size.x / size.y);
-                self.batch.queries.push(Query::primary(ray));
+                self.batch.rays.push(self.world.camera.ray(place / size, aspect));
             }
         }
     }
@@ -94,23 +100,23 @@ impl<'a> Painter<'a> {
         for sample in 0..together {
             self.pixels.push(|pixel| {
                 let seen = rank[pixel] * together + sample;
-                let (query, answer) = (&batch.queries[seen], &batch.answers[seen]);
+                let (ray, answer) = (&batch.rays[seen], &batch.answers[seen]);
                 let albedo = match &answer.hit {
                     Some(hit) if aovs.contains(Aov::Albedo) => albedo(world, hit),
                     _ => [0.0; 3],
                 };
-                Sample { radiance: batch.radiance[seen], albedo, hit: first_hit(query, answer) }
+                Sample { radiance: batch.radiance[seen], albedo, hit: first_hit(ray, answer) }
             });
         }
     }
 }
 
 /// A hit in the precision of the film.
-fn first_hit(query: &Query, answer: &Answer) -> Option<FirstHit> {
+fn first_hit(ray: &Ray, answer: &Answer) -> Option<FirstHit> {
     let hit = answer.hit.as_ref()?;
     let normal = if hit.normal.is_nan() { [0.0; 3] } else { hit.normal.as_vec3().to_array() };
     Some(FirstHit {
-        distance: (hit.t * query.ray().direction().length()) as f32,
+        distance: (hit.t * ray.direction().length()) as f32,
         point: hit.point.as_vec3().to_array(),
         normal,
         uv: hit.uv.as_vec2().to_array(),

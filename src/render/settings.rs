@@ -86,6 +86,18 @@ pub enum SettingsError {
         /// How many were asked for.
         threads: usize,
     },
+    /// The processor lacks the kernel's instructions.
+    #[error("this processor cannot run the {kernel} kernel; it can run {}", available())]
+    Kernel {
+        /// The kernel asked for.
+        kernel: Kernel,
+    },
+}
+
+/// The kernels this processor can run.
+fn available() -> String {
+    let kernels = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+    kernels.map(|kernel| kernel.name()).collect::<Vec<_>>().join(", ")
 }
 
 impl Default for RenderSettings {
@@ -124,6 +136,9 @@ impl RenderSettings {
         }
         if self.threads > MAX_THREADS {
             return Err(SettingsError::TooManyThreads { threads: self.threads });
+        }
+        if !self.kernel.is_available() {
+            return Err(SettingsError::Kernel { kernel: self.kernel });
         }
         Ok(())
     }
@@ -182,6 +197,22 @@ mod tests {
             message(RenderSettings { threads: 5000, ..base.clone() }),
             "5000 threads: at most 1024 can be; 0 takes one for each processor"
         );
+    }
+
+    #[test]
+    fn refuses_kernels_that_the_processor_lacks() {
+        for &kernel in Kernel::ALL {
+            let settings = RenderSettings { kernel, ..RenderSettings::default() };
+            match settings.check() {
+                Ok(()) => assert!(kernel.is_available(), "{kernel}"),
+                Err(error) => {
+                    assert!(!kernel.is_available(), "{kernel}");
+                    let start =
+                        format!("this processor cannot run the {kernel} kernel; it can run scalar");
+                    assert!(error.to_string().starts_with(&start), "{error}");
+                }
+            }
+        }
     }
 
     #[test]

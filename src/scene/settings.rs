@@ -16,11 +16,11 @@ pub enum IntegratorKind {
     Normal,
     /// The surface's (u, v) as a colour.
     Uv,
-    /// The distance along the view.
+    /// The distance along the ray.
     Depth,
     /// A colour for each surface.
     Id,
-    /// How much work the hit took.
+    /// How much work the ray was, whether it hit anything or not.
     Iterations,
 }
 

@@ -299,7 +299,7 @@ fn origins_moved_off_a_grazing_hit_meet_it_again() {
                 }
                 // But where `o + t d` comes to does.
                 let there = Ray::new(normal - 3.0 * along + seen.t * along, along).unwrap();
-                assert!(Query::leaving(there, &seen).from().is_some());
+                assert!(Query::leaving(there, &seen).start_root().is_some());
             }
         }
     }

@@ -153,8 +153,10 @@ fn however_many_threads_built_the_tree() {
 fn wherever_a_surface_stands_in_the_list() {
     let model = models::teapot();
     let bvh = model.bvh();
-    let queries: Vec<Query> =
-        queries(&model, &bvh, 10, 54).into_iter().filter(|query| query.from().is_none()).collect();
+    let queries: Vec<Query> = queries(&model, &bvh, 10, 54)
+        .into_iter()
+        .filter(|query| query.start_root().is_none())
+        .collect();
     let mut random = Random::new(55);
     let order = shuffled(model.surfaces.len(), &mut random);
     let shuffled: Vec<Surface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();

@@ -58,17 +58,14 @@ pub(super) fn first_hits(
 ) -> Traced<COLUMNS> {
     let parts = rays.par_chunks(CHUNK).with_max_len(1).map(|rays| {
         let mut tracer = tracing.bvh.tracer_with(tracing.kernel);
-        let queries: Vec<Query> = rays.iter().copied().map(Query::primary).collect();
         let mut answers = Vec::new();
-        tracer.first_hits(&queries, tracing.coherence, &mut answers);
+        tracer.first_hits(rays, tracing.coherence, &mut answers);
         progress.add_rays(rays.len() as u64);
 
-        let doubtful = |flags: f64| flags as u8 & HitFlags::DOUBTFUL.bits() != 0;
-        let rows: Vec<_> = answers.iter().map(first_row).collect();
         Traced {
+            rows: answers.iter().map(first_row).collect(),
             hits: answers.iter().filter(|answer| answer.hit.is_some()).count() as u64,
-            doubtful: rows.iter().filter(|row| doubtful(row[COLUMNS - 1])).count() as u64,
-            rows,
+            doubtful: answers.iter().filter(|answer| answer.doubtful).count() as u64,
         }
     });
     Traced::joined(parts.collect())

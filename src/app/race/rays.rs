@@ -217,7 +217,7 @@ mod tests {
             assert!((point.length() - 2.0).abs() < 1e-14);
             assert!(point.dot(ray.direction()) >= 0.0);
             assert_eq!(ray.t_max(), REACH * model.diagonal);
-            assert!(query.from().is_some());
+            assert!(query.start_root().is_some());
         }
     }
 

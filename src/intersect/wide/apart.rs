@@ -12,9 +12,10 @@ use fearless_simd_macros::simd;
 use super::box_ray::{BLUR, LEAST, Slabs};
 use super::load::bounds;
 use super::packet::{Lanes3f, Packet, PacketBounds};
-use super::search::{bits, load3};
+use super::search::{lane_bits, load3};
 use super::traverse::enter_block;
 use super::{LANES, PACKET};
+use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{LeafBlock, Node};
 
 /// All rays.
@@ -152,10 +153,7 @@ fn meeting_one_by_one<S: Simd>(
             for_low[axis] += blur;
             for_high[axis] -= blur;
         }
-        let mut children = met;
-        while children != 0 {
-            let child = children.trailing_zeros() as usize;
-            children &= children - 1;
+        for child in set_bits(met) {
             let (mut near, mut far) = (near_f, far_f);
             for axis in 0..3 {
                 let low = f32x16::splat(simd, node.planes[axis][0][child]);
@@ -165,7 +163,7 @@ fn meeting_one_by_one<S: Simd>(
                 near = near.max(a.min(b));
                 far = far.min(a.max(b));
             }
-            meeting[child] |= u64::from(some & bits(near.simd_le(far))) << base;
+            meeting[child] |= u64::from(some & lane_bits(near.simd_le(far))) << base;
         }
     }
     meeting
@@ -186,10 +184,7 @@ fn leaves_of_rays<S: Simd>(
     }
     let mut apart = 0;
     let ([x, y, z], [dx, dy, dz]) = (&packet.origin_f, &packet.axis_f);
-    let mut left = rays;
-    while left != 0 {
-        let k = left.trailing_zeros() as usize;
-        left &= left - 1;
+    for k in set_bits(rays) {
         let slabs = Slabs::new(simd, block, [x[k], y[k], z[k]], [dx[k], dy[k], dz[k]]);
         let of_ray = met & slabs.met(simd, [packet.near_f[k], packet.far_f[k]]);
         apart |= u64::from(of_ray) << (k / LANES * LANES);

@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 
 use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
+use crate::patch::OrientedBox;
 
 /// How far the ray in f32 may be from the true one where it meets the scene, or the small part of it whose
 /// coordinates these are, in scaled coordinates, and box entries along it, but for what boxes were grown by when they
@@ -22,6 +23,9 @@ pub(super) const LEAST_SLOPE: f32 = 1e-12;
 /// Box entries and exits are compared with this to spare, in scaled coordinates: some
 /// roundings of f32 at the distances a ray has inside it.
 pub(super) const SPARE: f32 = 4e-6;
+
+/// As a box's reach around its leaf is known for boxes that are met with that to spare.
+const _: () = assert!(SPARE as f64 <= OrientedBox::GROWTH);
 
 /// Boxes still to be entered, and where.
 pub(super) type Stack = Vec<(f32, ChildCode)>;
@@ -98,7 +102,7 @@ impl BoxRay {
         node: &Node,
         stack: &mut Stack,
     ) -> Option<ChildCode> {
-        let mut entries = Entries::NONE;
+        let mut entries = BoxEntries::NONE;
         let met = self.entries_into(simd, node, &mut entries);
         if met & met.wrapping_sub(1) == 0 {
             return (met != 0).then(|| node.child[met.trailing_zeros() as usize]);
@@ -109,7 +113,7 @@ impl BoxRay {
     /// Where the ray enters each of a node's boxes; returns which it meets.
     #[inline(never)] // else the ray is spread over lanes before the loop over nodes, and kept so in memory
     #[simd]
-    fn entries_into<S: Simd>(&self, simd: S, node: &Node, entries: &mut Entries) -> u32 {
+    fn entries_into<S: Simd>(&self, simd: S, node: &Node, entries: &mut BoxEntries) -> u32 {
         let (near, met) = self.entries(simd, node);
         near.store_slice(&mut entries.0);
         met
@@ -225,9 +229,9 @@ fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &N
 
 /// Where a ray enters sixteen boxes.
 #[repr(align(64))]
-struct Entries([f32; LANES]);
+struct BoxEntries([f32; LANES]);
 
-impl Entries {
+impl BoxEntries {
     const NONE: Self = Self([0.0; LANES]);
 }
 
@@ -257,17 +261,14 @@ pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     met: u32,
     made: impl Fn(usize) -> T,
 ) {
-    debug_assert!(set_bits(u64::from(met)).all(|k| !entries[k].is_nan()));
+    debug_assert!(set_bits(met).all(|k| !entries[k].is_nan()));
     let near = f32x16::from_slice(simd, entries);
     let bottom = stack.len();
     // Room for sixteen: a known number takes no call.
     stack.extend_from_slice(&[T::default(); LANES]);
     stack.truncate(bottom + met.count_ones() as usize);
     let places = &mut stack[bottom..];
-    let mut rest = met;
-    while rest != 0 {
-        let k = rest.trailing_zeros() as usize;
-        rest &= rest - 1;
+    for k in set_bits(met) {
         let entry = f32x16::splat(simd, entries[k]);
         let farther = near.simd_gt(entry).to_bitmask() as u32;
         // Of those that are entered at the same place the last comes first, as above.
@@ -312,21 +313,18 @@ impl Crossings {
         // Each lane of its own: by `map` the lanes would be copied first.
         [self.slopes[0][k], self.slopes[1][k], self.slopes[2][k]]
     }
+}
 
-    /// The leaf that is entered first, of those whose bit is set in `met`, which is not zero.
-    #[inline(always)]
-    pub(super) fn nearest(&self, met: u32) -> usize {
-        let mut nearest = met.trailing_zeros() as usize;
-        let mut others = met & (met - 1);
-        while others != 0 {
-            let k = others.trailing_zeros() as usize;
-            if self.entry[k] < self.entry[nearest] {
-                nearest = k;
-            }
-            others &= others - 1;
+/// The box that is entered first, of those whose bit is set in `met`, which is not zero.
+#[inline(always)]
+pub(super) fn first_entered(entry: &[f32; LANES], met: u32) -> usize {
+    let mut first = met.trailing_zeros() as usize;
+    for k in set_bits(met & (met - 1)) {
+        if entry[k] < entry[first] {
+            first = k;
         }
-        nearest
     }
+    first
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ use fearless_simd_macros::simd;
 
 use super::distances::sizes;
 use super::scene::Fitted;
-use super::search::bits;
+use super::search::lane_bits;
 use super::single_proof::LEAF;
 use crate::patch::FIT_DOMAIN;
 
@@ -202,7 +202,7 @@ impl<S: Simd> Departure<S> {
         let surely = if_near & near & (seen * moved).simd_lt(apart);
         let seen = seen * turned;
         let surely = surely & seen.simd_lt(most) & seen.simd_lt(left[0]);
-        Final { surely: bits(surely), if_near: bits(if_near) }
+        Final { surely: lane_bits(surely), if_near: lane_bits(if_near) }
     }
 
     /// What the approximation says of the starts.

@@ -11,19 +11,21 @@ use fearless_simd_macros::simd;
 use super::LANES;
 use super::box_ray::SPARE;
 use super::distances::{LaneDistances, sizes};
+use super::finish::Done;
 use super::jets::OneNet;
 use super::lane_parts::bytes_of;
 use super::lane_proof::{Errors, LaneProof, Parts};
-use super::leaf::{Done, finish_all};
+use super::leaf::finish_all;
 use super::load::farthest;
 use super::packet::Packet;
 use super::scene::Scene;
-use super::search::bits;
+use super::search::lane_bits;
 use super::single_proof::{GROWN, LARGEST, ROUNDING, START_GROWN};
 use super::spline_net::RecentNets;
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use crate::intersect::Statistics;
+use crate::intersect::bits::set_bits;
 
 /// Sixteen that are looked at, and as many that come too late.
 const ROOM: usize = 2 * LANES;
@@ -102,7 +104,7 @@ impl Doubts {
         let terms = distances.terms(simd, sizes(simd, fitted), packet, base);
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         // False for NaN.
-        let known = lanes & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+        let known = lanes & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         let noise = terms * f32x16::splat(simd, ROUNDING);
         let chosen = mask32x16::from_bitmask(simd, u64::from(known));
         let at = self.count..self.count + LANES;
@@ -119,10 +121,7 @@ impl Doubts {
         weighted.compress(chosen).store_slice(&mut self.errors[0][at.clone()]);
         off_ray.compress(chosen).store_slice(&mut self.errors[1][at.clone()]);
         slope_noise.compress(chosen).store_slice(&mut self.errors[2][at]);
-        let mut left = known;
-        while left != 0 {
-            let k = left.trailing_zeros() as usize;
-            left &= left - 1;
+        for k in set_bits(known) {
             self.pairs[self.count] = Doubt { ray: base + k, leaf: target.index, entry: entry[k] };
             self.count += 1;
         }
@@ -180,10 +179,8 @@ pub(super) fn settle<S: Simd>(
         let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, room);
         found |= done.found;
         statistics.newton_iterations += u64::from(done.steps);
-        let mut rest = rest;
-        while rest != 0 {
-            let Doubt { ray, leaf, .. } = taken.pairs[rest.trailing_zeros() as usize];
-            rest &= rest - 1;
+        for place in set_bits(rest) {
+            let Doubt { ray, leaf, .. } = taken.pairs[place];
             work.leave(ray, 1, leaf);
         }
     }
@@ -278,15 +275,12 @@ impl Group {
     /// Those among `places`.
     fn of(pairs: &[Doubt; LANES], places: u32, (leaf, base): (u32, usize)) -> Self {
         let mut group = Self { places: 0, lanes: 0, place: [0; LANES] };
-        let mut left = places;
-        while left != 0 {
-            let at = left.trailing_zeros();
-            left &= left - 1;
-            let pair = &pairs[at as usize];
+        for at in set_bits(places) {
+            let pair = &pairs[at];
             if pair.leaf == leaf && pair.ray / LANES * LANES == base {
                 group.places |= 1 << at;
                 group.lanes |= 1 << (pair.ray - base);
-                group.place[pair.ray - base] = at;
+                group.place[pair.ray - base] = at as u32;
             }
         }
         group
@@ -300,12 +294,7 @@ impl Group {
 
     /// The places of some of their rays.
     fn places_of(&self, lanes: u32) -> u32 {
-        let (mut left, mut places) = (lanes & self.lanes, 0);
-        while left != 0 {
-            places |= 1 << self.place[left.trailing_zeros() as usize];
-            left &= left - 1;
-        }
-        places
+        set_bits(lanes & self.lanes).fold(0, |places, lane| places | 1 << self.place[lane])
     }
 }
 

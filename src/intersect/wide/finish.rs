@@ -13,19 +13,20 @@ use super::target::{Closer, Ground, Ground8, Target};
 use super::trimmed;
 use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
+use crate::intersect::bits::set_bits;
 use crate::patch::Piece;
 
 /// In a leaf that ends in a pole normals are looked at closely where the tangents' cross product is less
 /// than this part of the square of the sum of their lengths.
 const LEAST_SINE: f64 = 1e-7;
 
-/// What became of eight rays.
-#[derive(Clone, Copy)]
+/// What became of some rays, a lane each.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Done {
     /// The lanes that did not converge.
-    pub(super) open: u64,
+    pub(super) open: u32,
     /// The lanes whose root the scalar search must judge.
-    pub(super) judged: u64,
+    pub(super) judged: u32,
     /// Whether some ray's nearest hit is new.
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
@@ -61,7 +62,7 @@ pub(super) fn finish<S: Simd>(
 
     let mut root = newton(simd, &leaves, &rays, (wanted & !near_pole, certified), near);
     let steps = root.steps;
-    let open = (root.open | near_pole).to_bitmask();
+    let open = (root.open | near_pole).to_bitmask() as u32;
     if root.found.all_false() {
         return Done { open, judged: 0, found: false, steps };
     }
@@ -133,7 +134,7 @@ pub(super) fn finish<S: Simd>(
         put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
         packet.shorten(simd, base, hits);
     }
-    Done { open, judged: judged.to_bitmask(), found: any, steps }
+    Done { open, judged: judged.to_bitmask() as u32, found: any, steps }
 }
 
 /// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough for the leaf's
@@ -219,10 +220,7 @@ fn trim_sides<S: Simd>(
     reach: f64x8<S>,
 ) -> Sides {
     let mut sides = Sides::default();
-    let mut lanes = asked.to_bitmask();
-    while lanes != 0 {
-        let k = lanes.trailing_zeros() as usize;
-        lanes &= lanes - 1;
+    for k in set_bits(asked.to_bitmask()) {
         match target.piece.side(DVec2::new(s[k], t[k]), DVec2::splat(reach[k])) {
             Side::Inside => sides.inside |= 1 << k,
             Side::Outside => {}

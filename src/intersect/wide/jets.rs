@@ -16,9 +16,6 @@ pub(super) trait Net<S: Simd> {
     where
         Self: 'a;
 
-    /// The degrees, whether a control point has four numbers, its weight last, or three, and what it is.
-    fn form(&self) -> Form;
-
     /// The weight of all control points, where they have three numbers; `None` if it is one.
     fn weight(&self, simd: S) -> Option<f64x8<S>>;
 
@@ -43,11 +40,6 @@ impl<S: Simd> Net<S> for OneNet<'_> {
         = &'a [f64]
     where
         Self: 'a;
-
-    #[inline(always)]
-    fn form(&self) -> Form {
-        Form::of(self.patch)
-    }
 
     #[inline(always)]
     fn weight(&self, simd: S) -> Option<f64x8<S>> {
@@ -90,21 +82,20 @@ pub(super) struct Sums<S: Simd, const C: usize> {
     pub(super) second: [[f64x8<S>; C]; 3],
 }
 
-/// The true surface and its first derivatives at eight places, and the second if they are wanted.
+/// The true surface and its first derivatives at eight places, and the second if they are wanted, by a net of a form.
 #[inline(always)]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
-    net: &T,
+    (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let form = net.form();
     let [p, q] = form.degree();
     if form.by_powers {
-        power_sums::jets::<S, T, SECOND>(simd, net, st)
+        power_sums::jets::<S, T, SECOND>(simd, (net, form), st)
     } else if p.max(q) < 8 {
-        by_bernstein::<S, T, SECOND, 8>(simd, net, st)
+        by_bernstein::<S, T, SECOND, 8>(simd, (net, form), st)
     } else {
-        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, net, st)
+        by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, (net, form), st)
     }
 }
 
@@ -114,13 +105,13 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
 #[simd]
 fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
     simd: S,
-    net: &T,
+    (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    if net.form().rational {
-        jets_of::<S, T, SECOND, N, 4>(simd, net, st)
+    if form.rational {
+        jets_of::<S, T, SECOND, N, 4>(simd, (net, form.degree()), st)
     } else {
-        jets_of::<S, T, SECOND, N, 3>(simd, net, st)
+        jets_of::<S, T, SECOND, N, 3>(simd, (net, form.degree()), st)
     }
 }
 
@@ -128,10 +119,9 @@ fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
 #[simd]
 fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usize>(
     simd: S,
-    net: &T,
+    (net, [p, q]): (&T, [usize; 2]),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let [p, q] = net.form().degree();
     let [in_s, in_t] = [basis::<S, N>(simd, p, st[0]), basis::<S, N>(simd, q, st[1])];
     let zero = [f64x8::splat(simd, 0.0); C];
     let mut sums = Sums { value: zero, first: [zero; 2], second: [zero; 3] };

@@ -246,11 +246,6 @@ impl<S: Simd> Net<S> for LaneNet {
     type Row<'a> = &'a [[f64; 8]];
 
     #[inline(always)]
-    fn form(&self) -> Form {
-        self.form
-    }
-
-    #[inline(always)]
     fn weight(&self, simd: S) -> Option<f64x8<S>> {
         let weight = f64x8::from_slice(simd, &self.weight);
         let ones = weight.simd_eq(f64x8::splat(simd, 1.0));

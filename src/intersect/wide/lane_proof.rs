@@ -12,10 +12,11 @@ use super::LANES;
 use super::cubic::{bernstein, moved, slope_weights};
 use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
-use super::search::bits;
+use super::search::lane_bits;
 use super::single_proof::{
     GROWN, MOST_INVERSE, MOST_NOISE, NEARBY, Part, ROUNDING, SMALLEST, UNDERFLOW,
 };
+use crate::intersect::bits::set_bits;
 
 /// How often a leaf is halved before the scalar search is called.
 const MOST_HALVINGS: u32 = 14;
@@ -97,7 +98,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     #[inline(always)]
     fn halve(&mut self, parts: &Sixteen<S>, lengths: [f32x16<S>; 2], places: u32) {
         let simd = self.simd;
-        let small = places & bits(parts.halved_so_often(simd, MOST_HALVINGS));
+        let small = places & lane_bits(parts.halved_so_often(simd, MOST_HALVINGS));
         self.undecided |= lanes_of(parts, small);
         let places = mask(simd, places & !small);
         let [first, second] = parts.halved(simd, lengths);
@@ -128,7 +129,7 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
     let [half_x, half_y] = parts.half;
     let smallest = f32x16::splat(simd, SMALLEST);
     let slope_error = slope_noise.swizzle_dyn(bytes) * half_x.max(half_y);
-    let large = bits(half_x.simd_gt(smallest) & half_y.simd_gt(smallest));
+    let large = lane_bits(half_x.simd_gt(smallest) & half_y.simd_gt(smallest));
     let unique = open
         & local.unique(simd, slope_error, error.swizzle_dyn(bytes))
         & !(large & local.leading_away(simd));
@@ -144,13 +145,8 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
 
 /// The bits of the lanes of parts in these places.
 #[inline(always)]
-fn lanes_of<S: Simd>(parts: &Sixteen<S>, mut places: u32) -> u32 {
-    let mut lanes = 0;
-    while places != 0 {
-        lanes |= 1 << parts.lane(places.trailing_zeros() as usize);
-        places &= places - 1;
-    }
-    lanes
+fn lanes_of<S: Simd>(parts: &Sixteen<S>, places: u32) -> u32 {
+    set_bits(places).fold(0, |lanes, place| lanes | 1 << parts.lane(place))
 }
 
 #[inline(always)]
@@ -233,7 +229,7 @@ impl Local {
         for [along_1, along_2] in [[b1, b2], [a1, a2]] {
             let [least, most] = self.range(simd, along_2, along_1);
             let off = error.mul_add(along_1.abs() + along_2.abs(), underflow);
-            missed |= bits(least.simd_gt(off)) | bits(most.simd_lt(-off));
+            missed |= lane_bits(least.simd_gt(off)) | lane_bits(most.simd_lt(-off));
         }
         missed
     }
@@ -245,8 +241,8 @@ impl Local {
         let [[a1, a2], [b1, b2]] = self.slopes(simd);
         let (f1, f2) = (self.at(simd, 0, 0), self.at(simd, 1, 0));
         let farthest = f32x16::splat(simd, NEARBY) * (a1 * b2 - a2 * b1).abs();
-        bits((f1 * b2 - f2 * b1).abs().simd_gt(farthest))
-            | bits((a1 * f2 - a2 * f1).abs().simd_gt(farthest))
+        lane_bits((f1 * b2 - f2 * b1).abs().simd_gt(farthest))
+            | lane_bits((a1 * f2 - a2 * f1).abs().simd_gt(farthest))
     }
 
     /// The lanes with at most one root in the widened part.
@@ -279,7 +275,7 @@ impl Local {
                 }
             }
             turning[k] = slope;
-            unique &= bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
+            unique &= lane_bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
         }
         // What is wanted of g' is part of the sums: 1. All are false for NaN.
         let two = one + one;
@@ -288,10 +284,10 @@ impl Local {
         let sure = (left_x * left_y - xy * yx) * f32x16::splat(simd, MOST_INVERSE);
         let zero = f32x16::splat(simd, 0.0);
         unique
-            & bits(left_x.simd_gt(zero))
-            & bits(left_y.simd_gt(zero))
-            & bits(sure.simd_gt(left_y + xy))
-            & bits(sure.simd_gt(left_x + yx))
+            & lane_bits(left_x.simd_gt(zero))
+            & lane_bits(left_y.simd_gt(zero))
+            & lane_bits(sure.simd_gt(left_y + xy))
+            & lane_bits(sure.simd_gt(left_x + yx))
     }
 
     /// A coefficient of `p f₁ − q f₂`.

@@ -5,13 +5,13 @@ use fearless_simd_macros::simd;
 
 use super::distances::widened;
 use super::doubts::settle;
-use super::finish::{away_from_pole, finish};
+use super::finish::{Done, away_from_pole, finish};
 use super::jets::OneNet;
 use super::load::{farthest, turn};
 use super::packet::Packet;
 use super::scene::Scene;
 use super::screen::{Screened, screen};
-use super::search::{Crossing, bits, certify, cross_box};
+use super::search::{BoxCrossing, certify, cross_box, lane_bits};
 use super::single_ray::WIDENED;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
@@ -66,7 +66,7 @@ fn next_group<S: Simd>(
     oriented: &OrientedBox,
     packet: &Packet,
     groups: &mut u32,
-) -> Option<(usize, Crossing<S>)> {
+) -> Option<(usize, BoxCrossing<S>)> {
     while *groups != 0 {
         let base = LANES * groups.trailing_zeros() as usize;
         *groups &= *groups - 1;
@@ -74,7 +74,7 @@ fn next_group<S: Simd>(
             return None;
         }
         let crossing = cross_box(simd, oriented, packet, base);
-        if bits(crossing.met) != 0 {
+        if lane_bits(crossing.met) != 0 {
             return Some((base, crossing));
         }
     }
@@ -87,12 +87,12 @@ fn next_group<S: Simd>(
 fn search_group<S: Simd, Q>(
     simd: S,
     (target, closer): (&Target<'_>, &mut Option<Closer>),
-    (packet, base, crossing): (&mut Packet, usize, &Crossing<S>),
+    (packet, base, crossing): (&mut Packet, usize, &BoxCrossing<S>),
     ahead: &mut Ahead<'_, Q>,
     work: &mut Work,
     statistics: &mut Statistics,
 ) -> bool {
-    let met = bits(crossing.met);
+    let met = lane_bits(crossing.met);
     let patch = &target.piece.patch;
     let factor = patch.residual_factor();
     statistics.leaf_tests += u64::from(met.count_ones());
@@ -101,7 +101,7 @@ fn search_group<S: Simd, Q>(
     let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
         .max(f32x16::splat(simd, rounding::f32_above(patch.magnitude())));
     let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-    let mut certain = met & bits(certified);
+    let mut certain = met & lane_bits(certified);
     let mut doubted = met & !certain;
     if packet.from_roots {
         // The one root of these is the one they start on.
@@ -177,19 +177,6 @@ fn search_group<S: Simd, Q>(
     done.found
 }
 
-/// What became of sixteen rays.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Done {
-    /// The lanes that did not converge.
-    pub(super) open: u32,
-    /// The lanes whose root the scalar search must judge.
-    pub(super) judged: u32,
-    /// Whether some ray's nearest hit is new.
-    pub(super) found: bool,
-    /// Newton's steps taken, over all lanes.
-    pub(super) steps: u32,
-}
-
 /// [`finish`] for both halves of sixteen rays.
 #[simd]
 pub(super) fn finish_all<S: Simd>(
@@ -208,8 +195,8 @@ pub(super) fn finish_all<S: Simd>(
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
         let done = finish(simd, about, packet, base, (wanted, &ground), &near);
-        all.open |= (done.open as u32) << (8 * half);
-        all.judged |= (done.judged as u32) << (8 * half);
+        all.open |= done.open << (8 * half);
+        all.judged |= done.judged << (8 * half);
         all.found |= done.found;
         all.steps += done.steps;
     }

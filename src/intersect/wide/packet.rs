@@ -10,10 +10,11 @@ use glam::{DVec2, DVec3, Vec3};
 use super::box_ray::SPARE;
 use super::departure::{Departure, Final, NEARBY};
 use super::frames::END_SPARE;
-use super::search::{Crossing, bits, load3};
+use super::search::{BoxCrossing, lane_bits, load3};
 use super::single_ray::Wanted;
 use super::target::Target;
 use super::{LANES, PACKET};
+use crate::intersect::bits::set_bits;
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
 
 /// A vector of f64 for each ray, by coordinate.
@@ -197,7 +198,7 @@ impl Packet {
         &self,
         simd: S,
         base: usize,
-        crossing: &Crossing<S>,
+        crossing: &BoxCrossing<S>,
     ) -> u32 {
         let sixteen = base..base + LANES;
         let near = f32x16::from_slice(simd, &self.near_f[sixteen.clone()]);
@@ -206,7 +207,7 @@ impl Packet {
         let spare = f32x16::splat(simd, 2.0 * END_SPARE + SPARE);
         let within = crossing.entry.simd_gt(near + spare) & crossing.exit.simd_lt(far - spare);
         if !self.from_roots {
-            return bits(within);
+            return lane_bits(within);
         }
         let scale = f64x8::splat(simd, self.scale);
         let mut start = [scale; 2];
@@ -216,7 +217,7 @@ impl Packet {
             start[half] = (error - f64x8::from_slice(simd, &self.shift[eight])) * scale;
         }
         let ahead = simd.narrow_f64x8(start[0], start[1]) + spare;
-        bits(within & crossing.entry.simd_gt(ahead))
+        lane_bits(within & crossing.entry.simd_gt(ahead))
     }
 
     /// Notes that of the sixteen rays from `base` on those whose bit is set have a hit: no more is
@@ -264,14 +265,14 @@ impl Packet {
 
     /// Takes in the roots that rays start on.
     pub(super) fn start_on_roots<Q: Shot>(&mut self, shots: &[Q]) {
-        self.from_roots = shots.iter().any(|shot| shot.from().is_some());
+        self.from_roots = shots.iter().any(|shot| shot.start_root().is_some());
         if !self.from_roots {
             return;
         }
         self.from_piece = [u32::MAX; PACKET];
         self.from_error = [0.0; PACKET];
         for (k, shot) in shots.iter().enumerate() {
-            if let Some(root) = shot.from() {
+            if let Some(root) = shot.start_root() {
                 self.from_piece[k] = root.piece;
                 (self.from_st[0][k], self.from_st[1][k]) = (root.st.x, root.st.y);
                 self.from_error[k] = root.error;
@@ -356,10 +357,7 @@ impl Packet {
             reach: narrow(known).mul_add(f32x16::splat(simd, 1.001), error),
         };
         let Final { mut surely, if_near } = departure.is_final(simd, target.fitted());
-        let mut asked = here & ahead & if_near & !surely;
-        while asked != 0 {
-            let k = asked.trailing_zeros() as usize;
-            asked &= asked - 1;
+        for k in set_bits(here & ahead & if_near & !surely) {
             let at = base + k;
             let point = target.piece.patch.point(pair(&self.from_st, at));
             let reach = self.from_error[at] + factor * f64::from(magnitude[k]);

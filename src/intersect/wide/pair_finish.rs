@@ -109,12 +109,12 @@ struct Eight<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Eight<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, true>(simd, self.net, st)
+        jets::<_, _, true>(simd, (self.net, self.net.form), st)
     }
 
     #[inline(always)]
     fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, false>(simd, self.net, st)
+        jets::<_, _, false>(simd, (self.net, self.net.form), st)
     }
 
     #[inline(always)]

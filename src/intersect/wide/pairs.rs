@@ -14,7 +14,7 @@ use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::LaneNet;
 use super::lane_proof::missed;
 use super::scene::{Fitted, Scene};
-use super::search::{bits, dot_d};
+use super::search::{dot_d, lane_bits};
 use super::single_proof::{LARGEST, ROUNDING};
 use super::single_ray::{Guess, Place, SingleHit, WIDENED};
 use crate::intersect::Shot;
@@ -121,7 +121,7 @@ impl PairLanes {
         }
         for lane in 0..LANES {
             let pair = pairs.get(lane).unwrap_or(first);
-            let from = shots[pair.ray as usize].from();
+            let from = shots[pair.ray as usize].start_root();
             self.take(lane, pair.guess, leaves[lane].leaf, pieces[lane]);
             self.from_error[lane] = from.map_or(0.0, |root| root.error);
         }
@@ -138,7 +138,7 @@ impl PairLanes {
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         let farthest = near[0].abs().max(near[1].abs());
-        let outside = wanted & !bits(farthest.simd_lt(widened));
+        let outside = wanted & !lane_bits(farthest.simd_lt(widened));
         if outside != 0 {
             let of = (&leaves, first.form);
             all.open = outside & !self.missed(simd, (outside, of), &halves, &normals);
@@ -196,7 +196,7 @@ impl PairLanes {
         let noise = terms * f32x16::splat(simd, ROUNDING);
         let off_ray = noise + f32x16::from_slice(simd, &self.fit_error) + error;
         // False for NaN.
-        let known = asked & bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
+        let known = asked & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
         known & missed(simd, &self.distances, off_ray)
     }
 

@@ -4,25 +4,27 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
+use super::form::Form;
 use super::jets::{Jets, Net, Sums, in_space};
 
 /// [`jets`](super::jets::jets), with unrolled loops for the degrees met most.
 #[simd]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
-    net: &T,
+    (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let form = net.form();
-    match (form.degree(), form.rational) {
-        ([3, 3], true) => jets_of::<S, T, SECOND, 3, 3, 4>(simd, net, st),
-        ([3, 3], false) => jets_of::<S, T, SECOND, 3, 3, 3>(simd, net, st),
-        ([2, 2], true) => jets_of::<S, T, SECOND, 2, 2, 4>(simd, net, st),
-        ([2, 1], true) => jets_of::<S, T, SECOND, 2, 1, 4>(simd, net, st),
-        ([1, 2], true) => jets_of::<S, T, SECOND, 1, 2, 4>(simd, net, st),
-        ([1, 1], false) => jets_of::<S, T, SECOND, 1, 1, 3>(simd, net, st),
-        (_, true) => jets_of::<S, T, SECOND, 0, 0, 4>(simd, net, st),
-        (_, false) => jets_of::<S, T, SECOND, 0, 0, 3>(simd, net, st),
+    let degree = form.degree();
+    let of = (net, degree);
+    match (degree, form.rational) {
+        ([3, 3], true) => jets_of::<S, T, SECOND, 3, 3, 4>(simd, of, st),
+        ([3, 3], false) => jets_of::<S, T, SECOND, 3, 3, 3>(simd, of, st),
+        ([2, 2], true) => jets_of::<S, T, SECOND, 2, 2, 4>(simd, of, st),
+        ([2, 1], true) => jets_of::<S, T, SECOND, 2, 1, 4>(simd, of, st),
+        ([1, 2], true) => jets_of::<S, T, SECOND, 1, 2, 4>(simd, of, st),
+        ([1, 1], false) => jets_of::<S, T, SECOND, 1, 1, 3>(simd, of, st),
+        (_, true) => jets_of::<S, T, SECOND, 0, 0, 4>(simd, of, st),
+        (_, false) => jets_of::<S, T, SECOND, 0, 0, 3>(simd, of, st),
     }
 }
 
@@ -38,10 +40,10 @@ fn jets_of<
     const C: usize,
 >(
     simd: S,
-    net: &T,
+    (net, degree): (&T, [usize; 2]),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let [p, q] = if P == 0 { net.form().degree() } else { [P, Q] };
+    let [p, q] = if P == 0 { degree } else { [P, Q] };
     let one = f64x8::splat(simd, 1.0);
     let [x, y] = [st[0] + st[0] - one, st[1] + st[1] - one];
     let zero = [f64x8::splat(simd, 0.0); C];
@@ -157,8 +159,9 @@ mod tests {
                     (st[0][lane], st[1][lane]) = (places[lane].x, places[lane].y);
                 }
                 let net = OneNet { patch, net: nets.net_of(simd, (0, patch)) };
-                let jets = jets::jets::<_, _, true>(simd, &net, &st);
-                let firsts = jets::jets::<_, _, false>(simd, &net, &st);
+                let net = (&net, Form::of(patch));
+                let jets = jets::jets::<_, _, true>(simd, net, &st);
+                let firsts = jets::jets::<_, _, false>(simd, net, &st);
                 assert_eq!(bits(&jets.point), bits(&firsts.point));
                 assert_eq!(jets.first.each_ref().map(bits), firsts.first.each_ref().map(bits));
                 for (lane, &place) in places.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Everything that is searched, and asked for before it is.
 
+use crate::intersect::bits::set_bits;
 use crate::intersect::tree::Tree;
 use crate::math::prefetch;
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
@@ -59,35 +60,26 @@ impl Scene<'_> {
     /// Asks for those leaves of a block whose bits are set in `met`.
     #[inline(always)]
     pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
-        each(met, |k| self.leaves[first as usize + k].prefetch());
+        set_bits(met).for_each(|k| self.leaves[first as usize + k].prefetch());
         if !self.weights.is_empty() {
-            each(met, |k| prefetch(&self.weights[first as usize + k]));
+            set_bits(met).for_each(|k| prefetch(&self.weights[first as usize + k]));
         }
     }
 
     /// The pieces of such leaves, which are there by now.
     #[inline(always)]
     pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
-        each(met, |k| prefetch(self.piece_of(first as usize + k)));
+        set_bits(met).for_each(|k| prefetch(self.piece_of(first as usize + k)));
     }
 
     /// The control points of such pieces, which are there by now.
     #[inline(always)]
     pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
-        each(met, |k| self.piece_of(first as usize + k).patch.prefetch_net());
+        set_bits(met).for_each(|k| self.piece_of(first as usize + k).patch.prefetch_net());
     }
 
     #[inline(always)]
     pub(super) fn piece_of(&self, leaf: usize) -> &Piece {
         &self.set.pieces()[self.leaves[leaf].piece as usize]
-    }
-}
-
-/// Calls for the places of the bits that are set.
-#[inline(always)]
-fn each(mut bits: u32, mut call: impl FnMut(usize)) {
-    while bits != 0 {
-        call(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
     }
 }

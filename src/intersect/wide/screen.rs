@@ -29,7 +29,7 @@ use fearless_simd_macros::simd;
 
 use super::distances::{LaneDistances, LastStep, Searched, sizes};
 use super::packet::Packet;
-use super::search::{Crossing, bits, load3, upright};
+use super::search::{BoxCrossing, lane_bits, load3, upright};
 use super::single_proof::{LARGEST, LEAF, ROUNDING};
 use super::target::Target;
 use crate::intersect::newton::{CLEAR, SURELY};
@@ -68,13 +68,13 @@ pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&Packet, usize),
-    (distances, crossing, searched): (&LaneDistances, &Crossing<S>, &Searched<S>),
+    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &Searched<S>),
     (asked, error): (u32, f32x16<S>),
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
     let [x, y] = searched.last.to;
     let farthest = x.abs().max(y.abs());
-    let outside = asked & !bits(farthest.simd_le(splat(simd, INSIDE)));
+    let outside = asked & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
     if target.pole.is_some() || (outside == 0 && !packet.any) {
         return Screened::default();
     }
@@ -143,13 +143,13 @@ impl<S: Simd> Screen<'_, S> {
         let in_domain = (farthest + spare).simd_le(splat(simd, DOMAIN));
         let beyond = (farthest - spare).simd_gt(splat(simd, LEAF));
         let within = (farthest + spare).simd_le(splat(simd, INSIDE));
-        let mut missed = bits(known & in_domain & beyond);
+        let mut missed = lane_bits(known & in_domain & beyond);
         let outside =
             [from[0].abs().simd_gt(splat(simd, LEAF)), from[1].abs().simd_gt(splat(simd, LEAF))];
         if (outside[0] | outside[1]).any_true() {
-            missed |= bits(self.away(simd, (from, outside), [f1, f2], off));
+            missed |= lane_bits(self.away(simd, (from, outside), [f1, f2], off));
         }
-        Screened { missed, met: bits(known & within) }
+        Screened { missed, met: lane_bits(known & within) }
     }
 
     /// The lanes that are beyond the leaf on some side, and of which the certificate says that the leaf
@@ -228,7 +228,7 @@ mod tests {
             let factor = target.piece.patch.residual_factor();
             let magnitude = f32x16::splat(simd, 1e2);
             let certified = certify(simd, target.leaf, crossing.slopes, (magnitude, factor));
-            let certified = bits(crossing.met & certified);
+            let certified = lane_bits(crossing.met & certified);
             let mut distances = LaneDistances::default();
             distances.take(simd, target.fitted(), &packet, 0);
             let widened = f32x16::splat(simd, WIDENED as f32);

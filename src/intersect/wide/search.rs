@@ -9,7 +9,7 @@ use crate::patch::{Leaf, OrientedBox};
 
 /// Which of sixteen rays meet a leaf's box, and where they cross its middle; what the box's rows
 /// say of their directions.
-pub(super) struct Crossing<S: Simd> {
+pub(super) struct BoxCrossing<S: Simd> {
     pub(super) met: mask32x16<S>,
     pub(super) x: f32x16<S>,
     pub(super) y: f32x16<S>,
@@ -44,7 +44,7 @@ pub(super) fn cross_box<S: Simd>(
     oriented: &OrientedBox,
     packet: &Packet,
     base: usize,
-) -> Crossing<S> {
+) -> BoxCrossing<S> {
     let origin = load3(simd, &packet.origin_f, base);
     let axis = load3(simd, &packet.axis_f, base);
     let near = f32x16::from_slice(simd, &packet.near_f[base..base + 16]);
@@ -77,7 +77,7 @@ pub(super) fn cross_box<S: Simd>(
     let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
-    Crossing { met, x, y, entry, exit, slopes: along }
+    BoxCrossing { met, x, y, entry, exit, slopes: along }
 }
 
 /// The certificate: which of sixteen rays with these slopes meet the leaf at most once. A point
@@ -115,6 +115,6 @@ pub(super) fn dot_d<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> f64x8<S> {
 
 /// The lanes of a mask as bits.
 #[simd]
-pub(super) fn bits<S: Simd>(mask: mask32x16<S>) -> u32 {
+pub(super) fn lane_bits<S: Simd>(mask: mask32x16<S>) -> u32 {
     mask.to_bitmask() as u32
 }

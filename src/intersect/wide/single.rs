@@ -20,7 +20,7 @@
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-use super::box_ray::{Crossings, SPARE, Stack};
+use super::box_ray::{Crossings, SPARE, Stack, first_entered};
 use super::jets::OneNet;
 use super::nearest::{Kept, keep};
 use super::scene::{Fitted, Scene};
@@ -108,7 +108,7 @@ fn search_block<S: Simd>(
     let mut met = crossings.met & ((1 << count) - 1);
     scene.prefetch_leaves(first, met);
     while met != 0 {
-        let nearest = crossings.nearest(met);
+        let nearest = first_entered(&crossings.entry, met);
         met &= !(1 << nearest);
         if crossings.entry[nearest] > ray.boxes.far + SPARE {
             return;

@@ -3,14 +3,11 @@
 use glam::{DVec2, DVec3};
 
 use super::box_ray::BoxRay;
-use super::frames::shift_to_scene;
+use super::frames::{END_SPARE, shift_to_scene};
 use super::start::Start;
 use crate::intersect::Root;
 use crate::math::RayFrame;
 use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
-
-/// Distances along the ray in f32 are given this much to spare.
-const SPARE: f64 = 1e-5;
 
 /// What a ray asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +22,7 @@ impl Wanted {
     #[inline(always)]
     pub(super) fn far(self, z: f64, shift: f64, scale: f64) -> f32 {
         match self {
-            Self::First => ((z - shift) * scale + SPARE) as f32,
+            Self::First => ((z - shift) * scale + f64::from(END_SPARE)) as f32,
             Self::Any => f32::NEG_INFINITY,
         }
     }
@@ -163,8 +160,8 @@ pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRa
     let shift = shift_to_scene(square, scaled.dot(frame.axis));
     let origin = (scaled + shift * frame.axis).as_vec3();
     let axis = frame.axis.as_vec3();
-    let near = (frame.z_range[0] * scale - shift - SPARE) as f32;
-    let far = (end * scale - shift + SPARE) as f32;
+    let near = (frame.z_range[0] * scale - shift - f64::from(END_SPARE)) as f32;
+    let far = (end * scale - shift + f64::from(END_SPARE)) as f32;
     (BoxRay::new(origin.to_array(), axis.to_array(), [near, far]), shift / scale)
 }
 

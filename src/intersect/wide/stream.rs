@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
-use super::box_ray::{BoxRay, Crossings, SPARE, Stack, push_unforeseen};
+use super::box_ray::{BoxRay, Crossings, SPARE, Stack, first_entered, push_unforeseen};
 use super::form::Form;
 use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
@@ -138,7 +138,7 @@ impl Visits {
 /// What a node's boxes say of a ray.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Entries {
+struct Entered {
     entry: [f32; LANES],
     met: u32,
 }
@@ -154,7 +154,7 @@ fn walk<S: Simd, Q: Shot>(
 ) {
     let tree = scene.tree;
     let Stream { flights, walking, waiting, nodes, blocks, regions, pairs, single, .. } = stream;
-    let mut entries = [Entries { entry: [0.0; LANES], met: 0 }; AT_ONCE];
+    let mut entries = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
     let mut crossings = [Crossings::NONE; AT_ONCE];
     walking.clear();
     for k in waiting.drain(..) {
@@ -236,7 +236,7 @@ fn prefetch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
 #[inline(always)]
 fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
     let ray = shot.ray();
-    Start { from: shot.from(), ahead: ray.t_min() >= 0.0 }
+    Start { from: shot.start_root(), ahead: ray.t_min() >= 0.0 }
 }
 
 /// All rays before the root.
@@ -308,7 +308,7 @@ impl Task<'_> {
         let (first, count) = self.scene.tree.leaves(block);
         let mut met = crossings.met & ((1 << count) - 1);
         while met != 0 {
-            let nearest = crossings.nearest(met);
+            let nearest = first_entered(&crossings.entry, met);
             met &= !(1 << nearest);
             if crossings.entry[nearest] > flight.boxes.far + SPARE {
                 return;

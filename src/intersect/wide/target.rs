@@ -5,6 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::distances::widened;
+use super::form::Form;
 use super::jets::{Jets, OneNet, jets};
 use super::newton::{Leaves, Rays, Step};
 use super::scene::{Fitted, Scene};
@@ -44,6 +45,8 @@ pub(super) struct Closer {
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
     third: f64,
+    /// Of the piece.
+    form: Form,
 }
 
 impl<'a> Target<'a> {
@@ -68,6 +71,7 @@ impl<'a> Target<'a> {
             magnitude: self.piece.patch.magnitude(),
             bend: f64::from(self.leaf.fit_bend()),
             third: self.leaf.fit_third(),
+            form: Form::of(&self.piece.patch),
         }
     }
 
@@ -166,12 +170,12 @@ pub(super) struct Ground8<'a, S: Simd> {
 impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     #[inline(always)]
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, true>(simd, self.surface, st)
+        jets::<_, _, true>(simd, (self.surface, self.closer.form), st)
     }
 
     #[inline(always)]
     fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S> {
-        jets::<_, _, false>(simd, self.surface, st)
+        jets::<_, _, false>(simd, (self.surface, self.closer.form), st)
     }
 
     #[inline(always)]

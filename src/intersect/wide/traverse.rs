@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::Vec3;
 
 use super::apart::{ALL, Apart};
-use super::box_ray::push_in_order;
+use super::box_ray::{first_entered, push_in_order};
 use super::distances::LaneDistances;
 use super::doubts::{Doubts, settle};
 use super::lane_proof::Parts;
@@ -14,9 +14,10 @@ use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::packet::{Packet, PacketBounds};
 use super::scene::Scene;
-use super::search::bits;
+use super::search::lane_bits;
 use super::spline_net::RecentNets;
 use super::{LANES, PACKET};
+use crate::intersect::bits::set_bits;
 use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
@@ -53,11 +54,7 @@ impl Work {
     #[inline(always)]
     pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {
         self.rest_rays |= u64::from(lanes) << base;
-        let mut lanes = lanes;
-        while lanes != 0 {
-            self.rest.push((base + lanes.trailing_zeros() as usize, leaf));
-            lanes &= lanes - 1;
-        }
+        self.rest.extend(set_bits(lanes).map(|lane| (base + lane, leaf)));
     }
 }
 
@@ -80,7 +77,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest_rays = 0;
     // Where the packet before has met something, this one is likely to; rays that leave a hit meet the
     // box of its leaf.
-    let leaves_hits = shots.first().is_some_and(|shot| shot.from().is_some());
+    let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
     if packet.met() == 0
         && !leaves_hits
         && meets_nothing(simd, scene, shots, (&mut *work, &mut *statistics))
@@ -167,10 +164,9 @@ fn meets_nothing<S: Simd, Q: Shot>(
             Child::Node(index) => {
                 statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
-                let (_, mut met) = enter(simd, node, &bounds, farthest);
-                while met != 0 {
-                    work.stack.push((0.0, node.child[met.trailing_zeros() as usize], ALL));
-                    met &= met - 1;
+                let (_, met) = enter(simd, node, &bounds, farthest);
+                for k in set_bits(met) {
+                    work.stack.push((0.0, node.child[k], ALL));
                 }
             }
             // A closer look is due.
@@ -198,7 +194,7 @@ fn enter<S: Simd>(
     for axis in 0..3 {
         let low = f32x16::from_slice(simd, &node.planes[axis][0]);
         let high = f32x16::from_slice(simd, &node.planes[axis][1]);
-        filled &= bits(low.simd_le(high));
+        filled &= lane_bits(low.simd_le(high));
         let (a, b) = (
             f32x16::splat(simd, bounds.inverse_min[axis]),
             f32x16::splat(simd, bounds.inverse_max[axis]),
@@ -219,7 +215,7 @@ fn enter<S: Simd>(
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
         & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
-    (near.into(), bits(met) & filled)
+    (near.into(), lane_bits(met) & filled)
 }
 
 /// Where the packet may enter each of a block's boxes, and which it may meet at all.
@@ -264,7 +260,7 @@ pub(super) fn enter_block<S: Simd>(
     let met = near.simd_le(far + spare)
         & near.simd_le(f32x16::splat(simd, farthest))
         & far.simd_ge(f32x16::splat(simd, bounds.nearest) - spare);
-    (near.into(), bits(met))
+    (near.into(), lane_bits(met))
 }
 
 /// The middle of a range, and how far it reaches from there, with some roundings to spare.
@@ -292,15 +288,7 @@ fn search_block<S: Simd, Q>(
     let mut met = (two | two >> 16) as u32 & 0xffff;
     scene.prefetch_leaves(first, met);
     while met != 0 {
-        let mut nearest = met.trailing_zeros() as usize;
-        let mut others = met & (met - 1);
-        while others != 0 {
-            let k = others.trailing_zeros() as usize;
-            if entries[k] < entries[nearest] {
-                nearest = k;
-            }
-            others &= others - 1;
-        }
+        let nearest = first_entered(&entries, met);
         met &= !(1 << nearest);
         if entries[nearest] > packet.farthest {
             return;

@@ -46,13 +46,13 @@ impl Direct {
         batch: &mut Batch,
     ) -> Counters {
         self.points.clear();
-        for (index, (query, answer)) in batch.queries.iter().zip(&batch.answers).enumerate() {
+        for (index, (ray, answer)) in batch.rays.iter().zip(&batch.answers).enumerate() {
             let Some(hit) = answer.hit else {
                 batch.radiance.push(world.background);
                 continue;
             };
             batch.radiance.push([0.0; 3]);
-            let normal = facing(hit.normal, query.ray().direction());
+            let normal = facing(hit.normal, ray.direction());
             self.points.push(Shaded { index, hit, normal, albedo: albedo(world, &hit) });
         }
 

@@ -5,7 +5,8 @@ mod false_color;
 mod work;
 
 use super::Counters;
-use crate::intersect::{Answer, Neighbours, Query, Tracer};
+use crate::intersect::{Answer, Neighbours, Tracer};
+use crate::math::Ray;
 use crate::scene::{IntegratorKind, Rgb, World};
 
 use direct::Direct;
@@ -32,14 +33,14 @@ enum Way {
 /// Camera rays and what came of them, in the same order.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    pub(super) queries: Vec<Query>,
+    pub(super) rays: Vec<Ray>,
     pub(super) answers: Vec<Answer>,
     pub(super) radiance: Vec<Rgb>,
 }
 
 impl Integrator {
-    /// For pictures of `size` pixels.
-    pub(super) fn new(kind: IntegratorKind, world: &World, size: [u32; 2]) -> Self {
+    /// For camera rays that are such neighbours.
+    pub(super) fn new(kind: IntegratorKind, world: &World, neighbours: Neighbours) -> Self {
         let way = match kind {
             IntegratorKind::Direct => Way::Direct(Direct::default()),
             IntegratorKind::Normal => Way::Hit(HitColor::Normal),
@@ -48,7 +49,7 @@ impl Integrator {
             IntegratorKind::Id => Way::Hit(HitColor::Id),
             IntegratorKind::Iterations => Way::Iterations,
         };
-        Self { way, neighbours: world.neighbours(size) }
+        Self { way, neighbours }
     }
 
     /// Traces a batch of neighbouring camera rays and finds what each sees.
@@ -67,15 +68,15 @@ impl Integrator {
             return count(&batch.answers);
         }
         let Neighbours { first_hits, occlusions, .. } = self.neighbours;
-        tracer.first_hits(&batch.queries, first_hits, &mut batch.answers);
+        tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
         let mut counters = count(&batch.answers);
         match &mut self.way {
             Way::Direct(direct) => counters += direct.light(world, (tracer, occlusions), batch),
             Way::Hit(color) => {
-                let Batch { queries, answers, radiance } = batch;
-                let seen = queries.iter().zip(answers.iter());
-                radiance.extend(seen.map(|(query, answer)| match &answer.hit {
-                    Some(hit) => color.of(world, query.ray(), hit),
+                let Batch { rays, answers, radiance } = batch;
+                let seen = rays.iter().zip(answers.iter());
+                radiance.extend(seen.map(|(ray, answer)| match &answer.hit {
+                    Some(hit) => color.of(world, ray, hit),
                     None => [0.0; 3],
                 }));
             }

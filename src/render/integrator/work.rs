@@ -11,9 +11,9 @@ const WHITE: f64 = 10.0;
 /// Traces ray by ray and turns the work of each into a colour.
 pub(super) fn trace(tracer: &mut Tracer<'_>, batch: &mut Batch) {
     batch.answers.clear();
-    for query in &batch.queries {
+    for ray in &batch.rays {
         let before = work(tracer.statistics());
-        batch.answers.push(tracer.first_hit(query));
+        batch.answers.push(tracer.first_hit(ray));
         let work = work(tracer.statistics()) - before;
         batch.radiance.push(color(work));
     }
