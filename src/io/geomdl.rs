@@ -32,7 +32,7 @@
 //! | `name` | names the surface; others are called by their index in `data` |
 //! | `trims` | cut the surface, see below |
 //! | `reversed` | not applied: (u, v) and `S_u × S_v` stay as written, and a note says so |
-//! | `order` | must begin with `v fastest`, else an error |
+//! | `order`, of the file or of a surface | must begin with `v fastest`, else an error |
 //! | `type`, `id`, `delta`, `count`, `dimension`, `rational` | not used: what geomdl writes there changes no surface |
 //! | any other | not used, and a note a key says so |
 //!
@@ -55,7 +55,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use self::points::Points;
-use self::unknown::{DOCUMENT, Keys, LONE_SURFACE, SURFACE, Unknown};
+use self::unknown::{DOCUMENT, SURFACE, Unknown};
 use super::LoadError;
 use super::keyed::Keyed;
 use super::message::explain;
@@ -98,7 +98,8 @@ struct Document<'a> {
     shape: Raw<'a>,
     #[serde(borrow)]
     surfaces: Raw<'a>,
-    order: Option<String>,
+    #[serde(borrow)]
+    order: Raw<'a>,
     #[serde(borrow)]
     degree_u: Raw<'a>,
 }
@@ -107,6 +108,8 @@ struct Document<'a> {
 struct ShapeKeys<'a> {
     #[serde(borrow)]
     data: Raw<'a>,
+    #[serde(borrow)]
+    order: Raw<'a>,
 }
 
 /// One entry of `data`: all keys optional, so that curves and volumes can be told apart.
@@ -140,6 +143,8 @@ struct Item<'a> {
     trims: Raw<'a>,
     #[serde(borrow)]
     reversed: Raw<'a>,
+    #[serde(borrow)]
+    order: Raw<'a>,
 }
 
 #[derive(Deserialize)]
@@ -177,16 +182,11 @@ impl<'a> Reader<'a> {
             return Err(LoadError::malformed(self.source.file().clone(), "the file is empty"));
         }
         let Keyed(document): Keyed<Document<'a>> = self.parse(text)?;
-        if let Some(order) = &document.order
-            && !order.starts_with("v fastest")
-        {
-            let message = format!("order \"{order}\": only points written v fastest can be read");
-            return Err(LoadError::malformed(self.source.file().clone(), message));
-        }
-        let mut keys = &SURFACE;
+        self.check_order(document.order)?;
         let mut lists = Vec::new();
         if let Some(shape) = document.shape {
             let Keyed(keys): Keyed<ShapeKeys<'a>> = self.parse(shape.get())?;
+            self.check_order(keys.order)?;
             let data = keys.data.ok_or_else(|| {
                 LoadError::malformed(self.place(shape), "shape: missing key \"data\"")
             })?;
@@ -195,7 +195,6 @@ impl<'a> Reader<'a> {
         lists.extend(document.surfaces.map(RawValue::get));
         if lists.is_empty() && document.degree_u.is_some() {
             lists.push(text.trim()); // a surface without anything around it
-            keys = &LONE_SURFACE;
         } else {
             self.look_for_unknown(text, &DOCUMENT)?;
         }
@@ -205,31 +204,38 @@ impl<'a> Reader<'a> {
             return Err(LoadError::malformed(self.source.file().clone(), message));
         }
         for list in lists {
-            self.items(list, keys)?;
+            self.items(list)?;
         }
         Ok(())
     }
 
-    /// A list of entries, or a single one; what is known in them if they are surfaces.
-    fn items(&mut self, list: &'a str, keys: &'static Keys) -> Result<(), LoadError> {
+    /// Points are read v fastest: what says that they are written otherwise is refused.
+    fn check_order(&self, written: Raw<'a>) -> Result<(), LoadError> {
+        let Some(raw) = written else { return Ok(()) };
+        let order: String = self.parse(raw.get())?;
+        if order.starts_with("v fastest") {
+            return Ok(());
+        }
+        let message = format!("order \"{order}\": only points written v fastest can be read");
+        Err(LoadError::malformed(self.place(raw), message))
+    }
+
+    /// A list of entries, or a single one.
+    fn items(&mut self, list: &'a str) -> Result<(), LoadError> {
         if !list.starts_with('[') {
-            return self.entry(list, None, keys);
+            return self.entry(list, None);
         }
         let items: Vec<&'a RawValue> = self.parse(list)?;
         let single = items.len() == 1;
         for (index, raw) in items.into_iter().enumerate() {
-            self.entry(raw.get(), if single { None } else { Some(index) }, keys)?;
+            self.entry(raw.get(), if single { None } else { Some(index) })?;
         }
         Ok(())
     }
 
-    fn entry(
-        &mut self,
-        raw: &'a str,
-        index: Option<usize>,
-        keys: &'static Keys,
-    ) -> Result<(), LoadError> {
+    fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
         let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
+        self.check_order(item.order)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
         // A name stays on its line, whatever a program has put into it.
@@ -249,7 +255,7 @@ impl<'a> Reader<'a> {
         let Some(net) = self.net(&entry)? else { return Ok(()) };
         self.note_ignored(&entry);
         let trims = self.trims(&entry)?;
-        self.look_for_unknown(raw, keys)?;
+        self.look_for_unknown(raw, &SURFACE)?;
         let shape = Shape::Net(Arc::new(net));
         self.model.parts.push(Part { name: part_name, place: entry.place, shape, trims });
         Ok(())
@@ -379,7 +385,8 @@ fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
     if item.degree_u.is_some() || item.degree_v.is_some() {
         return None;
     }
-    if item.degree.is_some() {
+    let is_net = item.size_u.is_some() || item.knotvector_u.is_some();
+    if item.degree.is_some() && !is_net {
         return Some(("curve", "a curve has no surface to show"));
     }
     let free_form = item.points.is_some() && item.control_points.is_none();

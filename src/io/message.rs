@@ -58,6 +58,9 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     if let Some(key) = message.strip_prefix("duplicate field ") {
         return format!("key {} is given twice", key.replace('`', "\""));
     }
+    if message == "invalid mantissa, expected digits" {
+        return "a number has a digit before its point, as in 0.5".to_owned();
+    }
     if message == "duplicate key" {
         return format!("key \"{}\" is given twice", written.trim());
     }
@@ -205,5 +208,7 @@ mod tests {
             "found a list, needed a table"
         );
         assert_eq!(explain("missing field `shape`", ""), "missing key \"shape\"");
+        let error = toml::from_str::<toml::Table>("x = .5").unwrap_err();
+        assert!(explain(error.message(), ".").contains("as in 0.5"), "{error}");
     }
 }

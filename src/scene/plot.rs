@@ -224,6 +224,9 @@ pub(super) const MAX_ROUNDS: usize = 10;
 /// The most teeth a span's comb may have: more stand closer than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
+/// The most functions of a basis: no screen shows more, and drawing them takes the square of their number.
+pub(super) const MAX_FUNCTIONS: usize = 1000;
+
 /// The most curves of a surface in one direction: more stand closer than any screen shows.
 pub(super) const MAX_LINES: usize = 1000;
 
@@ -386,6 +389,9 @@ impl Checker<'_> {
         let Some(count) = count else {
             return Err(self.error(&knots.place, PlotError::NoCount));
         };
+        if count > MAX_FUNCTIONS {
+            return Err(self.error(&knots.place, PlotError::Functions { count }));
+        }
         let vector = knot_vector(degree, &knots.value, count)
             .map_err(|error| self.error(&knots.place, PlotError::Basis(error.into())))?;
         let (weights, place) = match &spec.weights {

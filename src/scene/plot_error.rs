@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::plot::{MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+use super::plot::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
 use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
 use crate::math::Counted;
@@ -46,6 +46,12 @@ pub enum PlotError {
         count: usize,
         /// The number of weights.
         weights: usize,
+    },
+    /// More functions than can be drawn.
+    #[error("basis: {count} functions: at most {MAX_FUNCTIONS} can be drawn")]
+    Functions {
+        /// How many there are.
+        count: usize,
     },
     /// Rational functions off the domain.
     #[error("basis: rational functions end with the domain: support = true goes without weights")]

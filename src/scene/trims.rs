@@ -83,6 +83,9 @@ pub enum TrimCurveFault {
     Trim(#[from] TrimCurveError),
 }
 
+/// The part of a domain's sides along its border where nothing need be kept.
+const BORDER: f64 = 1e-9;
+
 impl TrimSpec {
     /// The number of control points written.
     pub fn point_count(&self) -> usize {
@@ -115,7 +118,10 @@ impl TrimSpec {
             SceneError::new(place, SceneFault::Trims { surface: name.to_owned(), error })
         })?;
         self.check_senses(name, domain, &loops)?;
-        if trims.classify(&domain.bounds()) == Coverage::Outside {
+        // All along a border what is cut off to the very end is kept, for it is an edge, and shows nothing.
+        let bounds = domain.bounds();
+        let inner = bounds.grown(-BORDER * (bounds.max - bounds.min));
+        if trims.classify(&inner) == Coverage::Outside {
             let fault = SceneFault::NothingKept { surface: name.to_owned() };
             return Err(SceneError::new(self.place.clone(), fault));
         }

@@ -225,6 +225,9 @@ fn iso_curves(
     let all = [(TriangleSide::U, u), (TriangleSide::V, v), (TriangleSide::W, w)];
     let lines = all.into_iter().flat_map(|(fixed, at)| at.iter().map(move |&t| (fixed, t)));
     let lines: Vec<(TriangleSide, f64)> = lines.collect();
+    if lines.is_empty() {
+        return Err(ConstructError::NoIsoLines);
+    }
     // What each line has come to so far.
     let mut found = vec![Found::Nothing; lines.len()];
     for surface in surfaces {

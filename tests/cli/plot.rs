@@ -403,6 +403,11 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
             "plot \"A\": comb: 0 teeth a span: needed are 1 to 1000",
         ),
         (
+            "{ basis = { degree = 3, count = 1001 } }",
+            "3:8",
+            "plot \"A\": basis: 1001 functions: at most 1000 can be drawn",
+        ),
+        (
             "{ corner_cutting = { scheme = \"chaikin\", polygon = [[0, 0], [1, 1]] } }",
             "3:8",
             "plot \"A\": polygon: 2 points: at least 3 are needed",

@@ -39,6 +39,9 @@ pub enum ConstructError {
         /// The largest there is.
         end: usize,
     },
+    /// There is no line of constant parameter to draw.
+    #[error("no lines are named: give u, v or, of triangular patches, w a list of parameters")]
+    NoIsoLines,
     /// A surface that has no third parameter.
     #[error("{kind} has no lines of constant w: triangular patches have")]
     NoW {

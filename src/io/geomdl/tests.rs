@@ -263,8 +263,13 @@ fn wrong_layout() {
     );
     assert_eq!(
         error("{\"surfaces\": [], \"order\": \"u fastest\"}"),
-        "m.json: order \"u fastest\": only points written v fastest can be read"
+        "m.json:1:27: order \"u fastest\": only points written v fastest can be read"
     );
+    for of in ["\"name\"", "\"degree_u\""] {
+        let written = SURFACE.replacen(of, &format!("\"order\": \"u fastest\", {of}"), 1);
+        let said = error(&format!("{{\"surfaces\": [{written}]}}"));
+        assert!(said.ends_with("order \"u fastest\": only points written v fastest can be read"));
+    }
     for (text, message) in [
         ("", ": the file is empty"),
         (" \n", ": the file is empty"),

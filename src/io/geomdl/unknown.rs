@@ -21,14 +21,10 @@ pub(super) struct Keys {
 pub(super) const DOCUMENT: Keys =
     Keys { known: &[&["shape", "surfaces", "order"]], inner: &[("shape", &SHAPE)] };
 
-const SHAPE: Keys = Keys { known: &[&["type", "count", "data"]], inner: &[] };
+const SHAPE: Keys = Keys { known: &[&["type", "count", "data", "order"]], inner: &[] };
 
 /// A surface within a file.
-pub(super) const SURFACE: Keys = Keys { known: &[SPLINE, NET], inner: SURFACE_INNER };
-
-/// A surface without anything around it.
-pub(super) const LONE_SURFACE: Keys =
-    Keys { known: &[SPLINE, NET, &["order"]], inner: SURFACE_INNER };
+pub(super) const SURFACE: Keys = Keys { known: &[SPLINE, NET, &["order"]], inner: SURFACE_INNER };
 
 const SURFACE_INNER: &[(&str, &Keys)] = &[("control_points", &CONTROL_POINTS), ("trims", &TRIMS)];
 

@@ -93,6 +93,10 @@ fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
         error(&format!("{ball}{net}{lines}")),
         "s.toml:10:27: object \"l\": \"net\" is itself drawn from another object: name that one"
     );
+    assert_eq!(
+        error(&format!("{ball}{}", lines.replace("'net', u = [0.5]", "'ball'"))),
+        "s.toml:7:1: surface \"l\": no lines are named: give u, v or, of triangular patches, w a list of parameters"
+    );
 }
 
 #[test]

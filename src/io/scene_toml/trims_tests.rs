@@ -98,6 +98,10 @@ fn trims_that_cannot_be_are_named() {
             "4:1: surface \"sheet\": trims: they keep no part of the surface",
         ),
         (
+            "loops = [{ polygon = [[0, 0], [1, 0], [1, 1], [0, 1]] }]\nkeep = 'outside'",
+            "4:1: surface \"sheet\": trims: they keep no part of the surface",
+        ),
+        (
             "loops = [{ polygon = [[0, 0, 0]] }]",
             "5:23: found a list of 3 numbers, needed two numbers, [u, v]",
         ),
