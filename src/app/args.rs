@@ -13,7 +13,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use nurbray::intersect::Kernel;
-use nurbray::render::{AovSet, PixelRect};
+use nurbray::render::{AovSet, MAX_THREADS, PixelRect};
 use nurbray::scene::IntegratorKind;
 
 pub(crate) use bench::BenchArguments;
@@ -21,10 +21,6 @@ pub(crate) use compare::{Against, CompareArguments};
 use count::count;
 pub(crate) use plot::PlotArguments;
 pub(crate) use values::{SampleRange, Size};
-
-/// More threads than any machine of today has processors; a slip of the finger such as
-/// `--threads 10000` is refused before the system is asked for their stacks.
-const MAX_THREADS: u64 = 1024;
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -193,9 +189,11 @@ fn threads() -> impl Fn(&str) -> Result<u16, String> + Clone {
     |text| match text {
         "all" => {
             let processors = std::thread::available_parallelism().map_or(1, usize::from) as u64;
-            Ok(processors.min(MAX_THREADS) as u16)
+            Ok(processors.min(MAX_THREADS as u64) as u16)
         }
-        _ => count::<u16>(1..=MAX_THREADS)(text).map_err(|needed| format!("{needed}, or all")),
+        _ => {
+            count::<u16>(1..=MAX_THREADS as u64)(text).map_err(|needed| format!("{needed}, or all"))
+        }
     }
 }
 

@@ -224,7 +224,7 @@ fn on_ray<'a>(
         let jet = piece.patch.jet(st);
         (jet, ray.axis.dot(jet.point - ray.origin))
     });
-    let residual = ray.coordinates(jet.point).truncate().length();
+    let residual = ray.distance(jet.point);
     let allowed = match solution.proof {
         Proof::Isolated(_) => error,
         Proof::Collapsed => AT_POLE * error,

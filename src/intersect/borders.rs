@@ -29,7 +29,7 @@ pub(super) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
 /// well outside, and the ray cross the border far from there.
 pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
     let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
-    let residual = |st: DVec2| ray.coordinates(piece.patch.point(st)).truncate().length();
+    let residual = |st: DVec2| ray.distance(piece.patch.point(st));
     match [nearest.x != st.x, nearest.y != st.y] {
         [false, false] => nearest,
         [true, false] => along_border(piece, ray, nearest, DVec2::Y),

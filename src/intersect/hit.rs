@@ -38,7 +38,7 @@ pub struct Root {
 }
 
 impl Root {
-    /// A cosine as it is kept: rounded up, without a branch, as none could be foreseen.
+    /// A cosine as it is kept: rounded up by about a unit, in one multiplication, as this is done for every hit.
     #[inline(always)]
     pub(super) fn kept_cosine(cosine: f64) -> f32 {
         ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32

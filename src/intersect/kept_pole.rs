@@ -66,7 +66,7 @@ impl<'a> Spot<'a> {
         let mut st = self.st;
         st[1 - fixed] = ((to - start) / (end - start)).clamp(0.0, 1.0);
         let jet = piece.patch.jet(st);
-        let residual = ray.coordinates(jet.point).truncate().length();
+        let residual = ray.distance(jet.point);
         (residual <= allowed).then_some(Self { index, piece, st, jet })
     }
 }

@@ -221,7 +221,7 @@ fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
     let Some(steepness) = certificate.speaks_of(slopes, error) else { return false };
     place.leaf.pole(place.piece).is_none_or(|pole| {
-        let distance = ray.coordinates(pole).truncate().length();
+        let distance = ray.distance(pole);
         error * f64::from(certificate.pole_per_error()) <= steepness * distance
     })
 }

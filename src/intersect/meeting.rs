@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::borders::{at_border, error_bound, trim_reach};
 use super::exact::{ExactSolver, Solution};
-use super::{HitFlags, Occlusion, Root, Statistics};
+use super::{HitFlags, Occlusion, Query, Root, Statistics};
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, SceneFrame};
@@ -61,6 +61,14 @@ pub(super) struct Question<'a> {
     pub(super) ray: &'a RayFrame,
     pub(super) t_range: [f64; 2],
     pub(super) from: Option<&'a Root>,
+}
+
+impl<'a> Question<'a> {
+    /// A query about these pieces; `ray` is its frame.
+    pub(super) fn new(set: &'a PatchSet, query: &'a Query, ray: &'a RayFrame) -> Self {
+        let t_range = [query.ray.t_min(), query.ray.t_max()];
+        Self { set, ray, t_range, from: query.from.as_ref() }
+    }
 }
 
 /// A leaf, with its box and its piece.
@@ -138,6 +146,7 @@ impl Findings {
     pub(super) fn clear(&mut self) {
         self.meetings.clear();
         self.doubt = f64::INFINITY;
+        self.effort = 0;
     }
 
     /// What was found as the answer of an any-hit search.

@@ -67,10 +67,8 @@ impl Tracer<'_> {
         wanted: Wanted,
     ) {
         let bvh = self.bvh;
-        let t_range = [query.ray.t_min(), query.ray.t_max()];
-        let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
+        let question = Question::new(&bvh.set, query, frame);
         self.findings.clear();
-        self.findings.effort = 0;
         let passage = |&leaf: &u32| {
             let oriented = bvh.tree.oriented(leaf);
             let place = bvh.place(leaf, &oriented);

@@ -200,11 +200,9 @@ impl<'a> Tracer<'a> {
         enough: impl Fn(&[Meeting]) -> f64,
     ) {
         let bvh = self.bvh;
-        let t_range = [query.ray.t_min(), query.ray.t_max()];
-        let question = Question { set: &bvh.set, ray: frame, t_range, from: query.from.as_ref() };
+        let question = Question::new(&bvh.set, query, frame);
         let findings = &mut self.findings;
         findings.clear();
-        findings.effort = 0;
         findings.statistics.rays += 1;
         let mut limit = frame.z_range[1];
         let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, (oriented, region)| {

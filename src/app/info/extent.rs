@@ -23,6 +23,11 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 /// line needs more, the finer the more, and has reached about 1e-9 of its size then.
 const MOST_HALVINGS: usize = 100_000;
 
+/// How well the sides of such a box are known, from itself or the control points' box.
+pub(super) fn tolerance(bounds: Aabb) -> f64 {
+    f64::max(TIGHTNESS * bounds.size().max_element(), ROUNDINGS * bounds.magnitude())
+}
+
 /// The smallest box around these pieces of a surface, with sides parallel to the axes, to
 /// within [`TIGHTNESS`] (and the smallest there is that surely holds all, where that takes
 /// too long).
@@ -41,8 +46,7 @@ pub(super) fn extent_of_parts<'a>(
     let nets: Vec<Net> = parts.map(|(piece, rect)| Net::new(piece, rect)).collect();
     let controls = nets.iter().flat_map(|net| &net.control).map(|c| c.truncate() / c.w);
     let hull = Aabb::around(controls);
-    let tolerance = f64::max(TIGHTNESS * hull.size().max_element(), ROUNDINGS * hull.magnitude());
-    let side = |axis: DVec3| farthest(&nets, axis, tolerance);
+    let side = |axis: DVec3| farthest(&nets, axis, tolerance(hull));
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     Aabb {
         min: DVec3::from_array(axes.map(|axis| 0.0 - side(-axis))), // no −0

@@ -8,6 +8,7 @@ use nurbray::math::{Aabb, Measured};
 use nurbray::scene::ImportNote;
 
 use super::super::table::{count, long_point, short, short_bytes, short_point, table};
+use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
 use super::gaps::{Edge, Fit, NEAR, NEAR_SMALLER};
 
@@ -209,11 +210,9 @@ fn not_imported(notes: &[ImportNote]) -> String {
     text
 }
 
-/// Sides are known to this share of the size; what is smaller is shown as 0.
-const TIGHTNESS: f64 = 1e-12;
-
+/// A box; what is no more than its sides may be off is shown as 0.
 fn bounds(bounds: Aabb) -> String {
-    let padding = TIGHTNESS * bounds.magnitude();
+    let padding = tolerance(bounds);
     let shown = |corner: DVec3| {
         long_point(DVec3::select(corner.abs().cmple(DVec3::splat(padding)), DVec3::ZERO, corner))
     };

@@ -7,7 +7,8 @@ use glam::{DMat2, DVec2, DVec3};
 use super::contact::{self, Contact};
 use super::parameter_box::{Bounds, Preconditioned, RayNet};
 use super::{Rect, holds};
-use crate::math::RayFrame;
+use crate::math::bernstein::restrict_net;
+use crate::math::{Interval, RayFrame};
 use crate::patch::{CollapsedSide, TensorPatch};
 
 /// How many boxes one call may look at before it only searches for the two ends of what is
@@ -192,22 +193,13 @@ impl ExactSolver {
         let ray = task.ray;
         self.whole.degree = task.patch.degree();
         self.whole.control.clear();
-        self.whole.control.extend(task.patch.control().map(|c| {
-            let from_origin = c.truncate() - c.w * ray.origin;
-            DVec3::new(
-                ray.normals[0].dot(from_origin),
-                ray.normals[1].dot(from_origin),
-                ray.axis.dot(from_origin),
-            )
-            .extend(c.w)
-        }));
-        let degree = self.whole.degree;
-        crate::math::bernstein::restrict_net(
-            &mut self.whole.control,
-            degree,
-            task.rect[0],
-            task.rect[1],
+        self.whole.control.extend(
+            task.patch
+                .control()
+                .map(|c| ray.along_axes(c.truncate() - c.w * ray.origin).extend(c.w)),
         );
+        let degree = self.whole.degree;
+        restrict_net(&mut self.whole.control, degree, task.rect[0], task.rect[1]);
         let bounds = self.whole.bounds();
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
         self.size = extents.into_iter().fold(0.0, f64::max);
@@ -341,7 +333,7 @@ impl ExactSolver {
 
     /// Whether nothing wanted can lie in the box.
     fn is_empty(&self, task: &Task<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
-        let off_ray = |range: crate::math::Interval| range.lo > error || range.hi < -error;
+        let off_ray = |range: Interval| range.lo > error || range.hi < -error;
         let z_error = task.error;
         let behind = bounds.z.hi < task.z_range[0] - z_error;
         let beyond = bounds.z.lo > task.z_range[1] + z_error;
@@ -398,7 +390,7 @@ impl ExactSolver {
 fn linearised(task: &Task<'_>, st: DVec2) -> (DMat2, DVec2) {
     let jet = task.patch.jet(st);
     let at = task.ray.coordinates(jet.point).truncate();
-    let project = |v: DVec3| DVec2::new(task.ray.normals[0].dot(v), task.ray.normals[1].dot(v));
+    let project = |v: DVec3| task.ray.along_axes(v).truncate();
     (DMat2::from_cols(project(jet.ds), project(jet.dt)), at)
 }
 

@@ -44,7 +44,7 @@ pub(in crate::intersect) struct SingleWork {
     best: usize,
     /// Leaves the scalar search must look at.
     pub(in crate::intersect) rest: Vec<u32>,
-    /// Newton's steps in f64 since the beginning.
+    /// Newton's steps in f64, not counted elsewhere yet.
     pub(in crate::intersect) steps: u64,
     nets: RecentNets,
 }
