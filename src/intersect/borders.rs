@@ -111,8 +111,13 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
+/// A hit is at a border if it is no more errors from it than this: the ray may pass the border by half of one, its root
+/// be off by one, and distances by way of the parameters are only about those in space. (Fast kernels ask about those
+/// hits that are within twice as much, see [`Leaf::near_border`].)
+const AT_BORDER: f64 = 4.0;
+
 /// Whether a point lies within rounding of a side that is a border of the surface.
 pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     let distances = piece.side_distances(st, jet);
-    (0..4).any(|side| piece.is_border(side) && distances[side] <= 4.0 * error)
+    (0..4).any(|side| piece.is_border(side) && distances[side] <= AT_BORDER * error)
 }

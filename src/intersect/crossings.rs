@@ -123,17 +123,24 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
 /// Surfaces that are met at a smaller cosine, the root of the unit roundoff, are not told apart from touched ones.
 pub(super) const LEAST_COSINE: f64 = 1e-8;
 
+/// Meetings at one place are no farther apart along the ray than this many times what both may be off there. A point
+/// beyond a border may be off the ray by the whole error; where the other surface is met obliquely, that is as far along
+/// the ray as the other may be off.
+const ALONG: f64 = 2.0;
+
+/// And in space than this many times the errors of both, over the smaller cosine: twice what they may be off themselves,
+/// and as much again where one has been moved to a border.
+pub(super) const APART: f64 = 4.0;
+
 /// How far apart along the ray meetings may be that are at the same place.
 pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
-    4.0 * meetings.iter().map(|meeting| meeting.t_error).fold(0.0, f64::max)
+    2.0 * ALONG * meetings.iter().map(|meeting| meeting.t_error).fold(0.0, f64::max)
 }
 
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
-    // A point beyond a border may be off the ray by the whole error; where the other surface is
-    // met obliquely, that is as far along the ray as the other may be off.
-    let along = 2.0 * (a.t_error + b.t_error); // no more than `reach_along`
-    let reach = 4.0 * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
+    let along = ALONG * (a.t_error + b.t_error); // no more than `reach_along`
+    let reach = APART * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
     if !near {
         return false;

@@ -23,7 +23,7 @@
 //! what a ray and a leaf come to, by `newton` or the `exact` solver, and `tracer` makes answers of
 //! that.
 //!
-//! It is certain by what is proved once of each leaf (the [certificate](crate::patch::Certificate):
+//! It is certain by what is proved once of each leaf (its certificate:
 //! which rays meet it once at most) and of each ray (the `exact` solver's test of existence and
 //! uniqueness; `borders` says what is owed where surfaces end). The fast kernels add three proofs of their
 //! own, of which `wide` tells: what a leaf's approximation says of one ray (`single_proof`) or of its one

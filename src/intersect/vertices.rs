@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::crossings::{LEAST_COSINE, at_one_place, is_tip, reach_along, touches};
+use super::crossings::{APART, LEAST_COSINE, at_one_place, is_tip, reach_along, touches};
 use super::meeting::Meeting;
 use crate::patch::Piece;
 
@@ -53,7 +53,8 @@ fn turns<'m>(meetings: impl Iterator<Item = &'m Meeting>, pieces: &[Piece], axis
     let mut sum = 0.0;
     for meeting in meetings {
         let piece = &pieces[meeting.piece as usize];
-        let reach = 8.0 * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
+        // As far as two of such an error may be apart.
+        let reach = 2.0 * APART * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
         let sides = piece.side_distances(meeting.st, &meeting.jet).map(|off| off <= reach);
         // Leaves of one piece may see the same corner.
         let face = (meeting.piece, sides);

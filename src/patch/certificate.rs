@@ -81,7 +81,7 @@ use crate::math::Interval;
 /// than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their length; that, and nine roundings of f32 of each of
 /// the three slopes, are covered by what `turning` returns last.
 #[derive(Clone, Copy, Debug)]
-pub struct Certificate {
+pub(crate) struct Certificate {
     /// A ray with slopes `a, b, c` is `e = |c + lean₀ a + lean₁ b|` steep, and meets the widened leaf at
     /// most once where `e > turning₀ |a| + turning₁ |b| + rounding`.
     lean: [Near16; 2],
@@ -156,7 +156,7 @@ impl Certificate {
 
     /// Whether a ray with these slopes meets the widened leaf at most once.
     #[inline(always)]
-    pub fn holds(&self, slopes @ [a, b, _]: [f64; 3]) -> bool {
+    pub(crate) fn holds(&self, slopes @ [a, b, _]: [f64; 3]) -> bool {
         let [by_a, by_b, rounding] = self.turning().map(f64::from);
         self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + rounding
     }
@@ -165,7 +165,7 @@ impl Certificate {
     /// small against the leaf: a point may be as far from the ray as `error`, in scene units. Of leaves that
     /// end in a pole more is to be asked: see [`pole_per_error`](Self::pole_per_error).
     #[inline(always)]
-    pub fn speaks_of(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
+    pub(crate) fn speaks_of(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
         let steepness = self.steepness(slopes);
         let needed = error * f64::from(self.steep_per_error());
         (self.holds(slopes) && needed <= steepness).then_some(steepness)
@@ -173,14 +173,14 @@ impl Certificate {
 
     /// How steep a ray with these slopes is, in units of the third.
     #[inline(always)]
-    pub fn steepness(&self, slopes: [f64; 3]) -> f64 {
+    pub(crate) fn steepness(&self, slopes: [f64; 3]) -> f64 {
         self.upright(slopes).abs()
     }
 
     /// The third of the slopes of a ray, or of the rows that they come from, corrected for how the
     /// certificate leans.
     #[inline(always)]
-    pub fn upright<T>(&self, [a, b, c]: [T; 3]) -> T
+    pub(crate) fn upright<T>(&self, [a, b, c]: [T; 3]) -> T
     where
         f64: Mul<T, Output = T>,
         T: Add<Output = T>,
@@ -191,19 +191,19 @@ impl Certificate {
 
     /// By how much of the first two slopes the third is corrected.
     #[inline(always)]
-    pub fn lean(&self) -> [f32; 2] {
+    pub(crate) fn lean(&self) -> [f32; 2] {
         self.lean.map(Near16::value)
     }
 
     /// The factors of the first two slopes, and what is added for rounding.
     #[inline(always)]
-    pub fn turning(&self) -> [f32; 3] {
+    pub(crate) fn turning(&self) -> [f32; 3] {
         [self.turning[0].value(), self.turning[1].value(), self.rounding.value()]
     }
 
     /// The steepness needed for an error of one scene unit.
     #[inline(always)]
-    pub fn steep_per_error(&self) -> f32 {
+    pub(crate) fn steep_per_error(&self) -> f32 {
         self.steep_per_error.value()
     }
 
@@ -211,21 +211,21 @@ impl Certificate {
     /// the piece in the widened leaf are farther from the ray than points may be off: to be multiplied with that
     /// error, and divided by the steepness. Not for leaves that end in a pole.
     #[inline(always)]
-    pub fn clearance_per_error(&self) -> f64 {
+    pub(crate) fn clearance_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
     }
 
     /// What [`steep_per_error`](Self::steep_per_error) is, times the distance from the pole; zero for leaves
     /// without one.
     #[inline(always)]
-    pub fn pole_per_error(&self) -> f32 {
+    pub(crate) fn pole_per_error(&self) -> f32 {
         self.pole_per_error.value()
     }
 
     /// How much of the other tangent and of the normal is to be reckoned with, for a step in
     /// `s`, then in `t`.
     #[inline(always)]
-    pub fn bend(&self) -> [[f64; 2]; 2] {
+    pub(crate) fn bend(&self) -> [[f64; 2]; 2] {
         self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
     }
 }

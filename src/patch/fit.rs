@@ -12,10 +12,10 @@ use super::tensor::euclidean;
 use crate::math::bernstein;
 
 /// Coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
-pub type Fit = [[f32; 16]; 3];
+pub(crate) type Fit = [[f32; 16]; 3];
 
 /// Coefficients of the weight that a [`Fit`] is divided by, at the same places: the first is 1.
-pub type WeightFit = [f32; 16];
+pub(crate) type WeightFit = [f32; 16];
 
 /// The weight of what is not divided.
 pub(super) const NO_WEIGHT: WeightFit = {
@@ -26,7 +26,7 @@ pub(super) const NO_WEIGHT: WeightFit = {
 
 /// Weights are approximated where they stay within so many times that in the middle of the leaf, and one over that,
 /// as far as the bounds of [`FitError`] hold.
-pub const MOST_WEIGHT: f32 = 4.0;
+pub(crate) const MOST_WEIGHT: f32 = 4.0;
 
 /// A leaf's bicubic approximation.
 pub(super) struct Approximation {

@@ -39,14 +39,14 @@ use super::part::Halving;
 use crate::math::bernstein::binomials;
 
 /// How far the bounds hold, in box coordinates: Newton's steps may stray there.
-pub const FIT_DOMAIN: f64 = 1.2;
+pub(crate) const FIT_DOMAIN: f64 = 1.2;
 
 /// A side of the rectangle they hold on.
 const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
 /// Bounds of a bicubic approximation, in scene units; of quotients those of `F`.
 #[derive(Clone, Copy, Debug)]
-pub struct FitError {
+pub(crate) struct FitError {
     /// `E`.
     pub value: f64,
     /// Of either partial derivative.

@@ -11,7 +11,7 @@ pub(crate) const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is searched
 /// by itself, lies within `[−1, 1]³`: f32 is then as fine at 1e6 as at the origin.
 #[derive(Clone, Copy, Debug)]
-pub struct SceneFrame {
+pub(crate) struct SceneFrame {
     /// The middle of the scene.
     pub center: DVec3,
     /// Scene units to scaled coordinates.
@@ -20,7 +20,7 @@ pub struct SceneFrame {
 
 /// An axis-parallel box in scaled coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScaledBox {
+pub(crate) struct ScaledBox {
     /// The smallest coordinates.
     pub min: Vec3,
     /// The largest coordinates.
@@ -40,7 +40,7 @@ impl ScaledBox {
 
 impl SceneFrame {
     /// The frame of a scene inside a box; that of an empty scene does not matter.
-    pub fn around(bounds: &Aabb) -> Self {
+    pub(crate) fn around(bounds: &Aabb) -> Self {
         if bounds.is_empty() {
             return Self { center: DVec3::ZERO, scale: 1.0 };
         }
@@ -50,12 +50,12 @@ impl SceneFrame {
 
     /// A point in scaled coordinates.
     #[inline(always)]
-    pub fn scaled(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn scaled(&self, point: DVec3) -> DVec3 {
         (point - self.center) * self.scale
     }
 
     /// A box in scaled coordinates, rounded outwards and padded.
-    pub fn scaled_box(&self, bounds: &Aabb) -> ScaledBox {
+    pub(crate) fn scaled_box(&self, bounds: &Aabb) -> ScaledBox {
         let (min, max) = (self.scaled(bounds.min) - PADDING, self.scaled(bounds.max) + PADDING);
         let below = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_below));
         let above = |v: DVec3| Vec3::from_array(v.to_array().map(rounding::f32_above));

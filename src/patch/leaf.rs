@@ -16,25 +16,25 @@ use crate::math::{prefetch, rounding};
 
 /// A leaf answers for roots a little outside its rectangle, by this part of its side, so
 /// that a root on the line between two leaves is not lost to rounding in both.
-pub const LEAF_SLACK: f64 = 1e-3;
+pub(crate) const LEAF_SLACK: f64 = 1e-3;
 
 /// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's
 /// steps may stray there. Wider, it would speak of fewer rays.
-pub const WIDENING: f64 = 0.02;
+pub(crate) const WIDENING: f64 = 0.02;
 
 /// A part of a piece that is flat enough to search, in the common form that all leaves have,
 /// whatever the degree: four cache lines.
 ///
 /// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
 /// to the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene units: its
-/// numerators `X` by bicubic polynomials in `x` and `y`, [`fit`](Self::fit), and its weight `W`, which is 1 in the
+/// numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`, which is 1 in the
 /// middle, by another one. That is so where degrees are three at most, and weights differ, but not too much
-/// ([`MOST_WEIGHT`](super::MOST_WEIGHT)); in other leaves `W` is 1, and `X` near `S`. The [`WeightFit`]s are kept elsewhere,
-/// as is the leaf's [`OrientedBox`], beside those of its neighbours in space.
+/// (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` near `S`. The `WeightFit`s are kept elsewhere,
+/// as is the leaf's `OrientedBox`, beside those of its neighbours in space.
 ///
 /// The distances of a plane through a ray from all points, `n · (S − o)`, have the roots of
 /// `F = n · X + (n · (c − o)) W`, with the leaf's middle `c`: sums of the coefficients. They give Newton's iteration
-/// a start; and since what they are off by is bounded ([`FitError`]) for rays that meet the leaf's
+/// a start; and since what they are off by is bounded (`FitError`) for rays that meet the leaf's
 /// box, they can prove of one ray that a part of the leaf holds one root at most, or none.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
@@ -42,12 +42,12 @@ pub struct Leaf {
     fit: Fit,
     /// What the approximation is relative to: its own value in the middle, off the surface by
     /// [`fit_error`](Self::fit_error) at most.
-    pub middle: DVec3,
+    pub(crate) middle: DVec3,
     rect: DyadicRect,
     /// Which piece.
     pub piece: u32,
     /// Which rays meet the leaf at most once.
-    pub certificate: Certificate,
+    pub(crate) certificate: Certificate,
     fit_error: Up16,
     slope_error: Up16,
     fit_bend: Up16,
@@ -60,7 +60,11 @@ pub struct Leaf {
 
 impl Leaf {
     /// The leaf of a part, its weight, and the close box around all points it answers for.
-    pub fn new(part: &Part, piece: &Piece, frame: &SceneFrame) -> (Self, WeightFit, OrientedBox) {
+    pub(crate) fn new(
+        part: &Part,
+        piece: &Piece,
+        frame: &SceneFrame,
+    ) -> (Self, WeightFit, OrientedBox) {
         let halving = Halving::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);
         let approximation = Approximation::new(&halving, piece);
@@ -113,14 +117,14 @@ impl Leaf {
     }
 
     /// The same, as a number that leaves of a piece can be put in order by.
-    pub fn place(&self) -> DyadicRect {
+    pub(crate) fn place(&self) -> DyadicRect {
         self.rect
     }
 
     /// The leaf's rectangle with `part` of its sides added on each side, but for a side that
     /// is collapsed to a point.
     #[inline(always)]
-    pub fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
+    pub(crate) fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
         let wider = |[from, to]: [f64; 2]| {
             let more = part * (to - from);
             [from - more, to + more]
@@ -135,13 +139,13 @@ impl Leaf {
 
     /// Where the leaf ends at a collapsed side of its piece.
     #[inline(always)]
-    pub fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
+    pub(crate) fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
         if self.has_pole() { collapsed_side(self.rect, piece) } else { None }
     }
 
     /// Where the leaf ends in a point, if it does.
     #[inline(always)]
-    pub fn pole(&self, piece: &Piece) -> Option<DVec3> {
+    pub(crate) fn pole(&self, piece: &Piece) -> Option<DVec3> {
         piece.collapsed(self.collapsed(piece)?.number())
     }
 
@@ -155,7 +159,7 @@ impl Leaf {
     /// Whether box coordinates where a ray crosses the middle of the leaf's box are about as near to its root as f32
     /// knows: the leaf is all but a parallelogram, evenly parametrized.
     #[inline(always)]
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.marks & FLAT != 0
     }
 
@@ -169,8 +173,8 @@ impl Leaf {
     /// of the surface and near the leaf, which is certified for the ray; sides are counted as in
     /// [`Piece::is_border`].
     ///
-    /// Then rounding moves a root by less than half of the leaf's slack: what is farther from the side than a few
-    /// times that is not at the border.
+    /// Then rounding moves a root by less than half of the leaf's slack, and what is at a border is within four times
+    /// that: this is twice as much.
     #[inline(always)]
     pub(crate) fn near_border(&self, piece: &Piece, side: usize) -> Option<f64> {
         let [from, to] = self.rect()[side / 2];
@@ -181,19 +185,19 @@ impl Leaf {
 
     /// Whether the leaf ends in a pole, near which its certificate has conditions of its own.
     #[inline(always)]
-    pub fn has_pole(&self) -> bool {
+    pub(crate) fn has_pole(&self) -> bool {
         self.certificate.pole_per_error() > 0.0
     }
 
     /// The approximation's numerators: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
     #[inline(always)]
-    pub fn fit(&self) -> &Fit {
+    pub(crate) fn fit(&self) -> &Fit {
         &self.fit
     }
 
     /// The approximation's second derivatives in the middle, by box coordinates: `xx`, `xy`, `yy`.
     #[inline(always)]
-    pub fn second_derivatives(&self, weight: Option<&WeightFit>) -> [DVec3; 3] {
+    pub(crate) fn second_derivatives(&self, weight: Option<&WeightFit>) -> [DVec3; 3] {
         let Some(weight) = weight else {
             return [2.0 * term(&self.fit, 8), term(&self.fit, 5), 2.0 * term(&self.fit, 2)];
         };
@@ -203,25 +207,25 @@ impl Leaf {
 
     /// How far `F`, the distances times the weight, may be off: see [`FitError`].
     #[inline(always)]
-    pub fn fit_error(&self) -> f32 {
+    pub(crate) fn fit_error(&self) -> f32 {
         self.fit_error.value()
     }
 
     /// The same of either partial derivative.
     #[inline(always)]
-    pub fn slope_error(&self) -> f32 {
+    pub(crate) fn slope_error(&self) -> f32 {
         self.slope_error.value()
     }
 
     /// `M` of [`FitError`].
     #[inline(always)]
-    pub fn fit_bend(&self) -> f32 {
+    pub(crate) fn fit_bend(&self) -> f32 {
         self.fit_bend.value()
     }
 
     /// `T` of [`FitError`].
     #[inline(always)]
-    pub fn fit_third(&self) -> f64 {
+    pub(crate) fn fit_third(&self) -> f64 {
         // Exact; in f32 it might be rounded down to nothing.
         f64::from(self.fit_third.value()) * f64::from(self.fit_bend())
     }
@@ -230,12 +234,12 @@ impl Leaf {
     /// points in space, where box coordinates are multiplied by [`Self::half_side_lengths`]; infinite
     /// where nothing is known.
     #[inline(always)]
-    pub fn stretch(&self) -> f32 {
+    pub(crate) fn stretch(&self) -> f32 {
         self.stretch.value()
     }
 
     /// The lengths, about, of the half sides in `x` and `y`.
-    pub fn half_side_lengths(&self) -> [f32; 2] {
+    pub(crate) fn half_side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {
             // In f64: squares of tiny leaves vanish in f32.
             let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.fit[axis][k]));

@@ -7,10 +7,10 @@
 //! a patch with its place: which surface, which rectangle of its knot domain, which sides
 //! are borders, which are collapsed to a point.
 //!
-//! A piece is halved until it is flat: that gives [`Part`]s. Of dense surfaces those of neighbouring pieces are to
-//! be kept together ([`GroupedParts`]), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part
-//! to search it: an approximation, and a [`Certificate`]: the proof, made once, that every ray steep enough to its
-//! mean normal meets it at most once. Bounds ([`Aabb`] and [`OrientedBox`]) are proved to hold all its points.
+//! A piece is halved until it is flat: that gives parts (`part`). Of dense surfaces those of neighbouring pieces are to
+//! be kept together (`tiles`), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part
+//! to search it: an approximation (`fit`), and a certificate: the proof, made once, that every ray steep enough to its
+//! mean normal meets it at most once. Bounds ([`Aabb`] and oriented boxes) are proved to hold all its points.
 //! Leaves are for searching only. Points are always computed on the whole piece, in one order of operations, so
 //! that neighbouring leaves agree on their common line: by Bernstein functions, or, where speed counts, by powers
 //! (`powers`).
@@ -57,15 +57,16 @@ fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
     mapped
 }
 
-pub use certificate::Certificate;
+pub(crate) use certificate::Certificate;
 pub use collapsed_side::CollapsedSide;
-pub use fit::{Fit, MOST_WEIGHT, WeightFit};
-pub use fit_error::{FIT_DOMAIN, FitError};
+pub(crate) use fit::{MOST_WEIGHT, WeightFit};
+pub(crate) use fit_error::{FIT_DOMAIN, FitError};
 pub(crate) use frame::PADDING;
-pub use frame::{ScaledBox, SceneFrame};
-pub use leaf::{LEAF_SLACK, Leaf, WIDENING};
-pub use oriented_box::{OrientedBox, Passage};
-pub use part::Part;
+pub(crate) use frame::{ScaledBox, SceneFrame};
+pub use leaf::Leaf;
+pub(crate) use leaf::{LEAF_SLACK, WIDENING};
+pub(crate) use oriented_box::{OrientedBox, Passage};
+pub(crate) use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
 pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
@@ -73,5 +74,5 @@ pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
 pub use rect::DyadicRect;
 pub use set::{PatchSet, PatchSetError};
 pub use tensor::{Jet, TensorPatch};
-pub use tiles::GroupedParts;
+pub(crate) use tiles::GroupedParts;
 pub(crate) use tiles::MOST_TOGETHER;

@@ -21,7 +21,7 @@ const APART: f64 = 1e-3;
 /// The first two coordinates follow the leaf's parameters, the third its normal, so the
 /// place where a ray crosses the third coordinate's zero is a good first guess of `(s, t)`.
 #[derive(Clone, Copy, Debug)]
-pub struct OrientedBox {
+pub(crate) struct OrientedBox {
     /// Each row with its offset.
     pub rows: [[f32; 4]; 3],
 }
@@ -37,7 +37,7 @@ pub(super) struct Axes {
 
 /// What a ray does to an oriented box.
 #[derive(Clone, Copy, Debug)]
-pub struct Passage {
+pub(crate) struct Passage {
     /// Where along the ray it enters, in scene units from the origin.
     pub entry: f64,
     /// Where it leaves.
@@ -85,13 +85,13 @@ impl OrientedBox {
 
     /// The rows, without their offsets.
     #[inline(always)]
-    pub fn directions(&self) -> [DVec3; 3] {
+    pub(crate) fn directions(&self) -> [DVec3; 3] {
         self.rows.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()))
     }
 
     /// Unit vectors along the leaf's two chords and its normal.
     #[inline(always)]
-    pub fn unit_axes(&self) -> [DVec3; 3] {
+    pub(crate) fn unit_axes(&self) -> [DVec3; 3] {
         let [a, b, n] = self.directions();
         [b.cross(n).normalize(), n.cross(a).normalize(), n.normalize()]
     }
@@ -118,7 +118,12 @@ impl OrientedBox {
     /// Where the ray passes within `slack` of the box; `None` when it does not.
     ///
     /// Written so that an undefined number counts as a passage: the leaf test then decides.
-    pub fn passage(&self, ray: &RayFrame, frame: &SceneFrame, slack: f64) -> Option<Passage> {
+    pub(crate) fn passage(
+        &self,
+        ray: &RayFrame,
+        frame: &SceneFrame,
+        slack: f64,
+    ) -> Option<Passage> {
         let origin = frame.scaled(ray.origin);
         let rows = self.directions();
         let mut entry = f64::NEG_INFINITY;

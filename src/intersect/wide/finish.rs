@@ -70,7 +70,7 @@ pub(super) fn finish<S: Simd>(
         // Tangents vanish there, and the determinant before the last step says nothing of that at the hit.
         root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
-    let Converged { st: [root_s, root_t], z, point, cross, speed, .. } = root;
+    let Converged { st: [root_s, root_t], z, speed, .. } = root;
     let from_error = eight(simd, &packet.from_error, base);
     let ends = Ends {
         z: [eight(simd, &packet.z_min, base), eight(simd, &packet.z_max, base)],
@@ -90,51 +90,66 @@ pub(super) fn finish<S: Simd>(
         judged |= mask64x8::from_bitmask(simd, sides.edge);
     }
 
-    let high = f64x8::splat(simd, 1.0);
-    let any = hit.any_true();
-    if any && packet.any {
+    let found = hit.any_true();
+    if found && packet.any {
         // Nothing more is asked of these rays.
         packet.meet_eight(simd, base, hit.to_bitmask());
-    } else if any {
-        let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
-        let ray_t = z * t_from_z;
-        let inverse = high / size;
-        // A closer look is also due where the normal is not a number, or there is none for `t`.
-        let infinity = f64x8::splat(simd, f64::INFINITY);
-        let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
-        if target.pole.is_some() {
-            // So is it where both tangents have nearly one direction, or no certificate says how well they
-            // are known.
-            let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
-            close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
-        }
-        if closer.has_near_sides {
-            let distances = [root_s, high - root_s, root_t, high - root_t];
-            for side in 0..4 {
-                close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
-            }
-        }
-        let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
-        let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
-        put(simd, hit, &mut packet.z, base, z);
-        put(simd, hit, &mut packet.ray_t, base, ray_t);
-        put(simd, hit, &mut packet.z_error, base, z_error);
-        for i in 0..2 {
-            put(simd, hit, &mut packet.st[i], base, [root_s, root_t][i]);
-            put(simd, hit, &mut packet.uv[i], base, uv[i]);
-        }
-        put3(simd, hit, &mut packet.point, base, point);
-        put3(simd, hit, &mut packet.normal, base, normal);
-        let hits = hit.to_bitmask();
-        packet.met |= hits << base;
-        packet.needs_look &= !(hits << base);
-        packet.needs_look |= (close & hit).to_bitmask() << base;
-        put_index(simd, hits, &mut packet.leaf, base, target.index);
-        put_index(simd, hits, &mut packet.piece, base, target.leaf.piece);
-        put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
-        packet.shorten(simd, base, hits);
+    } else if found {
+        let about = (target, closer, certified);
+        put_hits(simd, about, (&mut *packet, base), hit, &root, (size, z_error));
     }
-    Done { open, judged: judged.to_bitmask() as u32, found: any, steps }
+    Done { open, judged: judged.to_bitmask() as u32, found, steps }
+}
+
+/// Puts the hits of eight rays into a packet: the roots of those lanes, of which each is its ray's nearest so far, with
+/// the lengths of the tangents' cross products and how far they may be off along the rays.
+#[inline(always)] // what goes in are dozens of vectors
+fn put_hits<S: Simd>(
+    simd: S,
+    (target, closer, certified): (&Target<'_>, &Closer, bool),
+    (packet, base): (&mut Packet, usize),
+    hit: mask64x8<S>,
+    &Converged { st: [root_s, root_t], z, point, cross, speed, .. }: &Converged<S>,
+    (size, z_error): (f64x8<S>, f64x8<S>),
+) {
+    let high = f64x8::splat(simd, 1.0);
+    let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
+    let ray_t = z * t_from_z;
+    let inverse = high / size;
+    // A closer look is also due where the normal is not a number, or there is none for `t`.
+    let infinity = f64x8::splat(simd, f64::INFINITY);
+    let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
+    if target.pole.is_some() {
+        // So is it where both tangents have nearly one direction, or no certificate says how well they
+        // are known.
+        let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
+        close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
+    }
+    if closer.has_near_sides {
+        let distances = [root_s, high - root_s, root_t, high - root_t];
+        for side in 0..4 {
+            close |= distances[side].simd_le(f64x8::splat(simd, target.near_side(side)));
+        }
+    }
+    let normal = [cross[0] * inverse, cross[1] * inverse, cross[2] * inverse];
+    let uv = surface_parameters(simd, target.piece, [root_s, root_t]);
+    put(simd, hit, &mut packet.z, base, z);
+    put(simd, hit, &mut packet.ray_t, base, ray_t);
+    put(simd, hit, &mut packet.z_error, base, z_error);
+    for i in 0..2 {
+        put(simd, hit, &mut packet.st[i], base, [root_s, root_t][i]);
+        put(simd, hit, &mut packet.uv[i], base, uv[i]);
+    }
+    put3(simd, hit, &mut packet.point, base, point);
+    put3(simd, hit, &mut packet.normal, base, normal);
+    let hits = hit.to_bitmask();
+    packet.met |= hits << base;
+    packet.needs_look &= !(hits << base);
+    packet.needs_look |= (close & hit).to_bitmask() << base;
+    put_index(simd, hits, &mut packet.leaf, base, target.index);
+    put_index(simd, hits, &mut packet.piece, base, target.leaf.piece);
+    put_index(simd, hits, &mut packet.surface, base, target.piece.surface);
+    packet.shorten(simd, base, hits);
 }
 
 /// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough for the leaf's

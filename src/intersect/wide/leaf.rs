@@ -104,16 +104,7 @@ fn search_group<S: Simd, Q>(
     let mut certain = met & lane_bits(certified);
     let mut doubted = met & !certain;
     if packet.from_roots {
-        // The one root of these is the one they start on.
-        let certified = [target.certified(simd); 2];
-        let mut starting = certain;
-        starting &= packet.starts_in(simd, base, target.leaf.piece, &certified);
-        if starting != 0
-            && let Some(pole) = target.pole
-        {
-            starting &= away_from_pole(simd, target, pole, (&*packet, base));
-        }
-        certain &= !starting;
+        certain &= !start_here(simd, target, (&*packet, base), certain);
         if doubted != 0 {
             doubted &= !packet.departs_from(simd, base, target, (magnitude, factor));
         }
@@ -175,6 +166,24 @@ fn search_group<S: Simd, Q>(
     statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, rest, target.index);
     done.found
+}
+
+/// Of sixteen rays that the leaf's certificate speaks of, those whose one root in it is the one they start on.
+#[inline(always)]
+fn start_here<S: Simd>(
+    simd: S,
+    target: &Target<'_>,
+    (packet, base): (&Packet, usize),
+    certain: u32,
+) -> u32 {
+    let certified = [target.certified(simd); 2];
+    let starting = certain & packet.starts_in(simd, base, target.leaf.piece, &certified);
+    match target.pole {
+        Some(pole) if starting != 0 => {
+            starting & away_from_pole(simd, target, pole, (packet, base))
+        }
+        _ => starting,
+    }
 }
 
 /// [`finish`] for both halves of sixteen rays.
