@@ -15,6 +15,7 @@
 //! |---|---|
 //! | `v` with a weight or a colour | the weight must be 1 if a face has the vertex; colours are not used, and a note says so |
 //! | `v` that no face and no tag has | left out, and a note says so |
+//! | `v` where another one is | faces are joined by vertices of one number only; a note says so |
 //! | `f` that has a vertex twice in a row | it counts once; without three others the face is left out; a note says so |
 //! | `fo` | `f` in older files |
 //! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
@@ -29,6 +30,8 @@
 //! A line that ends in `\` goes on in the next; `#` begins a comment.
 
 mod tags;
+
+use std::collections::HashSet;
 
 use glam::DVec3;
 
@@ -103,6 +106,12 @@ const COLOUR: (&str, &str) = ("v", "colours of vertices are not used");
 
 /// What stands for vertices without faces.
 const UNUSED: (&str, &str) = ("v", "a vertex of no face is not used");
+
+/// What stands for vertices where another one is.
+const COINCIDENT: (&str, &str) = (
+    "v",
+    "another vertex lies at the same place: the surface ends there, or has a seam of its own",
+);
 
 /// What stands for faces that have a vertex twice in a row.
 const REPEATED: (&str, &str) = ("f", "a corner repeated in a row counts once");
@@ -318,7 +327,6 @@ impl<'a> Reader<'a> {
             (0..positions.len()).partition(|&vertex| is_used[vertex]);
         if let Some(&first) = unused.first() {
             self.left_out.push((UNUSED, self.offsets.vertices[first], unused.len()));
-            self.left_out.sort_by_key(|(_, first, _)| *first); // as they are written
             let mut number = vec![0; positions.len()];
             for (new, &old) in kept.iter().enumerate() {
                 number[old] = new;
@@ -332,8 +340,22 @@ impl<'a> Reader<'a> {
         kept
     }
 
+    /// Notes vertices that lie where one before lies: in files whose faces share none nothing is smoothed.
+    fn note_coincident(&mut self, kept: &[usize]) {
+        let place_of = |position: &DVec3| (*position + DVec3::ZERO).to_array().map(f64::to_bits); // of one zero
+        let mut places = HashSet::new();
+        let all = kept.iter().zip(&self.parts.positions);
+        let mut again = all.filter(|(_, position)| !places.insert(place_of(position)));
+        if let Some((&first, _)) = again.next() {
+            let count = 1 + again.count();
+            self.left_out.push((COINCIDENT, self.offsets.vertices[first], count));
+        }
+    }
+
     fn finish(mut self) -> Result<CageModel, LoadError> {
         let kept = self.keep_used_vertices();
+        self.note_coincident(&kept);
+        self.left_out.sort_by_key(|(_, first, _)| *first); // as they are written
         // No face at all is what files of free-form surfaces have; then it is these that are not read, not the
         // cage that is wrong.
         let free_form = self.free_form().map(|(keyword, first)| {

@@ -112,7 +112,7 @@ pub enum SceneFault {
     },
     /// A loop that is not what its file says it is.
     #[error(
-        "surface \"{surface}\": trims: loop {trim_loop} is written as {said}, but with {around} others around it it would be {found}"
+        "surface \"{surface}\": trims: loop {trim_loop} is written as {said}, but it has {around} around it and would be {found}"
     )]
     TrimSense {
         /// The surface's name.

@@ -404,7 +404,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         ),
         (
             "{ basis = { degree = 3, count = 1001 } }",
-            "3:8",
+            "3:18",
             "plot \"A\": basis: 1001 functions: at most 1000 can be drawn",
         ),
         (

@@ -363,8 +363,8 @@ fn trims_that_cannot_be_are_named() {
     for (trims, message) in [
         (
             format!("[{CIRCLE}, {inner}]"),
-            "m.json:10:36: surface \"m/lid\": trims: loop 1 is written as a hole, but with 1 others \
-             around it it would be an outline",
+            "m.json:10:36: surface \"m/lid\": trims: loop 1 is written as a hole, but it has 1 \
+             around it and would be an outline",
         ),
         (
             format!("[{}]", CIRCLE.replace("[0.7, 0.5]],", "[0.6, 0.5]],").replace("\n", " ")),

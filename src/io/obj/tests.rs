@@ -186,6 +186,13 @@ fn what_other_programs_leave_behind_is_noted() {
         "x:6:1: statement \"f\", once: a corner repeated in a row counts once\n\
          x:7:1: statement \"f\", 2 times: a face of fewer than three different corners is not used"
     );
+    // Two squares with corners of their own, one of them at −0.
+    let twice = format!("{square}f 1 2 3 4\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 -0.0\nf 5 6 7 8\n");
+    assert_eq!(
+        note(&twice),
+        "x:6:1: statement \"v\", 2 times: another vertex lies at the same place: the surface ends there, or has a \
+         seam of its own"
+    );
     assert_eq!(
         error(&format!("{square}f 1 1 2 2\n")),
         "x.obj: the file has no faces: it is no cage"
