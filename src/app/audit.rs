@@ -50,23 +50,25 @@ Rays are made from the model's own surfaces, by class:
   leaving      leaving a hit, as secondary rays do
   far          as aimed, from a million sizes away
 
-A third of the rays is traced one by one, a third in packets, a third in batches
-of incoherent rays: each for its first hit, and for whether anything is hit.
+A third of the rays is traced one by one, a third in packets (but those that
+leave a hit), a third in batches of incoherent rays: each for its first hit, and
+for whether anything is hit.
 
 Columns, for each class:
   rays         rays made
   hits         rays for which the fast path has a hit
-  misses       the fast path has no hit and no doubt, or says so of any hit, but
-               there is a certain hit
+  misses       the fast path, without doubt, has no first hit, or says that
+               nothing is hit, but there is a certain hit
   wrong        the fast path's hit lies behind a certain hit by more than the
                bound of t (JSON: wrong_roots)
   false        the fast path's hit has a residual above the bound, lies outside
                the ray's range or in what trims have cut off, by more than
                it may be off, or the exact solver, without doubt, has no root
-               there; or any hit is said to be where there is none (JSON:
-               false_hits)
+               there; or it says that something is hit, and there is nothing
+               (JSON: false_hits)
   doubtful     rays whose first hit the fast path flags; such answers are not
-               judged, nor are those about any hit that it flags
+               judged, nor are flagged ones to whether anything is hit, which
+               are not counted
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
   error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and

@@ -209,6 +209,11 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Whether a key holds text, if it is there.
+    fn is_text(&self, written: Raw<'a>) -> bool {
+        written.is_none_or(|raw| raw.get().starts_with('"'))
+    }
+
     /// Points are read v fastest: what says that they are written otherwise is refused.
     fn check_order(&self, written: Raw<'a>) -> Result<(), LoadError> {
         let Some(raw) = written else { return Ok(()) };
@@ -235,7 +240,6 @@ impl<'a> Reader<'a> {
 
     fn entry(&mut self, raw: &'a str, index: Option<usize>) -> Result<(), LoadError> {
         let Keyed(item): Keyed<Item<'a>> = self.parse(raw)?;
-        self.check_order(item.order)?;
         let place = self.source.place(self.source.offset_of(raw));
         let name = item.name.and_then(|raw| serde_json::from_str::<String>(raw.get()).ok());
         // A name stays on its line, whatever a program has put into it.
@@ -251,6 +255,15 @@ impl<'a> Reader<'a> {
         if let Some((what, why)) = no_surface(&entry.item) {
             self.note(&entry, what, why.to_owned());
             return Ok(());
+        }
+        if self.is_text(entry.item.order) {
+            self.check_order(entry.item.order)?;
+        } else {
+            self.note(
+                &entry,
+                "surface",
+                "\"order\" left out: it does not say what runs fastest".to_owned(),
+            );
         }
         let Some(net) = self.net(&entry)? else { return Ok(()) };
         self.note_ignored(&entry);

@@ -169,7 +169,7 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(cannot)?;
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(cannot)?; // it may be growing
-    if file_ending(path) == "obj" {
+    if file_ending(path) == "obj" && !bytes.contains(&0) {
         // Names and comments may be in any encoding; they are not used.
         return Ok(String::from_utf8_lossy(&bytes).into_owned());
     }
@@ -344,6 +344,13 @@ mod tests {
     fn names_and_comments_of_cages_may_be_in_any_encoding() {
         let cage = b"# caf\xe9\no W\xfcrfel\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
         assert!(load(&[("m.obj", cage)]).1.is_ok());
+        // The name of this object ends with the byte of a backslash, in Shift JIS.
+        let cage = b"o \x83\x5c\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+        assert!(load(&[("m.obj", cage)]).1.is_ok());
+        assert_eq!(
+            error(&[("m.obj", b"\xff\xfev\0 \x000\0")]),
+            "cannot read \"m.obj\": it is not UTF-8 text from byte 0 on"
+        );
         assert_eq!(error(&[("m.obj", b"v 0 0 \xe9\n")]), "m.obj:1:7: \"\u{fffd}\" is not a number");
     }
 

@@ -13,15 +13,15 @@
 //!
 //! | statement | |
 //! |---|---|
-//! | `v` with a weight or a colour | the weight must be 1 if a face has the vertex; colours are not used, and a note says so |
+//! | `v` with a weight or a colour | the weight must be 1 if a face or a tag has the vertex; colours are not used, and a note says so |
 //! | `v` that no face and no tag has | left out, and a note says so |
 //! | `v` where another one is | faces are joined by vertices of one number only; a note says so |
-//! | `f` that has a vertex twice in a row | it counts once; without three others the face is left out; a note says so |
+//! | `f` that has a vertex twice in a row | it counts once; a face of which fewer than three are left is left out; a note says so |
 //! | `fo` | `f` in older files |
 //! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
 //! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
 //! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
-//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points and lines | left out, with one note a kind |
+//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points, lines, and what is for display only or calls other programs | left out, with one note a kind |
 //! | anything else | an error |
 //!
 //! A bare OBJ file, and `shape = { file = … }` in a scene, show the cage's Catmull–Clark surface;
@@ -116,8 +116,8 @@ const COINCIDENT: (&str, &str) = (
 /// What stands for faces that have a vertex twice in a row.
 const REPEATED: (&str, &str) = ("f", "a corner repeated in a row counts once");
 
-/// And for those that have no three others.
-const DEGENERATE: (&str, &str) = ("f", "a face of fewer than three different corners is not used");
+/// And for those of which fewer than three are left.
+const DEGENERATE: (&str, &str) = ("f", "a face of fewer than three corners is not used");
 
 /// Reads a cage; errors and notes call the file `label`.
 ///
@@ -150,9 +150,10 @@ fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
         let mut line = rest.next()?;
         loop {
             let code = line.split('#').next().unwrap_or("").trim_end();
+            // In some encodings a character ends with that byte.
             let (code, goes_on) = match code.strip_suffix('\\') {
-                Some(code) => (code, true),
-                None => (code, false),
+                Some(code) if !code.ends_with(char::REPLACEMENT_CHARACTER) => (code, true),
+                _ => (code, false),
             };
             words.extend(code.split_whitespace());
             match if goes_on { rest.next() } else { None } {
@@ -203,9 +204,13 @@ impl<'a> Reader<'a> {
     }
 
     fn leave_out(&mut self, kind: (&'static str, &'static str), word: &'a str) {
+        self.leave_out_at(kind, self.source.offset_of(word));
+    }
+
+    fn leave_out_at(&mut self, kind: (&'static str, &'static str), offset: usize) {
         match self.left_out.iter_mut().find(|(known, _, _)| *known == kind) {
             Some((_, _, count)) => *count += 1,
-            None => self.left_out.push((kind, self.source.offset_of(word), 1)),
+            None => self.left_out.push((kind, offset, 1)),
         }
     }
 
@@ -253,18 +258,7 @@ impl<'a> Reader<'a> {
             return Err(self.malformed(keyword, message));
         }
         let corners = values.iter().map(|word| self.corner_vertex(word));
-        let mut corners = corners.collect::<Result<Vec<usize>, _>>()?;
-        corners.dedup();
-        if corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
-        }
-        if corners.len() < 3 {
-            self.leave_out(DEGENERATE, keyword);
-            return Ok(());
-        }
-        if corners.len() < values.len() {
-            self.leave_out(REPEATED, keyword);
-        }
+        let corners = corners.collect::<Result<Vec<usize>, _>>()?;
         self.parts.faces.push(corners);
         self.offsets.faces.push(self.source.offset_of(keyword));
         Ok(())
@@ -310,32 +304,59 @@ impl<'a> Reader<'a> {
         kinds.next().map(|((keyword, _), first, _)| (*keyword, *first))
     }
 
-    /// Leaves out vertices that neither faces nor tags have, and says which are kept. If some have vertices that are not
-    /// there, which is an error, all are.
+    /// Leaves out corners repeated in a row, and faces of which fewer than three are left; says which faces are kept.
+    fn tidy_faces(&mut self) -> Result<Vec<usize>, LoadError> {
+        let vertices = self.parts.positions.len();
+        let mut kept = Vec::new();
+        for (number, mut corners) in std::mem::take(&mut self.parts.faces).into_iter().enumerate() {
+            let offset = self.offsets.faces[number];
+            if let Some(vertex) = corners.iter().find(|&&vertex| vertex >= vertices) {
+                let message =
+                    format!("vertex {}: the file has only {vertices}", vertex.saturating_add(1));
+                return Err(LoadError::malformed(self.source.place(offset), message));
+            }
+            let count = corners.len();
+            corners.dedup();
+            if corners.len() > 1 && corners.first() == corners.last() {
+                corners.pop();
+            }
+            if corners.len() < 3 {
+                self.leave_out_at(DEGENERATE, offset);
+                continue;
+            }
+            if corners.len() < count {
+                self.leave_out_at(REPEATED, offset);
+            }
+            kept.push(number);
+            self.parts.faces.push(corners);
+        }
+        Ok(kept)
+    }
+
+    /// Leaves out vertices that neither faces nor tags have, and says which are kept.
     fn keep_used_vertices(&mut self) -> Vec<usize> {
         let CageParts { positions, faces, creases, corners, .. } = &mut self.parts;
         let mut is_used = vec![false; positions.len()];
         let named = faces.iter().flatten().copied();
         let named = named.chain(creases.iter().flat_map(|crease| crease.vertices));
         for vertex in named.chain(corners.iter().map(|corner| corner.vertex)) {
-            match is_used.get_mut(vertex) {
-                Some(used) => *used = true,
-                None => return (0..positions.len()).collect(),
-            }
+            // Tags may name others, which is an error to be told.
+            is_used.get_mut(vertex).into_iter().for_each(|used| *used = true);
         }
         let (kept, unused): (Vec<usize>, Vec<usize>) =
             (0..positions.len()).partition(|&vertex| is_used[vertex]);
         if let Some(&first) = unused.first() {
             self.left_out.push((UNUSED, self.offsets.vertices[first], unused.len()));
-            let mut number = vec![0; positions.len()];
+            let mut numbers = vec![0; positions.len()];
             for (new, &old) in kept.iter().enumerate() {
-                number[old] = new;
+                numbers[old] = new;
             }
+            // What is not there has no other number.
+            let renumber = |vertex: &mut usize| *vertex = *numbers.get(*vertex).unwrap_or(vertex);
             *positions = kept.iter().map(|&vertex| positions[vertex]).collect();
-            faces.iter_mut().flatten().for_each(|vertex| *vertex = number[*vertex]);
-            let ends = creases.iter_mut().flat_map(|crease| &mut crease.vertices);
-            ends.for_each(|vertex| *vertex = number[*vertex]);
-            corners.iter_mut().for_each(|corner| corner.vertex = number[corner.vertex]);
+            faces.iter_mut().flatten().for_each(renumber);
+            creases.iter_mut().flat_map(|crease| &mut crease.vertices).for_each(renumber);
+            corners.iter_mut().map(|corner| &mut corner.vertex).for_each(renumber);
         }
         kept
     }
@@ -353,6 +374,8 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self) -> Result<CageModel, LoadError> {
+        let vertices = self.parts.positions.len();
+        let kept_faces = self.tidy_faces()?;
         let kept = self.keep_used_vertices();
         self.note_coincident(&kept);
         self.left_out.sort_by_key(|(_, first, _)| *first); // as they are written
@@ -381,16 +404,13 @@ impl<'a> Reader<'a> {
                 if let (CageError::Empty, Some(free_form)) = (&error, free_form) {
                     return Err(free_form);
                 }
-                let error = error.of_kept_vertices(&kept);
+                let error = error.of_kept((&kept, vertices), &kept_faces);
                 let place = match offsets.of(&error) {
                     Some(offset) => source.place(offset),
                     None => source.file().clone(),
                 };
                 let message = match error {
                     CageError::Empty => "the file has no faces: it is no cage".to_owned(),
-                    CageError::NoSuchVertex { vertex, vertices, .. } => {
-                        format!("vertex {}: the file has only {vertices}", vertex.saturating_add(1))
-                    }
                     _ => format!("{error} (counted from 0)"),
                 };
                 Err(LoadError::malformed(place, message))

@@ -61,7 +61,9 @@ impl Aabb {
     /// box's planes. Nothing is beside the empty box.
     #[inline(always)]
     pub fn is_beside(&self, ray: &Ray) -> bool {
-        let (origin, inverse) = (ray.origin(), (ray.direction() + DVec3::ZERO).recip()); // of no −0
+        let (origin, inverse) = (ray.origin(), ray.direction().recip());
+        // What is no number must be so of the plane that the ray starts in, and not of the other one.
+        let inverse = DVec3::select(inverse.cmplt(DVec3::MIN), DVec3::INFINITY, inverse);
         let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
         let (mut entry, mut exit) = (ray.t_min(), ray.t_max());
         for k in 0..3 {
@@ -133,6 +135,11 @@ mod tests {
                 |y: f64, d: DVec3| unit.is_beside(&Ray::new(DVec3::new(x, y, z), d).unwrap());
             let there = along(-5.0, DVec3::Y);
             assert_eq!(there, along(5.0, -DVec3::Y), "back again");
+            assert_eq!(
+                there,
+                along(5.0, DVec3::new(-1e-310, -1.0, 1e-310)),
+                "all but along the sides"
+            );
             there
         };
         assert!(!beside(0.5, 0.5) && !beside(1e-9, 1.0 - 1e-9));

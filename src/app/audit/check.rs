@@ -12,7 +12,7 @@ use super::rays::{RaySource, Shot};
 use super::tally::Tally;
 
 /// Rays a thread takes at a time: some milliseconds' work, and few enough that all threads are
-/// busy to the end of a short audit. The result does not depend on it.
+/// busy to the end of a short audit. No answer should depend on it, as none may on a ray's company.
 const CHUNK: u64 = 512;
 
 /// What to audit.

@@ -113,6 +113,9 @@ impl<'a> Judge<'a> {
 
     /// What is wrong with the answer to whether anything is in the way of the ray, whose first hit the fast path
     /// says to be `first`.
+    ///
+    /// What passes a border or an end of the range within rounding may be seen by one and not by the others: where
+    /// both others see nothing at all, that would be called false, too. No such ray is known.
     pub(crate) fn fault_of_shadow(
         &self,
         shot: &Shot,

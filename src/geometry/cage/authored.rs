@@ -170,15 +170,16 @@ impl Cage {
         Aabb::around(self.positions().iter().copied()).size().max_element()
     }
 
-    /// The smallest tolerance that its limit surface can be had to: 1e-9 of half its largest side, or what rounding
-    /// needs of its largest coordinate, 1e-12, where it lies more than a thousand sizes from the origin.
+    /// The smallest tolerance that its limit surface may be asked to: 1e-9 of half its largest side, or what rounding
+    /// needs of its largest coordinate, 1e-12, where it lies more than 500 of its sides from the origin. (Around
+    /// vertices of many faces it may not be reached, which is an error then.)
     pub fn smallest_tolerance(&self) -> f64 {
         let by_steps = SMALLEST_OF_SIZE * 0.5 * self.largest_side();
         by_steps.max(SMALLEST_OF_MAGNITUDE * self.magnitude())
     }
 }
 
-/// It is reached well within the steps of halving there are: the worst vertices shrink by 0.6545 a step.
+/// It is about what the steps of halving reach that there are: the worst vertices shrink by 0.6545 a step.
 const SMALLEST_OF_SIZE: f64 = 1e-9;
 
 /// Patches are asked to be within a share of the tolerance, 0.0064 of it at least: that is 50 roundings of the largest

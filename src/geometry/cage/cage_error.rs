@@ -159,28 +159,45 @@ pub enum CageError {
 }
 
 impl CageError {
-    /// The same of a cage whose vertices are some of another one's, `kept`, in whose numbers they are then told.
+    /// The same of a cage whose vertices and faces are some of another one's, in whose numbers they are then told:
+    /// which are kept, and how many vertices there are.
     #[must_use]
-    pub(crate) fn of_kept_vertices(mut self, kept: &[usize]) -> Self {
-        let told = |vertex: &mut usize| {
-            if let Some(&number) = kept.get(*vertex) {
-                *vertex = number;
-            }
+    pub(crate) fn of_kept(
+        mut self,
+        (kept, count): (&[usize], usize),
+        kept_faces: &[usize],
+    ) -> Self {
+        let told = |number: &mut usize, kept: &[usize]| {
+            *number = *kept.get(*number).unwrap_or(number);
         };
+        let told_vertex = |vertex: &mut usize| told(vertex, kept);
+        let told_face = |face: &mut usize| told(face, kept_faces);
         match &mut self {
             Self::Position { vertex, .. }
-            | Self::RepeatedVertex { vertex, .. }
             | Self::IsolatedVertex { vertex }
-            | Self::NonManifoldVertex { vertex, .. } => told(vertex),
-            Self::NonManifoldEdge { vertices, .. }
-            | Self::Orientation { vertices, .. }
-            | Self::NoSuchEdge { vertices, .. } => vertices.iter_mut().for_each(told),
+            | Self::NonManifoldVertex { vertex, .. } => told_vertex(vertex),
+            Self::NoSuchEdge { vertices, .. } => vertices.iter_mut().for_each(told_vertex),
+            Self::RepeatedVertex { face, vertex } => {
+                told_face(face);
+                told_vertex(vertex);
+            }
+            Self::NonManifoldEdge { vertices, faces } => {
+                vertices.iter_mut().for_each(told_vertex);
+                faces.iter_mut().for_each(told_face);
+            }
+            Self::Orientation { vertices, faces } => {
+                vertices.iter_mut().for_each(told_vertex);
+                faces.iter_mut().for_each(told_face);
+            }
+            Self::SameFace { faces } => faces.iter_mut().for_each(told_face),
+            Self::FewCorners { face, .. } => told_face(face),
+            Self::NoSuchVertex { face, vertices, .. } => {
+                told_face(face);
+                *vertices = count;
+            }
+            Self::NoSuchCorner { vertices, .. } => *vertices = count,
             Self::Empty
             | Self::TooLarge { .. }
-            | Self::FewCorners { .. }
-            | Self::NoSuchVertex { .. }
-            | Self::SameFace { .. }
-            | Self::NoSuchCorner { .. }
             | Self::Sharpness { .. }
             | Self::TwoSharpnesses { .. } => {}
         }
@@ -234,7 +251,7 @@ impl fmt::Display for Listed<'_> {
 pub enum LimitError {
     /// The tolerance is no length, or finer than the arithmetic allows.
     #[error(
-        "tolerance {}: for a cage with coordinates up to {} it must be finite and at least {}",
+        "tolerance {}: for a cage of this size with coordinates up to {} it must be finite and at least {}",
         Shown(*.tolerance), Shown(*.magnitude), Shown(*.smallest)
     )]
     Tolerance {

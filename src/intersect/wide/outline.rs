@@ -135,9 +135,16 @@ fn hull<S: Simd, Q: Shot>(simd: S, shots: &[Q]) -> Option<[[f64; 8]; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
+    use fearless_simd::dispatch;
+    use glam::Vec3Swizzles;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::intersect::{BuildOptions, Kernel, SurfaceBvh};
+    use crate::math::Ray;
 
     /// The least and the largest coordinates of vectors.
     fn ranges(vectors: &[DVec3]) -> [[f64; 2]; 3] {
@@ -176,5 +183,64 @@ mod tests {
                 prop_assert!(least >= nearest - 1e-13, "{least} of {nearest}");
             }
         });
+    }
+
+    /// Half its side: what bounds it in f32 is no larger than one.
+    const HALF: f64 = 0.99;
+
+    /// A cube whose corners are as far from the middle of the scene as anything can be.
+    fn cube() -> SurfaceBvh {
+        let knots = KnotVector::bezier(1).unwrap();
+        let side = |normal: DVec3| {
+            let (a, b) = (normal.zxy(), normal.yzx());
+            let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+            let net = corners.map(|(s, t)| HALF * (normal + s * a + t * b)).to_vec();
+            NurbsSurface::new(knots.clone(), knots.clone(), net, None).unwrap()
+        };
+        let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|normal| [side(normal), side(-normal)]);
+        SurfaceBvh::build(&sides.concat(), &BuildOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn what_aims_at_a_corner_is_not_beside_the_scene() {
+        let bvh = cube();
+        let vector = || prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from_array);
+        let spread = || prop_oneof![0.0..0.01f64, 0.0..0.1f64, 0.0..2.0f64];
+        let others = prop::collection::vec((vector(), vector(), 0.8..1.4f64), 1..64);
+        let bundle = (vector(), vector(), 3.0..300.0f64, spread(), spread());
+        let [beside, bounded] = [Cell::new(0), Cell::new(0)];
+        let config = ProptestConfig { cases: 600, ..ProptestConfig::default() };
+        proptest!(config, |(bundle in bundle, others in others, aside in 1.0..12.0f64)| {
+            let (corner, direction, away, origin_spread, target_spread) = bundle;
+            prop_assume!(direction.length() > 0.1);
+            let corner = HALF * corner.signum();
+            for aside in [1.0, aside] {
+                let target = aside * corner;
+                let eye = target - away * direction.normalize();
+                let aimed = |o: DVec3, d: DVec3, length: f64| {
+                    let origin = eye + origin_spread * o;
+                    let towards = target + target_spread * d - origin;
+                    Ray::new(origin, length * towards.normalize()).unwrap()
+                };
+                let mut rays = vec![aimed(DVec3::ZERO, DVec3::ZERO, 1.0)];
+                rays.extend(others.iter().map(|&(o, d, length)| aimed(o, d, length)));
+                for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
+                    let seen = dispatch!(level, simd => outline(simd, &rays, &bvh.scene()));
+                    let count = match seen {
+                        Outline::Unknown => continue,
+                        Outline::Beside => &beside,
+                        Outline::Bounds(..) => &bounded,
+                    };
+                    count.set(count.get() + 1);
+                    let misses = rays.iter().all(|ray| {
+                        let (o, d) = (ray.origin(), ray.direction().normalize());
+                        o.cross(d).length() > HALF * 3f64.sqrt()
+                    });
+                    prop_assert!(misses || !matches!(seen, Outline::Beside), "{rays:?}");
+                }
+            }
+        });
+        let [beside, bounded] = [beside, bounded].map(Cell::into_inner);
+        assert!(beside > 20 && bounded > 10, "{beside} and {bounded}");
     }
 }

@@ -158,13 +158,19 @@ fn free_form_surfaces_are_named_where_they_begin() {
 #[test]
 fn what_other_programs_leave_behind_is_noted() {
     // Vertices of no face before, between and behind the others: faces and tags go on naming those they name.
-    let loose = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 8 8 8\nv 1 1 0\nv 0 1 0\nv 7 7 7 0.5\n";
-    let model = read_obj_cage(&format!("{loose}f 2 3 5 6\nt crease 2/1/0 4 5 2\n"), "x").unwrap();
-    let corners = model.cage.face(0).unwrap().iter();
-    let corners: Vec<DVec3> = corners.map(|&c| model.cage.positions()[c as usize]).collect();
-    assert_eq!(corners, [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y]);
-    let sharp = model.cage.edges().zip(model.cage.edge_sharpness()).find(|(_, s)| **s == 2.0);
-    assert!(sharp.is_none() || sharp.unwrap().0 == [2, 3]); // borders are sharper than that
+    let loose =
+        "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 8 8 8\nv 1 1 0\nv 0 1 0\nv 7 7 7 0.5\nv 2 0 0\nv 2 1 0\n";
+    let tags = "t crease 2/1/0 2 4 2\nt corner 1/1/0 7 3\n";
+    let two = format!("{loose}f 2 3 5 6\nf 3 8 9 5\n{tags}t interpolateboundary 1/0/0 2\n");
+    let cage = read_obj_cage(&two, "x").unwrap().cage;
+    let place = |vertex: u32| cage.positions()[vertex as usize];
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let corners: Vec<DVec3> = cage.face(1).unwrap().iter().map(|&vertex| place(vertex)).collect();
+    assert_eq!(corners, [at(1.0, 0.0), at(2.0, 0.0), at(2.0, 1.0), at(1.0, 1.0)]);
+    let sharp = cage.edges().zip(cage.edge_sharpness()).find(|(_, sharp)| **sharp == 2.0);
+    assert_eq!(sharp.unwrap().0.map(place), [at(1.0, 0.0), at(1.0, 1.0)]);
+    let corner = cage.vertex_sharpness().iter().position(|sharp| *sharp == 3.0);
+    assert_eq!(place(corner.unwrap() as u32), at(2.0, 0.0));
     let note = |text: &str| {
         let notes = read_obj_cage(text, "x").unwrap().notes;
         notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
@@ -172,19 +178,29 @@ fn what_other_programs_leave_behind_is_noted() {
     let unused = "a vertex of no face is not used";
     assert_eq!(
         note(&format!("{loose}f 2 3 5 6\n")),
-        format!("x:1:1: statement \"v\", 3 times: {unused}")
+        format!("x:1:1: statement \"v\", 5 times: {unused}")
     );
-    // Errors tell vertices by the numbers they have in the file.
-    assert_eq!(
-        error(&format!("{loose}f 2 3 5 6\nf 2 3 6\n")),
-        "x.obj:9:1: faces 0 and 1 both run from vertex 1 to vertex 2: one of them is inside out (counted from 0)"
-    );
+    // Errors tell vertices and faces by the numbers they have in the file.
+    for (rest, message) in [
+        (
+            "f 2 2 3\nf 2 3 5 6\nf 2 3 6\n",
+            "x.obj:12:1: faces 1 and 2 both run from vertex 1 to vertex 2: one of them is inside out (counted from 0)",
+        ),
+        (
+            "f 2 3 5 6\nt corner 1/1/0 99 1\n",
+            "x.obj:11:16: corner 0 names vertex 99, but there are only 9 vertices (counted from 0)",
+        ),
+        ("f 2 3 5 99\n", "x.obj:10:1: vertex 99: the file has only 9"),
+        ("f 2 3 5 6\nf 2 2 99\n", "x.obj:11:1: vertex 99: the file has only 9"),
+    ] {
+        assert_eq!(error(&format!("{loose}{rest}")), message, "{rest}");
+    }
 
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     assert_eq!(
         note(&format!("{square}f 1 2 3\nf 1/ 3// 4/ 4/ 1/\nf 1 1 2 2\nfo 2 2 3\n")),
         "x:6:1: statement \"f\", once: a corner repeated in a row counts once\n\
-         x:7:1: statement \"f\", 2 times: a face of fewer than three different corners is not used"
+         x:7:1: statement \"f\", 2 times: a face of fewer than three corners is not used"
     );
     // Two squares with corners of their own, one of them at −0.
     let twice = format!("{square}f 1 2 3 4\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 -0.0\nf 5 6 7 8\n");

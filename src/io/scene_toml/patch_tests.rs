@@ -123,7 +123,7 @@ fn what_is_no_cage_is_told_where_it_is_written() {
     );
     assert_eq!(
         cage(&format!("catmull_clark]\n{points}\nfaces = [[0, 1, 2, 3, 4]]\ntolerance = 0")),
-        "s.toml:6:13: surface \"box\": tolerance 0: for a cage with coordinates up to 1 it must \
+        "s.toml:6:13: surface \"box\": tolerance 0: for a cage of this size with coordinates up to 1 it must \
          be finite and at least 5e-10"
     );
     assert_eq!(

@@ -93,7 +93,7 @@ fn tolerances_that_cannot_be() {
         assert_eq!(
             cube.catmull_clark(bad).unwrap_err().to_string(),
             format!(
-                "tolerance {shown}: for a cage with coordinates up to 1 it must be finite and at \
+                "tolerance {shown}: for a cage of this size with coordinates up to 1 it must be finite and at \
                  least 1e-9"
             )
         );
