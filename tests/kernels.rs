@@ -254,13 +254,6 @@ fn pieces_of(bvh: &SurfaceBvh, surface: u32) -> impl Iterator<Item = &Piece> {
     pieces.map(|piece| &bvh.patches().pieces()[piece])
 }
 
-/// What a hit on a surface may be off by promise, for this ray.
-fn promise(bvh: &SurfaceBvh, surface: u32, ray: &Ray) -> f64 {
-    let magnitude = ray.origin().abs().max_element();
-    let promises = pieces_of(bvh, surface).map(|piece| piece.patch.error_bound(magnitude));
-    promises.fold(0.0, f64::max)
-}
-
 /// Whether pieces of degree 1 follow one another: there may be a crease between them.
 fn has_creases(bvh: &SurfaceBvh, surface: u32) -> bool {
     let first = pieces_of(bvh, surface).next().unwrap();
@@ -285,8 +278,14 @@ fn compare(
     match (&wide.hit, &scalar.hit) {
         (Some(a), Some(b)) => {
             let direction = ray.direction().normalize();
-            // Twice the promise: either answer may use all of it, and in a pole one may use twice as much.
-            let error = 2.0 * promise(bvh, a.surface, ray);
+            let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
+            let [p, q] = pieces_of(bvh, a.surface).next().unwrap().patch.degree();
+            // Twice the promise, as if no control point were farther out: either answer may use all of it.
+            let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
+            let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
+            let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
+            // In a pole hits may be off by more, and there the control points count: a sphere's reach to 4.
+            let error = if to_tip <= twice { 3.0 * twice } else { twice };
             let cosine = a.normal.dot(direction).abs().min(b.normal.dot(direction).abs());
             // Without a normal, as at a tip, nothing is known of the angle.
             let cosine = if cosine.is_nan() { 0.1 } else { cosine };
@@ -299,11 +298,10 @@ fn compare(
             // Where surfaces, or all sides of a tip, or those of a crease meet either may be named.
             let has_creases = name.starts_with("creased") || has_creases(bvh, a.surface);
             let same = a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !has_creases;
-            // Towards a tip normals turn as fast as it comes nearer.
-            let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
-            let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
-            let turn = 1e2 * error / scale
-                + 2.0 * a.point.distance(b.point) / to_tip.max(f64::MIN_POSITIVE);
+            // Towards the tip of a cone normals turn as fast as it comes nearer.
+            let is_cone = p.min(q) == 1 && to_tip > twice;
+            let at_tip = if is_cone { 2.0 * a.point.distance(b.point) / to_tip } else { 0.0 };
+            let turn = 1e2 * error / scale + at_tip;
             assert!(
                 !same || turned <= 1e-12 + turn || cosine < 1e-3,
                 "normals differ by {turned}: {}",

@@ -4,8 +4,8 @@ use nurbray::intersect::{Coherence, Kernel, Query, Tracer};
 use nurbray::math::Ray;
 use nurbray::scene::{Scene, World};
 
-/// Makes a world of a scene and looks at a few of its pixels in every way there is: what was read without an
-/// error must trace without a panic.
+/// Makes a world of a scene and looks at a few of its pixels in several ways: what was read without an error must
+/// trace without a panic.
 pub fn look_at(scene: &Scene) {
     let world = match World::new(scene) {
         Ok(world) => world,

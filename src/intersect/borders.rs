@@ -111,8 +111,8 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
-/// A hit is at a border if it is no more errors from it than this: the ray may pass the border by half of one, its root
-/// be off by one, and distances by way of the parameters are only about those in space. (Fast kernels ask about those
+/// A hit is at a border if it is no more errors from it than this: enough for a ray that passes the border by half of one
+/// and a root off by one, as distances by way of the parameters are only about those in space. (Fast kernels ask about those
 /// hits that are within twice as much, see [`Leaf::near_border`].)
 const AT_BORDER: f64 = 4.0;
 
