@@ -67,8 +67,8 @@ Columns, for each class:
                there; or it says that something is hit, and there is nothing
                (JSON: false_hits)
   doubtful     rays whose first hit the fast path flags; such answers are not
-               judged, nor are flagged ones to whether anything is hit, which
-               are not counted
+               judged, nor are flagged ones to whether anything is hit (counted
+               below the table; JSON: doubtful_any)
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
   error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and

@@ -92,10 +92,7 @@ fn chunk(
         hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
-        let mut finding = judge.judge(shot, &answer, &truth);
-        finding.fault =
-            finding.fault.or_else(|| judge.fault_of_shadow(shot, shadow, &answer, &truth));
-        tally.add(shot.query.ray(), finding);
+        tally.add(shot.query.ray(), judge.judge(shot, (&answer, shadow), &truth));
         tally.undecided += u64::from(undecided);
     }
     tally

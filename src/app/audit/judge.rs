@@ -33,8 +33,10 @@ pub(crate) struct Finding {
     pub(crate) fault: Option<Fault>,
     /// The residual of the fast path's hit over the largest coordinate magnitude.
     pub(crate) error: Option<f64>,
-    /// Whether the fast path left anything open.
+    /// Whether the fast path left anything about the first hit open.
     pub(crate) doubtful: bool,
+    /// Whether it left open if anything is hit.
+    pub(crate) doubtful_any: bool,
     /// Whether the ray touches a surface exactly, as far as floating point can tell, or runs
     /// inside one.
     pub(crate) tangent: bool,
@@ -96,8 +98,13 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Compares the fast path's answer with what is known.
-    pub(crate) fn judge(&self, shot: &Shot, answer: &Answer, truth: &Truth<'_>) -> Finding {
+    /// Compares the fast path's answers with what is known: its first hit, and whether it sees anything in the way.
+    pub(crate) fn judge(
+        &self,
+        shot: &Shot,
+        (answer, shadow): (&Answer, Occlusion),
+        truth: &Truth<'_>,
+    ) -> Finding {
         let ray = shot.query.ray();
         let measured = answer.hit.map(|hit| (hit, self.measure(ray, &hit)));
         let error = measured.map(|(_, m)| m.residual / m.magnitude);
@@ -107,8 +114,9 @@ impl<'a> Judge<'a> {
             Some((hit, measure)) => self.fault_of_hit(shot, (&hit, &measure), truth),
             None => self.is_owed(shot, truth).then_some(Fault::Miss),
         };
+        let fault = fault.or_else(|| self.fault_of_shadow(shot, shadow, answer, truth));
         let tangent = self.tangent(ray, answer.hit.iter().chain(truth.hits));
-        Finding { fault, error, doubtful, tangent }
+        Finding { fault, error, doubtful, doubtful_any: shadow.doubtful, tangent }
     }
 
     /// What is wrong with the answer to whether anything is in the way of the ray, whose first hit the fast path
@@ -116,7 +124,7 @@ impl<'a> Judge<'a> {
     ///
     /// What passes a border or an end of the range within rounding may be seen by one and not by the others: where
     /// both others see nothing at all, that would be called false, too. No such ray is known.
-    pub(crate) fn fault_of_shadow(
+    fn fault_of_shadow(
         &self,
         shot: &Shot,
         shadow: Occlusion,
@@ -325,6 +333,9 @@ mod tests {
 
     use super::*;
 
+    /// Nothing is said of what is in the way.
+    const OPEN: Occlusion = Occlusion { occluded: false, doubtful: true };
+
     /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
     fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
         let surfaces = [shapes::sphere(1.0).unwrap().into()];
@@ -339,7 +350,7 @@ mod tests {
         let judge = Judge::new(&surfaces);
         let shot = Shot { query, target: None };
         let ruling = |answer: Answer, hits: &[Hit]| {
-            judge.judge(&shot, &answer, &Truth { hits, undecided: false })
+            judge.judge(&shot, (&answer, OPEN), &Truth { hits, undecided: false })
         };
         check(&ruling, answer, &hits);
     }
@@ -385,7 +396,7 @@ mod tests {
             let root = Hit { uv, point, flags: HitFlags::TRIM_EDGE, ..seen };
             let shot = Shot { query: Query::primary(ray), target: None };
             let truth = Truth { hits: &[root], undecided: false };
-            let fault = judge.judge(&shot, &Answer::default(), &truth).fault;
+            let fault = judge.judge(&shot, (&Answer::default(), OPEN), &truth).fault;
             assert_eq!(fault, owed.then_some(Fault::Miss), "{off}");
         }
     }
@@ -400,8 +411,9 @@ mod tests {
             let hit = answer.hit.unwrap();
             let moved = Answer { hit: Some(Hit { t: hit.t.next_up(), ..hit }), ..answer };
             assert_eq!(ruling(moved, hits).fault, None);
-            let nothing = Finding { fault: None, error: None, doubtful: false, tangent: false };
-            assert_eq!(ruling(Answer::default(), &[]), nothing);
+            let finding = ruling(Answer::default(), &[]);
+            assert_eq!((finding.fault, finding.error, finding.tangent), (None, None, false));
+            assert_eq!((finding.doubtful, finding.doubtful_any), (false, true));
         });
     }
 
@@ -455,13 +467,15 @@ mod tests {
             let undecided = tracer.all_hits(&query, &mut hits);
             let truth = Truth { hits: &hits, undecided };
             let first = tracer.first_hit(&query);
-            let fault = |occluded, doubtful| {
-                judge.fault_of_shadow(&shot, Occlusion { occluded, doubtful }, &first, &truth)
+            let said = |occluded, doubtful| {
+                let shadow = Occlusion { occluded, doubtful };
+                let finding = judge.judge(&shot, (&first, shadow), &truth);
+                (finding.fault, finding.doubtful_any)
             };
-            assert_eq!(fault(is_met, false), None, "{aside}");
+            assert_eq!(said(is_met, false), (None, false), "{aside}");
             let wrong = if is_met { Fault::Miss } else { Fault::FalseHit };
-            assert_eq!(fault(!is_met, false), Some(wrong), "{aside}");
-            assert_eq!(fault(!is_met, true), None, "{aside}");
+            assert_eq!(said(!is_met, false), (Some(wrong), false), "{aside}");
+            assert_eq!(said(!is_met, true), (None, true), "{aside}");
         }
     }
 
@@ -478,7 +492,7 @@ mod tests {
             let mut hits = Vec::new();
             let undecided = tracer.all_hits(&query, &mut hits);
             let (answer, shot) = (tracer.first_hit(&query), Shot { query, target: None });
-            let finding = judge.judge(&shot, &answer, &Truth { hits: &hits, undecided });
+            let finding = judge.judge(&shot, (&answer, OPEN), &Truth { hits: &hits, undecided });
             assert_eq!(finding.tangent, tangent, "{depth}");
         }
     }
@@ -494,10 +508,13 @@ mod tests {
             Shot { query: Query::primary(ray), target: Some((site, 2.0)) }
         };
         let nothing = Truth { hits: &[], undecided: false };
-        let head_on = judge.judge(&shot(-point), &Answer::default(), &nothing);
+        let head_on = judge.judge(&shot(-point), (&Answer::default(), OPEN), &nothing);
         assert_eq!(head_on.fault, Some(Fault::Miss));
-        let tangent =
-            judge.judge(&shot(point.any_orthonormal_vector()), &Answer::default(), &nothing);
+        let tangent = judge.judge(
+            &shot(point.any_orthonormal_vector()),
+            (&Answer::default(), OPEN),
+            &nothing,
+        );
         assert_eq!(tangent.fault, None);
     }
 }

@@ -21,6 +21,7 @@ struct Row {
     wrong_roots: u64,
     false_hits: u64,
     doubtful: u64,
+    doubtful_any: u64,
     /// Rays that are exactly tangent, and how many of them are doubtful.
     tangent: [u64; 2],
     undecided: u64,
@@ -39,6 +40,7 @@ impl Row {
             wrong_roots: tally.wrong_roots,
             false_hits: tally.false_hits,
             doubtful: tally.doubtful,
+            doubtful_any: tally.doubtful_any,
             tangent: tally.tangent,
             undecided: tally.undecided,
             errors: [0.5, 0.99, 1.0].map(|share| tally.error_quantile(share)),
@@ -55,6 +57,7 @@ impl Row {
             "wrong_roots": self.wrong_roots,
             "false_hits": self.false_hits,
             "doubtful": self.doubtful,
+            "doubtful_any": self.doubtful_any,
             "undecided": self.undecided,
             "error_50": error_50,
             "error_99": error_99,
@@ -84,7 +87,7 @@ impl Report {
         self.total.misses + self.total.wrong_roots + self.total.false_hits
     }
 
-    /// How the answers without faults stand, in two sentences.
+    /// How the answers without faults stand, in three lines.
     pub(crate) fn verdict(&self) -> String {
         let faults = match self.faults() {
             0 => "no unflagged miss, no wrong root, no false hit\n",
@@ -100,7 +103,11 @@ impl Report {
             };
             format!("{doubtful} of {rays} {which} ({share:.2} %)")
         });
-        format!("{faults}doubtful: {}\n", groups.join(", "))
+        let Row { rays, doubtful_any, .. } = self.total;
+        format!(
+            "{faults}doubtful: {}\ndoubtful whether anything is hit: {doubtful_any} of {rays}\n",
+            groups.join(", ")
+        )
     }
 
     /// The rays of a group, and how many of them are doubtful.
@@ -196,13 +203,20 @@ mod tests {
     fn report() -> Report {
         let ray = Ray::new(DVec3::ZERO, DVec3::X).unwrap();
         let mut tally = Tally::default();
-        let sure = Finding { fault: None, error: Some(1.5e-16), doubtful: false, tangent: false };
+        let sure = Finding {
+            fault: None,
+            error: Some(1.5e-16),
+            doubtful: false,
+            doubtful_any: false,
+            tangent: false,
+        };
         tally.add(&ray, sure);
         tally.add(&ray, Finding { fault: Some(Fault::Miss), error: None, ..sure });
         let mut apart = Tally::default();
         apart.add(&ray, Finding { error: Some(2e-9), doubtful: true, ..sure });
         let mut tangent = Tally::default();
-        tangent.add(&ray, Finding { error: None, doubtful: true, tangent: true, ..sure });
+        let doubtful = Finding { error: None, doubtful: true, doubtful_any: true, ..sure };
+        tangent.add(&ray, Finding { tangent: true, ..doubtful });
         let grazing = (Class::Grazing(10), tangent);
         Report::new(vec![(Class::Random, tally), grazing, (Class::Origins, apart)])
     }
@@ -229,7 +243,8 @@ mod tests {
         assert_eq!(
             report().verdict(),
             "doubtful: 0 of 2 random (0.00 %), 0 of 0 nasty (0.00 %), \
-             2 of 2 exactly tangent or starting on a surface (100.00 %)\n"
+             2 of 2 exactly tangent or starting on a surface (100.00 %)\n\
+             doubtful whether anything is hit: 1 of 4\n"
         );
         assert!(Report::new(Vec::new()).verdict().starts_with("no unflagged miss, "));
     }
@@ -247,7 +262,7 @@ mod tests {
         assert_eq!(classes[0]["misses"], 1);
         assert_eq!(classes[0]["error_max"], 1.5e-16);
         assert_eq!(classes[1]["error_max"], Value::Null);
-        assert_eq!(total["rays"], 4);
+        assert_eq!([&total["rays"], &total["doubtful_any"]], [&json!(4), &json!(1)]);
         assert_eq!(report().faults(), 1);
     }
 }

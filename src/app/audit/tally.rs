@@ -19,8 +19,10 @@ pub(crate) struct Tally {
     pub(crate) wrong_roots: u64,
     /// Hits that are none.
     pub(crate) false_hits: u64,
-    /// Rays whose answer the fast path flags as doubtful.
+    /// Rays whose first hit the fast path flags as doubtful.
     pub(crate) doubtful: u64,
+    /// Rays of which it says that it is doubtful whether anything is hit.
+    pub(crate) doubtful_any: u64,
     /// Rays that are exactly tangent, and how many of them are doubtful.
     pub(crate) tangent: [u64; 2],
     /// Rays for which the exact solver could not decide everything.
@@ -40,6 +42,7 @@ impl Tally {
         self.rays += 1;
         self.hits += u64::from(finding.error.is_some());
         self.doubtful += u64::from(finding.doubtful);
+        self.doubtful_any += u64::from(finding.doubtful_any);
         self.tangent[0] += u64::from(finding.tangent);
         self.tangent[1] += u64::from(finding.tangent && finding.doubtful);
         if finding.doubtful {
@@ -64,6 +67,7 @@ impl Tally {
         self.wrong_roots += other.wrong_roots;
         self.false_hits += other.false_hits;
         self.doubtful += other.doubtful;
+        self.doubtful_any += other.doubtful_any;
         self.tangent = [0, 1].map(|k| self.tangent[k] + other.tangent[k]);
         self.undecided += other.undecided;
         self.errors.merge(other.errors);
@@ -140,7 +144,8 @@ mod tests {
 
     use super::*;
 
-    const NOTHING: Finding = Finding { fault: None, error: None, doubtful: false, tangent: false };
+    const NOTHING: Finding =
+        Finding { fault: None, error: None, doubtful: false, doubtful_any: false, tangent: false };
 
     fn tally(errors: &[f64]) -> Tally {
         let ray = Ray::new(DVec3::ZERO, DVec3::X).unwrap();
@@ -183,10 +188,15 @@ mod tests {
         let mut all = tally(&[1.0]);
         for error in [Some(3.0), None, Some(7.0), Some(5.0)] {
             let mut one = Tally::default();
-            one.add(&ray, Finding { error, doubtful: true, tangent: true, ..NOTHING });
+            let doubtful_any = error.is_none();
+            one.add(
+                &ray,
+                Finding { error, doubtful: true, doubtful_any, tangent: true, ..NOTHING },
+            );
             all.merge(one);
         }
         assert_eq!((all.rays, all.hits, all.doubtful, all.tangent), (5, 4, 4, [4, 4]));
+        assert_eq!(all.doubtful_any, 1);
         assert_eq!((all.error_quantile(1.0), all.doubtful_error()), (Some(1.0), Some(7.0)));
     }
 
