@@ -110,6 +110,7 @@ impl KnotVector {
     /// # Errors
     /// When the degree is not supported.
     pub fn bezier(degree: usize) -> Result<Self, KnotError> {
+        check_degree(degree)?;
         Self::with_multiplicities(degree, &[(0.0, degree + 1), (1.0, degree + 1)])
     }
 

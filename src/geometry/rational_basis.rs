@@ -82,6 +82,16 @@ impl RationalBasis {
         all
     }
 
+    /// One of the functions at a parameter of the domain; 0 for an index beyond the last.
+    pub fn value(&self, index: usize, t: f64) -> f64 {
+        let (span, values) = self.active(t);
+        let first = span - self.knots.degree();
+        if !(first..=span).contains(&index) {
+            return 0.0;
+        }
+        self.weights[index] * values[index - first] / self.sum(t)
+    }
+
     /// The derivatives `R′ᵢ = (hᵢ N′ᵢ − S′ Rᵢ) / S`.
     pub fn derivatives(&self, t: f64) -> Vec<f64> {
         let basis = self.knots.basis_derivatives(t);
@@ -151,6 +161,8 @@ mod tests {
             let basis = rogers(h3);
             let expected = [0.0, r2, r3, r2, 0.0];
             let found = basis.values(1.5);
+            let one_by_one: Vec<f64> = (0..6).map(|index| basis.value(index, 1.5)).collect();
+            assert_eq!(one_by_one, [&found[..], &[0.0]].concat());
             assert!(
                 found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15),
                 "{h3}: {found:?}"

@@ -35,9 +35,11 @@ impl NurbsCurve {
     /// finite.
     pub fn closed_bspline(degree: usize, points: &[DVec3]) -> Result<Self, CurveError> {
         check_count(points.len(), 3)?;
-        let around: Vec<DVec3> =
-            (0..points.len() + degree).map(|k| points[k % points.len()]).collect();
-        Self::uniform_bspline(degree, &around)
+        // Knots first: they refuse a degree before so many points are made.
+        let count = points.len().saturating_add(degree);
+        let knots = KnotVector::uniform(degree, count)?;
+        let around = (0..count).map(|k| points[k % points.len()]).collect();
+        Self::new(knots, around, None)
     }
 }
 
@@ -121,6 +123,14 @@ mod tests {
             let t = 3.0 + f64::from(k) / 10.0;
             assert!(clamped.point_at(t).distance(uniform.point_at(t)) < 1e-12);
         }
+    }
+
+    #[test]
+    fn degrees_are_refused_before_points_are_made() {
+        for degree in [0, 33, usize::MAX / 2, usize::MAX] {
+            assert!(NurbsCurve::closed_bspline(degree, &points()).is_err(), "{degree}");
+        }
+        assert!(KnotVector::bezier(usize::MAX).is_err());
     }
 
     #[test]

@@ -193,8 +193,8 @@ struct Device {
     handle: Handle,
     functions: Functions,
     version: [u32; 3],
-    /// Bytes held by Embree; boxed because the device knows its address.
-    bytes: Box<AtomicIsize>,
+    /// Bytes held by Embree; shared with the device, which knows where they are.
+    bytes: Arc<AtomicIsize>,
 }
 
 // SAFETY: Embree's calls on devices and on committed scenes are thread-safe by its
@@ -213,8 +213,8 @@ impl Drop for Device {
 impl Device {
     fn open(library: Library, path: &str, config: &CStr) -> Result<Self, EmbreeError> {
         let functions = Functions::find(&library, path)?;
-        let bytes = Box::new(AtomicIsize::new(0));
-        let counter: *const AtomicIsize = &raw const *bytes;
+        let bytes = Arc::new(AtomicIsize::new(0));
+        let counter = Arc::as_ptr(&bytes);
 
         // SAFETY: `config` ends in a zero. A null device has an error code of its own.
         let (handle, code) = unsafe {

@@ -291,19 +291,12 @@ impl<'a> Reader<'a> {
         ];
         let knots = knots.map(|knots| Written::new(Knots::Values(knots.value), knots.place));
 
-        // Either {"points": …, "weights": …} or the points themselves.
         let control: Written<&RawValue> =
             self.needed(entry, "control_points", item.control_points)?;
-        let (points, weights) = if control.value.get().starts_with('{') {
-            let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.value.get())?;
-            if keys.weights.is_some() && item.weights.is_some() {
-                let why = "\"weights\" left out: those of \"control_points\" are used";
-                self.note(entry, "surface", why.to_owned());
-            }
-            (keys.points, keys.weights.or(item.weights))
-        } else {
-            (Some(control.value), item.weights)
-        };
+        let (points, weights, unused) = self.control(control.value, item.weights)?;
+        if let Some(unused) = unused {
+            self.note(entry, "surface", unused.to_owned());
+        }
         let points: Written<Points> = self.needed(entry, "points", points)?;
         if let Some((index, dimension)) = points.value.odd {
             let first = points.value.dimension;
@@ -343,9 +336,24 @@ impl<'a> Reader<'a> {
     }
 
     /// Notes what the file says of a surface that is not done.
+    /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and weights beside them;
+    /// and what is to be said of weights that are given in both places.
+    fn control(
+        &self,
+        control: &'a RawValue,
+        beside: Raw<'a>,
+    ) -> Result<(Raw<'a>, Raw<'a>, Option<&'static str>), LoadError> {
+        if !control.get().starts_with('{') {
+            return Ok((Some(control), beside, None));
+        }
+        let Keyed(keys): Keyed<ControlPoints<'a>> = self.parse(control.get())?;
+        let twice = keys.weights.is_some() && beside.is_some();
+        let unused = twice.then_some("\"weights\" left out: those of \"control_points\" are used");
+        Ok((keys.points, keys.weights.or(beside), unused))
+    }
+
     fn note_ignored(&mut self, entry: &Entry<'a>) {
-        let sense = entry.item.reversed.map_or("false", RawValue::get);
-        if !["false", "0", "0.0"].contains(&sense) {
+        if is_set(entry.item.reversed) {
             let why = "\"reversed\" left out: (u, v) and the normal stay as written; \
                        reverse = true in a scene turns it";
             self.note(entry, "surface", why.to_owned());
@@ -404,6 +412,11 @@ fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
     }
     let free_form = item.points.is_some() && item.control_points.is_none();
     free_form.then_some(("free-form points", "points alone are no surface"))
+}
+
+/// Whether a mark is there and says yes.
+fn is_set(mark: Raw<'_>) -> bool {
+    mark.is_some_and(|mark| !["false", "0", "0.0"].contains(&mark.get()))
 }
 
 /// The byte at which an error was noticed.

@@ -153,7 +153,7 @@ mod tests {
         );
         assert_eq!(
             explain("unknown field `b`, there are no fields", "b"),
-            "unknown key \"b\"; there is none"
+            "unknown key \"b\": none is known here"
         );
         assert_eq!(
             explain("unknown variant `shpere`, expected one of `sphere`, `torus`", "shpere"),

@@ -34,14 +34,18 @@ pub(crate) fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
     values
 }
 
-/// `n` choose `k`, rounded. With `n` below 64 it is far from overflow.
+/// `n` choose `k`, rounded; 0 for `k` above `n`. With `n` below 64 it is far from overflow.
 pub fn binomial(n: usize, k: usize) -> f64 {
+    if k > n {
+        return 0.0;
+    }
     (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
 }
 
 /// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
-/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met, and those of small pieces with each other. Looked up: worked out one from another they take a
-/// division each, and longer than all the rest of a sum over them.
+/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met, and those of small pieces with
+/// each other. Looked up: worked out one from another they take a division each, and longer
+/// than all the rest of a sum over them.
 #[inline(always)]
 pub(crate) const fn binomials(n: usize) -> &'static [f64; MAX_DEGREE + 4] {
     &BINOMIALS[n]
@@ -90,10 +94,11 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// Replaces the coefficients of a polynomial on `[0, 1]` by those of the same polynomial
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
-/// There are `p + 1` coefficients, one at least. `a` and `b` may lie outside `[0, 1]`. Each
-/// coefficient moves by at most `6 p u` times the largest one, for `[a, b]` within `[0, 1]`: each of the two cuts mixes
-/// `p` times, with three roundings a mix; of random signs they come to less than `4 p u`. Beyond, what is off grows as
-/// polynomials do: `e` outside at both ends, by up to `(1 + 2 e)ᵖ`.
+/// There are `p + 1` coefficients (of none, nothing is made). `a ≤ b` may lie outside `[0, 1]`.
+/// Each coefficient moves by at most `6 p u` times the largest one, for `[a, b]` within `[0, 1]`:
+/// each of the two cuts mixes `p` times, with three roundings a mix; of random signs they come to
+/// less than `4 p u`. Beyond, what is off grows as polynomials do: `e` outside at both ends, by up
+/// to `(1 + 2 e)ᵖ`.
 pub fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -194,6 +199,7 @@ impl Cuts {
         T: Copy + Add<Output = T> + Mul<f64, Output = T>,
     {
         match coefficients.len() {
+            0 => {}
             2 => self.apply_to_columns::<T, 2>(coefficients, 1),
             3 => self.apply_to_columns::<T, 3>(coefficients, 1),
             4 => self.apply_to_columns::<T, 4>(coefficients, 1),

@@ -31,13 +31,18 @@ pub enum RenderError {
     #[error(transparent)]
     Film(#[from] FilmError),
     /// The system gives no threads.
-    #[error("cannot start {}: {reason}", Counted(*.threads, "thread"))]
+    #[error("cannot start {}: {reason}", named(*.threads))]
     Threads {
         /// How many were asked for; 0 for one for each processor.
         threads: usize,
         /// What the system says.
         reason: String,
     },
+}
+
+/// How an error calls so many threads.
+fn named(threads: usize) -> String {
+    if threads == 0 { "the threads".into() } else { Counted(threads, "thread").to_string() }
 }
 
 /// Renders a world.

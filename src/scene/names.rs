@@ -70,7 +70,7 @@ impl fmt::Display for UnknownName {
                 write!(f, "unknown {what} \"{written}\"; did you mean \"{name}\"?")
             }
             Hint::Known(names) if names.is_empty() => {
-                write!(f, "unknown {what} \"{written}\"; there is none")
+                write!(f, "unknown {what} \"{written}\": none is known here")
             }
             Hint::Known(names) => {
                 write!(f, "unknown {what} \"{written}\"; known: {}", names.join(", "))
@@ -111,7 +111,7 @@ mod tests {
         );
         assert_eq!(
             UnknownName::new("material", "a\nb", &[]).to_string(),
-            "unknown material \"a\\nb\"; there is none"
+            "unknown material \"a\\nb\": none is known here"
         );
     }
 }

@@ -224,8 +224,8 @@ pub(super) const MAX_ROUNDS: usize = 10;
 /// The most teeth a span's comb may have: more stand closer than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
-/// The most functions of a basis: no screen shows more, and drawing them takes the square of their number.
-pub(super) const MAX_FUNCTIONS: usize = 1000;
+/// The most functions of a basis: no screen shows more.
+pub const MAX_FUNCTIONS: usize = 1000;
 
 /// The most curves of a surface in one direction: more stand closer than any screen shows.
 pub(super) const MAX_LINES: usize = 1000;

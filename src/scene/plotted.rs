@@ -52,24 +52,29 @@ impl PlottedSurface {
     /// How many curves of constant parameter are drawn between two borders, if nothing is said.
     pub const LINES: usize = 3;
 
-    /// A surface made of a part of an object that is `reversed` or not.
+    /// A surface of this name, made of a part of an object that is `reversed` or not.
     ///
     /// # Errors
     /// When a curve of a loop is none.
-    pub fn new(surface: Surface, part: &Part, reversed: bool) -> Result<Self, SceneError> {
-        let mut loops = Vec::new();
-        if let Some(trims) = &part.trims {
-            let made = trims.loops.iter().map(LoopSpec::curves).collect::<Result<_, _>>();
-            loops = made.map_err(|fault| blame(&part.name, "trims", fault))?;
-        }
+    pub fn new(
+        name: &str,
+        surface: Surface,
+        part: &Part,
+        reversed: bool,
+    ) -> Result<Self, SceneError> {
+        let Some(trims) = &part.trims else { return Ok(Self { surface, loops: Vec::new() }) };
+        let loops = trims.loops.iter().map(LoopSpec::curves).collect::<Result<_, _>>();
+        let mut loops: Vec<Vec<LoopCurve>> = loops.map_err(|fault| blame(name, "trims", fault))?;
         if reversed {
-            // As the surface's own: what was at u is as far from the other end then.
-            let [(start, end), _] = surface.domain();
+            // As the surface's own trims: what was at u is as far from the other end then.
+            let ([(start, _), _], [(_, end), _]) = (surface.domain(), surface.reversed().domain());
             let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
             let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
-            for one in loops.iter_mut().flatten() {
-                if let Ok(mirrored) = one.curve.transformed(&mirror) {
-                    one.curve = mirrored;
+            for (one, written) in loops.iter_mut().zip(&trims.loops) {
+                for LoopCurve { curve, .. } in one {
+                    *curve = curve.transformed(&mirror).map_err(|error| {
+                        blame(name, "trims", CurveFault::Curve(written.place.clone(), error))
+                    })?;
                 }
             }
         }
@@ -105,7 +110,7 @@ impl ObjectSpec {
         let made = made.into_iter().enumerate();
         let made = made.filter(|(index, _)| wanted.is_none_or(|wanted| wanted == *index));
         let plotted = made.map(|(_, (part, made))| {
-            PlottedSurface::new(made.surface, &object.parts[part], object.reverse)
+            PlottedSurface::new(&self.of.value, made.surface, &object.parts[part], object.reverse)
         });
         plotted.collect()
     }
@@ -139,7 +144,10 @@ impl LoopSpec {
         let flat = |point: &DVec2| point.extend(0.0);
         match &self.kind {
             LoopKind::Polygon(corners) => {
-                let closed: Vec<DVec3> = corners.iter().chain(corners.first()).map(flat).collect();
+                // A corner repeated is no side, as where the first is given again at the end.
+                let mut closed: Vec<DVec3> =
+                    corners.iter().chain(corners.first()).map(flat).collect();
+                closed.dedup();
                 let curve = NurbsCurve::polyline(&closed).map_err(blame)?;
                 Ok(vec![LoopCurve { kind: LoopCurveKind::Lines, curve }])
             }

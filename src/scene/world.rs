@@ -337,10 +337,10 @@ mod tests {
         let mut plain = self::scene(vec![object(SPHERE), painted.clone()]);
         assert_eq!(
             message(&plain),
-            "s.toml:41:7: object \"sphere 2\": unknown material \"red\"; there is none"
+            "s.toml:41:7: object \"sphere 2\": unknown material \"red\": none is known here"
         );
         plain.objects[1].material = Some(here("default".into()));
-        assert!(message(&plain).ends_with("unknown material \"default\"; there is none"));
+        assert!(message(&plain).ends_with("unknown material \"default\": none is known here"));
 
         scene.objects[1].material = Some(here("rad".into()));
         assert_eq!(

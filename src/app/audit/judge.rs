@@ -8,9 +8,9 @@ use nurbray::math::Ray;
 use nurbray::math::rounding::{UNIT_ROUNDOFF, residual_factor};
 
 use super::super::border::magnitude;
-use super::outlines::Outlines;
+use super::outlines::Outline;
 use super::rays::Shot;
-use super::sites::{Site, Sites};
+use super::sites::{Site, radius};
 
 /// What is wrong with an answer that carries no doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub(crate) struct Judge<'a> {
     surfaces: &'a [Surface],
     magnitudes: Vec<f64>,
     /// What trims keep, found without the tracer's own test.
-    outlines: Vec<Option<Outlines>>,
+    outlines: Vec<Outline>,
     radius: f64,
 }
 
@@ -93,8 +93,8 @@ impl<'a> Judge<'a> {
         Self {
             surfaces,
             magnitudes: surfaces.iter().map(largest).collect(),
-            outlines: surfaces.iter().map(Outlines::of).collect(),
-            radius: Sites::new(surfaces).map_or(0.0, |sites| sites.radius()),
+            outlines: surfaces.iter().map(Outline::of).collect(),
+            radius: radius(surfaces),
         }
     }
 
@@ -175,7 +175,7 @@ impl<'a> Judge<'a> {
     /// Whether a hit is surely in a part that trims have cut off: no edge is as near as the hit may
     /// be off. Near a pole that is far in the parameter that leads around it.
     fn cut_off(&self, hit: &Hit, measure: &Measure) -> bool {
-        let outlines = self.outlines.get(hit.surface as usize).and_then(Option::as_ref);
+        let outlines = self.outlines.get(hit.surface as usize).and_then(Outline::lines);
         outlines.is_some_and(|outlines| {
             let at = self.surfaces[hit.surface as usize].derivatives(hit.uv);
             let off = 2.0 * self.slack(measure.bound, measure.incidence);
@@ -186,13 +186,15 @@ impl<'a> Judge<'a> {
 
     /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
     /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface, or if
-    /// trims may have cut the point off. On a border or a trim edge it need not cross: whatever
+    /// trims may have cut the point off, as far as is known. On a border or a trim edge it need not cross: whatever
     /// passes within rounding has to be reported.
     fn target(&self, shot: &Shot) -> Option<f64> {
         let (site, t) = shot.target?;
-        let outlines = self.outlines[site.surface].as_ref();
-        let on_edge = outlines.is_some_and(|outlines| outlines.is_joint(site.uv));
-        let kept = outlines.is_none_or(|outlines| outlines.keeps(site.uv) == Some(true));
+        let (on_edge, kept) = match &self.outlines[site.surface] {
+            Outline::Whole => (false, true),
+            Outline::Within(lines) => (lines.is_joint(site.uv), lines.keeps(site.uv) == Some(true)),
+            Outline::Unknown => (false, false),
+        };
         if !(kept || on_edge) {
             return None;
         }

@@ -7,6 +7,36 @@ use nurbray::geometry::trim::Kept;
 /// How far polylines may be from their curves, as a share of the domain's shorter side.
 const TOLERANCE: f64 = 1e-3;
 
+/// What trims keep of a surface.
+#[derive(Clone, Debug)]
+pub(crate) enum Outline {
+    /// All of it.
+    Whole,
+    /// What lies within these loops, or outside.
+    Within(Outlines),
+    /// That is not known: it is so large beside its trims that no polyline is fine enough.
+    Unknown,
+}
+
+impl Outline {
+    /// That of a surface.
+    pub(crate) fn of(surface: &Surface) -> Self {
+        let Some(trimmed) = surface.trimmed() else { return Self::Whole };
+        let (trims, domain) = (trimmed.trims(), surface.domain());
+        let shorter = domain.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
+        let tolerance = TOLERANCE * shorter;
+        match trims.outlines(tolerance) {
+            Ok(lines) => Self::Within(Outlines { lines, kept: trims.kept(), tolerance, domain }),
+            Err(_) => Self::Unknown,
+        }
+    }
+
+    /// The loops, where they are known.
+    pub(crate) fn lines(&self) -> Option<&Outlines> {
+        if let Self::Within(outlines) = self { Some(outlines) } else { None }
+    }
+}
+
 /// The loops of a surface's trims as closed polylines; for a check on what the tracer says, which
 /// asks the curves.
 #[derive(Clone, Debug)]
@@ -19,17 +49,6 @@ pub(crate) struct Outlines {
 }
 
 impl Outlines {
-    /// The loops of a surface; none if it is whole, or so large beside its trims that no
-    /// polyline is fine enough.
-    pub(crate) fn of(surface: &Surface) -> Option<Self> {
-        let trims = surface.trimmed()?.trims();
-        let domain = surface.domain();
-        let shorter = domain.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
-        let tolerance = TOLERANCE * shorter;
-        let lines = trims.outlines(tolerance).ok()?;
-        Some(Self { lines, kept: trims.kept(), tolerance, domain })
-    }
-
     /// Whether a point is kept; `None` where a curve may pass on its other side.
     pub(crate) fn keeps(&self, uv: DVec2) -> Option<bool> {
         let mut odd = false;
@@ -105,7 +124,8 @@ mod tests {
         let domain = TrimDomain::of(&plane).unwrap();
         let trims = Trims::new(domain, Kept::Odd, &[circle(0.4), circle(0.2)]).unwrap();
         let ring = TrimmedSurface::new(plane.clone(), trims).unwrap().into();
-        let outlines = Outlines::of(&ring).unwrap();
+        let outline = Outline::of(&ring);
+        let outlines = outline.lines().unwrap();
         for (u, kept) in [(0.5, false), (0.65, false), (0.75, true), (0.95, false)] {
             assert_eq!(outlines.keeps(DVec2::new(u, 0.5)), Some(kept), "{u}");
         }
@@ -123,6 +143,6 @@ mod tests {
             assert!((radius - 0.4).abs().min((radius - 0.2).abs()) < 1e-15, "{joint}");
             assert!(outlines.is_joint(joint));
         }
-        assert!(Outlines::of(&plane.into()).is_none());
+        assert!(matches!(Outline::of(&plane.into()), Outline::Whole));
     }
 }

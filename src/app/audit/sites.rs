@@ -5,7 +5,7 @@ use nurbray::geometry::{Chart, Charts, Surface, SurfaceDerivatives};
 
 use super::super::border::Border;
 use super::super::random::Random;
-use super::outlines::Outlines;
+use super::outlines::Outline;
 
 /// A point of a surface, by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,7 @@ impl<'a> Sites<'a> {
                     .map(|knots| knots.spans().map(|span| (span.start, span.end)).collect())
             })
             .collect();
-        let (low, high) = bounds(&charts);
+        let (low, high) = bounds(charts.iter().map(|(_, chart)| chart));
         let all = charts.iter().enumerate();
         let borders: Vec<_> = all
             .flat_map(|(k, (_, chart))| {
@@ -212,11 +212,13 @@ impl<'a> Sites<'a> {
 
 /// Points on the edges that trims cut from surfaces.
 fn trim_edges(surfaces: &[Surface]) -> Vec<Site> {
-    let outlines = surfaces.iter().enumerate().filter_map(|(k, s)| Some((k, Outlines::of(s)?)));
-    let sites = outlines.flat_map(|(surface, outlines)| {
-        outlines.joints().map(|uv| Site { surface, uv }).collect::<Vec<_>>()
-    });
-    sites.collect()
+    let mut sites = Vec::new();
+    for (surface, one) in surfaces.iter().enumerate() {
+        if let Outline::Within(outlines) = Outline::of(one) {
+            sites.extend(outlines.joints().map(|uv| Site { surface, uv }));
+        }
+    }
+    sites
 }
 
 /// Anywhere in one of these spans, each as often as the others.
@@ -225,11 +227,17 @@ fn within(random: &mut Random, spans: &[(f64, f64)]) -> f64 {
     random.between(start, end)
 }
 
+/// The radius of a sphere about the bounding box of all control points; 0 if there are none.
+pub(crate) fn radius(surfaces: &[Surface]) -> f64 {
+    let charts: Vec<_> = surfaces.iter().flat_map(Charts::charts).collect();
+    let (low, high) = bounds(charts.iter());
+    if charts.is_empty() { 0.0 } else { (0.5 * (high - low)).length() }
+}
+
 /// The smallest and largest coordinates of all control points.
-fn bounds(charts: &[(usize, Chart<'_>)]) -> (DVec3, DVec3) {
+fn bounds<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> (DVec3, DVec3) {
     charts
-        .iter()
-        .flat_map(|(_, chart)| chart.surface.control())
+        .flat_map(|chart| chart.surface.control())
         .map(|c| c.truncate() / c.w)
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }

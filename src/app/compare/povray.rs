@@ -4,13 +4,12 @@ use std::time::Duration;
 
 use nurbray::intersect::Kernel;
 use nurbray::io::{PovrayGap, PovrayScene, PovraySkip, Quoted, povray_scene};
-use nurbray::scene::Scene;
 
 use super::super::args::CompareArguments;
 use super::super::failure::{Failure, OrFail};
 use super::super::progress::Progress;
 use super::super::race::{Measurement, Model, RaySet, Rays, tiled_pixels};
-use super::super::{console, input, threads};
+use super::super::{console, threads};
 use super::errors::Errors;
 use super::folder::Folder;
 use super::heat::{self, Color, Scale};
@@ -56,13 +55,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
     let files = files(&tolerances);
     let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
-    let scene = input::read(&arguments.input)?;
     let pool = threads::pool(Some(arguments.threads))?;
     let budget = Duration::from_secs_f64(arguments.seconds);
     let model = pool.install(|| Model::load(&arguments.input, budget))?;
     let size = super::size(arguments, &model.world)?;
 
-    let scenes = scenes(&scene, &model, size, &tolerances)?;
+    let scenes = scenes(&model, size, &tolerances)?;
     let (skipped, written) =
         scenes.first().map_or((&[][..], &[][..]), |scene| (&scene.skipped, &scene.written));
     let left_out = left_out(skipped, skipped.len() + written.len());
@@ -122,16 +120,11 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 }
 
 /// The scene for each tolerance; each leaves out the same surfaces.
-fn scenes(
-    scene: &Scene,
-    model: &Model,
-    size: [u32; 2],
-    tolerances: &[f64],
-) -> Result<Vec<PovrayScene>, Failure> {
+fn scenes(model: &Model, size: [u32; 2], tolerances: &[f64]) -> Result<Vec<PovrayScene>, Failure> {
     let mut scenes = Vec::new();
     for &tolerance in tolerances {
         let flatness = tolerance * model.diagonal;
-        let written = povray_scene(scene, &model.world, size.into(), flatness);
+        let written = povray_scene(&model.scene, &model.world, size.into(), flatness);
         check(&written, tolerance, &model.name)?;
         scenes.push(written);
     }

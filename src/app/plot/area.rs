@@ -34,12 +34,21 @@ pub(super) fn clipped(ring: &[DVec2], [low, high]: [DVec2; 2]) -> Vec<DVec2> {
 pub(super) fn keyhole(rings: &[Vec<DVec2>]) -> Vec<DVec2> {
     let mut outline = Vec::new();
     let Some(start) = rings.iter().find_map(|ring| ring.first()) else { return outline };
+    let areas: Vec<f64> = rings.iter().map(|ring| area(ring)).collect();
+    let bounds: Vec<[DVec2; 2]> = rings.iter().map(|ring| bounds(ring)).collect();
     for (index, ring) in rings.iter().enumerate() {
-        let around = rings.iter().enumerate().filter(|(other, outer)| {
-            *other != index && area(outer).abs() >= area(ring).abs() && surrounds(outer, ring)
-        });
-        let outward = (around.count() % 2 == 0) == (area(ring) > 0.0);
         let Some(&first) = ring.first() else { continue };
+        // Most rings lie beside each other, which their bounds tell.
+        let [low, high] = bounds[index];
+        let around = (0..rings.len()).filter(|&other| {
+            let [outer_low, outer_high] = bounds[other];
+            other != index
+                && areas[other].abs() >= areas[index].abs()
+                && outer_low.cmple(high).all()
+                && outer_high.cmpge(low).all()
+                && surrounds(&rings[other], ring)
+        });
+        let outward = (around.count() % 2 == 0) == (areas[index] > 0.0);
         if outward {
             outline.extend(ring);
         } else {
@@ -49,6 +58,12 @@ pub(super) fn keyhole(rings: &[Vec<DVec2>]) -> Vec<DVec2> {
         outline.push(*start);
     }
     outline
+}
+
+/// The corners of the box around a polygon.
+fn bounds(ring: &[DVec2]) -> [DVec2; 2] {
+    let grown = |[low, high]: [DVec2; 2], point: &DVec2| [low.min(*point), high.max(*point)];
+    ring.iter().fold([DVec2::INFINITY, DVec2::NEG_INFINITY], grown)
 }
 
 /// The area of a polygon, positive if it runs counterclockwise.

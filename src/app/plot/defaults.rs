@@ -1,13 +1,17 @@
 //! Plots for scenes that ask for none: the curves surfaces are made from, their trims, the basis
-//! functions over their knots, and surfaces without knots as lines in space.
+//! functions over their knots, and surfaces without knots, or with too many, as lines in space.
+
+use std::collections::HashMap;
 
 use nurbray::geometry::{KnotVector, RationalBasis, Surface};
 use nurbray::scene::{
-    CurveEntry, CurveSpec, ImportNote, Instance, Object, Plot, PlotKind, PlottedCurve,
-    PlottedSurface, Scene, SceneError, SceneFault, Shape,
+    CurveEntry, CurveSpec, ImportNote, Instance, MAX_FUNCTIONS, Object, Plot, PlotKind,
+    PlottedCurve, PlottedSurface, Scene, SceneError, SceneFault, Shape,
 };
 
+use super::super::console;
 use super::super::failure::{Failure, OrFail};
+use super::super::table::count;
 
 /// Of cages with more faces than this, the faces' borders alone are drawn: more is one dark spot.
 const MOST_FACES: usize = 200;
@@ -43,9 +47,18 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
             plots.push(Plot { title, plane: None, show });
         }
     }
-    plots.extend(without_knots(scene, &surfaces)?);
-    let mut bases: Vec<(KnotVector, Vec<String>)> = Vec::new();
-    for instance in &surfaces {
+    plots.extend(in_space(scene, &surfaces)?);
+    plots.extend(bases(scene, &surfaces)?);
+    Ok(plots)
+}
+
+/// The basis functions over the knots of surfaces, each kind once. Where there are more of them than can be drawn,
+/// a warning says so.
+fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
+    let mut bases: Vec<(&KnotVector, Vec<String>)> = Vec::new();
+    let mut known: HashMap<(usize, Vec<u64>), usize> = HashMap::new();
+    let mut too_many: Vec<String> = Vec::new();
+    for instance in surfaces {
         let [object, part] = instance.part;
         // What only draws another object has nothing of its own.
         let draws = match &scene.objects[object].parts[part].shape {
@@ -54,17 +67,33 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
         };
         let Some(surface) = instance.surface.nurbs().filter(|_| !draws) else { continue };
         for (knots, direction) in [(surface.knots_u(), "u"), (surface.knots_v(), "v")] {
-            gather(&mut bases, knots.clone(), format!("{}, {direction}", instance.name));
+            let user = format!("{}, {direction}", instance.name);
+            if knots.point_count() > MAX_FUNCTIONS {
+                too_many.push(user);
+                continue;
+            }
+            let values = knots.values().iter().map(|knot| knot.to_bits()).collect();
+            let number = *known.entry((knots.degree(), values)).or_insert_with(|| {
+                bases.push((knots, Vec::new()));
+                bases.len() - 1
+            });
+            bases[number].1.push(user);
         }
     }
-    for (knots, users) in bases {
-        let title = format!("Degree {}: {}", knots.degree(), joint(&users));
-        let weights = vec![1.0; knots.point_count()];
-        let basis = RationalBasis::new(knots, weights).or_bad_input()?;
-        let show = PlotKind::Basis { basis, support: false };
-        plots.push(Plot { title: Some(title), plane: None, show });
+    if !too_many.is_empty() {
+        console::warning(&format!(
+            "basis functions of {} are not plotted: more than {}",
+            joint(&too_many),
+            count(MAX_FUNCTIONS as u64, "function"),
+        ));
     }
-    Ok(plots)
+    let plot = |(knots, users): (&KnotVector, Vec<String>)| {
+        let title = Some(format!("Degree {}: {}", knots.degree(), joint(&users)));
+        let weights = vec![1.0; knots.point_count()];
+        let basis = RationalBasis::new(knots.clone(), weights).or_bad_input()?;
+        Ok(Plot { title, plane: None, show: PlotKind::Basis { basis, support: false } })
+    };
+    bases.into_iter().map(plot).collect()
 }
 
 /// There may be curves in a model file; of these nothing is imported, and so nothing is plotted.
@@ -84,13 +113,21 @@ fn nothing_imported(error: &SceneError, notes: &[ImportNote]) -> Failure {
     ))
 }
 
-/// Objects of surfaces without knots, in space: of those that differ in their places only, one.
-fn without_knots(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
+/// Whether functions over the knots of a surface, in one direction at least, are drawn.
+fn has_basis(surface: &Surface) -> bool {
+    let few = |knots: &KnotVector| knots.point_count() <= MAX_FUNCTIONS;
+    surface.nurbs().is_some_and(|surface| few(surface.knots_u()) || few(surface.knots_v()))
+}
+
+/// Objects of surfaces of which no basis is drawn, in space: of those that differ in their places only, one.
+fn in_space(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
     type Same<'a> = (Vec<&'a Shape>, Vec<String>, Vec<PlottedSurface>);
     let mut found: Vec<Same<'_>> = Vec::new();
-    for (number, object) in scene.objects.iter().enumerate() {
-        let own = surfaces.iter().filter(|one| one.part[0] == number);
-        let own: Vec<&Instance> = own.filter(|one| one.surface.nurbs().is_none()).collect();
+    let mut of_objects = vec![Vec::new(); scene.objects.len()];
+    for one in surfaces.iter().filter(|one| !has_basis(&one.surface)) {
+        of_objects[one.part[0]].push(one);
+    }
+    for (object, own) in scene.objects.iter().zip(of_objects) {
         let Some(first) = own.first() else { continue };
         let name = object.name.as_ref().map_or(&first.name, |name| &name.value).clone();
         let shapes: Vec<&Shape> = object.parts.iter().map(|part| &part.shape).collect();
@@ -106,9 +143,10 @@ fn without_knots(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Fail
             Surface::Limit(surface) => surface.unit_count() > MOST_FACES,
             _ => false,
         });
+        let dense = of.iter().any(|one| one.surface.nurbs().is_some());
         let lines = if large { 0 } else { PlottedSurface::LINES };
         let title = Some(format!("{} in space", joint(&users)));
-        Plot { title, plane: None, show: PlotKind::Surfaces { of, lines, net: !large } }
+        Plot { title, plane: None, show: PlotKind::Surfaces { of, lines, net: !large && !dense } }
     };
     Ok(found.into_iter().map(plot).collect())
 }
@@ -118,7 +156,7 @@ fn plotted(scene: &Scene, instance: &Instance) -> Result<PlottedSurface, Failure
     let [object, part] = instance.part;
     let object = &scene.objects[object];
     let surface = instance.surface.clone();
-    PlottedSurface::new(surface, &object.parts[part], object.reverse).or_bad_input()
+    PlottedSurface::new(&instance.name, surface, &object.parts[part], object.reverse).or_bad_input()
 }
 
 /// Adds a user of a thing that others may use, too.

@@ -1,5 +1,7 @@
 //! Functions of a parameter: bases, blending functions, derivatives, curvature.
 
+use std::rc::Rc;
+
 use glam::DVec2;
 use nurbray::geometry::{CurveError, KnotVector, MatrixForm, NurbsCurve, RationalBasis};
 
@@ -34,22 +36,22 @@ pub(super) fn basis(
     // Where functions are seen whole, others come in from outside: these are left out.
     let (seen, skipped) = if support { widened(basis)? } else { (basis.clone(), 0) };
     let (p, all) = (basis.knots().degree(), basis.knots().values());
-    let spans = pieces(seen.knots());
+    let (spans, seen) = (pieces(seen.knots()), Rc::new(seen));
     let mut panel = functions(
         (title, letter),
         &spans,
         (0..count).map(|index| {
-            let seen = seen.clone();
-            let value = move |t: f64| seen.values(t)[skipped + index];
+            let seen = Rc::clone(&seen);
+            let value = move |t: f64| seen.value(skipped + index, t);
             // Where it vanishes nothing is drawn: the others are seen there.
-            let lives = |span: &&[f64; 2]| {
-                weights[index] > 0.0 && all[index] <= span[0] && span[1] <= all[index + p + 1]
-            };
+            let begins = spans.partition_point(|span| span[0] < all[index]);
+            let ends = spans.partition_point(|span| span[1] <= all[index + p + 1]);
+            let lives = if weights[index] > 0.0 { begins..ends.max(begins) } else { 0..0 };
             let name = match weights[index] {
                 0.0 => format!("{} = 0", indexed(letter, index)),
                 _ => indexed(letter, index),
             };
-            let mut pieces: Vec<[f64; 2]> = spans.iter().filter(lives).copied().collect();
+            let mut pieces = spans[lives].to_vec();
             // Where all its knots but the first are one, it jumps to zero where it ends: there the
             // value is that of the functions that begin.
             let jumps = all[index + 1] == all[index + p + 1];

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use nurbray::geometry::{Charts, KnotVector, Surface};
 use nurbray::intersect::{BuildOptions, SurfaceBvh};
-use nurbray::scene::{CameraSpec, Placed, World};
+use nurbray::scene::{CameraSpec, Placed, Scene, World};
 
 use super::super::failure::{Failure, OrFail};
 use super::super::input;
@@ -21,12 +21,12 @@ const MARGIN: f64 = 1.01;
 pub(crate) struct Model {
     /// The input as typed.
     pub(crate) name: String,
-    /// The scene.
+    /// The scene as it was read.
+    pub(crate) scene: Scene,
+    /// The scene, ready to render.
     pub(crate) world: World,
     /// Its surfaces in their places: what a rival starts from.
     pub(crate) surfaces: Vec<Surface>,
-    /// Whether the input says nothing of the camera, which then shows all there is.
-    pub(crate) framed: bool,
     /// How long it took to make it ready.
     pub(crate) preparation: Preparation,
     /// The middle of the bounding box.
@@ -40,7 +40,13 @@ pub(crate) struct Model {
 impl Model {
     /// How a report calls the camera.
     pub(crate) fn camera(&self) -> &'static str {
-        if self.framed { "A camera that shows all of the model" } else { "The scene's camera" }
+        let CameraSpec { place, .. } = &self.scene.camera;
+        let unsaid = CameraSpec { place: place.clone(), ..Default::default() };
+        if self.scene.camera == unsaid {
+            "A camera that shows all of the model"
+        } else {
+            "The scene's camera"
+        }
     }
 
     /// The model with some of its surfaces only; prepares them again.
@@ -48,11 +54,12 @@ impl Model {
     /// # Errors
     /// When they cannot be prepared.
     pub(crate) fn keeping(mut self, kept: &[usize], budget: Duration) -> Result<Self, Failure> {
-        let keep = |index: usize| kept.contains(&index);
-        let mut index = 0..;
-        self.world.surfaces.retain(|_| index.next().is_some_and(keep));
-        let mut index = 0..;
-        self.surfaces.retain(|_| index.next().is_some_and(keep));
+        let mut keep = vec![false; self.surfaces.len()];
+        kept.iter().for_each(|&index| keep[index] = true);
+        let mut kept = keep.iter();
+        self.world.surfaces.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.surfaces.retain(|_| kept.next() == Some(&true));
         let (bvh, seconds) = repeat(budget, || {
             SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).or_bad_input()
         })?;
@@ -66,7 +73,7 @@ impl Model {
     /// # Errors
     /// When the input is missing, damaged or wrong.
     pub(crate) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
-        let ((world, framed), preparation) = repeat_preparing(budget, || {
+        let ((scene, world), preparation) = repeat_preparing(budget, || {
             let start = Instant::now();
             let scene = input::read(path)?;
             let placed = Placed::new(&scene).or_bad_input()?;
@@ -74,10 +81,7 @@ impl Model {
             let world = placed.build().or_bad_input()?;
             let build = start.elapsed() - read;
             let [read, build] = [read, build].map(|time| time.as_secs_f64());
-            let camera = &scene.camera;
-            let framed =
-                *camera == CameraSpec { place: camera.place.clone(), ..Default::default() };
-            Ok(((world, framed), Preparation { read, build }))
+            Ok(((scene, world), Preparation { read, build }))
         })?;
         let surfaces: Vec<_> =
             world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
@@ -88,8 +92,8 @@ impl Model {
             name: path.display().to_string(),
             radius: MARGIN * farthest(&surfaces, centre),
             surfaces,
+            scene,
             world,
-            framed,
             preparation,
             centre,
             diagonal: (high - low).length(),

@@ -341,6 +341,16 @@ pub enum ConstructError {
     /// There is no scale, or all are zero.
     #[error("the scale is 0 all along the path: one at least must be positive")]
     NoScale,
+    /// There are too many scales.
+    #[error(
+        "{found} scales: there can be {most}, as many as a curve of the largest degree has points"
+    )]
+    ScaleCount {
+        /// How many there are.
+        found: usize,
+        /// How many there can be.
+        most: usize,
+    },
     /// A radius is not a usable length.
     #[error("{what} radius {}: it must be positive and finite", Shown(*.radius))]
     Radius {

@@ -56,5 +56,5 @@ pub use net::{ControlNet, NetStyle, control_net};
 pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};
-pub use sweep::{Sweep, SweepOptions, sweep, sweep_size};
+pub use sweep::{MAX_SCALES, Sweep, SweepOptions, sweep, sweep_size};
 pub use tube::{Caps, Piece, RibbonStyle, TubeStyle, ribbon, tube};

@@ -32,10 +32,11 @@ struct Moving {
 /// When it stands still all along.
 pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructError> {
     let pieces = pieces(curve);
+    let magnitude = curve.magnitude();
     let mut moving: Vec<Moving> = Vec::new();
     for piece in &pieces {
         if !stands_still(piece) {
-            moving.extend(between_cusps(piece, curve.magnitude()));
+            moving.extend(between_cusps(piece, magnitude));
         }
     }
     let (start, end) = curve.domain();
@@ -44,7 +45,7 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
     }
     let joined = moving.windows(2).all(|pair| {
         let [a, b] = [pair[0].control[pair[0].control.len() - 1], pair[1].control[0]];
-        (a.xyz() / a.w).distance(b.xyz() / b.w) <= STANDING * curve.magnitude()
+        (a.xyz() / a.w).distance(b.xyz() / b.w) <= STANDING * magnitude
     });
     if moving.len() == pieces.len() && moving.iter().zip(&pieces).all(|(m, p)| m.is(p)) || !joined {
         return Ok(curve.clone());

@@ -12,7 +12,7 @@ use super::path::{OnCircle, SAME_PLACE, is_straight, kinks};
 use super::revolve::{Turned, turned_net};
 use super::stops::without_stops;
 use crate::geometry::shapes::unit_knots;
-use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface};
 
 /// How a profile is carried along a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct SweepOptions {
     /// By how many degrees the profile turns about the path, evenly in its parameter.
     pub twist: f64,
     /// The profile's size along the path: the coefficients of a Bézier polynomial over the
-    /// path's domain. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
+    /// path's domain, at most [`MAX_SCALES`] of them. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
     pub scale: Vec<f64>,
     /// How far the surface may be from the true sweep where that is not rational, in scene units;
     /// a millionth of [`sweep_size`] if not given.
@@ -48,6 +48,9 @@ pub struct Sweep {
     pub deviation: f64,
 }
 
+/// The most coefficients of a scale: those of a Bézier polynomial of the largest degree.
+pub const MAX_SCALES: usize = MAX_DEGREE + 1;
+
 /// The default tolerance as a share of [`sweep_size`]: far below what shows.
 const TOLERANCE: f64 = 1e-6;
 
@@ -69,8 +72,8 @@ const TOLERANCE: f64 = 1e-6;
 /// When profile or path runs back over itself; when the path has a kink, a gap or a cusp, or stands
 /// still all along (where it only stops for a while, it goes on); when the sweep folds: a profile
 /// that leaves its plane passes over itself along a straight path, or, where the path bends, it
-/// reaches beyond the centre of curvature; when the scale is negative, or zero all
-/// along; when the tolerance cannot be held.
+/// reaches beyond the centre of curvature; when the scale is negative, zero all along,
+/// or of too many coefficients; when the tolerance cannot be held.
 pub fn sweep(
     profile: &NurbsCurve,
     path: &NurbsCurve,
@@ -123,6 +126,9 @@ fn check_options(options: &SweepOptions) -> Result<(), ConstructError> {
     }
     if scale.iter().all(|&factor| factor == 0.0) {
         return Err(ConstructError::NoScale);
+    }
+    if scale.len() > MAX_SCALES {
+        return Err(ConstructError::ScaleCount { found: scale.len(), most: MAX_SCALES });
     }
     if !twist.is_finite() {
         return Err(ConstructError::Twist { degrees: *twist });

@@ -310,6 +310,11 @@ fn what_cannot_be_swept() {
         message(&circle(0.1), &parabola, &scaled(&[])),
         "the scale is 0 all along the path: one at least must be positive"
     );
+    assert!(sweep(&circle(0.1), &parabola, &scaled(&[1.0; MAX_SCALES])).is_ok());
+    assert_eq!(
+        message(&circle(0.1), &parabola, &scaled(&[1.0; MAX_SCALES + 1])),
+        "34 scales: there can be 33, as many as a curve of the largest degree has points"
+    );
     let fine = SweepOptions { tolerance: Some(1e-30), ..plain.clone() };
     assert!(message(&circle(0.1), &parabola, &fine).starts_with("the tolerance 1e-"));
     let none = SweepOptions { tolerance: Some(0.0), ..plain };

@@ -358,6 +358,41 @@ fn trims_cut_as_in_geomdl() {
 }
 
 #[test]
+fn what_trims_leave_unused_is_noted() {
+    let line = r#"{"points": [[0.2, 0.2], [0.8, 0.2], [0.5, 0.8], [0.2, 0.2]]"#;
+    let twice = CIRCLE.replace("\"delta\"", "\"weights\": [1], \"points\": [[0, 0]], \"delta\"");
+    for (trims, notes) in [
+        (format!("[{line}}}, {CIRCLE}, {OUTLINE}]"), &[][..]),
+        (format!("{{\"count\": 1, \"data\": [{line}, \"reversed\": true}}]}}"), &[]),
+        (
+            format!("[{twice}, {twice}]"),
+            &[
+                "\"points\" beside the control points of a spline are left out",
+                "\"weights\" left out: those of \"control_points\" are used",
+            ],
+        ),
+        (
+            format!("[{line}, \"degree\": 1, \"weights\": [1]}}]"),
+            &["degree, knots and weights beside free-form points are left out"],
+        ),
+        (
+            format!("[{{\"points\": [], \"data\": [{line}, \"reversed\": 1}}]}}]"),
+            &[
+                "\"reversed\" of a curve within \"data\" is left out",
+                "what stands beside the curves of \"data\" is left out",
+            ],
+        ),
+    ] {
+        let found: Vec<_> = model(&trimmed(&trims)).notes.iter().map(ToString::to_string).collect();
+        let expected: Vec<_> = notes
+            .iter()
+            .map(|note| format!("m.json:2:1: trims of surface \"m/lid\": {note}"))
+            .collect();
+        assert_eq!(found, expected, "{trims}");
+    }
+}
+
+#[test]
 fn trims_that_cannot_be_are_named() {
     let inner = SQUARE.replace("0.1", "0.45").replace("0.2", "0.55");
     for (trims, message) in [

@@ -3,11 +3,13 @@
 //! `trims` is `{"count": …, "data": […]}`, or the list alone, of closed loops: splines, free-form
 //! points, or containers of such curves in turn.
 
+use std::collections::BTreeSet;
+
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::points::Points;
-use super::{ControlPoints, Entry, Keyed, LoadError, Raw, Reader};
+use super::{Entry, Keyed, LoadError, Raw, Reader, is_set};
 use crate::geometry::trim::Kept;
 use crate::scene::{
     CurveKind, CurveSpec, Knots, LoopKind, LoopSense, LoopSpec, Place, TrimSpec, Written,
@@ -39,16 +41,21 @@ struct CurveKeys<'a> {
     reversed: Raw<'a>,
 }
 
+/// What is not used of the trims of a surface, once each.
+type Unused = BTreeSet<&'static str>;
+
 impl<'a> Reader<'a> {
     /// The trims of an entry, if it has any.
-    pub(super) fn trims(&self, entry: &Entry<'a>) -> Result<Option<TrimSpec>, LoadError> {
-        let Some(raw) = entry.item.trims.filter(|raw| raw.get() != "null") else {
-            return Ok(None);
-        };
-        let items = self.list(entry, raw)?;
-        let loops = items.iter().enumerate();
-        let loops = loops.map(|(index, raw)| self.trim_loop(entry, index, raw));
-        let loops = loops.collect::<Result<Vec<_>, _>>()?;
+    pub(super) fn trims(&mut self, entry: &Entry<'a>) -> Result<Option<TrimSpec>, LoadError> {
+        let Some(raw) = entry.item.trims else { return Ok(None) };
+        let mut unused = BTreeSet::new();
+        let mut loops = Vec::new();
+        for (index, raw) in self.list(entry, raw)?.into_iter().enumerate() {
+            loops.push(self.trim_loop(entry, (index, raw), &mut unused)?);
+        }
+        for why in unused {
+            self.note(entry, "trims of surface", why.to_owned());
+        }
         if loops.is_empty() {
             return Ok(None);
         }
@@ -72,26 +79,32 @@ impl<'a> Reader<'a> {
     fn trim_loop(
         &self,
         entry: &Entry<'a>,
-        index: usize,
-        raw: &'a RawValue,
+        (index, raw): (usize, &'a RawValue),
+        unused: &mut Unused,
     ) -> Result<LoopSpec, LoadError> {
         let place = self.place(raw);
         let Keyed(keys): Keyed<CurveKeys<'a>> = self.parse(raw.get())?;
         // What a curve goes around is cut off, or what it goes around is kept.
-        let cuts = keys.reversed.map_or("false", RawValue::get);
-        let cuts = ["false", "0", "0.0", "null"].contains(&cuts);
+        let cuts = !is_set(keys.reversed);
         let sense = Some(if cuts { LoopSense::Hole } else { LoopSense::Outline });
         let curves = match keys.data {
             Some(data) => {
+                let beside = [keys.degree, keys.knotvector, keys.control_points, keys.points];
+                if beside.iter().any(Option::is_some) {
+                    unused.insert("what stands beside the curves of \"data\" is left out");
+                }
                 let items: Vec<&'a RawValue> = self.parse(data.get())?;
                 let each = items.into_iter().map(|raw| {
                     let Keyed(keys): Keyed<CurveKeys<'a>> = self.parse(raw.get())?;
-                    self.trim_curve(entry, index, (self.place(raw), keys))
+                    if is_set(keys.reversed) {
+                        unused.insert("\"reversed\" of a curve within \"data\" is left out");
+                    }
+                    self.trim_curve(entry, (index, self.place(raw)), &keys, unused)
                 });
                 each.collect::<Result<_, _>>()?
             }
             None => {
-                let mut curve = self.trim_curve(entry, index, (place.clone(), keys))?;
+                let mut curve = self.trim_curve(entry, (index, place.clone()), &keys, unused)?;
                 // Free-form points alone are a polygon, whether it is said to close or not.
                 if let CurveKind::Polyline(points) = &mut curve.kind {
                     let first = points.first().copied();
@@ -106,24 +119,27 @@ impl<'a> Reader<'a> {
     fn trim_curve(
         &self,
         entry: &Entry<'a>,
-        index: usize,
-        (place, keys): (Place, CurveKeys<'a>),
+        (index, place): (usize, Place),
+        keys: &CurveKeys<'a>,
+        unused: &mut Unused,
     ) -> Result<CurveSpec, LoadError> {
         let kind = match (keys.degree, keys.control_points, keys.points) {
-            (Some(degree), Some(control), _) => {
+            (Some(degree), Some(control), free) => {
+                if free.is_some() {
+                    unused.insert("\"points\" beside the control points of a spline are left out");
+                }
                 let knots = self.needed::<Vec<f64>>(entry, "knotvector", keys.knotvector)?;
                 let knots = Written::new(Knots::Values(knots.value), knots.place);
-                let (points, weights) = if control.get().starts_with('{') {
-                    let Keyed(inner): Keyed<ControlPoints<'a>> = self.parse(control.get())?;
-                    (inner.points, inner.weights.or(keys.weights))
-                } else {
-                    (Some(control), keys.weights)
-                };
+                let (points, weights, twice) = self.control(control, keys.weights)?;
+                unused.extend(twice);
                 let points = self.in_plane(entry, self.needed(entry, "points", points)?)?;
                 let weights = weights.map(|raw| self.parse(raw.get())).transpose()?;
                 CurveKind::Nurbs { degree: self.parse(degree.get())?, knots, points, weights }
             }
-            (_, None, Some(points)) => {
+            (degree, None, Some(points)) => {
+                if degree.or(keys.knotvector).or(keys.weights).is_some() {
+                    unused.insert("degree, knots and weights beside free-form points are left out");
+                }
                 let points = Written::new(self.parse(points.get())?, self.place(points));
                 CurveKind::Polyline(self.in_plane(entry, points)?)
             }

@@ -1,6 +1,7 @@
 //! Keys that nobody reads: nothing a file says is left out without a note.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -90,9 +91,15 @@ impl<'a> Reader<'a> {
         let mut json = serde_json::Deserializer::from_str(object);
         let walked = Walk { keys, found: &mut found }.deserialize(&mut json);
         walked.map_err(|error| self.unreadable(object, &error))?;
-        for (key, value, meant) in found {
-            let offset = self.source.offset_of(value);
-            self.unknown.entry(key).or_insert((offset, 0, meant)).1 += 1;
+        for (key, value, keys) in found {
+            let first = match self.unknown.entry(key) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let meant = keys.nearest(new.key());
+                    new.insert((self.source.offset_of(value), 0, meant))
+                }
+            };
+            first.1 += 1;
         }
         Ok(())
     }
@@ -116,8 +123,8 @@ impl<'a> Reader<'a> {
 /// A walk through objects and lists.
 struct Walk<'f, 'a> {
     keys: &'static Keys,
-    /// Keys, their values, what was meant.
-    found: &'f mut Vec<(String, &'a str, Option<&'static str>)>,
+    /// Keys, their values, what might be there instead.
+    found: &'f mut Vec<(String, &'a str, &'static Keys)>,
 }
 
 impl<'de> DeserializeSeed<'de> for Walk<'_, 'de> {
@@ -142,8 +149,7 @@ impl<'de> Visitor<'de> for Walk<'_, 'de> {
             } else if self.keys.knows(&key) {
                 map.next_value::<IgnoredAny>()?;
             } else {
-                let meant = self.keys.nearest(&key);
-                self.found.push((key, map.next_value::<&RawValue>()?.get(), meant));
+                self.found.push((key, map.next_value::<&RawValue>()?.get(), self.keys));
             }
         }
         Ok(())

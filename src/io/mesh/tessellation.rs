@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::grid_mesh::{GridMesh, MAX_VERTICES, MeshError};
+use super::grid_mesh::{GridMesh, MAX_GRID_SIDE, MAX_VERTICES, MeshError};
 use super::piece::Piece;
 use super::plan::Plan;
 use crate::geometry::Charts;
@@ -30,8 +30,10 @@ impl TessellationPlan {
     /// Every knot span is to be cut into `cells` × `cells`.
     ///
     /// # Errors
-    /// When a surface cannot be cut at its creases.
+    /// When a surface cannot be cut at its creases. Of more cells than a grid may have nothing
+    /// can be made, as [`TessellationPlan::meshes`] says then.
     pub fn with_cells(surfaces: &[impl Charts], cells: usize) -> Result<Self, MeshError> {
+        let cells = cells.min(2 * MAX_GRID_SIDE); // more is too many all the same
         let diagonal = diagonal(&plans(surfaces, shown)?);
         let plans = plans(surfaces, |_| cells)?;
         let worst = plans.iter().map(|(_, plan)| plan.measure().worst()).fold(0.0, f64::max);

@@ -149,7 +149,7 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[[object]]\nshape = { deck_patch = { radius = 1 } }",
-            "4:26: unknown key \"radius\"; there is none",
+            "4:26: unknown key \"radius\": none is known here",
         ),
         (
             "[[object]]\nshape = { sphere = {}, cone = {} }",
