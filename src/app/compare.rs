@@ -19,11 +19,7 @@ use nurbray::scene::World;
 use super::args::{Against, CompareArguments};
 use super::console;
 use super::failure::Failure;
-use super::race::Model;
-
-/// The longest side of a picture, as in `bench`: its 64 million rays and their packets take
-/// about 20 GB.
-const MAX_SIDE: u32 = 8192;
+use super::race::{MAX_SIDE, Model};
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\

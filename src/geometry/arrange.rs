@@ -38,18 +38,26 @@ impl NurbsSurface {
     /// When the map is not finite, flattens space, or takes a control point to infinity.
     pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
         check_invertible(map)?;
-        let moved =
-            |point: &DVec4| (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w);
-        let control = self.control().iter().map(moved).collect();
+        let control = self.control().iter().map(|point| moved(map, point)).collect();
         Self::from_homogeneous(self.knots_u().clone(), self.knots_v().clone(), control)
     }
 }
 
 /// Refuses a map that is not finite, or flattens space.
 pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
+    flattening(map).map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
+}
+
+/// The determinant of a map that is not finite, or flattens space.
+pub(super) fn flattening(map: &DAffine3) -> Option<f64> {
     let determinant = map.matrix3.determinant();
     let invertible = map.is_finite() && determinant.is_normal();
-    if invertible { Ok(()) } else { Err(SurfaceError::Transform { determinant }) }
+    (!invertible).then_some(determinant)
+}
+
+/// A homogeneous point moved by an affine map.
+pub(super) fn moved(map: &DAffine3, point: &DVec4) -> DVec4 {
+    (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w)
 }
 
 /// By how much a map lengthens distances at most: the square of its largest singular value is the

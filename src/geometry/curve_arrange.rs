@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 
+use super::arrange::moved;
 use super::{CurveError, KnotError, KnotVector, NurbsCurve};
 
 impl NurbsCurve {
@@ -13,9 +14,8 @@ impl NurbsCurve {
         if *map == DAffine3::IDENTITY {
             return Ok(self.clone()); // bit for bit
         }
-        let moved =
-            |point: &DVec4| (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w);
-        Self::from_homogeneous(self.knots().clone(), self.control().iter().map(moved).collect())
+        let control = self.control().iter().map(|point| moved(map, point)).collect();
+        Self::from_homogeneous(self.knots().clone(), control)
     }
 
     /// The same curve on another domain, run through at a proportional speed.

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 
+use super::arrange::{flattening, moved};
 use super::shapes::unit_knots;
 use super::surface::{Extent, extent};
 use super::triangle_error::TriangleError;
@@ -330,13 +331,10 @@ impl TrianglePatch {
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.
     pub fn transformed(&self, map: &DAffine3) -> Result<Self, TriangleError> {
-        let determinant = map.matrix3.determinant();
-        let invertible = map.is_finite() && determinant.is_normal();
-        if !invertible {
+        if let Some(determinant) = flattening(map) {
             return Err(TriangleError::Transform { determinant });
         }
-        let moved =
-            |point: &DVec4| (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w);
-        Self::from_homogeneous(self.degree, self.control.iter().map(moved).collect())
+        let control = self.control.iter().map(|point| moved(map, point)).collect();
+        Self::from_homogeneous(self.degree, control)
     }
 }

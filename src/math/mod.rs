@@ -13,6 +13,7 @@ mod ray;
 mod ray_frame;
 pub mod rounding;
 mod shown;
+mod unit;
 
 pub use aabb::Aabb;
 pub use interval::Interval;
@@ -20,3 +21,4 @@ pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
 pub use shown::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
+pub(crate) use unit::unit;

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
-use crate::math::{Ray, Shown, ShownVector};
+use crate::math::{Ray, Shown, ShownVector, unit};
 
 /// A camera's place and the way it is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,12 +234,6 @@ impl Camera {
     pub fn forward(&self) -> DVec3 {
         self.axis.direction()
     }
-}
-
-/// The direction of a vector of any length, without overflow or underflow.
-fn unit(v: DVec3) -> Option<DVec3> {
-    let largest = v.abs().max_element();
-    (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::math::unit;
+
 /// A colour or an amount of light: linear red, green, blue with Rec. 709 primaries.
 pub type Rgb = [f64; 3];
 
@@ -36,9 +38,7 @@ impl Light {
     ///
     /// `None` when `from` is zero or not finite.
     pub fn directional(from: DVec3, irradiance: Rgb) -> Option<Self> {
-        let largest = from.abs().max_element();
-        (largest > 0.0 && from.is_finite())
-            .then(|| Self::Directional { to_light: (from / largest).normalize(), irradiance })
+        unit(from).map(|to_light| Self::Directional { to_light, irradiance })
     }
 }
 

@@ -72,7 +72,7 @@ impl Material {
 }
 
 /// Where `t` lies in a domain, as a share of it in [0, 1].
-fn share(t: f64, (start, end): (f64, f64)) -> f64 {
+pub(crate) fn share(t: f64, (start, end): (f64, f64)) -> f64 {
     let share = (t - start) / (end - start);
     if share > 0.0 { share.min(1.0) } else { 0.0 } // NaN too
 }

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
-use crate::math::ShownVector;
 use crate::math::angle::sin_cos_degrees;
+use crate::math::{ShownVector, unit};
 
 /// One step in placing an object.
 ///
@@ -58,11 +58,11 @@ impl Transform {
         let affine = match *self {
             Self::Translate(by) => DAffine3::from_translation(by),
             Self::Rotate { axis, degrees } => {
-                let largest = axis.abs().max_element();
                 if axis == DVec3::ZERO {
                     return Err(TransformError::NoAxis);
                 }
-                DAffine3::from_mat3(rotation((axis / largest).normalize(), degrees))
+                let axis = unit(axis).ok_or(TransformError::NotFinite)?;
+                DAffine3::from_mat3(rotation(axis, degrees))
             }
             Self::Scale(by) => {
                 if by.to_array().contains(&0.0) {
@@ -85,13 +85,9 @@ impl Transform {
 
 /// Whether a matrix flattens space, whatever the lengths of its columns.
 fn singular(m: &DMat3) -> bool {
-    let unit = |column: DVec3| {
-        let largest = column.abs().max_element();
-        if largest > 0.0 { (column / largest).normalize() } else { DVec3::ZERO }
-    };
-    let columns = DMat3::from_cols(unit(m.x_axis), unit(m.y_axis), unit(m.z_axis));
-    let regular = columns.determinant().abs() > SINGULAR; // false for NaN
-    !regular
+    let columns = [m.x_axis, m.y_axis, m.z_axis].map(|column| unit(column).unwrap_or_default());
+    let [x, y, z] = columns;
+    DMat3::from_cols(x, y, z).determinant().abs() <= SINGULAR
 }
 
 /// Rotation about a unit axis (Rodrigues), exact for multiples of 90° about x, y and z.

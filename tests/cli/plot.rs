@@ -560,9 +560,13 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
     let sandbox = Sandbox::with(&[
         ("s.toml", TRIMMED),
         ("r.toml", &TRIMMED.replace("[object.trims]", "reverse = true\n[object.trims]")),
+        ("c.toml", &TRIMMED.replace("[0.4, 0.6]] }", "[0.4, 0.6], [0.4, 0.4]] }")),
     ]);
     sandbox.run("plot s.toml -o s.svg").succeeded();
     let chosen = String::from_utf8(sandbox.bytes("s.svg")).unwrap();
+    // Nor does a corner given again at the end make another polygon.
+    sandbox.run("plot c.toml -o c.svg").succeeded();
+    assert_eq!(String::from_utf8(sandbox.bytes("c.svg")).unwrap(), chosen);
     assert!(chosen.contains("Trims of sheet") && areas(&chosen, KEPT).len() == 1);
     sandbox.run("plot r.toml -o r.svg").succeeded();
     let mirrored = String::from_utf8(sandbox.bytes("r.svg")).unwrap();
@@ -571,6 +575,33 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
         curve[curve.len() / 2][0] - curve[0][0]
     };
     assert!(bulge(&chosen) > 5.0 && (bulge(&chosen) + bulge(&mirrored)).abs() < 0.1);
+}
+
+#[test]
+fn bases_of_too_many_functions_are_left_out_with_a_warning() {
+    let model = |count: usize| {
+        let knots: Vec<f64> = (0..count).map(|k| k as f64).collect();
+        let points: Vec<[usize; 3]> =
+            (0..count).flat_map(|x| [0, 1].map(|y| [x, y, x % 2])).collect();
+        let (first, last) = (knots[0], knots[count - 1]);
+        format!(
+            "{{\"degree_u\": 1, \"degree_v\": 1, \"size_u\": {count}, \"size_v\": 2,\n\
+             \"knotvector_u\": {:?}, \"knotvector_v\": [0, 0, 1, 1],\n\
+             \"control_points\": {{\"points\": {points:?}}}}}",
+            [&[first], &knots[..], &[last]].concat()
+        )
+    };
+    let sandbox = Sandbox::with(&[("few.json", &model(1000)), ("many.json", &model(1001))]);
+    let few = sandbox.run("plot few.json -o few.svg").succeeded();
+    assert!(!few.stderr.contains("not plotted"), "{}", few.stderr);
+    let many = sandbox.run("plot many.json -o many.svg").succeeded();
+    let warning = "basis functions of many, u are not plotted: more than 1000 functions";
+    assert!(many.stderr.contains(warning), "{}", many.stderr);
+    let panels = |file: &str| {
+        let svg = String::from_utf8(sandbox.bytes(file)).unwrap();
+        [svg.contains("many, u") || svg.contains("few, u"), svg.contains(", v")]
+    };
+    assert_eq!([panels("few.svg"), panels("many.svg")], [[true, true], [false, true]]);
 }
 
 #[test]

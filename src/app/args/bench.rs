@@ -7,12 +7,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nurbray::intersect::Kernel;
 
 use super::super::bench;
-use super::super::race::RaySet;
+use super::super::race::{MAX_SIDE, RaySet};
 use super::values::{once_each, seconds, tolerance};
 use super::{count, kernels, threads};
-
-/// The widest picture: its 64 million rays and their packets take about 20 GB.
-const MAX_SIZE: u64 = 8192;
 
 /// `nurbray bench`.
 #[derive(Debug, Args)]
@@ -49,7 +46,7 @@ pub(crate) struct BenchArguments {
 
     /// Pixels along each side of the picture: N x N primary rays, as many incoherent ones
     #[arg(long, value_name = "N", default_value_t = 1024,
-        value_parser = count::<u32>(1..=MAX_SIZE))]
+        value_parser = count::<u32>(1..=MAX_SIDE.into()))]
     pub(crate) size: u32,
 
     /// How long to measure each competitor on each ray set. Slow ones take longer: each

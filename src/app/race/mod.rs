@@ -21,3 +21,6 @@ pub(crate) use ray_set::{Question, RaySet};
 pub(crate) use rays::{REACH, Rays};
 pub(crate) use rival::{Entry, Rival};
 pub(crate) use steps::{Preparation, Steps};
+
+/// The longest side of a picture in pixels: its 64 million rays and their packets take about 20 GB.
+pub(crate) const MAX_SIDE: u32 = 8192;

@@ -15,6 +15,7 @@ use super::revolve::{Axis, across};
 use crate::geometry::NurbsCurve;
 use crate::geometry::extremes::add_extremes;
 use crate::math::bernstein::binomial;
+use crate::math::unit;
 
 /// Stretches no longer than this are rounding: in shares of the curve's extent, as where
 /// several coordinates turn round at a place that each gives a little otherwise (a triple root
@@ -245,7 +246,7 @@ impl Course {
 
     /// A curve as it is seen along a vector, in a plane across it.
     fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Self {
-        let along = (vector / vector.abs().max_element()).normalize();
+        let along = unit(vector).unwrap_or_default();
         let across = |c: &DVec4| (c.xyz() - c.xyz().dot(along) * along).extend(c.w);
         let piece = |piece: NurbsCurve| CoursePiece {
             domain: piece.domain(),

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::ConstructError;
 use super::path::direction;
-use super::revolve::unit;
 use crate::geometry::NurbsCurve;
+use crate::math::unit;
 
 /// A frame on a path: `normal × side = tangent`, all of length 1.
 #[derive(Clone, Copy, Debug)]

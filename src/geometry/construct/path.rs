@@ -3,8 +3,8 @@
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::ConstructError;
-use super::revolve::unit;
 use crate::geometry::NurbsCurve;
+use crate::math::unit;
 
 /// Directions that differ by less than this angle, in radians, are one: a million times what
 /// rounding does to the tangents of usual curves, and too little to see.

@@ -6,6 +6,7 @@ use super::ConstructError;
 use super::arc::UnitArc;
 use super::fold::check_turned;
 use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::math::unit;
 
 /// A line in space about which things are turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,17 +39,6 @@ impl Axis {
 
     /// The z axis.
     pub const Z: Self = Self { origin: DVec3::ZERO, direction: DVec3::Z };
-}
-
-/// The unit vector, exact along the coordinate axes, whatever the length; `None` for zero
-/// and for what is not finite.
-pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
-    let largest = vector.abs().max_element();
-    let usable = largest > 0.0 && largest.is_finite(); // false for NaN
-    usable.then(|| {
-        let scaled = vector / largest;
-        scaled / scaled.length()
-    })
 }
 
 /// The vector from an axis to a point, at right angles to it.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::intersect::Hit;
 use crate::math::Ray;
-use crate::scene::{Projection, Rgb, World};
+use crate::scene::{Projection, Rgb, World, share};
 
 /// Which property of a hit is shown.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +70,6 @@ impl HitColor {
             }
             Self::Uv => {
                 let domain = world.surfaces[hit.surface as usize].surface.tile(hit.uv);
-                let share = |t: f64, (start, end): (f64, f64)| (t - start) / (end - start);
                 [share(hit.uv.x, domain[0]), share(hit.uv.y, domain[1]), 0.0]
             }
             Self::Depth { near, far } => {
