@@ -1,7 +1,7 @@
 //! Tables that must be tables, and objects that must be objects.
 //!
 //! Readers that serde derives are more lenient than their messages: a list of values in the
-//! order of the keys passes for a table. Nobody means that who writes a scene.
+//! order of the keys passes for a table. No author of a scene means that.
 
 use std::fmt;
 use std::marker::PhantomData;

@@ -3,11 +3,24 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
 use super::values::{Axis, Number, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::construct::{Caps, NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 use crate::scene::{Construction, Written};
+
+/// What the keys of a construction make.
+pub(super) trait ConstructionKeys {
+    /// The construction, with its curves.
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError>;
+}
+
+impl<K: ConstructionKeys> ConstructionKeys for Keyed<K> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Box::new(self.0).construction(reader)
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +31,17 @@ pub(super) struct RevolutionKeys {
     degrees: Option<Number>,
 }
 
+impl ConstructionKeys for RevolutionKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Revolution {
+            profile: reader.curve(self.profile)?,
+            through: self.through.map(|point| point.0).unwrap_or_default(),
+            axis: self.axis.map_or(glam::DVec3::Z, |axis| axis.0),
+            degrees: self.degrees.map_or(360.0, |angle| angle.0),
+        })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ExtrusionKeys {
@@ -25,11 +49,23 @@ pub(super) struct ExtrusionKeys {
     by: Vector,
 }
 
+impl ConstructionKeys for ExtrusionKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Extrusion { profile: reader.curve(self.profile)?, by: self.by.0 })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RuledKeys {
     from: Spanned<CurveKeys>,
     to: Spanned<CurveKeys>,
+}
+
+impl ConstructionKeys for RuledKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Ruled { from: reader.curve(self.from)?, to: reader.curve(self.to)? })
+    }
 }
 
 #[derive(Deserialize)]
@@ -41,11 +77,32 @@ pub(super) struct CoonsKeys {
     v1: Spanned<CurveKeys>,
 }
 
+impl ConstructionKeys for CoonsKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Coons(Box::new([
+            reader.curve(self.u0)?,
+            reader.curve(self.u1)?,
+            reader.curve(self.v0)?,
+            reader.curve(self.v1)?,
+        ])))
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoftKeys {
     sections: Vec<Spanned<CurveKeys>>,
     degree: Option<u32>,
+}
+
+impl ConstructionKeys for LoftKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        let sections = self.sections.into_iter().map(|curve| reader.curve(curve));
+        Ok(Construction::Loft {
+            sections: sections.collect::<Result<_, _>>()?,
+            degree: self.degree.map(|degree| degree as usize),
+        })
+    }
 }
 
 #[derive(Deserialize)]
@@ -59,6 +116,21 @@ pub(super) struct SweepKeys {
     tolerance: Option<Number>,
 }
 
+impl ConstructionKeys for SweepKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Sweep {
+            profile: reader.curve(self.profile)?,
+            path: reader.curve(self.path)?,
+            options: SweepOptions {
+                up: self.up.map(|up| up.0),
+                twist: self.twist.map_or(0.0, |twist| twist.0),
+                scale: self.scale.map_or(vec![1.0], numbers),
+                tolerance: self.tolerance.map(|tolerance| tolerance.0),
+            },
+        })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TubeKeys {
@@ -67,6 +139,19 @@ pub(super) struct TubeKeys {
     #[serde(default)]
     caps: CapsKey,
     tolerance: Option<Number>,
+}
+
+impl ConstructionKeys for TubeKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        let caps = match self.caps {
+            CapsKey::Open => Caps::Open,
+            CapsKey::Flat => Caps::Flat,
+            CapsKey::Round => Caps::Round,
+        };
+        let tolerance = self.tolerance.map(|tolerance| tolerance.0);
+        let style = TubeStyle { radius: self.radius.0, caps, tolerance };
+        Ok(Construction::Tube { curve: reader.curve(self.curve)?, style })
+    }
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
@@ -88,12 +173,33 @@ pub(super) struct RibbonKeys {
     tolerance: Option<Number>,
 }
 
+impl ConstructionKeys for RibbonKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::Ribbon {
+            curve: reader.curve(self.curve)?,
+            style: RibbonStyle {
+                width: self.width.0,
+                up: self.up.map(|up| up.0),
+                twist: self.twist.map_or(0.0, |twist| twist.0),
+                tolerance: self.tolerance.map(|tolerance| tolerance.0),
+            },
+        })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PolygonKeys {
     curve: Spanned<CurveKeys>,
     radius: Number,
     joints: Option<Number>,
+}
+
+impl ConstructionKeys for PolygonKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        let style = net_style(self.radius, self.joints);
+        Ok(Construction::Polygon { curve: reader.curve(self.curve)?, style })
+    }
 }
 
 #[derive(Deserialize)]
@@ -104,12 +210,26 @@ pub(super) struct NetKeys {
     joints: Option<Number>,
 }
 
+impl ConstructionKeys for NetKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        let style = net_style(self.radius, self.joints);
+        Ok(Construction::Net { of: reader.text(self.of), style })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TrimCurvesKeys {
     of: Spanned<String>,
     radius: Number,
     tolerance: Option<Number>,
+}
+
+impl ConstructionKeys for TrimCurvesKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        let style = round_tube(self.radius, self.tolerance);
+        Ok(Construction::TrimCurves { of: reader.text(self.of), style })
+    }
 }
 
 #[derive(Deserialize)]
@@ -126,115 +246,35 @@ pub(super) struct IsoCurvesKeys {
     tolerance: Option<Number>,
 }
 
+impl ConstructionKeys for IsoCurvesKeys {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+        Ok(Construction::IsoCurves {
+            of: reader.text(self.of),
+            u: numbers(self.u),
+            v: numbers(self.v),
+            w: numbers(self.w),
+            style: round_tube(self.radius, self.tolerance),
+        })
+    }
+}
+
 /// Balls at control points are so many times as thick as lines, if nothing else is said.
 const JOINTS: f64 = 2.0;
+
+fn numbers(list: Vec<Number>) -> Vec<f64> {
+    list.into_iter().map(|number| number.0).collect()
+}
+
+fn round_tube(radius: Number, tolerance: Option<Number>) -> TubeStyle {
+    let tolerance = tolerance.map(|tolerance| tolerance.0);
+    TubeStyle { radius: radius.0, caps: Caps::Round, tolerance }
+}
 
 fn net_style(radius: Number, joints: Option<Number>) -> NetStyle {
     NetStyle { radius: radius.0, joints: joints.map_or(JOINTS * radius.0, |joints| joints.0) }
 }
 
-/// The keys of every construction.
-pub(super) enum ConstructionKeys {
-    Revolution(Box<RevolutionKeys>),
-    Extrusion(Box<ExtrusionKeys>),
-    Ruled(Box<RuledKeys>),
-    Coons(Box<CoonsKeys>),
-    Loft(Box<LoftKeys>),
-    Sweep(Box<SweepKeys>),
-    Tube(Box<TubeKeys>),
-    Ribbon(Box<RibbonKeys>),
-    Polygon(Box<PolygonKeys>),
-    Net(Box<NetKeys>),
-    TrimCurves(Box<TrimCurvesKeys>),
-    IsoCurves(Box<IsoCurvesKeys>),
-}
-
 impl Reader<'_, '_> {
-    pub(super) fn construction(&self, keys: ConstructionKeys) -> Result<Construction, LoadError> {
-        Ok(match keys {
-            ConstructionKeys::Revolution(keys) => Construction::Revolution {
-                profile: self.curve(keys.profile)?,
-                through: keys.through.map(|point| point.0).unwrap_or_default(),
-                axis: keys.axis.map_or(glam::DVec3::Z, |axis| axis.0),
-                degrees: keys.degrees.map_or(360.0, |angle| angle.0),
-            },
-            ConstructionKeys::Extrusion(keys) => {
-                Construction::Extrusion { profile: self.curve(keys.profile)?, by: keys.by.0 }
-            }
-            ConstructionKeys::Ruled(keys) => {
-                Construction::Ruled { from: self.curve(keys.from)?, to: self.curve(keys.to)? }
-            }
-            ConstructionKeys::Coons(keys) => Construction::Coons(Box::new([
-                self.curve(keys.u0)?,
-                self.curve(keys.u1)?,
-                self.curve(keys.v0)?,
-                self.curve(keys.v1)?,
-            ])),
-            ConstructionKeys::Loft(keys) => {
-                let sections = keys.sections.into_iter().map(|curve| self.curve(curve));
-                Construction::Loft {
-                    sections: sections.collect::<Result<_, _>>()?,
-                    degree: keys.degree.map(|degree| degree as usize),
-                }
-            }
-            ConstructionKeys::Sweep(keys) => Construction::Sweep {
-                profile: self.curve(keys.profile)?,
-                path: self.curve(keys.path)?,
-                options: SweepOptions {
-                    up: keys.up.map(|up| up.0),
-                    twist: keys.twist.map_or(0.0, |twist| twist.0),
-                    scale: keys.scale.map_or(vec![1.0], |list| list.iter().map(|s| s.0).collect()),
-                    tolerance: keys.tolerance.map(|tolerance| tolerance.0),
-                },
-            },
-            ConstructionKeys::Tube(keys) => {
-                let caps = match keys.caps {
-                    CapsKey::Open => Caps::Open,
-                    CapsKey::Flat => Caps::Flat,
-                    CapsKey::Round => Caps::Round,
-                };
-                let tolerance = keys.tolerance.map(|tolerance| tolerance.0);
-                let style = TubeStyle { radius: keys.radius.0, caps, tolerance };
-                Construction::Tube { curve: self.curve(keys.curve)?, style }
-            }
-            ConstructionKeys::Ribbon(keys) => Construction::Ribbon {
-                curve: self.curve(keys.curve)?,
-                style: RibbonStyle {
-                    width: keys.width.0,
-                    up: keys.up.map(|up| up.0),
-                    twist: keys.twist.map_or(0.0, |twist| twist.0),
-                    tolerance: keys.tolerance.map(|tolerance| tolerance.0),
-                },
-            },
-            ConstructionKeys::Polygon(keys) => Construction::Polygon {
-                curve: self.curve(keys.curve)?,
-                style: net_style(keys.radius, keys.joints),
-            },
-            ConstructionKeys::Net(keys) => {
-                let style = net_style(keys.radius, keys.joints);
-                Construction::Net { of: self.text(keys.of), style }
-            }
-            ConstructionKeys::TrimCurves(keys) => {
-                let tolerance = keys.tolerance.map(|tolerance| tolerance.0);
-                Construction::TrimCurves {
-                    of: self.text(keys.of),
-                    style: TubeStyle { radius: keys.radius.0, caps: Caps::Round, tolerance },
-                }
-            }
-            ConstructionKeys::IsoCurves(keys) => {
-                let tolerance = keys.tolerance.map(|tolerance| tolerance.0);
-                let numbers = |list: Vec<Number>| list.into_iter().map(|number| number.0).collect();
-                Construction::IsoCurves {
-                    of: self.text(keys.of),
-                    u: numbers(keys.u),
-                    v: numbers(keys.v),
-                    w: numbers(keys.w),
-                    style: TubeStyle { radius: keys.radius.0, caps: Caps::Round, tolerance },
-                }
-            }
-        })
-    }
-
     pub(super) fn text(&self, text: Spanned<String>) -> Written<String> {
         let offset = text.span().start;
         Written::new(text.into_inner(), self.source.place(offset))

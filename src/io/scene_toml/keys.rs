@@ -308,7 +308,7 @@ pub(super) enum ShapeSource {
     Nurbs(Box<Keyed<NurbsKeys>>),
     Triangle(Box<Keyed<TriangleKeys>>),
     Subdivision(Scheme, Box<Keyed<SubdivisionKeys>>),
-    Built(ConstructionKeys),
+    Built(Box<dyn ConstructionKeys>),
     File(Spanned<String>),
 }
 
@@ -335,7 +335,6 @@ fn octant_constants(
 
 impl ShapeKeys {
     pub(super) fn source(self) -> ShapeSource {
-        use ConstructionKeys as Built;
         let mut measures = Measures::new();
         let mut measure = |name, written: Spanned<Number>| {
             if !written.span().is_empty() {
@@ -344,22 +343,18 @@ impl ShapeKeys {
             written.into_inner().0
         };
         let shape = match self {
-            Self::Revolution(keys) => {
-                return ShapeSource::Built(Built::Revolution(Box::new(keys.0)));
-            }
-            Self::Extrusion(keys) => return ShapeSource::Built(Built::Extrusion(Box::new(keys.0))),
-            Self::Ruled(keys) => return ShapeSource::Built(Built::Ruled(Box::new(keys.0))),
-            Self::Coons(keys) => return ShapeSource::Built(Built::Coons(Box::new(keys.0))),
-            Self::Loft(keys) => return ShapeSource::Built(Built::Loft(Box::new(keys.0))),
-            Self::Sweep(keys) => return ShapeSource::Built(Built::Sweep(Box::new(keys.0))),
-            Self::Tube(keys) => return ShapeSource::Built(Built::Tube(Box::new(keys.0))),
-            Self::Ribbon(keys) => return ShapeSource::Built(Built::Ribbon(Box::new(keys.0))),
-            Self::Polygon(keys) => return ShapeSource::Built(Built::Polygon(Box::new(keys.0))),
-            Self::Net(keys) => return ShapeSource::Built(Built::Net(Box::new(keys.0))),
-            Self::TrimCurves(keys) => {
-                return ShapeSource::Built(Built::TrimCurves(Box::new(keys.0)));
-            }
-            Self::IsoCurves(keys) => return ShapeSource::Built(Built::IsoCurves(Box::new(keys.0))),
+            Self::Revolution(keys) => return ShapeSource::Built(keys),
+            Self::Extrusion(keys) => return ShapeSource::Built(keys),
+            Self::Ruled(keys) => return ShapeSource::Built(keys),
+            Self::Coons(keys) => return ShapeSource::Built(keys),
+            Self::Loft(keys) => return ShapeSource::Built(keys),
+            Self::Sweep(keys) => return ShapeSource::Built(keys),
+            Self::Tube(keys) => return ShapeSource::Built(keys),
+            Self::Ribbon(keys) => return ShapeSource::Built(keys),
+            Self::Polygon(keys) => return ShapeSource::Built(keys),
+            Self::Net(keys) => return ShapeSource::Built(keys),
+            Self::TrimCurves(keys) => return ShapeSource::Built(keys),
+            Self::IsoCurves(keys) => return ShapeSource::Built(keys),
             Self::Nurbs(keys) => return ShapeSource::Nurbs(keys),
             Self::Triangle(keys) => return ShapeSource::Triangle(keys),
             Self::CatmullClark(keys) => {

@@ -76,7 +76,7 @@ impl Reader<'_, '_> {
                 Ok((name, only(Shape::Subdivision(Arc::new(surface)))))
             }
             ShapeSource::Built(keys) => {
-                let construction = self.construction(keys)?;
+                let construction = keys.construction(self)?;
                 let name = construction.name().to_owned();
                 Ok((name, only(Shape::Built(Arc::new(construction)))))
             }
