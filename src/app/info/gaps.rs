@@ -32,7 +32,7 @@ pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
 pub(crate) struct Edge {
     /// Which surface.
     pub(crate) surface: usize,
-    /// Which chart, of those of all surfaces.
+    /// Which of its charts.
     chart: usize,
     /// Which of its borders or edges.
     pub(crate) which: Which,
@@ -94,59 +94,16 @@ pub(crate) struct Fit {
 /// joints of one drawing run into each other: what nearly meets there is no gap. `sizes` are those of the objects
 /// that the surfaces belong to.
 pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: &[f64]) -> Fit {
-    let (mut charts, mut edges): (Vec<Chart<'_>>, Vec<Edge>) = (Vec::new(), Vec::new());
-    let mut first_charts = Vec::new();
-    for (surface, one) in surfaces.iter().enumerate() {
-        first_charts.push(charts.len());
-        for chart in one.charts() {
-            let index = charts.len();
-            let there = Border::of(&chart).filter(|border| border.is_kept(&chart));
-            let which = there.map(Which::Border);
-            edges.extend(which.map(|which| Edge { surface, chart: index, which }));
-            charts.push(chart);
-        }
-    }
-    let curve = |edge: &Edge| {
-        let Which::Border(border) = edge.which else { return None };
-        let surface = &*charts[edge.chart].surface;
-        let extended = border.pole(surface).is_none();
-        extended.then(|| (*edge, BorderCurve::new(&charts[edge.chart], border)))
-    };
-    let mut curves: Vec<(Edge, BorderCurve<'_>)> = edges.par_iter().filter_map(curve).collect();
-    let collapsed = edges.len() - curves.len();
-    let (borders, mut left_out) = (curves.len(), Vec::new());
-    for (surface, one) in surfaces.iter().enumerate() {
-        match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
-            Ok(edges) => curves.extend(edges.into_iter().enumerate().map(|(number, edge)| {
-                let which = Which::Trim(number);
-                (Edge { surface, chart: first_charts[surface], which }, BorderCurve::of_edge(edge))
-            })),
-            Err(error) => left_out.push((surface, error)),
-        }
-    }
-    let trim_edges = curves.len() - borders;
-
-    let near = |[a, b]: [f64; 2]| (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b));
-    let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
-    // That of the larger object is grown by at least as much as the two may be apart.
-    let farthest = |edge: &Edge| near([sizes[edge.surface], largest]);
-    let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(farthest(e))).collect();
-    let pairs = overlapping(&boxes);
-    let compared = |&[i, j]: &[usize; 2]| {
-        let [(a, first), (b, second)] = [&curves[i], &curves[j]];
-        let near = near([a, b].map(|edge| sizes[edge.surface]));
-        Some(([i, j], side_by_side(first, second, near)?))
-    };
-    let sides: Vec<_> = pairs.par_iter().filter_map(compared).collect();
-
+    let charts: Vec<Vec<Chart<'_>>> = surfaces.iter().map(Charts::charts).collect();
+    let Edges { curves, collapsed, trim_edges, left_out } = Edges::of(surfaces, &charts);
     let mut meeting = BTreeSet::new();
     let mut beside = BTreeSet::new();
     let mut gaps = Vec::new();
-    for ([i, j], (width, at)) in sides {
+    for ([i, j], (width, at)) in neighbours(&curves, sizes) {
         let edges = [i, j].map(|k| curves[k].0);
-        let met = width <= edges.iter().map(|edge| rounding(&charts[edge.chart].surface)).sum();
+        let rounded = |edge: &Edge| rounding(&charts[edge.surface][edge.chart].surface);
         let [a, b] = edges.map(|edge| drawings.get(edge.surface).copied().flatten());
-        if met {
+        if width <= edges.iter().map(rounded).sum() {
             meeting.extend([i, j]);
         } else if a.is_none() || a != b {
             beside.extend([i, j]);
@@ -165,6 +122,70 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
         gaps,
         left_out,
     }
+}
+
+/// The borders and trim edges of surfaces.
+struct Edges<'a> {
+    /// Those that are curves, borders first.
+    curves: Vec<(Edge, BorderCurve<'a>)>,
+    /// How many others are collapsed to a point.
+    collapsed: usize,
+    /// How many of the curves are trim edges.
+    trim_edges: usize,
+    /// Surfaces whose trim edges are not known, with the reason.
+    left_out: Vec<(usize, CurveError)>,
+}
+
+impl<'a> Edges<'a> {
+    /// Those of surfaces with these charts.
+    fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
+        let mut borders: Vec<(Edge, Border)> = Vec::new();
+        for (surface, charts) in charts.iter().enumerate() {
+            for (index, chart) in charts.iter().enumerate() {
+                let kept = Border::of(chart).filter(|border| border.is_kept(chart));
+                borders.extend(kept.map(|border| {
+                    (Edge { surface, chart: index, which: Which::Border(border) }, border)
+                }));
+            }
+        }
+        let curve = |&(edge, border): &(Edge, Border)| {
+            let chart = &charts[edge.surface][edge.chart];
+            let extended = border.pole(&chart.surface).is_none();
+            extended.then(|| (edge, BorderCurve::new(chart, border)))
+        };
+        let mut curves: Vec<_> = borders.par_iter().filter_map(curve).collect();
+        let extended = curves.len();
+        let mut left_out = Vec::new();
+        for (surface, one) in surfaces.iter().enumerate() {
+            match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
+                Ok(edges) => curves.extend(edges.into_iter().enumerate().map(|(number, edge)| {
+                    let which = Which::Trim(number);
+                    (Edge { surface, chart: 0, which }, BorderCurve::of_edge(edge))
+                })),
+                Err(error) => left_out.push((surface, error)),
+            }
+        }
+        let trim_edges = curves.len() - extended;
+        Self { curves, collapsed: borders.len() - extended, trim_edges, left_out }
+    }
+}
+
+/// The pairs of borders that run side by side, the largest distance between them, and where.
+fn neighbours(
+    curves: &[(Edge, BorderCurve<'_>)],
+    sizes: &[f64],
+) -> Vec<([usize; 2], (f64, DVec3))> {
+    let near = |[a, b]: [f64; 2]| (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b));
+    let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
+    // That of the larger object is grown by at least as much as the two may be apart.
+    let farthest = |edge: &Edge| near([sizes[edge.surface], largest]);
+    let boxes: Vec<Aabb> = curves.iter().map(|(e, c)| c.bounds().grown(farthest(e))).collect();
+    let compared = |&[i, j]: &[usize; 2]| {
+        let [(a, first), (b, second)] = [&curves[i], &curves[j]];
+        let near = near([a, b].map(|edge| sizes[edge.surface]));
+        Some(([i, j], side_by_side(first, second, near)?))
+    };
+    overlapping(&boxes).par_iter().filter_map(compared).collect()
 }
 
 /// The largest distance between two borders where they run side by side, no farther apart than `near`, and
