@@ -24,6 +24,7 @@ fn a_row_for_each_class_and_one_for_all() {
     assert!(run.stdout.contains("\nno unflagged miss, no wrong root, no false hit\ndoubtful: "));
     // Every ray is of one of three kinds, every doubtful one, too; and the shares are theirs.
     let (_, summary) = run.stdout.rsplit_once("\ndoubtful: ").unwrap();
+    let (summary, of_any) = summary.split_once("\ndoubtful whether anything is hit: ").unwrap();
     let kinds = ["random", "nasty", "exactly tangent or starting on a surface"];
     let mut sums = [0, 0];
     for (part, kind) in summary.trim_end().split(", ").zip(kinds) {
@@ -35,6 +36,10 @@ fn a_row_for_each_class_and_one_for_all() {
         sums = [sums[0] + doubtful, sums[1] + rays];
     }
     assert_eq!(sums.map(|sum| sum.to_string()), [total[6], total[1]]);
+    // A ray that certainly hits something needs no certain first hit.
+    let (doubtful, rays) = of_any.trim_end().split_once(" of ").unwrap();
+    assert!((1..=sums[0]).contains(&doubtful.parse().unwrap()), "{doubtful}, {sums:?}");
+    assert_eq!(rays, total[1]);
 }
 
 #[test]
