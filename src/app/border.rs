@@ -1,4 +1,4 @@
-//! The four borders of a surface's domain as curves in space.
+//! The borders of a surface's domain as curves in space.
 
 use std::fmt;
 
@@ -15,21 +15,40 @@ const POLE_SAMPLES: usize = 16;
 pub(crate) struct Border {
     /// Which parameter is fixed: 0 for u, 1 for v.
     fixed: usize,
-    /// What it is fixed at: an end of the domain.
+    /// What it is fixed at: an end of the domain, or a knot where the surface jumps.
     at: f64,
+    /// Whether the surface ends there, just before such a knot, and does not begin.
+    before: bool,
 }
 
 impl Border {
     /// The borders `u = u₀`, `u = u₁`, `v = v₀`, `v = v₁`.
     pub(crate) fn all(surface: &NurbsSurface) -> [Self; 4] {
         let [u, v] = surface.domain();
-        [(0, u.0), (0, u.1), (1, v.0), (1, v.1)].map(|(fixed, at)| Self { fixed, at })
+        [(0, u.0), (0, u.1), (1, v.0), (1, v.1)].map(|(fixed, at)| Self {
+            fixed,
+            at,
+            before: false,
+        })
     }
 
     /// The sides of a chart that are borders of its surface.
     pub(crate) fn of(chart: &Chart<'_>) -> impl Iterator<Item = Self> + use<> {
         let sides = Self::all(&chart.surface).into_iter().zip(chart.border);
         sides.filter_map(|(side, is_border)| is_border.then_some(side))
+    }
+
+    /// The borders of a chart at knots of full multiplicity within its domain, two at each: there the surface may jump.
+    pub(crate) fn inner(chart: &Chart<'_>) -> Vec<Self> {
+        let mut inner = Vec::new();
+        for (fixed, knots) in [chart.surface.knots_u(), chart.surface.knots_v()].iter().enumerate()
+        {
+            let starts = knots.spans().skip(1).map(|span| span.start);
+            for at in starts.filter(|&at| knots.multiplicity(at) > knots.degree()) {
+                inner.extend([true, false].map(|before| Self { fixed, at, before }));
+            }
+        }
+        inner
     }
 
     /// Whether trims leave some of it, as far as is known.
@@ -45,7 +64,8 @@ impl Border {
 
     /// The surface parameters where the running one is `t`.
     pub(crate) fn uv(&self, t: f64) -> (f64, f64) {
-        if self.fixed == 0 { (self.at, t) } else { (t, self.at) }
+        let at = if self.before { self.at.next_down() } else { self.at };
+        if self.fixed == 0 { (at, t) } else { (t, at) }
     }
 
     /// The knots of the parameter that runs.
@@ -79,7 +99,8 @@ impl Border {
 
 impl fmt::Display for Border {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
+        let before = if self.before { "just before " } else { "" };
+        write!(f, "{before}{} = {}", if self.fixed == 0 { 'u' } else { 'v' }, self.at)
     }
 }
 

@@ -22,17 +22,20 @@ use gaps::Gap;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-Gaps: each border of each surface is sampled at 33 points or more, and each
-point's nearest point on every other border is found by Newton's method. Two
-borders run side by side where at least a quarter of the points of one lie
-within 1e-3 of the size of the object they belong to (of two objects' borders,
-within 1e-3 of the larger one's size and 1e-2 of the smaller one's; and within
-1/20 of the shorter border's length) of the other. They meet if none of these
-points is farther off than rounding, 4 (p + q + 4) 2^-53 M for each surface; else
-the largest distance is listed as a gap, through which rays may pass. Gaps
-narrower than the samples are long may be missed. Trim edges are curves like
-borders; what trims cut off a border does not count, nor do the parts of one
-tube, ribbon or net, which run into each other.
+Gaps: each border of each surface is sampled at 33 points or more, evenly by
+length, and each point's nearest point on every other border is found by
+Newton's method. Two borders run side by side where at least a quarter of the
+length of one lies within 1e-3 of the size of the object they belong to (of two
+objects' borders, within 1e-3 of the larger one's size and 1e-2 of the smaller
+one's; and within 1/20 of the shorter border's length) of the other. They meet
+if none of these points is farther off than rounding, 4 (p + q + 4) 2^-53 M for
+each surface; else the largest distance is listed as a gap, through which rays
+may pass: of points at which no other border meets either. Gaps narrower than
+the samples are long may be missed. A knot of multiplicity p + 1 within a domain
+makes two borders, as the surface may jump there. Trim edges are borders from
+corner to corner; what trims cut off a border does not count, nor what an edge
+runs along, nor do the parts of one tube, ribbon or net, which run into each
+other.
 
 Bounds: the boxes the surfaces themselves just fit in, not their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a

@@ -1,5 +1,7 @@
 //! A border or a trim edge, sampled, and how far points are from it.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::{Side, Trims};
 use nurbray::geometry::{Chart, KnotVector, NurbsCurve, NurbsSurface};
@@ -19,8 +21,8 @@ const STEPS: usize = 16;
 enum Source<'a> {
     /// A border of a surface, of which trims may have cut off a part.
     Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border },
-    /// A trim edge.
-    Edge(NurbsCurve),
+    /// A part of a trim edge, between two corners.
+    Edge(Arc<NurbsCurve>),
 }
 
 impl Source<'_> {
@@ -49,19 +51,32 @@ impl Source<'_> {
         }
     }
 
+    /// Whether a point of it is where the surface ends. Where a trim edge runs along a border, that is the edge.
     fn keeps(&self, t: f64) -> bool {
         let Self::Border { trims: Some(trims), border, .. } = self else { return true };
         let (u, v) = border.uv(t);
-        trims.contains(DVec2::new(u, v)) != Side::Outside
+        trims.contains(DVec2::new(u, v)) == Side::Inside
     }
 }
 
-/// A border or a trim edge as a curve in space, with points on it.
+/// A point of a curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    t: f64,
+    pub(crate) point: DVec3,
+    /// Half of the way to the samples before and behind: what part of the curve's length it stands for.
+    pub(crate) length: f64,
+    /// Whether the surface ends there: else trims have cut it off.
+    pub(crate) kept: bool,
+}
+
+/// A border, or a trim edge from corner to corner, as a curve in space, with points on it.
 #[derive(Debug)]
 pub(crate) struct BorderCurve<'a> {
     source: Source<'a>,
-    /// Parameters and points, from end to end.
-    samples: Vec<(f64, DVec3)>,
+    domain: (f64, f64),
+    /// From end to end.
+    samples: Vec<Sample>,
     bounds: Aabb,
     length: f64,
     /// How far the curve bulges from the polyline through its samples, at most, as it seems.
@@ -69,33 +84,60 @@ pub(crate) struct BorderCurve<'a> {
 }
 
 impl<'a> BorderCurve<'a> {
-    /// Samples a border.
-    pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Self {
+    /// Samples a border; `None` if trims leave nothing of it, or only what runs along their own edges.
+    pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Option<Self> {
         let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
-        Self::sampled(Source::Border { surface, trims, border })
+        let source = Source::Border { surface, trims, border };
+        let curve = Self::sampled(source, border.knots(surface).domain());
+        curve.samples.iter().any(|sample| sample.kept).then_some(curve)
     }
 
-    /// Samples a trim edge.
-    pub(crate) fn of_edge(edge: NurbsCurve) -> Self {
-        Self::sampled(Source::Edge(edge))
+    /// Samples a trim edge, corner by corner.
+    pub(crate) fn of_edge(edge: NurbsCurve) -> Vec<Self> {
+        let (start, end) = edge.domain();
+        let corners = corners(&edge);
+        let edge = Arc::new(edge);
+        let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
+        let part =
+            |pair: &[f64]| Self::sampled(Source::Edge(Arc::clone(&edge)), (pair[0], pair[1]));
+        stops.windows(2).map(part).collect()
     }
 
-    fn sampled(source: Source<'a>) -> Self {
-        let knots = source.knots();
-        let per_span = INTERVALS.div_ceil(knots.spans().count());
-        let within = knots.spans().flat_map(|span| {
-            let at = move |k| span.start + (span.end - span.start) * k as f64 / per_span as f64;
-            (0..per_span).map(at)
+    fn sampled(source: Source<'a>, domain: (f64, f64)) -> Self {
+        let spans: Vec<[f64; 2]> = source
+            .knots()
+            .spans()
+            .map(|span| [span.start.max(domain.0), span.end.min(domain.1)])
+            .filter(|[start, end]| start < end)
+            .collect();
+        let per_span = INTERVALS.div_ceil(spans.len());
+        let within = spans.iter().flat_map(|&[start, end]| divided([start, end], per_span));
+        let coarse: Vec<(f64, DVec3)> =
+            within.chain([domain.1]).map(|t| (t, source.point(t))).collect();
+
+        // Spans may be of very different lengths: no interval is to stand for much of the curve.
+        let chord = |pair: &[(f64, DVec3)]| pair[0].1.distance(pair[1].1);
+        let length: f64 = coarse.windows(2).map(chord).sum();
+        let most = length / INTERVALS as f64;
+        let finer = coarse.windows(2).flat_map(|pair| {
+            let parts = (chord(pair) / most).ceil().clamp(1.0, INTERVALS as f64) as usize; // 1 for NaN
+            divided([pair[0].0, pair[1].0], parts)
         });
-        let samples: Vec<(f64, DVec3)> =
-            within.chain([knots.domain().1]).map(|t| (t, source.point(t))).collect();
+        let points: Vec<(f64, DVec3)> =
+            finer.chain([domain.1]).map(|t| (t, source.point(t))).collect();
 
-        let length = samples.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).sum();
+        let length: f64 = points.windows(2).map(chord).sum();
         // Over two intervals a curve bulges four times as far from its chord as over one.
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
-        let sag = samples.windows(3).map(bulge).fold(0.0, f64::max);
-        let bounds = Aabb::around(samples.iter().map(|sample| sample.1)).grown(sag);
-        Self { source, samples, bounds, length, sag }
+        let sag = points.windows(3).map(bulge).fold(0.0, f64::max);
+        let bounds = Aabb::around(points.iter().map(|point| point.1)).grown(sag);
+        let ways: Vec<f64> = points.windows(2).map(chord).collect();
+        let way = |k: usize| ways.get(k).copied().unwrap_or(0.0);
+        let samples = points.iter().enumerate().map(|(k, &(t, point))| {
+            let length = 0.5 * (if k > 0 { way(k - 1) } else { 0.0 } + way(k));
+            Sample { t, point, length, kept: source.keeps(t) }
+        });
+        Self { samples: samples.collect(), source, domain, bounds, length, sag }
     }
 
     /// Holds the curve.
@@ -108,10 +150,9 @@ impl<'a> BorderCurve<'a> {
         self.length
     }
 
-    /// Points on it, from end to end, but for those that trims have cut off.
-    pub(crate) fn points(&self) -> Vec<DVec3> {
-        let kept = self.samples.iter().filter(|(t, _)| self.source.keeps(*t));
-        kept.map(|sample| sample.1).collect()
+    /// Points on it, from end to end.
+    pub(crate) fn samples(&self) -> &[Sample] {
+        &self.samples
     }
 
     /// The distance of a point from the curve; `None` if that is more than `near`, or if the
@@ -124,9 +165,9 @@ impl<'a> BorderCurve<'a> {
         }
 
         // The nearest interval of the polyline tells where to look.
-        let interval = |pair: &[(f64, DVec3)]| {
-            let (distance, share) = to_segment(point, [pair[0].1, pair[1].1]);
-            (distance, pair[0].0 + share * (pair[1].0 - pair[0].0))
+        let interval = |pair: &[Sample]| {
+            let (distance, share) = to_segment(point, [pair[0].point, pair[1].point]);
+            (distance, pair[0].t + share * (pair[1].t - pair[0].t))
         };
         let nearest = self.samples.windows(2).map(interval).min_by(|x, y| x.0.total_cmp(&y.0))?;
         let (coarse, start) = nearest;
@@ -144,7 +185,7 @@ impl<'a> BorderCurve<'a> {
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
     fn refined(&self, point: DVec3, mut t: f64) -> (f64, f64, f64) {
-        let (start, end) = self.source.knots().domain();
+        let (start, end) = self.domain;
         let mut best = (f64::INFINITY, 0.0, t);
         for _ in 0..STEPS {
             let (on_curve, speed) = self.source.tangent(t);
@@ -166,6 +207,25 @@ impl<'a> BorderCurve<'a> {
         best
     }
 }
+
+/// The parameters where a curve turns a corner.
+fn corners(curve: &NurbsCurve) -> Vec<f64> {
+    let knots = curve.knots();
+    let inner = knots.spans().skip(1).map(|span| span.start);
+    let turns = |&t: &f64| {
+        let [before, behind] = [t.next_down(), t].map(|t| curve.derivatives(t).first);
+        before.angle_between(behind) > CORNER // false for NaN
+    };
+    inner.filter(|&t| knots.multiplicity(t) >= knots.degree()).filter(turns).collect()
+}
+
+/// Parameters that cut a range into equal parts, but for its end.
+fn divided([start, end]: [f64; 2], parts: usize) -> impl Iterator<Item = f64> {
+    (0..parts).map(move |k| start + (end - start) * k as f64 / parts as f64)
+}
+
+/// A trim edge that turns by more, in radians, has a corner there: 12°, as in [`SIDE_BY_SIDE`](super::gaps::SIDE_BY_SIDE).
+const CORNER: f64 = 0.21;
 
 /// A point that lies beyond the end of a curve by more than this share of what counts as near
 /// is beside another part of the model.
@@ -191,10 +251,10 @@ mod tests {
         let whole = Chart::whole(&cylinder);
         let rim = Border::all(&cylinder)
             .into_iter()
-            .map(|border| BorderCurve::new(&whole, border))
+            .filter_map(|border| BorderCurve::new(&whole, border))
             .find(|curve| (curve.length() - std::f64::consts::TAU).abs() < 0.05)
             .unwrap();
-        let z = rim.points()[0].z;
+        let z = rim.samples()[0].point.z;
         for k in 0..50 {
             let (sin, cos) = (0.123 * f64::from(k)).sin_cos();
             for offset in [0.0, 1e-9, 1e-3] {
@@ -211,9 +271,9 @@ mod tests {
     fn points_beyond_an_end_are_not_beside_the_curve() {
         let plane = shapes::plane(1.0, 1.0).unwrap();
         let whole = Chart::whole(&plane);
-        let curve = BorderCurve::new(&whole, Border::all(&plane)[0]);
-        let points: Vec<DVec3> = curve.points();
-        let (first, last) = (points[0], points[points.len() - 1]);
+        let curve = BorderCurve::new(&whole, Border::all(&plane)[0]).unwrap();
+        let [first, .., last] = curve.samples() else { panic!("two points at least") };
+        let (first, last) = (first.point, last.point);
         let along = (last - first).normalize();
         assert_eq!(curve.distance(last, 0.01), Some(0.0));
         assert_eq!(curve.distance(last + 1e-3 * along, 0.01), None);

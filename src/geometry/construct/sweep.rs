@@ -20,13 +20,13 @@ pub struct SweepOptions {
     /// Where the profile's y axis points at the start, as far as it can; z if not given, or y
     /// where the path begins steeply.
     pub up: Option<DVec3>,
-    /// By how many degrees the profile turns about the path, evenly in its parameter.
+    /// By how many degrees the profile turns about the path, evenly in the path's parameter.
     pub twist: f64,
     /// The profile's size along the path: the coefficients of a Bézier polynomial over the
     /// path's domain, at most [`MAX_SCALES`] of them. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
     pub scale: Vec<f64>,
     /// How far the surface may be from the true sweep where that is not rational, in scene units;
-    /// a millionth of [`sweep_size`] if not given.
+    /// a millionth of [`sweep_size`] if not given, or a thousandth of the profile's size where that is less.
     pub tolerance: Option<f64>,
 }
 
@@ -53,6 +53,12 @@ pub const MAX_SCALES: usize = MAX_DEGREE + 1;
 
 /// The default tolerance as a share of [`sweep_size`]: far below what shows.
 const TOLERANCE: f64 = 1e-6;
+
+/// The same as a share of the profile's size: of a thin tube along a long path the radius is to be right, too.
+const OF_PROFILE: f64 = 1e-3;
+
+/// But no less of [`sweep_size`]: rounding would not allow it.
+const FINEST: f64 = 1e-11;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
 /// does not turn about the path.
@@ -101,8 +107,14 @@ pub fn sweep(
     }
     let frames = MovingFrames::new(&path, first, options)?;
     frames.check_folds(profile)?;
-    let tolerance = options.tolerance.unwrap_or(TOLERANCE * sweep_size(profile, &path, options));
+    let tolerance = options.tolerance.unwrap_or_else(|| default_tolerance(profile, &path, options));
     approximate(profile, &frames, tolerance)
+}
+
+fn default_tolerance(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions) -> f64 {
+    let size = sweep_size(profile, path, options);
+    let of_profile = OF_PROFILE * (size - extent(path));
+    of_profile.max(FINEST * size).min(TOLERANCE * size)
 }
 
 /// What tolerances of sweeps, tubes and ribbons are relative to, if none is given: the diagonal of

@@ -49,7 +49,7 @@ pub struct TubeStyle {
     /// How it ends.
     pub caps: Caps,
     /// How far a tube around what is neither straight nor round may be from the true one, in scene
-    /// units; a millionth of [`sweep_size`](super::sweep_size) of each smooth part if not given.
+    /// units; as in [`SweepOptions`], for each smooth part, if not given.
     pub tolerance: Option<f64>,
 }
 
@@ -158,15 +158,16 @@ pub struct RibbonStyle {
     /// Where it faces at the start of each smooth part, as far as it can; z if not given, or
     /// y where the curve begins steeply.
     pub up: Option<DVec3>,
-    /// By how many degrees it is twisted.
+    /// By how many degrees each smooth part is twisted, evenly in its parameter.
     pub twist: f64,
-    /// How far it may be from the true ribbon, in scene units; a millionth of
-    /// [`sweep_size`](super::sweep_size) of each smooth part if not given.
+    /// How far it may be from the true ribbon, in scene units; as in [`SweepOptions`], for each
+    /// smooth part, if not given.
     pub tolerance: Option<f64>,
 }
 
 /// The flat band along a curve, one surface for each of the curve's smooth parts: straight
-/// lines across the curve, carried along as by [`sweep`].
+/// lines across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends
+/// square: they overlap on its inside and leave a notch on its outside.
 ///
 /// # Errors
 /// When the width is not a positive length, and as [`sweep`].
@@ -211,6 +212,27 @@ mod tests {
         };
         let to_corners = corners.iter().map(|corner| point.distance(*corner));
         (corners.windows(2).map(to_line).collect(), to_corners.fold(f64::INFINITY, f64::min))
+    }
+
+    /// However long the curve is.
+    #[test]
+    fn thin_tubes_have_their_radius() {
+        let points = [[0.0, 0.0, 0.0], [500.0, 1000.0, 0.0], [1000.0, -800.0, 300.0]];
+        let curve = NurbsCurve::bezier(&points.map(DVec3::from)).unwrap();
+        for radius in [1.0, 1e-3, 1e-6] {
+            let style = TubeStyle { radius, caps: Caps::Open, tolerance: None };
+            let [Piece { surface, deviation, .. }] = &tube(&curve, &style).unwrap()[..] else {
+                panic!("one tube")
+            };
+            assert!(*deviation <= 1e-3 * radius, "{radius}: {deviation}");
+            let [(a, b), (c, d)] = surface.domain();
+            for (i, j) in (0..=40).flat_map(|i| (0..=12).map(move |j| (i, j))) {
+                let v = c + (d - c) * f64::from(i) / 40.0;
+                let point = surface.point_at(a + (b - a) * f64::from(j) / 12.0, v);
+                let off = point.distance(curve.point_at(v)) / radius - 1.0;
+                assert!(off.abs() <= 1.1e-3, "{radius}: {off}");
+            }
+        }
     }
 
     #[test]
