@@ -1,9 +1,11 @@
 //! `nurbray info`: what a scene or model holds, how its borders fit, what is not shown.
 
 mod border_curve;
+mod edges;
 mod extent;
 mod facts;
 mod gaps;
+mod neighbours;
 mod text;
 
 use std::process::ExitCode;

@@ -31,6 +31,7 @@ mod oriented_box;
 mod part;
 mod piece;
 mod piece_net;
+mod pole_normal;
 mod powers;
 mod rect;
 mod rounded;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::net::ChartNet;
+use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
 use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
@@ -17,6 +18,10 @@ const LEAST_SINE: f64 = 1e-3;
 /// Places are beside a collapsed side as far as this part of the piece, at most: where a surface
 /// hardly moves with a parameter, far places are near in space.
 pub(crate) const BESIDE_COLLAPSED: f64 = 1e-3;
+
+/// As far as this part of the piece from a collapsed side the pole there tells the normal: farther off the tangents know
+/// all but one or two of its digits themselves.
+const BESIDE_POLE: f64 = 0.1;
 
 /// A tangent at a side speaks for places beside it where it changes by less than one over this.
 const STEADY: f64 = 16.0;
@@ -165,11 +170,15 @@ impl Piece {
     /// the way along the other parameter: not the surface's normal, but a bound of how flat a ray
     /// may be.)
     ///
-    /// At a distance `ρ` from a collapsed side the tangent along it is known to `error / ρ`,
-    /// while the limit at the side itself differs by up to `ρ / size` from the truth: it is
-    /// taken where it is the nearer of the two. So half of the digits are right everywhere. Where
-    /// second derivatives know of no limit, and the tangents are but rounding, nothing is known.
+    /// Beside a collapsed side the tangent along it vanishes; there the pole tells the normal (`pole_normal`). Where it
+    /// does not, as where two such sides meet, the tangent is known to `error / ρ` at a distance `ρ`, while the limit at
+    /// the side itself differs by up to `ρ / size` from the truth: it is taken where it is the nearer of the two, so
+    /// that half of the digits are right. Where second derivatives know of no limit, and the tangents are but
+    /// rounding, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
+        if let Some(normal) = self.normal_by_pole(st) {
+            return Some(normal);
+        }
         let error = self.patch.noise();
         let clear = (error * self.patch.size()).sqrt();
         let distances = self.side_distances(st, jet);
@@ -207,6 +216,17 @@ impl Piece {
             }
             (Some(limit), None) => Some(limit),
             _ => unit.filter(|_| turned <= KNOWN),
+        }
+    }
+
+    /// The unit normal beside the one collapsed side that is near, if there is one and it tells.
+    fn normal_by_pole(&self, st: DVec2) -> Option<DVec3> {
+        let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
+        let mut near =
+            self.collapsed_sides().filter(|(side, _)| parameters[side.number()] <= BESIDE_POLE);
+        match (near.next(), near.next()) {
+            (Some(pole), None) => normal_by_pole(&self.patch, pole, st),
+            _ => None,
         }
     }
 

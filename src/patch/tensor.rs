@@ -335,7 +335,11 @@ pub(super) fn euclidean_net(net: &[DVec4]) -> Points {
 }
 
 /// Basis functions with their first and second derivatives.
-fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
+pub(super) fn derivative_table(degree: usize, t: f64) -> [Basis; 3] {
+    if degree == 0 {
+        let none = [0.0; bernstein::MAX_DEGREE + 1];
+        return [bernstein::basis(0, t), none, none];
+    }
     let lower: Basis = bernstein::basis(degree - 1, t);
     let second = if degree < 2 {
         [0.0; bernstein::MAX_DEGREE + 1]

@@ -224,7 +224,7 @@ fn divided([start, end]: [f64; 2], parts: usize) -> impl Iterator<Item = f64> {
     (0..parts).map(move |k| start + (end - start) * k as f64 / parts as f64)
 }
 
-/// A trim edge that turns by more, in radians, has a corner there: 12°, as in [`SIDE_BY_SIDE`](super::gaps::SIDE_BY_SIDE).
+/// A trim edge that turns by more, in radians, has a corner there: 12°, as in [`SIDE_BY_SIDE`](super::neighbours::SIDE_BY_SIDE).
 const CORNER: f64 = 0.21;
 
 /// A point that lies beyond the end of a curve by more than this share of what counts as near

@@ -10,7 +10,9 @@ use nurbray::scene::ImportNote;
 use super::super::table::{count, long_point, short, short_bytes, short_point, table};
 use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
-use super::gaps::{Edge, Fit, NEAR, NEAR_SMALLER};
+use super::edges::Edge;
+use super::gaps::Fit;
+use super::neighbours::{NEAR, NEAR_SMALLER};
 
 /// More gaps than this are counted, not listed: `--json` has them all.
 const GAPS_LISTED: usize = 20;

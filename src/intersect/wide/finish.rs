@@ -17,8 +17,8 @@ use crate::intersect::bits::set_bits;
 use crate::patch::Piece;
 
 /// In a leaf that ends in a pole normals are looked at closely where the tangents' cross product is less
-/// than this part of the square of the sum of their lengths.
-const LEAST_SINE: f64 = 1e-7;
+/// than this part of the square of the sum of their lengths: so many of their digits are lost there.
+const LEAST_SINE: f64 = 1e-2;
 
 /// What became of some rays, a lane each.
 #[derive(Clone, Copy, Default)]

@@ -1,0 +1,100 @@
+//! The borders and trim edges of surfaces.
+
+use std::fmt;
+
+use nurbray::geometry::{Chart, CurveError, Surface, TrimmedSurface};
+use rayon::prelude::*;
+
+use super::super::border::{Border, rounding};
+use super::border_curve::BorderCurve;
+
+/// A border or a trim edge of one of the surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edge {
+    /// Which surface.
+    pub(crate) surface: usize,
+    /// Which of its charts.
+    chart: usize,
+    /// Which of its borders or edges.
+    pub(crate) which: Which,
+}
+
+/// Which border or trim edge of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Which {
+    /// A border.
+    Border(Border),
+    /// A trim edge, counted from 0.
+    Trim(usize),
+}
+
+impl fmt::Display for Which {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Border(border) => border.fmt(f),
+            Self::Trim(number) => write!(f, "trim edge {number}"),
+        }
+    }
+}
+
+/// The borders and trim edges of surfaces.
+pub(super) struct Edges<'a> {
+    /// Those that are curves, borders first.
+    pub(super) curves: Vec<(Edge, BorderCurve<'a>)>,
+    /// How many others are collapsed to a point.
+    pub(super) collapsed: usize,
+    /// How many of the curves are trim edges.
+    pub(super) trim_edges: usize,
+    /// Surfaces whose trim edges are not known, with the reason.
+    pub(super) left_out: Vec<(usize, CurveError)>,
+    /// How far a point of each surface may be off.
+    rounding: Vec<f64>,
+}
+
+impl<'a> Edges<'a> {
+    /// Those of surfaces with these charts.
+    pub(super) fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
+        let mut borders: Vec<(Edge, Border)> = Vec::new();
+        for (surface, charts) in charts.iter().enumerate() {
+            for (index, chart) in charts.iter().enumerate() {
+                let all = Border::of(chart).chain(Border::inner(chart));
+                borders.extend(all.map(|border| {
+                    (Edge { surface, chart: index, which: Which::Border(border) }, border)
+                }));
+            }
+        }
+        let chart = |edge: &Edge| &charts[edge.surface][edge.chart];
+        let (poles, extended): (Vec<_>, Vec<_>) = borders
+            .into_iter()
+            .partition(|(edge, border)| border.pole(&chart(edge).surface).is_some());
+        let collapsed = poles.iter().filter(|(edge, border)| border.is_kept(chart(edge))).count();
+        let curve = |&(edge, border): &(Edge, Border)| {
+            Some((edge, BorderCurve::new(chart(&edge), border)?))
+        };
+        let mut curves: Vec<_> = extended.par_iter().filter_map(curve).collect();
+        let extended = curves.len();
+        let mut left_out = Vec::new();
+        for (surface, one) in surfaces.iter().enumerate() {
+            match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
+                Ok(edges) => {
+                    let parts = edges.into_iter().flat_map(BorderCurve::of_edge).enumerate();
+                    curves.extend(parts.map(|(number, curve)| {
+                        (Edge { surface, chart: 0, which: Which::Trim(number) }, curve)
+                    }));
+                }
+                Err(error) => left_out.push((surface, error)),
+            }
+        }
+        let trim_edges = curves.len() - extended;
+        let largest = |charts: &Vec<Chart<'_>>| {
+            charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
+        };
+        let rounding = charts.iter().map(largest).collect();
+        Self { curves, collapsed, trim_edges, left_out, rounding }
+    }
+
+    /// How far points of two curves may be apart that meet.
+    pub(super) fn rounding(&self, pair: [usize; 2]) -> f64 {
+        pair.iter().map(|&k| self.rounding[self.curves[k].0.surface]).sum()
+    }
+}

@@ -1,0 +1,101 @@
+//! Normals beside a collapsed side, to all digits.
+//!
+//! Where the side `t = 0` is collapsed to a point `P`, the tangent along it vanishes there: at a distance `ρ` it is known
+//! to `error / ρ` only, and so is the normal. But `X − P W` has a first column of zeros. So it is `t A`, and `A`, of one
+//! degree less, is as exact as the control points. With `Q = A / W` the surface is `P + t Q` and has the tangents `t Q_s`
+//! and `Q + t Q_t`: the normal has the direction of `Q_s × (Q + t Q_t)`, in which nothing vanishes.
+
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+
+use super::field::{Field, Net};
+use super::tensor::derivative_table;
+use super::{CollapsedSide, TensorPatch};
+
+/// By how much the rounding of tangents may turn a normal that is known, in radians.
+const KNOWN: f64 = 1e-9;
+
+/// The unit normal of a patch at a place, by the pole at one of its sides; `None` where that
+/// knows too little of it, as where the tangents away from the pole do not turn along the side.
+pub(super) fn normal_by_pole(
+    patch: &TensorPatch,
+    (side, pole): (CollapsedSide, DVec3),
+    st: DVec2,
+) -> Option<DVec3> {
+    let (control, noise) = (patch.control_net(), patch.noise());
+    let net = |degree, control| Net { degree, control, noise, rational: true, spacing: [0.0; 2] };
+    let (degree @ [p, q], control) = net(patch.degree(), &control).with_collapsed_first(side);
+    let field = net(degree, &control).recentred(pole);
+    let quotient = field.over_t();
+
+    let fixed = side.parameter();
+    let mirrored = side.number() % 2 == 1;
+    let t = if mirrored { 1.0 - st[fixed] } else { st[fixed] }.max(0.0);
+    let in_s = derivative_table(p, st[1 - fixed]);
+    let [whole, lowered] = [q, q - 1].map(|degree| derivative_table(degree, t));
+    let sum = |field: &Field, order_s: usize, in_t: &[f64]| -> DVec4 {
+        let rows = field.values.chunks_exact(field.degree[1] + 1).zip(&in_s[order_s]);
+        rows.map(|(row, s)| row.iter().zip(in_t).map(|(&c, t)| *s * t * c).sum::<DVec4>()).sum()
+    };
+    let weight = |order_s: usize, order_t: usize| sum(&field, order_s, &whole[order_t]).w;
+    let value = |order_s: usize, order_t: usize| sum(&quotient, order_s, &lowered[order_t]).xyz();
+    let w = weight(0, 0);
+    let here = value(0, 0) / w;
+    let by_s = (value(1, 0) - here * weight(1, 0)) / w;
+    let by_t = (value(0, 1) - here * weight(0, 1)) / w;
+
+    let across = here + t * by_t;
+    let cross = by_s.cross(across);
+    // Coefficients are off by `q` times what points are, derivatives by `2 p` times as much again.
+    let off = 2.0 * q as f64 * noise;
+    let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
+    let normal = cross.try_normalize().filter(|_| turned <= KNOWN)?;
+    // Turned as the net is.
+    let backwards = mirrored != (fixed == 0);
+    Some(if backwards { -normal } else { normal })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DMat3};
+
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::patch::PatchSet;
+
+    /// On a sphere the normal is the radius, as near to a pole as can be told.
+    #[test]
+    fn normals_of_a_sphere_are_right_beside_its_poles() {
+        let offset = DVec3::new(3.0, 4.0, 10.0);
+        let turn = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_y(1.1);
+        for (offset, most) in [(DVec3::ZERO, 4e-15), (offset, 4e-14)] {
+            let place = DAffine3::from_mat3_translation(turn, offset);
+            let sphere = shapes::sphere(1.0).unwrap().transformed(&place).unwrap();
+            for sphere in
+                [sphere.clone(), sphere.swapped(), sphere.reversed_u(), sphere.reversed_v()]
+            {
+                let (set, _) = PatchSet::new(std::slice::from_ref(&sphere)).unwrap();
+                let mut asked = 0;
+                for piece in set.pieces() {
+                    for (side, pole) in piece.collapsed_sides() {
+                        for (distance, along) in [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0]
+                            .into_iter()
+                            .flat_map(|distance| [0.0, 0.3, 1.0].map(|along| (distance, along)))
+                        {
+                            let mut st = DVec2::splat(along);
+                            let end = (side.number() % 2) as f64;
+                            st[side.parameter()] = (end - distance).abs();
+                            let normal = normal_by_pole(&piece.patch, (side, pole), st).unwrap();
+                            let radius = piece.patch.point(st) - offset;
+                            let outward = piece.patch.jet(DVec2::splat(0.5));
+                            let outward = outward.ds.cross(outward.dt).dot(outward.point - offset);
+                            let off = normal.distance(radius.normalize() * outward.signum());
+                            assert!(off < most, "{side:?} {st}: {off:e}");
+                            asked += 1;
+                        }
+                    }
+                }
+                assert_eq!(asked, 4 * 6 * 3, "four sides at poles");
+            }
+        }
+    }
+}
