@@ -36,6 +36,10 @@ pub(crate) fn format(path: &Path, known: &[&'static str]) -> Result<&'static str
     format.copied().ok_or_else(|| {
         let found = match &extension {
             Some(extension) => format!("cannot write .{} files", extension.display()),
+            None if path.as_os_str() == "-" => {
+                "it does not stand for standard output, and no extension says how to write it"
+                    .into()
+            }
             None => "no extension says how to write it".into(),
         };
         let known: Vec<_> = known.iter().map(|extension| format!(".{extension}")).collect();
@@ -148,6 +152,11 @@ mod tests {
         assert_eq!(
             message("a", &["exr", "png"]),
             "a: no extension says how to write it; known are .exr and .png"
+        );
+        assert_eq!(
+            message("-", &["npy"]),
+            "-: it does not stand for standard output, and no extension says how to write it; known \
+             is .npy"
         );
         assert_eq!(message("h.csv", &["npy"]), "h.csv: cannot write .csv files; known is .npy");
         assert!(check_npy(Path::new("h.npy")).is_ok() && check_npy(Path::new("h.NPY")).is_ok());

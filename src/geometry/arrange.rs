@@ -45,14 +45,16 @@ impl NurbsSurface {
 
 /// Refuses a map that is not finite, or flattens space.
 pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
+    if !map.is_finite() {
+        return Err(SurfaceError::TransformNotFinite);
+    }
     flattening(map).map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
 }
 
-/// The determinant of a map that is not finite, or flattens space.
+/// The determinant of a finite map that flattens space, or enlarges it beyond numbers.
 pub(super) fn flattening(map: &DAffine3) -> Option<f64> {
     let determinant = map.matrix3.determinant();
-    let invertible = map.is_finite() && determinant.is_normal();
-    (!invertible).then_some(determinant)
+    (!determinant.is_normal()).then_some(determinant)
 }
 
 /// A homogeneous point moved by an affine map.

@@ -93,13 +93,30 @@ impl NurbsCurve {
     }
 
     /// Control point `index` in space.
+    ///
+    /// # Panics
+    /// When there is no such point: `index` is not less than the length of
+    /// [`NurbsCurve::control`].
+    #[track_caller]
     pub fn point(&self, index: usize) -> DVec3 {
-        self.control[index].xyz() / self.control[index].w
+        let point = self.homogeneous(index);
+        point.xyz() / point.w
     }
 
     /// The weight of control point `index`.
+    ///
+    /// # Panics
+    /// When there is no such point, as [`NurbsCurve::point`].
+    #[track_caller]
     pub fn weight(&self, index: usize) -> f64 {
-        self.control[index].w
+        self.homogeneous(index).w
+    }
+
+    #[track_caller]
+    fn homogeneous(&self, index: usize) -> DVec4 {
+        let count = self.control.len();
+        assert!(index < count, "there is no control point {index}: the curve has {count}");
+        self.control[index]
     }
 
     /// Whether the weights differ; with equal weights the curve is polynomial.

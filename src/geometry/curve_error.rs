@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::{KnotError, MAX_MAGNITUDE};
+use super::{KnotError, MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::math::{Counted, Measured, Shown, ShownVector};
 
 /// Why numbers cannot be a curve, or an operation not be done on one.
@@ -72,6 +72,15 @@ pub enum CurveError {
         /// The radius.
         radius: f64,
     },
+    /// A radius is so small or so large that points of the circle would be lost to rounding.
+    #[error(
+        "radius {}: radii from {MIN_MAGNITUDE:e} to {MAX_MAGNITUDE:e} are supported",
+        Shown(*.radius)
+    )]
+    RadiusRange {
+        /// The radius.
+        radius: f64,
+    },
     /// An arc of a circle turns by nothing, or by more than the circle has.
     #[error("an arc from {from}° by {degrees}°: it must turn by -360° to 360°, and not by 0°")]
     Arc {
@@ -95,7 +104,10 @@ pub enum CurveError {
         t: f64,
     },
     /// Too few points for what is to be made of them.
-    #[error("{}: at least {needed} are needed", Counted(*.found, "point"))]
+    #[error(
+        "{}: at least {needed} {} needed",
+        Counted(*.found, "point"), if *.needed == 1 { "is" } else { "are" }
+    )]
     TooFewPoints {
         /// How many there are.
         found: usize,

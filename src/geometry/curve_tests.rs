@@ -196,6 +196,16 @@ fn errors_tell_what_is_needed() {
 }
 
 #[test]
+fn there_are_no_more_control_points_than_there_are() {
+    let curve = NurbsCurve::bezier(&plane(&[(0., 0.), (1., 2.), (2., 0.)])).unwrap();
+    assert_eq!((curve.point(2).x, curve.weight(2)), (2.0, 1.0));
+    let said = std::panic::catch_unwind(|| curve.point(3)).unwrap_err();
+    let message = "there is no control point 3: the curve has 3".to_owned();
+    assert_eq!(said.downcast_ref(), Some(&message));
+    assert!(std::panic::catch_unwind(|| curve.weight(usize::MAX)).is_err());
+}
+
+#[test]
 fn halves_and_bernstein_sums_agree_with_de_casteljau() {
     let points: Vec<DVec4> = (0..8)
         .map(|k| DVec4::new(f64::from(k), f64::from(k * k % 5), 1.0, 1.0 + f64::from(k % 3)))

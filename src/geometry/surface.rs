@@ -142,14 +142,31 @@ impl NurbsSurface {
     }
 
     /// Control point `(i, j)` in space.
+    ///
+    /// # Panics
+    /// When there is no such point: `i` or `j` is not less than [`NurbsSurface::size`] says.
+    #[track_caller]
     pub fn point(&self, i: usize, j: usize) -> DVec3 {
+        self.assert_has(i, j);
         let point = self.homogeneous(i, j);
         point.xyz() / point.w
     }
 
     /// The weight of control point `(i, j)`.
+    ///
+    /// # Panics
+    /// When there is no such point, as [`NurbsSurface::point`].
+    #[track_caller]
     pub fn weight(&self, i: usize, j: usize) -> f64 {
+        self.assert_has(i, j);
         self.homogeneous(i, j).w
+    }
+
+    /// A `j` too large would be the index of a point in a later row.
+    #[track_caller]
+    fn assert_has(&self, i: usize, j: usize) {
+        let (nu, nv) = self.size();
+        assert!(i < nu && j < nv, "there is no control point ({i}, {j}): the net is {nu} × {nv}");
     }
 
     pub(super) fn homogeneous(&self, i: usize, j: usize) -> DVec4 {

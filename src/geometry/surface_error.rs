@@ -156,7 +156,10 @@ pub enum SurfaceError {
     /// The cage of a subdivision surface would not be valid.
     #[error("{0}")]
     Cage(CageError),
-    /// A transform that is not finite, or flattens space.
+    /// A transform has a number that is NaN or infinite.
+    #[error("the transform is not finite: all of its numbers must be")]
+    TransformNotFinite,
+    /// A transform flattens space, or enlarges it beyond numbers.
     #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.

@@ -100,10 +100,30 @@ fn operations_refuse_what_they_cannot_do() {
         plane.transformed(&flat).unwrap_err().to_string(),
         "the transform's determinant is 0: it must be neither 0 nor infinite"
     );
-    let nowhere = DAffine3::from_translation(DVec3::new(f64::NAN, 0.0, 0.0));
-    assert!(matches!(plane.transformed(&nowhere), Err(SurfaceError::Transform { .. })));
+    for number in [f64::NAN, f64::INFINITY] {
+        let moved = DAffine3::from_translation(DVec3::new(number, 0.0, 0.0));
+        let scaled = DAffine3::from_scale(DVec3::new(1.0, number, 1.0));
+        for map in [moved, scaled] {
+            assert_eq!(
+                plane.transformed(&map).unwrap_err().to_string(),
+                "the transform is not finite: all of its numbers must be"
+            );
+        }
+    }
     let huge = DAffine3::from_scale(DVec3::splat(1e300));
     assert!(plane.transformed(&huge).is_err());
+}
+
+#[test]
+fn control_points_are_named_by_both_indices() {
+    let surface = NurbsSurface::new(knots(2, 9), knots(2, 9), net(9, 9), None).unwrap();
+    assert_eq!((surface.point(8, 8), surface.weight(8, 8)), (net(9, 9)[80], 1.0));
+    for (i, j) in [(0, 10), (0, 9), (9, 0), (usize::MAX, usize::MAX)] {
+        let said = std::panic::catch_unwind(|| surface.point(i, j)).unwrap_err();
+        let message = format!("there is no control point ({i}, {j}): the net is 9 × 9");
+        assert_eq!(said.downcast_ref(), Some(&message));
+        assert!(std::panic::catch_unwind(|| surface.weight(i, j)).is_err(), "({i}, {j})");
+    }
 }
 
 /// A piece that is only a point cannot be a surface of its own.

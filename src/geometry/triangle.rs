@@ -331,6 +331,9 @@ impl TrianglePatch {
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.
     pub fn transformed(&self, map: &DAffine3) -> Result<Self, TriangleError> {
+        if !map.is_finite() {
+            return Err(TriangleError::TransformNotFinite);
+        }
         if let Some(determinant) = flattening(map) {
             return Err(TriangleError::Transform { determinant });
         }

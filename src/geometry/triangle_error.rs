@@ -90,7 +90,10 @@ pub enum TriangleError {
         /// How far they span along the longest axis.
         size: f64,
     },
-    /// A transform that is not finite, or flattens space.
+    /// A transform has a number that is NaN or infinite.
+    #[error("the transform is not finite: all of its numbers must be")]
+    TransformNotFinite,
+    /// A transform flattens space, or enlarges it beyond numbers.
     #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.

@@ -275,6 +275,11 @@ fn what_is_no_triangle() {
         message(patch.transformed(&flat)),
         "the transform's determinant is 0: it must be neither 0 nor infinite"
     );
+    let nowhere = DAffine3::from_translation(DVec3::new(0.0, f64::NAN, 0.0));
+    assert_eq!(
+        message(patch.transformed(&nowhere)),
+        "the transform is not finite: all of its numbers must be"
+    );
     // w = 1 at the origin, v = 1 at x, u = 1 at y.
     assert_eq!(patch.normal(1.0, 0.0), Some(DVec3::NEG_Z));
     assert_eq!(patch.swapped().normal(1.0, 0.0), Some(DVec3::Z));

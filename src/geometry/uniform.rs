@@ -134,6 +134,14 @@ mod tests {
     }
 
     #[test]
+    fn ends_of_nothing_cannot_be_repeated() {
+        assert_eq!(
+            with_repeated_ends(&[], [1, 1]).unwrap_err().to_string(),
+            "0 points: at least 1 is needed"
+        );
+    }
+
+    #[test]
     fn closed_splines_are_smooth_at_their_seam() {
         for degree in 1..=5 {
             let curve = NurbsCurve::closed_bspline(degree, &points()).unwrap();

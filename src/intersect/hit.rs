@@ -5,7 +5,10 @@ use glam::{DVec2, DVec3};
 use crate::math::Ray;
 
 /// One meeting of a ray and a surface, in f64.
-#[derive(Clone, Copy, Debug)]
+///
+/// Hits are equal if all of their numbers are; one without a normal, which is NaN, equals nothing,
+/// not even itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
     pub t: f64,
@@ -25,7 +28,7 @@ pub struct Hit {
 }
 
 /// A root a secondary ray may leave: opaque to the caller, taken from [`Hit::root`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
@@ -177,8 +180,9 @@ mod sealed {
     impl Sealed for super::Query {}
 }
 
-/// The first hit, or a proved miss, or a doubtful answer.
-#[derive(Clone, Copy, Debug, Default)]
+/// The first hit, or a proved miss, or a doubtful answer. Equal as [`Hit`]s are: a hit without a
+/// normal makes it differ from everything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The hit with the smallest `t`.
     pub hit: Option<Hit>,
@@ -194,4 +198,30 @@ pub struct Occlusion {
     pub occluded: bool,
     /// Whether floating point could not decide.
     pub doubtful: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hit_without_a_normal_equals_nothing() {
+        let root = Root { piece: 0, cosine: 1.0, st: DVec2::ZERO, error: 0.0 };
+        let hit = Hit {
+            t: 1.0,
+            surface: 0,
+            uv: DVec2::ZERO,
+            point: DVec3::Z,
+            normal: DVec3::Z,
+            flags: HitFlags::NONE,
+            root,
+        };
+        let answer = |hit| Answer { hit: Some(hit), doubtful: false };
+        assert_eq!(answer(hit), answer(hit));
+        assert_ne!(answer(hit), answer(Hit { t: 2.0, ..hit }));
+        assert_ne!(hit, Hit { root: Root { piece: 1, ..root }, ..hit });
+        let pole = Hit { normal: DVec3::NAN, flags: HitFlags::NO_NORMAL, ..hit };
+        assert_ne!(answer(pole), answer(pole));
+        assert_eq!(Answer::default(), Answer::default());
+    }
 }

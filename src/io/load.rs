@@ -11,6 +11,7 @@ use super::load_error::{LoadError, LoadFault};
 use super::nearby::nearest_file;
 use super::obj::{CageModel, read_obj_cage};
 use super::scene_toml::read_scene;
+use super::source::Source;
 use crate::scene::{Object, Part, Place, Scene, Scheme, Shape, Subdivision};
 
 /// The largest file that is read: 1 GiB, ten times the largest model ever met. Its text,
@@ -175,7 +176,11 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        fail(LoadFault::NotText { path: path.to_owned(), valid })
+        let text = String::from_utf8_lossy(&error.as_bytes()[..valid]);
+        // As readers do, which do not count a mark of the encoding.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let place = Source::new(text, &path.display().to_string()).place(text.len());
+        LoadError::new(place, LoadFault::NotText { path: path.to_owned(), valid })
     })
 }
 
@@ -336,8 +341,16 @@ mod tests {
         );
         assert_eq!(
             error(&[("m.json", b"{\"a\": \"\xff\"}")]),
-            "cannot read \"m.json\": it is not UTF-8 text from byte 7 on"
+            "m.json:1:8: from here on the file is not UTF-8 text: byte 7 cannot be read"
         );
+        // Characters are counted, not bytes, and no mark of the encoding.
+        let scene = b"\xef\xbb\xbf# caf\xc3\xa9 \xe9\n";
+        assert_eq!(
+            error(&[("s.toml", scene)]),
+            "s.toml:1:8: from here on the file is not UTF-8 text: byte 11 cannot be read"
+        );
+        let scene = b"# a\n[[object]]\nname = '\xe9'\n";
+        assert!(error(&[("s.toml", scene)]).starts_with("s.toml:3:9: from here on "));
     }
 
     #[test]
@@ -349,7 +362,7 @@ mod tests {
         assert!(load(&[("m.obj", cage)]).1.is_ok());
         assert_eq!(
             error(&[("m.obj", b"\xff\xfev\0 \x000\0")]),
-            "cannot read \"m.obj\": it is not UTF-8 text from byte 0 on"
+            "m.obj:1:1: from here on the file is not UTF-8 text: byte 0 cannot be read"
         );
         assert_eq!(error(&[("m.obj", b"v 0 0 \xe9\n")]), "m.obj:1:7: \"\u{fffd}\" is not a number");
     }

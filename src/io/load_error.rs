@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::quoted::{DidYouMean, Quoted, WhyUnread};
+use super::quoted::{DidYouMean, NoStandardInput, Quoted, WhyUnread};
 use crate::scene::{Place, SceneError};
 
 /// Why an input cannot be read: one message with the file, the line and the column.
@@ -45,7 +45,7 @@ pub enum LoadFault {
         /// The largest size that is read.
         limit: u64,
     },
-    /// It is not UTF-8 text.
+    /// It is not UTF-8 text; the error's place is where it ceases to be.
     NotText {
         /// Which file.
         path: PathBuf,
@@ -110,7 +110,8 @@ impl fmt::Display for LoadFault {
         match self {
             Self::Read { path, nearest, error } => {
                 let meant = DidYouMean(nearest.as_deref());
-                write!(f, "cannot read {}: {}{meant}", Quoted(path), WhyUnread(error))
+                let hint = NoStandardInput(path);
+                write!(f, "cannot read {}: {}{meant}{hint}", Quoted(path), WhyUnread(error))
             }
             Self::NotAFile { path } => {
                 write!(f, "cannot read {}: it is a pipe or a device, not a file", Quoted(path))
@@ -125,9 +126,8 @@ impl fmt::Display for LoadFault {
                 let path = Quoted(path);
                 write!(f, "cannot read {path}: {bytes} bytes are more than the {limit} allowed")
             }
-            Self::NotText { path, valid } => {
-                let path = Quoted(path);
-                write!(f, "cannot read {path}: it is not UTF-8 text from byte {valid} on")
+            Self::NotText { valid, .. } => {
+                write!(f, "from here on the file is not UTF-8 text: byte {valid} cannot be read")
             }
             Self::UnknownType { path, what } => {
                 write!(

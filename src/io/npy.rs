@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::nearby::nearest_file;
 use super::npy_header::read_header;
-use super::quoted::{DidYouMean, Quoted, WhyUnread};
+use super::quoted::{DidYouMean, NoStandardInput, Quoted, WhyUnread};
 use super::{WriteError, write_atomically};
 use crate::math::{Counted, Ray, RayError};
 
@@ -43,7 +43,10 @@ impl Table {
 #[non_exhaustive]
 pub enum NpyError {
     /// The system refuses.
-    #[error("cannot read {}: {}{}", Quoted(path), WhyUnread(reason), DidYouMean(.nearest.as_deref()))]
+    #[error(
+        "cannot read {}: {}{}{}",
+        Quoted(path), WhyUnread(reason), DidYouMean(.nearest.as_deref()), NoStandardInput(path)
+    )]
     Io {
         /// The file.
         path: PathBuf,
@@ -372,6 +375,17 @@ mod tests {
             message(b"PK\x03\x04 something else"),
             "rays.npy: not a NumPy .npy file: it does not begin with \\x93NUMPY"
         );
+        // However short it is.
+        for text in ["h", "hello", "hello, world"] {
+            assert!(
+                message(text.as_bytes()).ends_with("it does not begin with \\x93NUMPY"),
+                "{text}"
+            );
+        }
+        for cut in ["", "\u{93}NUM", "\u{93}NUMPY\u{1}"] {
+            let bytes: Vec<u8> = cut.chars().map(|c| c as u8).collect();
+            assert!(message(&bytes).ends_with("it ends within the header"), "{cut}");
+        }
         let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();
         assert_eq!(error, "cannot read \"/no/such.npy\": there is no such file");
         assert!(matches!(read_table(Path::new("/"), &[6]), Err(NpyError::Io { .. })));

@@ -8,6 +8,9 @@ use npyz::NpyHeader;
 use super::NpyError;
 use crate::math::Counted;
 
+/// How a file begins.
+const MAGIC: &[u8] = b"\x93NUMPY";
+
 /// The longest header read, as NumPy itself has it: that of a table has about 100 bytes.
 const MAX_HEADER: usize = 10_000;
 
@@ -32,10 +35,14 @@ pub(super) fn read_header(
     };
 
     // Magic, version, length of the text that follows: 2 bytes in version 1, else 4.
-    let mut bytes = vec![0; 8];
-    stream.read_exact(&mut bytes).map_err(short)?;
-    if !bytes.starts_with(b"\x93NUMPY") {
+    let mut bytes = Vec::with_capacity(8);
+    stream.take(8).read_to_end(&mut bytes).map_err(short)?;
+    let magic = &bytes[..bytes.len().min(MAGIC.len())];
+    if !MAGIC.starts_with(magic) {
         return Err(wrong("it does not begin with \\x93NUMPY"));
+    }
+    if bytes.len() < 8 {
+        return Err(short(io::ErrorKind::UnexpectedEof.into()));
     }
     let length_bytes = match bytes[6] {
         1 => 2,

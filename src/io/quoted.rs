@@ -45,6 +45,19 @@ impl fmt::Display for DidYouMean<'_> {
     }
 }
 
+/// That a path which stands for standard input elsewhere is a file like any other here, at the end
+/// of a message.
+pub(super) struct NoStandardInput<'a>(pub(super) &'a Path);
+
+impl fmt::Display for NoStandardInput<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.as_os_str() == "-" {
+            true => f.write_str("; \"-\" does not stand for standard input: name a file"),
+            false => Ok(()),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

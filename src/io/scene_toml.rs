@@ -62,7 +62,7 @@
 //! # Shapes
 //!
 //! By name, in their own coordinates. All measures may be left out, and with them the table:
-//! `shape = "sphere"`.
+//! `shape = "sphere"`. What is left out is as shown here.
 //!
 //! ```toml
 //! [[object]]
@@ -82,7 +82,7 @@
 //! [[object]]
 //! shape = { cone = { radius = 1, height = 1 } }       # its side, on z = 0
 //! [[object]]
-//! shape = { torus = { major = 1, minor = 0.3 } }      # around the z axis
+//! shape = { torus = { major = 1, minor = 0.3333333333333333 } }  # around the z axis; a third
 //! [[object]]
 //! shape = { disk = { radius = 1 } }                   # in z = 0, facing up
 //! [[object]]
@@ -302,11 +302,11 @@ impl Reader<'_, '_> {
     fn settings(&self, Keyed(keys): Keyed<RenderKeys>) -> Result<RenderDefaults, LoadError> {
         let mut settings = RenderDefaults::default();
         if let Some(size) = keys.size {
-            settings.size = size.get_ref().0.into();
+            settings.size = size.get_ref().0.map(|side| side.0).into();
             self.check(&settings, size.span().start)?;
         }
         if let Some(spp) = keys.spp {
-            settings.spp = *spp.get_ref();
+            settings.spp = spp.get_ref().0;
             self.check(&settings, spp.span().start)?;
         }
         if let Some(name) = keys.integrator {

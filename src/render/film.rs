@@ -165,7 +165,9 @@ impl Film {
     /// Joining A..B with B..C gives the film of A..C, bit for bit, in either order.
     ///
     /// # Errors
-    /// When the films are not of the same picture, or one range does not follow the other.
+    /// When the films differ in size, crop, integrator, data channels, seed or kernel, or one
+    /// range does not follow the other. That both are of the same scene and camera cannot be
+    /// seen from films, and is up to the caller.
     pub fn merge(self, other: Self) -> Result<Self, MergeError> {
         let (a, b) = (&self.settings, &other.settings);
         let same = [

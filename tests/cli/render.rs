@@ -269,7 +269,7 @@ fn wrong_settings_are_refused() {
     for (options, first_line) in [
         (
             "--size 10",
-            "invalid value '10' for '--size <WxH>': a size is WIDTHxHEIGHT in pixels, such as 1024x768",
+            "invalid value '10' for '--size <WxH>': a size is WIDTHxHEIGHT in pixels, both at least 1, such as 1024x768",
         ),
         (
             "--spp 0",

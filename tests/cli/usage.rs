@@ -77,6 +77,28 @@ fn negative_numbers_are_values() {
     sandbox.run(line).misused("a value is required for '--size <WxH>' but none was supplied");
 }
 
+/// As elsewhere it may: the message says so, before anything else is looked at.
+#[test]
+fn a_dash_is_no_stream() {
+    let sandbox = Sandbox::with(&[("s.toml", SPHERE)]);
+    sandbox.write_rows("rays.npy", &[[0.0, 0.0, 5.0, 0.0, 0.0, -1.0]]);
+    let input = "cannot read \"-\": there is no such file; \"-\" does not stand for standard input: \
+                 name a file";
+    for line in ["render - -o a.png", "info -", "cast s.toml --rays - -o h.npy"] {
+        sandbox.run(line).failed(2, input);
+    }
+    let output = "-: it does not stand for standard output, and no extension says how to write it; \
+                  known";
+    for (line, known) in [
+        ("render s.toml -o -", "are .exr and .png"),
+        ("plot s.toml -o -", "are .svg and .png"),
+        ("cast s.toml --rays rays.npy -o -", "is .npy"),
+    ] {
+        sandbox.run(line).failed(2, &format!("{output} {known}"));
+    }
+    assert_eq!(sandbox.files(), ["rays.npy", "s.toml"]);
+}
+
 #[test]
 fn misspelt_kernels_get_the_nearest() {
     let run = Sandbox::new().run("audit a.toml --kernel scalr");

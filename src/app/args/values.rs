@@ -26,7 +26,7 @@ pub(crate) struct SampleRange {
 
 /// Parses `1024x768`.
 pub(crate) fn size(text: &str) -> Result<Size, String> {
-    const NEED: &str = "a size is WIDTHxHEIGHT in pixels, such as 1024x768";
+    const NEED: &str = "a size is WIDTHxHEIGHT in pixels, both at least 1, such as 1024x768";
     let (width, height) = text.split_once(['x', 'X']).ok_or(NEED)?;
     let side = |text| u32::try_from(whole(text)?).ok().filter(|&side| side > 0);
     let [width, height] = [width, height].map(side);
@@ -129,14 +129,17 @@ mod tests {
             "640",
             "640x",
             "x480",
+            "0x0",
             "0x480",
+            "640x0",
             "640x-1",
             "-640x1",
             "640x480x3",
             "1.5x2",
             "99999999999x1",
         ] {
-            assert!(size(wrong).is_err(), "{wrong}");
+            let needed = "a size is WIDTHxHEIGHT in pixels, both at least 1, such as 1024x768";
+            assert_eq!(size(wrong), Err(needed.to_owned()), "{wrong}");
         }
     }
 

@@ -8,9 +8,9 @@ use nurbray::math::{Aabb, Measured};
 use nurbray::scene::ImportNote;
 
 use super::super::table::{count, long_point, short, short_bytes, short_point, table};
+use super::edges::Edge;
 use super::extent::tolerance;
 use super::facts::{Facts, SurfaceFacts};
-use super::edges::Edge;
 use super::gaps::Fit;
 use super::neighbours::{NEAR, NEAR_SMALLER};
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::Corner;
-use crate::geometry::{CurveError, SurfaceError};
+use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError};
 use crate::math::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
@@ -88,6 +88,19 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
+    /// A line of a net ends at a vertex that the net does not have.
+    #[error(
+        "line {line} ends at vertex {vertex}, but the net has {}; lines and vertices count from 0",
+        Counted(*.count, "control point")
+    )]
+    NetLine {
+        /// Which line, counted from 0.
+        line: usize,
+        /// The vertex, as given.
+        vertex: usize,
+        /// How many the net has.
+        count: usize,
+    },
     /// What is drawn of an object has more control points than are sensible.
     #[error("a drawing of more than {limit} control points: at most that many are supported")]
     LargeDrawing {
@@ -110,6 +123,16 @@ pub enum ConstructError {
         /// Its coordinates.
         point: DVec3,
     },
+    /// An axis is given by a point from which nothing near the origin can be told apart.
+    #[error(
+        "the axis goes through {}: that is too far away; give a point of it with coordinates of up \
+         to {MAX_MAGNITUDE:e}",
+        ShownVector(*.point)
+    )]
+    FarAxis {
+        /// The point it is given by.
+        point: DVec3,
+    },
     /// An angle of revolution is zero, or more than a full turn.
     #[error("angle {}°: it must be from -360° to 360°, and not 0°", Shown(*.degrees))]
     Angle {
@@ -119,6 +142,12 @@ pub enum ConstructError {
     /// A profile has no distance from the axis it is turned about.
     #[error("the profile lies on the axis: turned about it, it remains a line")]
     OnAxis,
+    /// The degree across sections is 0 or above [`MAX_DEGREE`].
+    #[error("degree {degree} across: degrees from 1 to {MAX_DEGREE} are supported")]
+    DegreeAcross {
+        /// The degree as given.
+        degree: usize,
+    },
     /// Too few sections for the degree across them.
     #[error("{}: degree {degree} across needs at least {needed}", Counted(*.found, "section"))]
     Sections {

@@ -26,14 +26,16 @@ impl Frame {
         let tangent = direction(path, start)?;
         let steep = tangent.z.abs() > STEEP;
         let wanted = up.unwrap_or(if steep { DVec3::Y } else { DVec3::Z });
-        let across = unit(wanted).map(|up| up - up.dot(tangent) * tangent);
-        match across {
-            Some(across) if across.length() > SAME_WAY => {
-                let side = across.normalize();
-                Ok(Self { origin: path.point_at(start), tangent, normal: side.cross(tangent) })
-            }
-            _ => Err(ConstructError::Up { path: "path", up: wanted, tangent }),
+        let Some(upward) = unit(wanted) else {
+            return Err(ConstructError::Direction { what: "up", vector: wanted });
+        };
+        let across = upward - upward.dot(tangent) * tangent;
+        let apart = across.length() > SAME_WAY; // false for NaN
+        if !apart {
+            return Err(ConstructError::Up { path: "path", up: wanted, tangent });
         }
+        let side = across.normalize();
+        Ok(Self { origin: path.point_at(start), tangent, normal: side.cross(tangent) })
     }
 
     /// The frame at another point of the path, reached by reflecting this one in the plane
@@ -159,5 +161,11 @@ mod tests {
             "up (0, 0, 2) runs along the path, whose direction there is (0, 0, 1): \
              choose another one"
         );
+        for (up, written) in [(DVec3::NAN, "(NaN, NaN, NaN)"), (DVec3::ZERO, "(0, 0, 0)")] {
+            assert_eq!(
+                Frame::first(&line, Some(up)).unwrap_err().to_string(),
+                format!("up {written}: it must be finite and not zero")
+            );
+        }
     }
 }

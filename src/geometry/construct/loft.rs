@@ -8,7 +8,7 @@ use super::error::net_size;
 use super::fold::check_fold;
 use super::interpolate::Interpolation;
 use super::path::SAME_PLACE;
-use crate::geometry::{NurbsCurve, NurbsSurface, SurfaceError};
+use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface, SurfaceError};
 
 /// A surface through sections, and where it meets them.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,12 +32,15 @@ pub const LOFT_DEGREE: usize = 3;
 /// of the `v_k`. Two sections and degree 1 make a ruled surface.
 ///
 /// # Errors
-/// When there are fewer than `degree + 1` sections, two in a row coincide, one that is neither
-/// the first nor the last runs back over itself (these two may, as the bow of a hull does; not
-/// both if there are no others), the surface comes back the way it went, or sections of
-/// very different weights make the interpolated ones not positive.
+/// When the degree is not supported, there are fewer than `degree + 1` sections, two in a row
+/// coincide, one that is neither the first nor the last runs back over itself (these two may, as
+/// the bow of a hull does; not both if there are no others), the surface comes back the way it
+/// went, or sections of very different weights make the interpolated ones not positive.
 pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructError> {
-    let needed = degree.max(1) + 1;
+    if !(1..=MAX_DEGREE).contains(&degree) {
+        return Err(ConstructError::DegreeAcross { degree });
+    }
+    let needed = degree + 1;
     if sections.len() < needed {
         return Err(ConstructError::Sections { found: sections.len(), degree, needed });
     }
@@ -228,5 +231,13 @@ mod tests {
             loft(&[ray(0.0), ray(1.0)], 3).unwrap_err().to_string(),
             "2 sections: degree 3 across needs at least 4"
         );
+        for degree in [0, 33, usize::MAX] {
+            for sections in [Vec::new(), vec![ray(0.0), ray(1.0)]] {
+                assert_eq!(
+                    loft(&sections, degree).unwrap_err().to_string(),
+                    format!("degree {degree} across: degrees from 1 to 32 are supported")
+                );
+            }
+        }
     }
 }

@@ -83,11 +83,17 @@ impl From<&NurbsCurve> for ControlNet {
 /// that coincide, as at poles and seams, are drawn once.
 ///
 /// # Errors
-/// When a radius is not a positive length, or there are too many points.
+/// When a radius is not a positive length, there are too many points, or a line ends at none of
+/// them.
 pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
     let count = net.points.len();
     if count > MAX_DRAWN {
         return Err(ConstructError::LargeNet { count, limit: MAX_DRAWN });
+    }
+    for (line, ends) in net.lines.iter().enumerate() {
+        if let Some(&vertex) = ends.iter().find(|&&vertex| vertex >= count) {
+            return Err(ConstructError::NetLine { line, vertex, count });
+        }
     }
     let mut drawing = Drawing::new(&net.points, *style);
     // Point by point, after the lines that begin there.
@@ -208,5 +214,17 @@ mod tests {
             "90000 control points: nets of up to 65536 can be drawn"
         );
         assert_eq!(message(1.0, 0.0), "joint radius 0: it must be positive and finite");
+    }
+
+    #[test]
+    fn lines_must_end_at_vertices() {
+        let style = NetStyle { radius: 0.1, joints: 0.2 };
+        let message = |lines: &[[usize; 2]]| {
+            let net = ControlNet { points: vec![DVec3::ZERO, DVec3::X], lines: lines.to_vec() };
+            control_net(&net, &style).unwrap_err().to_string()
+        };
+        let counted = "but the net has 2 control points; lines and vertices count from 0";
+        assert_eq!(message(&[[0, 1], [0, 7]]), format!("line 1 ends at vertex 7, {counted}"));
+        assert_eq!(message(&[[2, 0]]), format!("line 0 ends at vertex 2, {counted}"));
     }
 }

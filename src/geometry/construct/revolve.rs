@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4};
 use super::ConstructError;
 use super::arc::UnitArc;
 use super::fold::check_turned;
-use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::geometry::{MAX_MAGNITUDE, NurbsCurve, NurbsSurface};
 use crate::math::unit;
 
 /// A line in space about which things are turned.
@@ -20,10 +20,14 @@ impl Axis {
     /// The line through a point in a direction of any length.
     ///
     /// # Errors
-    /// When a coordinate is not finite or the direction is zero.
+    /// When a coordinate is not finite, the point is farther away than [`MAX_MAGNITUDE`], or the
+    /// direction is zero.
     pub fn new(origin: DVec3, direction: DVec3) -> Result<Self, ConstructError> {
         if !origin.is_finite() {
             return Err(ConstructError::Point { what: "a point of the axis", point: origin });
+        }
+        if origin.abs().max_element() > MAX_MAGNITUDE {
+            return Err(ConstructError::FarAxis { point: origin });
         }
         let unit = unit(direction).ok_or(ConstructError::Direction {
             what: "direction of the axis",
@@ -212,6 +216,12 @@ mod tests {
             "direction of the axis (0, 0, 0): it must be finite and not zero"
         );
         assert!(Axis::new(DVec3::NAN, DVec3::X).is_err());
+        assert_eq!(
+            Axis::new(DVec3::new(1e300, 0.0, 0.0), DVec3::Z).unwrap_err().to_string(),
+            "the axis goes through (1e300, 0, 0): that is too far away; give a point of it with \
+             coordinates of up to 1e70"
+        );
+        assert!(Axis::new(DVec3::new(1e70, 0.0, 0.0), DVec3::Z).is_ok());
         assert!(Axis::new(DVec3::ZERO, DVec3::splat(1e-300)).is_ok());
     }
 }

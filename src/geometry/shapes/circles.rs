@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::quadrics::unit_knots;
 use crate::geometry::construct::arc::UnitArc;
-use crate::geometry::{CurveError, KnotVector, MAX_MAGNITUDE, NurbsCurve};
+use crate::geometry::{CurveError, KnotVector, MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsCurve};
 
 /// How the quarter circle of degree 2 is weighted; `2 w₁² = w₀ w₂` makes it a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,11 +221,15 @@ pub fn circle_cubic() -> NurbsCurve {
 /// quarter turn or less, of equal angles.
 ///
 /// # Errors
-/// When the radius is not positive and finite, or the turn is zero or more than 360°.
+/// When the radius is not positive or not from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`], or the turn
+/// is zero or more than 360°.
 pub fn circle_arc(radius: f64, from: f64, degrees: f64) -> Result<NurbsCurve, CurveError> {
     let usable = radius > 0.0 && radius.is_finite(); // false for NaN
     if !usable {
         return Err(CurveError::Radius { radius });
+    }
+    if !(MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&radius) {
+        return Err(CurveError::RadiusRange { radius });
     }
     let usable = from.is_finite() && degrees != 0.0 && degrees.abs() <= 360.0;
     if !usable {
@@ -353,6 +357,20 @@ mod tests {
             "an arc from 0° by 361°: it must turn by -360° to 360°, and not by 0°"
         );
         assert!(circle_arc(0.0, 0.0, 90.0).is_err() && circle_arc(1.0, f64::NAN, 90.0).is_err());
+        // The first would have a point at infinity, the last a point in the origin.
+        for radius in [1.7e308, 1e71, 1e-71, 5e-324] {
+            let refused = Err(CurveError::RadiusRange { radius });
+            assert_eq!(circle_arc(radius, -40.0, 80.0), refused, "{radius:e}");
+        }
+        assert_eq!(
+            circle_arc(5e-324, 0.0, 90.0).unwrap_err().to_string(),
+            "radius 5e-324: radii from 1e-70 to 1e70 are supported"
+        );
+        for radius in [1e70, 1e-70] {
+            let arc = circle_arc(radius, -40.0, 80.0).unwrap();
+            let off = arc.point_at(0.3).length() / radius - 1.0;
+            assert!(off.abs() < 1e-15, "{radius:e}: off by {off:e}");
+        }
     }
 
     #[test]

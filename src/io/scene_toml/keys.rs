@@ -12,7 +12,9 @@ use super::constructions::{
 use super::kinds::{Kinds, OneOf};
 use super::plots::{FigureKeys, PlotKeys};
 use super::trims::TrimKeys;
-use super::values::{Axis, Color, Exactly, Factors, KnotList, Number, PerDirection, Vector};
+use super::values::{
+    Axis, Color, Count, Emission, Exactly, Factors, KnotList, Number, PerDirection, Vector,
+};
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
 
@@ -60,8 +62,8 @@ pub(super) struct OrthographicKeys {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RenderKeys {
-    pub(super) size: Option<Spanned<Exactly<u32, 2>>>,
-    pub(super) spp: Option<Spanned<u32>>,
+    pub(super) size: Option<Spanned<Exactly<Count, 2>>>,
+    pub(super) spp: Option<Spanned<Count>>,
     pub(super) integrator: Option<Spanned<String>>,
     pub(super) seed: Option<u64>,
     pub(super) exposure: Option<Number>,
@@ -77,26 +79,27 @@ pub(super) enum LightKeys {
 
 impl Kinds for LightKeys {
     const EXAMPLE: &'static str = "a light, as in { ambient = { radiance = 0.1 } }";
+    const APART: &'static str = "each light is a [[light]] of its own";
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DirectionalKeys {
     pub(super) from: Spanned<Vector>,
-    pub(super) irradiance: Color,
+    pub(super) irradiance: Emission,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PointKeys {
     pub(super) position: Vector,
-    pub(super) intensity: Color,
+    pub(super) intensity: Emission,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AmbientKeys {
-    pub(super) radiance: Color,
+    pub(super) radiance: Emission,
 }
 
 #[derive(Deserialize)]
@@ -174,6 +177,7 @@ pub(super) enum TransformKeys {
 
 impl Kinds for TransformKeys {
     const EXAMPLE: &'static str = "a transform, as in { translate = [1, 0, 0] }";
+    const APART: &'static str = "each transform is a table of its own, [{ … }, { … }]";
 }
 
 #[derive(Deserialize)]
@@ -224,6 +228,7 @@ pub(super) enum ShapeKeys {
 
 impl Kinds for ShapeKeys {
     const EXAMPLE: &'static str = "a shape, as in { sphere = { radius = 1 } }";
+    const APART: &'static str = "each shape needs an [[object]] of its own";
 }
 
 #[derive(Deserialize)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use serde::Deserialize;
-use serde::de::value::{EnumAccessDeserializer, MapDeserializer};
+use serde::de::value::{EnumAccessDeserializer, MapDeserializer, StrDeserializer};
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, IgnoredAny, IntoDeserializer, MapAccess,
     VariantAccess, Visitor,
@@ -14,6 +14,8 @@ use serde::de::{
 pub(super) trait Kinds {
     /// A thing and one of its kinds: `a shape, as in { sphere = { radius = 1 } }`.
     const EXAMPLE: &'static str;
+    /// How two of them are written.
+    const APART: &'static str;
 }
 
 /// One kind of thing: `{ kind = … }`, or its name alone where its keys may all be left out.
@@ -36,7 +38,8 @@ impl<'de, T: Kinds + Deserialize<'de>> Deserialize<'de> for OneOf<T> {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OneOf<T>, A::Error> {
-                let kind = OneKey { map, example: T::EXAMPLE };
+                let (example, apart) = (T::EXAMPLE, T::APART);
+                let kind = OneKey { map, name: String::new(), example, apart };
                 T::deserialize(EnumAccessDeserializer::new(kind)).map(OneOf)
             }
         }
@@ -55,7 +58,7 @@ impl<'de, E: Error> EnumAccess<'de> for NameAlone<'_, E> {
     type Variant = Self;
 
     fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), E> {
-        let deserializer: serde::de::value::StrDeserializer<'_, E> = self.name.into_deserializer();
+        let deserializer: StrDeserializer<'_, E> = self.name.into_deserializer();
         Ok((seed.deserialize(deserializer)?, self))
     }
 }
@@ -87,7 +90,25 @@ impl<'de, E: Error> VariantAccess<'de> for NameAlone<'_, E> {
 /// The one key of a table, and its value.
 struct OneKey<A> {
     map: A,
+    name: String,
     example: &'static str,
+    apart: &'static str,
+}
+
+/// Reads a key, and keeps its name.
+struct Named<'a, S> {
+    seed: S,
+    name: &'a mut String,
+}
+
+impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Named<'_, S> {
+    type Value = S::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, key: D) -> Result<S::Value, D::Error> {
+        *self.name = String::deserialize(key)?;
+        let name: StrDeserializer<'_, D::Error> = self.name.as_str().into_deserializer();
+        self.seed.deserialize(name)
+    }
 }
 
 impl<'de, A: MapAccess<'de>> EnumAccess<'de> for OneKey<A> {
@@ -98,7 +119,8 @@ impl<'de, A: MapAccess<'de>> EnumAccess<'de> for OneKey<A> {
         mut self,
         seed: V,
     ) -> Result<(V::Value, Self), A::Error> {
-        match self.map.next_key_seed(seed)? {
+        let named = Named { seed, name: &mut self.name };
+        match self.map.next_key_seed(named)? {
             Some(kind) => Ok((kind, self)),
             None => Err(Error::custom(format!("found an empty table, needed {}", self.example))),
         }
@@ -117,9 +139,19 @@ impl<'de, A: MapAccess<'de>> VariantAccess<'de> for OneKey<A> {
         seed: T,
     ) -> Result<T::Value, A::Error> {
         let value = self.map.next_value_seed(seed)?;
-        match self.map.next_key::<IgnoredAny>()? {
-            None => Ok(value),
-            Some(_) => Err(Error::custom(format!("found several keys, needed {}", self.example))),
+        let mut found = vec![self.name];
+        while let Some(other) = self.map.next_key::<String>()? {
+            self.map.next_value::<IgnoredAny>()?;
+            found.push(other);
+        }
+        match found.as_slice() {
+            [others @ .., last] if !others.is_empty() => {
+                let (others, apart) = (others.join(", "), self.apart);
+                Err(Error::custom(format!(
+                    "found the keys {others} and {last}, needed one: {apart}"
+                )))
+            }
+            _ => Ok(value),
         }
     }
 

@@ -38,7 +38,10 @@ fn what_cannot_be_made_from_curves_is_told() {
             "quarter_circle_2 = { weights = [1, 1, 1] }",
             "4:11: surface \"cup\": profile: 2 w1² / (w0 w2) is 2: a circle needs 1",
         ),
-        ("quarter_circle_2 = { weights = [1, 1] }", "4:44: found a list of 2, needed a list of 3"),
+        (
+            "quarter_circle_2 = { weights = [1, 1] }",
+            "4:44: found a list of 2, needed a list of 3 numbers",
+        ),
         (
             "quarter_circle_4 = { solution = 1, w1 = 0.1 }",
             "4:11: surface \"cup\": profile: w1 is 0.1: solution 1 needs a weight above 0.176777 \

@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
 use super::kinds::{Kinds, OneOf};
-use super::values::{Exactly, KnotList, Number, Point};
+use super::values::{Count, Exactly, KnotList, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 use crate::scene::{
@@ -17,7 +17,7 @@ use crate::scene::{
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FigureKeys {
-    size: Option<Spanned<Exactly<u32, 2>>>,
+    size: Option<Spanned<Exactly<Count, 2>>>,
     columns: Option<Spanned<u32>>,
 }
 
@@ -55,6 +55,7 @@ enum ShowKeys {
 
 impl Kinds for ShowKeys {
     const EXAMPLE: &'static str = "what to plot, as in { blending = \"bspline\" }";
+    const APART: &'static str = "each needs a [[plot]] of its own";
 }
 
 #[derive(Deserialize)]
@@ -171,7 +172,7 @@ impl Reader<'_, '_> {
                 "found 0, needed a number of columns from 1 on",
             ));
         }
-        let size = keys.size.map(|size| self.written(size, |size| size.0));
+        let size = keys.size.map(|size| self.written(size, |size| size.0.map(|side| side.0)));
         if let Some(Written { value: [width, height], place }) = &size {
             RenderDefaults::check_size((*width, *height))
                 .map_err(|error| SceneError::new(place.clone(), SceneFault::Picture(error)))?;

@@ -39,6 +39,7 @@ enum LoopKeys {
 impl Kinds for LoopKeys {
     const EXAMPLE: &'static str =
         "a loop, as in { circle = { center = [0.5, 0.5], radius = 0.2 } }";
+    const APART: &'static str = "each loop is a table of its own, [{ … }, { … }]";
 }
 
 #[derive(Deserialize)]

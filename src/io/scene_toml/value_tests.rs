@@ -90,7 +90,16 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[render]\nsize = [1e9, 600]",
-            "4:9: found the number 1000000000, needed a whole number from 0 to 4294967295",
+            "4:9: found the number 1000000000, needed a whole number from 1 to 4294967295",
+        ),
+        (
+            "[render]\nspp = 0.5",
+            "4:7: found the number 0.5, needed a whole number from 1 to 4294967295",
+        ),
+        ("[render]\nspp = -1", "4:7: found integer -1, needed a whole number from 1 to 4294967295"),
+        (
+            "[figure]\nsize = [0.5, 3]",
+            "4:9: found the number 0.5, needed a whole number from 1 to 4294967295",
         ),
         ("[render]\nspp = 0", "4:7: spp 0: a picture needs at least one sample a pixel"),
         ("[render]\nseed = -1", "4:8: found integer -1, needed a whole number from 0 on"),
@@ -136,6 +145,14 @@ fn wrong_values_say_what_is_needed() {
             "5:9: found \"red\", needed a number, [r, g, b] or \"#rrggbb\"",
         ),
         ("[[material]]\nname = 'm'\nlines = { width = 'x' }", "5:19: found \"x\", needed a number"),
+        (
+            "[[material]]\nname = 'm'\ncolor = -0.5",
+            "5:9: found -0.5, needed a color, made of numbers from 0 on",
+        ),
+        (
+            "[[material]]\nname = 'm'\nchecker = { colors = [0.5, [0, -1, 0]] }",
+            "5:28: found -1, needed a color, made of numbers from 0 on",
+        ),
         ("[[material]]\nname = 3", "4:8: found integer 3, needed a string"),
         ("transform = [{ translate = 3 }]", "3:28: found 3, needed three numbers, [x, y, z]"),
         ("[[object]]\nname = 'b'", "3:1: missing key \"shape\""),
@@ -153,11 +170,26 @@ fn wrong_values_say_what_is_needed() {
         ),
         (
             "[[object]]\nshape = { sphere = {}, cone = {} }",
-            "4:9: found several keys, needed a shape, as in { sphere = { radius = 1 } }",
+            "4:9: found the keys cone and sphere, needed one: each shape needs an [[object]] of its own",
         ),
         (
             "[[object]]\nshape = { sphere = { radius = -1 } }",
             "4:31: surface \"sphere 2\": radius -1: it must be positive and finite (from 1e-70 to 1e70)",
+        ),
+        (
+            "[[light]]\npoint = { position = [0, 0, 1], intensity = 1 }\nambient = { radiance = 1 }\n\
+             directional = { from = [0, 0, 1], irradiance = 1 }",
+            "3:1: found the keys ambient, directional and point, needed one: each light is a \
+             [[light]] of its own",
+        ),
+        (
+            "transform = [{ scale = 2, translate = [1, 0, 0] }]",
+            "3:14: found the keys scale and translate, needed one: each transform is a table of its \
+             own, [{ … }, { … }]",
+        ),
+        (
+            "[[plot]]\nshow = { blending = 'bspline', trims = { of = 'sphere' } }",
+            "4:8: found the keys blending and trims, needed one: each needs a [[plot]] of its own",
         ),
         ("[[object]]\nshape = { file = 'x.json' }", "4:18: no x.json"),
     ] {
@@ -200,20 +232,29 @@ fn lists_are_no_tables() {
 #[test]
 fn lists_have_as_many_values_as_they_need() {
     for (lines, message) in [
-        ("[render]\nsize = [8, 6, 4]", "4:8: found a list of 3, needed a list of 2"),
-        ("[render]\nsize = [8]", "4:8: found a list of 1, needed a list of 2"),
-        ("[render]\nsize = 800", "4:8: found integer 800, needed a list of 2"),
+        (
+            "[render]\nsize = [8, 6, 4]",
+            "4:8: found a list of 3, needed a list of 2 whole numbers, [width, height]",
+        ),
+        (
+            "[figure]\nsize = [8]",
+            "4:8: found a list of 1, needed a list of 2 whole numbers, [width, height]",
+        ),
+        (
+            "[render]\nsize = 800",
+            "4:8: found integer 800, needed a list of 2 whole numbers, [width, height]",
+        ),
         (
             "[[material]]\nname = 'm'\nchecker = { colors = [0, 1, 0.5] }",
-            "5:22: found a list of 3, needed a list of 2",
+            "5:22: found a list of 3, needed a list of 2 colors",
         ),
         (
             "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0, 7], [0, 0, 1, 0]] }]",
-            "3:40: found a list of 5, needed a list of 4",
+            "3:40: found a list of 5, needed a list of 4 numbers",
         ),
         (
             "transform = [{ matrix = [[1, 0, 0, 0], [0, 1, 0, 0]] }]",
-            "3:25: found a list of 2, needed a list of 3",
+            "3:25: found a list of 2, needed a list of 3 rows of 4 numbers",
         ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");

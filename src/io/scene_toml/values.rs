@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use glam::{DVec2, DVec3};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 use crate::math::{Counted, Shown};
 use crate::scene::{Knots, Rgb};
@@ -34,9 +34,18 @@ pub(super) struct Factors(pub(super) DVec3);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis(pub(super) DVec3);
 
-/// Linear light: `[r, g, b]`, one number for grey, or `"#rrggbb"` as a screen shows it.
+/// The color of a thing, in linear light: `[r, g, b]`, one number for grey, or `"#rrggbb"` as a
+/// screen shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Color(pub(super) Rgb);
+
+/// The light of a lamp, written as a [`Color`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Emission(pub(super) Rgb);
+
+/// A whole number from 1 on. Zero is read, too: who counts with it says what must not be nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Count(pub(super) u32);
 
 /// One whole number for u and v, or `[u, v]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,20 +55,43 @@ pub(super) struct PerDirection(pub(super) [u32; 2]);
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct KnotList(pub(super) Knots);
 
+/// Values that come in lists of a given length.
+pub(super) trait Listed {
+    /// What several of them are called.
+    const PLURAL: &'static str;
+}
+
+impl Listed for Number {
+    const PLURAL: &'static str = "numbers";
+}
+
+impl Listed for Count {
+    /// Sizes are all that is counted in lists.
+    const PLURAL: &'static str = "whole numbers, [width, height]";
+}
+
+impl Listed for Color {
+    const PLURAL: &'static str = "colors";
+}
+
+impl Listed for Exactly<Number, 4> {
+    const PLURAL: &'static str = "rows of 4 numbers";
+}
+
 /// A list of exactly `N` values. (An array of Rust is read from longer lists, too, and what is
 /// too much is dropped.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
 
-impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
+impl<'de, T: Listed + Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Visit<T, const N: usize>(PhantomData<T>);
 
-        impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Visit<T, N> {
+        impl<'de, T: Listed + Deserialize<'de>, const N: usize> Visitor<'de> for Visit<T, N> {
             type Value = Exactly<T, N>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "a list of {N}")
+                write!(f, "a list of {N} {}", T::PLURAL)
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
@@ -68,12 +100,33 @@ impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N
                     read.push(value);
                 }
                 <[T; N]>::try_from(read).map(Exactly).map_err(|read| {
-                    let found = read.len();
-                    A::Error::custom(format!("found a list of {found}, needed a list of {N}"))
+                    let (found, plural) = (read.len(), T::PLURAL);
+                    let message = format!("found a list of {found}, needed a list of {N} {plural}");
+                    A::Error::custom(message)
                 })
             }
         }
         deserializer.deserialize_any(Visit(PhantomData))
+    }
+}
+
+impl<'de> Deserialize<'de> for Count {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visit;
+
+        impl Visitor<'_> for Visit {
+            type Value = Count;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a whole number from 1 to {}", u32::MAX)
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Count, E> {
+                let usable = u32::try_from(number).map(Count);
+                usable.map_err(|_| E::invalid_value(Unexpected::Signed(number), &self))
+            }
+        }
+        deserializer.deserialize_u32(Visit)
     }
 }
 
@@ -143,7 +196,7 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, PerDirection, KnotEntry);
+read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, Emission, PerDirection, KnotEntry);
 
 impl Loose {
     /// What was found instead of what is needed.
@@ -157,6 +210,20 @@ impl Loose {
             Self::List(list) => {
                 format!("found a list of {}, needed {needed}", Counted(list.len(), "number"))
             }
+        }
+    }
+
+    /// Linear light, none of it below zero: `needed` says what of.
+    fn light(&self, needed: &str) -> Result<Rgb, String> {
+        let light = match self {
+            Self::Number(grey) => Some([*grey; 3]),
+            Self::Text(hex) => from_hex(hex),
+            Self::List(_) => self.vector().map(|rgb| rgb.to_array()),
+        };
+        let light = light.ok_or_else(|| self.but_needed("a number, [r, g, b] or \"#rrggbb\""))?;
+        match light.into_iter().find(|share| *share < 0.0) {
+            None => Ok(light),
+            Some(share) => Err(format!("found {}, needed {needed}", Shown(share))),
         }
     }
 
@@ -244,20 +311,15 @@ impl TryFrom<Loose> for Color {
     type Error = String;
 
     fn try_from(value: Loose) -> Result<Self, String> {
-        let color = match &value {
-            Loose::Number(grey) => Some([*grey; 3]),
-            Loose::Text(hex) => from_hex(hex),
-            Loose::List(_) => value.vector().map(|rgb| rgb.to_array()),
-        };
-        match color {
-            None => Err(value.but_needed("a number, [r, g, b] or \"#rrggbb\"")),
-            Some(rgb) => match rgb.into_iter().find(|share| *share < 0.0) {
-                None => Ok(Self(rgb)),
-                Some(share) => {
-                    Err(format!("found {}, needed an amount of light from 0 on", Shown(share)))
-                }
-            },
-        }
+        value.light("a color, made of numbers from 0 on").map(Self)
+    }
+}
+
+impl TryFrom<Loose> for Emission {
+    type Error = String;
+
+    fn try_from(value: Loose) -> Result<Self, String> {
+        value.light("an amount of light from 0 on").map(Self)
     }
 }
 
