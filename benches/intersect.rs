@@ -27,7 +27,7 @@ mod subject;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nurbray::intersect::{BuildOptions, Coherence, Kernel, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Coherence, Kernel, Query, SurfaceBvh, Tracer};
 use subject::Subject;
 
 /// Models left out: what takes seconds to build takes minutes to measure.
@@ -153,9 +153,7 @@ fn build(criterion: &mut Criterion) {
     for name in names() {
         let surfaces = subject::surfaces(name);
         group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                SurfaceBvh::build(black_box(&surfaces), &BuildOptions::default()).unwrap()
-            });
+            bencher.iter(|| SurfaceBvh::build(black_box(&surfaces)).unwrap());
         });
     }
 }

@@ -34,11 +34,11 @@
 //! ```
 //! use glam::DVec3;
 //! use nurbray::geometry::shapes;
-//! use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+//! use nurbray::intersect::{HitFlags, Query, SurfaceBvh};
 //! use nurbray::math::Ray;
 //!
 //! // A rational bicubic sphere, and a ray at it. Surfaces are counted from 0.
-//! let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?], &BuildOptions::default())?;
+//! let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?])?;
 //! let mut tracer = bvh.tracer();
 //! let down = Ray::new(DVec3::new(0.6, 0.0, 5.0), DVec3::NEG_Z)?;
 //!

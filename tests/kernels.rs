@@ -10,7 +10,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
 use nurbray::geometry::{Charts, KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
-use nurbray::intersect::{Answer, BuildOptions, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::{Ray, rounding};
 use nurbray::patch::Piece;
 
@@ -331,7 +331,7 @@ fn everywhere(check: Check) {
                 DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
             let surfaces: Vec<_> =
                 surfaces.iter().map(|surface| surface.transformed(&placed).unwrap()).collect();
-            let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+            let bvh = SurfaceBvh::build(&surfaces).unwrap();
             let (low, high) = bvh.bounds().unwrap();
             let mut random = Random(0x9E37_79B9_7F4A_7C15);
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
@@ -440,7 +440,7 @@ fn rays_past_poles_are_answered_as_by_the_scalar_kernel() {
         ("disk", shapes::disk(1.0).unwrap(), DVec3::ZERO),
     ];
     for (name, surface, pole) in surfaces {
-        let bvh = SurfaceBvh::build(&[Surface::from(surface)], &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&[Surface::from(surface)]).unwrap();
         let mut random = Random(0x9E37_79B9_7F4A_7C15);
         let queries = past_pole(pole, &mut random);
         let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
@@ -489,7 +489,7 @@ fn occlusion_is_that_of_the_scalar_kernel() {
 #[test]
 fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
     for (name, surfaces) in models() {
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let (low, high) = bvh.bounds().unwrap();
         let mut random = Random(11);
         let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
@@ -510,7 +510,7 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
 #[test]
 fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     let mut random = Random(17);
-    let build = |surface: Surface| SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+    let build = |surface: Surface| SurfaceBvh::build(&[surface]).unwrap();
     let sheets = [
         ((3, 3), 40, false),
         ((3, 3), 40, true),
@@ -568,7 +568,7 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
 #[test]
 fn an_answer_does_not_depend_on_the_company() {
     for (name, surfaces) in models() {
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let (low, high) = bvh.bounds().unwrap();
         let mut random = Random(7);
         let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
@@ -587,8 +587,7 @@ fn nor_does_that_of_dense_sheets() {
     {
         let own = sheet(degree, points, rational);
         for surface in [own.clone(), with_heavy_points(&own)] {
-            let bvh = SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default())
-                .unwrap();
+            let bvh = SurfaceBvh::build(std::slice::from_ref(&surface)).unwrap();
             let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
             in_any_company(&format!("dense sheet {degree:?}"), &bvh, &queries, &mut random);
         }
@@ -606,8 +605,7 @@ fn nor_does_that_of_sheets_of_wild_weights() {
         let knots = |degree| KnotVector::clamped_uniform(degree, 24).unwrap();
         let surface =
             NurbsSurface::from_homogeneous(knots(degree.0), knots(degree.1), control).unwrap();
-        let bvh =
-            SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(std::slice::from_ref(&surface)).unwrap();
         let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
         in_any_company(&format!("wild sheet {degree:?}"), &bvh, &queries, &mut random);
     }
@@ -624,7 +622,7 @@ fn nor_does_that_of_a_ray_of_which_not_all_is_proved() {
         .flat_map(|(x, z)| [-1.0, 1.0].map(|y| DVec3::new(x, y, z)))
         .collect();
     let sheet = NurbsSurface::new(knots(3), knots(1), net, None).unwrap();
-    let bvh = SurfaceBvh::build(&[sheet], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&[sheet]).unwrap();
     assert_eq!(bvh.leaves().len(), 1);
     let mut random = Random(8);
     let mut queries = Vec::new();
@@ -671,7 +669,7 @@ fn parallelograms_of_nearly_parallel_sides_are_met_on_the_rays() {
         let knots = KnotVector::bezier(1).unwrap();
         let net = vec![-a - b, -a + b, a - b, a + b];
         let surface = NurbsSurface::new(knots.clone(), knots, net, None).unwrap();
-        let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&[surface]).unwrap();
         let queries: Vec<Query> = std::iter::repeat_with(|| {
             let target = (2.0 * random.next() - 1.0) * a + (2.0 * random.next() - 1.0) * b;
             let direction = random.direction();
@@ -702,7 +700,7 @@ fn parallelograms_of_nearly_parallel_sides_are_met_on_the_rays() {
 #[test]
 fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
     let surfaces: [Surface; 1] = [shapes::sphere(1.0).unwrap().into()];
-    let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&surfaces).unwrap();
     let mut random = Random(5);
     let chord = |_| {
         let (from, to) = (1.5 * random.direction(), 0.9 * random.direction());
@@ -740,8 +738,7 @@ fn leaf_tests(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<u64> {
 
 #[test]
 fn small_bodies_cost_what_they_cost_alone() {
-    let built =
-        |surfaces: &[NurbsSurface]| SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap();
+    let built = |surfaces: &[NurbsSurface]| SurfaceBvh::build(surfaces).unwrap();
     let ball = shapes::sphere(1.0).unwrap();
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     // Seen from near by, through a square of pixels.
@@ -770,7 +767,7 @@ fn small_bodies_cost_what_they_cost_alone() {
 /// packets from what they have in common.
 #[test]
 fn packets_meet_a_ball_that_is_small_in_the_picture_where_its_lines_do() {
-    let bvh = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
     let mut random = Random(0x2545_F491_4F6C_DD1D);
     let mut queries = Vec::new();
     for _ in 0..600 {

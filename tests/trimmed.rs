@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
 use nurbray::geometry::{KnotVector, NurbsSurface, Surface, TrimmedSurface, shapes};
-use nurbray::intersect::{BuildOptions, Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Coherence, Hit, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use random::Random;
@@ -37,7 +37,7 @@ fn polygon(corners: &[(f64, f64)]) -> TrimLoop {
 }
 
 fn build(surfaces: &[Surface]) -> SurfaceBvh {
-    SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+    SurfaceBvh::build(surfaces).unwrap()
 }
 
 /// What every way to ask says of each ray: in packets, alone, by the exact solver, and the first

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::Surface;
-use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
+use nurbray::intersect::{Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::scene::{Camera, Projection, View, World};
 
@@ -33,7 +33,7 @@ pub(crate) struct Subject {
 
 impl Subject {
     pub(crate) fn new(name: &str) -> Self {
-        let bvh = SurfaceBvh::build(&surfaces(name), &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces(name)).unwrap();
         let camera = camera(&bvh);
         let rays = (0..64 * SQUARES * SQUARES).map(|k| ray(&camera, pixel(k))).collect();
         Self { bvh, camera, rays }
@@ -103,7 +103,7 @@ pub(crate) fn surfaces(name: &str) -> Vec<Surface> {
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let world = World::new(&nurbray::io::load_input(&path).unwrap()).unwrap();
-    world.surfaces.iter().map(|one| one.surface.clone()).collect()
+    world.surfaces().iter().map(|one| one.surface.clone()).collect()
 }
 
 /// A camera that just shows the bounding box.

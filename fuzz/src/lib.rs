@@ -13,13 +13,13 @@ pub fn look_at(scene: &Scene) {
     };
     let rays = [[0.5, 0.5], [0.3, 0.6], [0.8, 0.1]].map(|film| world.camera.ray(film.into(), 1.0));
     for kernel in [Kernel::Scalar, Kernel::default()] {
-        let mut tracer = world.bvh.tracer_with(kernel);
+        let mut tracer = world.bvh().tracer_with(kernel);
         let mut batch = Vec::new();
         for coherence in [Coherence::Coherent, Coherence::Incoherent] {
             tracer.first_hits(&rays, coherence, &mut batch);
             assert_eq!(batch.len(), rays.len());
         }
-        rays.iter().for_each(|ray| look_along(ray, &mut tracer, world.surfaces.len()));
+        rays.iter().for_each(|ray| look_along(ray, &mut tracer, world.surfaces().len()));
     }
 }
 

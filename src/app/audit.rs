@@ -121,10 +121,11 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let pool = threads::pool(None)?;
     let (world, _) = pool.install(|| input::prepare(&scene))?;
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
-    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    let surfaces: Vec<_> =
+        world.surfaces().iter().map(|instance| instance.surface.clone()).collect();
 
     let kernel = arguments.kernel.kernel;
-    let what = Audit { bvh: &world.bvh, surfaces: &surfaces, kernel, seed: arguments.seed };
+    let what = Audit { bvh: world.bvh(), surfaces: &surfaces, kernel, seed: arguments.seed };
     let progress = Progress::new("auditing", arguments.rays);
     let start = Instant::now();
     let classes =

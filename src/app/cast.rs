@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
     input::warn_of_what_is_not_shown(&arguments.input, &scene);
 
     let tracing = Tracing {
-        bvh: &world.bvh,
+        bvh: world.bvh(),
         kernel: arguments.work.kernel.kernel,
         coherence: if arguments.coherent { Coherence::Coherent } else { Coherence::Incoherent },
     };
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &CastArguments) -> Result<ExitCode, Failure> {
         })?
     };
 
-    let bytes = world.bvh.bytes();
+    let bytes = world.bvh().bytes();
     let threads = pool.current_num_threads();
     if arguments.json {
         console::print_json(&json!({

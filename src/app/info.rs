@@ -74,7 +74,8 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let scene = input::read(&arguments.input)?;
     let (world, build) = input::prepare(&scene)?;
     let facts = Facts::new(&world);
-    let surfaces: Vec<_> = world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+    let surfaces: Vec<_> =
+        world.surfaces().iter().map(|instance| instance.surface.clone()).collect();
     let drawing = |instance: &Instance| {
         let [object, part] = instance.part;
         match &scene.objects[object].parts[part].shape {
@@ -82,7 +83,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
             _ => None,
         }
     };
-    let drawings: Vec<_> = world.surfaces.iter().map(drawing).collect();
+    let drawings: Vec<_> = world.surfaces().iter().map(drawing).collect();
     let fit = gaps::fit(&surfaces, &drawings, &object_sizes(&world, &facts));
     let input = arguments.input.display().to_string();
     if arguments.json {
@@ -128,13 +129,13 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
 /// Of each surface the diagonal of the box around the object that it belongs to.
 fn object_sizes(world: &World, facts: &Facts) -> Vec<f64> {
     let object = |instance: &Instance| instance.part[0];
-    let count = world.surfaces.last().map_or(0, |last| object(last) + 1);
+    let count = world.surfaces().last().map_or(0, |last| object(last) + 1);
     let mut boxes = vec![Aabb::EMPTY; count];
-    for (instance, surface) in world.surfaces.iter().zip(&facts.surfaces) {
+    for (instance, surface) in world.surfaces().iter().zip(&facts.surfaces) {
         let around = &mut boxes[object(instance)];
         *around = around.union(surface.bounds);
     }
-    world.surfaces.iter().map(|instance| boxes[object(instance)].size().length()).collect()
+    world.surfaces().iter().map(|instance| boxes[object(instance)].size().length()).collect()
 }
 
 fn surface_json(surface: &SurfaceFacts) -> Value {

@@ -13,11 +13,6 @@ use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
 use crate::patch::{Leaf, OrientedBox, PADDING, PatchSet, PatchSetError, SceneFrame, WeightFit};
 
-/// How surfaces are prepared: there is nothing to choose yet.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct BuildOptions {}
-
 /// Why surfaces cannot be prepared for tracing.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -49,10 +44,7 @@ impl SurfaceBvh {
     ///
     /// # Errors
     /// When there is more than 32-bit indices can count, or than memory is likely to hold: see [`PatchSet::new`].
-    pub fn build<S: Charts + Sync>(
-        surfaces: &[S],
-        _options: &BuildOptions,
-    ) -> Result<Self, BuildError> {
+    pub fn build<S: Charts + Sync>(surfaces: &[S]) -> Result<Self, BuildError> {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
         let frame = SceneFrame::around(&set.bounds());
@@ -194,7 +186,7 @@ mod tests {
     }
 
     fn built(surface: NurbsSurface) -> SurfaceBvh {
-        SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(&[surface]).unwrap()
     }
 
     #[test]

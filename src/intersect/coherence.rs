@@ -76,12 +76,11 @@ pub(super) fn leaf_width(leaves: &[Leaf]) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::intersect::BuildOptions;
 
     #[test]
     fn packets_are_for_rays_closer_than_leaves() {
         let surfaces = [shapes::sphere(1.0).unwrap()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         // All of the sphere's area in as many leaves.
         let even = (4.0 * std::f64::consts::PI / bvh.leaves().len() as f64).sqrt();
         let width = leaf_width(bvh.leaves());

@@ -42,14 +42,14 @@
 //! ```
 //! use glam::DVec3;
 //! use nurbray::geometry::shapes;
-//! use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+//! use nurbray::intersect::{HitFlags, Query, SurfaceBvh};
 //! use nurbray::math::Ray;
 //!
 //! // Surface 0 and surface 1: a table, and a sphere above it.
 //! let table = shapes::plane(4.0, 4.0)?;
 //! let up = glam::DAffine3::from_translation(DVec3::new(0.0, 0.0, 2.0));
 //! let ball = shapes::sphere(1.0)?.transformed(&up)?;
-//! let bvh = SurfaceBvh::build(&[table, ball], &BuildOptions::default())?;
+//! let bvh = SurfaceBvh::build(&[table, ball])?;
 //! let mut tracer = bvh.tracer();
 //!
 //! // Down through the poles of the sphere: every pole is a border, and one hit.
@@ -99,7 +99,7 @@ mod tree;
 mod vertices;
 mod wide;
 
-pub use bvh::{BuildError, BuildOptions, SurfaceBvh};
+pub use bvh::{BuildError, SurfaceBvh};
 pub use coherence::{Coherence, Neighbours};
 pub use hit::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot};
 pub use kernel::{Kernel, UnknownKernel};

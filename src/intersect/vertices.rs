@@ -84,7 +84,7 @@ fn angle([s0, s1, t0, t1]: [bool; 4], meeting: &Meeting, axis: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::intersect::{BuildOptions, Query, SurfaceBvh};
+    use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
 
     /// A square ring as one bilinear spline: its hole 2 wide, 4 wide in all, 1 high.
@@ -95,7 +95,7 @@ mod tests {
         let points = corners.map(at).concat();
         let knots = || KnotVector::clamped_uniform(1, 5).unwrap();
         let surface = NurbsSurface::new(knots(), knots(), points, None).unwrap();
-        SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(&[surface]).unwrap()
     }
 
     fn signs(from: [f64; 3], direction: [f64; 3]) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use crate::geometry::{NurbsSurface, shapes};
-use crate::intersect::{BuildOptions, SurfaceBvh};
+use crate::intersect::SurfaceBvh;
 use crate::scene::{
     Camera, Instance, Light, Material, Projection, RenderDefaults, Texture, View, World,
 };
@@ -28,7 +28,7 @@ pub(super) fn camera(scale: f64) -> Camera {
 
 /// Surfaces, each of one colour of its own, under these lights, seen by [`camera`].
 pub(super) fn world(surfaces: Vec<NurbsSurface>, lights: Vec<Light>, scale: f64) -> World {
-    let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&surfaces).unwrap();
     let material = |index: usize| Material {
         name: format!("material {index}"),
         texture: Texture::Constant([0.9, 0.5, 0.1 * (index + 1) as f64]),

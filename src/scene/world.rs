@@ -7,17 +7,14 @@ use super::unique_names::{Naming, check_unique, joined};
 use super::workshop::Made;
 use super::{Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault};
 use crate::geometry::Surface;
-use crate::intersect::{BuildOptions, SurfaceBvh};
+use crate::intersect::{BuildError, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
 #[derive(Debug)]
 pub struct World {
-    /// The surfaces in their hierarchy; a hit's surface is an index into [`World::surfaces`].
-    pub bvh: SurfaceBvh,
-    /// The surfaces in the order of the scene.
-    pub surfaces: Vec<Instance>,
-    /// What the surfaces' `material` indices mean.
-    pub materials: Vec<Material>,
+    pub(crate) bvh: SurfaceBvh,
+    pub(crate) surfaces: Vec<Instance>,
+    pub(crate) materials: Vec<Material>,
     /// The lights; never empty.
     pub lights: Vec<Light>,
     /// Where the picture is taken from.
@@ -56,6 +53,33 @@ impl World {
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         Placed::new(scene)?.build()
+    }
+
+    /// The surfaces in their hierarchy; a hit's surface is an index into [`World::surfaces`].
+    pub fn bvh(&self) -> &SurfaceBvh {
+        &self.bvh
+    }
+
+    /// The surfaces in the order of the scene.
+    pub fn surfaces(&self) -> &[Instance] {
+        &self.surfaces
+    }
+
+    /// What the surfaces' `material` indices mean.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The same with those surfaces only that a function names, by their index.
+    ///
+    /// # Errors
+    /// As [`SurfaceBvh::build`].
+    pub fn keeping(mut self, keep: impl Fn(usize) -> bool) -> Result<Self, BuildError> {
+        let mut index = 0..;
+        self.surfaces.retain(|_| index.next().is_some_and(&keep));
+        let nets: Vec<_> = self.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+        self.bvh = SurfaceBvh::build(&nets)?;
+        Ok(self)
     }
 }
 
@@ -97,7 +121,7 @@ impl<'a> Placed<'a> {
     pub fn build(self) -> Result<World, SceneError> {
         let Self { scene, surfaces, materials, lights, camera } = self;
         let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
-        let bvh = SurfaceBvh::build(&nets, &BuildOptions::default())
+        let bvh = SurfaceBvh::build(&nets)
             .map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Build(error)))?;
         let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
         let settings = scene.settings.clone();

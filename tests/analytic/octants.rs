@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
 use rayon::prelude::*;
@@ -49,9 +49,9 @@ fn sphere_roots(ray: &Ray) -> Option<([f64; 2], f64)> {
 }
 
 fn compare(count: u64) {
-    let octants = SurfaceBvh::build(&patches::octants(), &BuildOptions::default()).unwrap();
+    let octants = SurfaceBvh::build(&patches::octants()).unwrap();
     let bicubic = [shapes::sphere(1.0).unwrap()];
-    let bicubic = SurfaceBvh::build(&bicubic, &BuildOptions::default()).unwrap();
+    let bicubic = SurfaceBvh::build(&bicubic).unwrap();
     let block = 1000;
     let blocks: Vec<(u64, u64)> = (0..count / block)
         .into_par_iter()
@@ -118,7 +118,7 @@ fn eight_octants_are_met_as_the_bicubic_sphere_a_million_times() {
 /// inwards the far side at twice the cosine.
 #[test]
 fn rays_leave_shared_edges_as_they_leave_one_surface() {
-    let octants = SurfaceBvh::build(&patches::octants(), &BuildOptions::default()).unwrap();
+    let octants = SurfaceBvh::build(&patches::octants()).unwrap();
     let mut random = Random::new(0x51);
     let mut tracer = octants.tracer();
     let (mut left, mut doubtful) = (0, 0);
@@ -172,7 +172,7 @@ fn rays_leave_a_ridge_on_the_side_they_go_to() {
         NurbsSurface::new(knots(), knots(), net, None).unwrap()
     };
     let roof = [side(-1.0, -1.0), side(1.0, 1.0), floor];
-    let bvh = SurfaceBvh::build(&roof, &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&roof).unwrap();
     let mut tracer = bvh.tracer();
     let mut random = Random::new(0x52);
     let mut flagged = 0;

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use nurbray::geometry::trim::Side;
 use nurbray::geometry::{Charts, NurbsSurface, Surface};
-use nurbray::intersect::{BuildOptions, SurfaceBvh};
+use nurbray::intersect::SurfaceBvh;
 
 /// Surfaces, and what is known of them.
 pub(crate) struct Model {
@@ -23,7 +23,7 @@ impl Model {
     }
 
     pub(crate) fn bvh(&self) -> SurfaceBvh {
-        SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(&self.surfaces).unwrap()
     }
 
     /// Whether a place on a surface is surely there.

@@ -1,7 +1,7 @@
 //! The same view by nurbray and by Embree, and how they differ.
 
 use glam::DVec3;
-use nurbray::intersect::{BuildOptions, Coherence, Query, SurfaceBvh};
+use nurbray::intersect::{Coherence, Query, SurfaceBvh};
 use nurbray::io::mesh::Tessellation;
 use nurbray::io::{Embree, EmbreePrimitive, PacketWidth};
 use nurbray::math::Ray;
@@ -24,7 +24,7 @@ pub(crate) type Picture = Vec<Option<Seen>>;
 
 /// The picture by nurbray.
 pub(crate) fn exact(model: &Model, rays: &[Ray]) -> Picture {
-    let bvh = SurfaceBvh::build(&model.surfaces, &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&model.surfaces).unwrap();
     let queries: Vec<_> = rays.iter().map(|&ray| Query::primary(ray)).collect();
     let mut answers = Vec::new();
     bvh.tracer().first_hits(&queries, Coherence::Coherent, &mut answers);

@@ -89,7 +89,7 @@ pub(crate) fn teapot() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&load_input(&path).unwrap()).unwrap();
     let surfaces: Vec<_> =
-        world.surfaces.iter().filter_map(|one| one.surface.nurbs().cloned()).collect();
+        world.surfaces().iter().filter_map(|one| one.surface.nurbs().cloned()).collect();
     assert_eq!(surfaces.len(), 32);
     let view = View {
         from: DVec3::new(4.5, -9.0, 5.6),

@@ -4,7 +4,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::{Cage, KnotVector, NurbsSurface, Surface};
-use nurbray::intersect::{BuildOptions, Hit, Kernel, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Hit, Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -297,7 +297,7 @@ fn sheets_that_cross_on_knot_lines_are_both_met() {
     for (surfaces, wanted) in
         [(vec![twice], vec![5.0, 5.0, 9.0]), (vec![flat, steep], vec![5.0; 2])]
     {
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let mut hits = Vec::new();
         let doubtful = bvh.tracer().all_hits(&Query::primary(ray), &mut hits);
         let found: Vec<f64> = hits.iter().map(|hit| hit.t).collect();

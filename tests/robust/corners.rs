@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 use nurbray::geometry::{KnotVector, NurbsSurface};
-use nurbray::intersect::{BuildOptions, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
@@ -18,7 +18,7 @@ fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     control[7] = DVec4::new(0.0, 0.0, 1.0, 1.0);
     control[8] = DVec4::new(1.0, 1.0, 1.0, 1.0);
     let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
-    let bvh = SurfaceBvh::build(std::slice::from_ref(&surface), &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(std::slice::from_ref(&surface)).unwrap();
     let mut tracer = bvh.tracer();
     let mut random = Random::new(3);
     let mut seen = 0;
@@ -54,7 +54,7 @@ fn a_ray_along_a_side_does_not_slip_off_it() {
         twice,
     ];
     let surface = NurbsSurface::from_homogeneous(knots(), knots(), control).unwrap();
-    let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&[surface]).unwrap();
     let origin = DVec3::new(-0.4978496441329934, 0.5824664221630071, 0.6498562190687206);
     let direction = DVec3::new(-0.08404130760430094, 0.1605136537515085, 0.9834492491102427);
     let ray = Ray::new(origin, direction).unwrap();

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{Answer, BuildOptions, Coherence, Hit, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::random::Random;
@@ -146,7 +146,7 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
         for kind in 0..5 {
             let place = placement(kind, &mut random);
             let surface = surface.transformed(&place).unwrap();
-            let bvh = SurfaceBvh::build(&[surface], &BuildOptions::default()).unwrap();
+            let bvh = SurfaceBvh::build(&[surface]).unwrap();
             let (mut most, mut most_for_all, mut sum, mut wrong) = (0, 0, 0, 0);
             let count = 200;
             let started = std::time::Instant::now();
@@ -203,7 +203,7 @@ fn in_its_plane(random: &mut Random) -> Ray {
 /// Surfaces that are nowhere steep to a ray, and nowhere clear of it, took seconds a ray.
 #[test]
 fn work_is_bounded_where_a_surface_is_but_a_curve() {
-    let bvh = SurfaceBvh::build(&[circle_twice()], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&[circle_twice()]).unwrap();
     let mut random = Random::new(3);
     let mut tracer = bvh.tracer();
     let mut most = 0;
@@ -225,7 +225,7 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
 /// Which leaves are left when the work is used up is a matter of the ray, not of those traced beside it.
 #[test]
 fn what_is_left_where_work_is_bounded_depends_on_the_ray_alone() {
-    let bvh = SurfaceBvh::build(&[circle_twice()], &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&[circle_twice()]).unwrap();
     let mut random = Random::new(4);
     let rays: Vec<Ray> = (0..6).map(|_| in_its_plane(&mut random)).collect();
     let mut tracer = bvh.tracer();

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, Surface, shapes};
-use nurbray::intersect::{BuildOptions, Coherence, Hit, Kernel, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Coherence, Hit, Kernel, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -384,11 +384,10 @@ fn where_a_surface_crosses_itself_the_other_sheet_is_doubtful() {
 #[test]
 fn no_chord_is_lost_however_small_the_sphere() {
     let sphere: Surface = shapes::sphere(1.0).unwrap().into();
-    let options = BuildOptions::default();
     for power in [0, -8, -10, -12, -13, -14, -16, -18, -19, -20, -21, -22, -30, 8, 14, 20] {
         let scale = 10f64.powi(power);
         let scaled = sphere.transformed(&DAffine3::from_scale(DVec3::splat(scale))).unwrap();
-        let bvh = SurfaceBvh::build(&[scaled], &options).unwrap();
+        let bvh = SurfaceBvh::build(&[scaled]).unwrap();
         let mut random = Random::new(75);
         let mut scalar = bvh.tracer_with(Kernel::Scalar);
         let queries: Vec<Query> = (0..400)

@@ -133,7 +133,7 @@ pub(crate) fn periodic_tube() -> Model {
 pub(crate) fn teapot() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&load_input(&path).unwrap()).unwrap();
-    let surfaces = world.surfaces.iter().map(|one| one.surface.clone());
+    let surfaces = world.surfaces().iter().map(|one| one.surface.clone());
     Model { name: "teapot".into(), surfaces: surfaces.collect(), closed: false }
 }
 

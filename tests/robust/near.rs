@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use nurbray::geometry::{NurbsSurface, shapes};
-use nurbray::intersect::{BuildOptions, Hit, HitFlags, Query, SurfaceBvh};
+use nurbray::intersect::{Hit, HitFlags, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
 
@@ -12,7 +12,7 @@ use crate::random::Random;
 use crate::ways::{all_ways, kernels};
 
 fn build(surfaces: &[NurbsSurface]) -> SurfaceBvh {
-    SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+    SurfaceBvh::build(surfaces).unwrap()
 }
 
 /// The sphere flattened to this part of its height.

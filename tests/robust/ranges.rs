@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nurbray::geometry::shapes;
-use nurbray::intersect::{BuildOptions, Coherence, Hit, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Coherence, Hit, Kernel, Query, SurfaceBvh};
 use nurbray::math::{Ray, RayError};
 
 use crate::model::Model;
@@ -134,7 +134,7 @@ fn tracer_hit(bvh: &SurfaceBvh, ray: &Ray) -> Option<f64> {
 #[test]
 fn negative_ranges_look_behind() {
     let surfaces = [shapes::sphere(1.0).unwrap()];
-    let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+    let bvh = SurfaceBvh::build(&surfaces).unwrap();
     let ray = Ray::with_range(DVec3::new(0.1, 0.2, 0.3), DVec3::Y, -5.0, 0.0).unwrap();
     let t = tracer_hit(&bvh, &ray).unwrap();
     let expected = -0.2 - (1.0 - 0.01 - 0.09f64).sqrt();

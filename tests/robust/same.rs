@@ -3,9 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{Surface, shapes};
-use nurbray::intersect::{
-    Answer, BuildOptions, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh, Tracer,
-};
+use nurbray::intersect::{Answer, Coherence, Hit, Kernel, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 
 use crate::model::Model;
@@ -160,7 +158,7 @@ fn wherever_a_surface_stands_in_the_list() {
     let mut random = Random::new(55);
     let order = shuffled(model.surfaces.len(), &mut random);
     let shuffled: Vec<Surface> = order.iter().map(|&k| model.surfaces[k].clone()).collect();
-    let shuffled = SurfaceBvh::build(&shuffled, &BuildOptions::default()).unwrap();
+    let shuffled = SurfaceBvh::build(&shuffled).unwrap();
     let (mut a, mut b) = (bvh.tracer(), shuffled.tracer());
     let mut ties = 0;
     for query in &queries {
@@ -192,7 +190,7 @@ fn ties_go_to_the_surface_given_first() {
         (vec![other.clone(), same.clone(), same.clone()], 1),
         (vec![other.clone(), other, same.clone(), same.clone()], 2),
     ] {
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let mut tracer = bvh.tracer();
         let rays = Rays::new(&sheet);
         let mut random = Random::new(56);

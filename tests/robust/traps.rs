@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
-use nurbray::intersect::{Answer, BuildOptions, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
+use nurbray::intersect::{Answer, Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 use nurbray::math::rounding::residual_factor;
 
@@ -22,7 +22,7 @@ fn by_every_kernel(bvh: &SurfaceBvh, rays: &[Ray], mut judge: impl FnMut(&Answer
 }
 
 fn build(surfaces: &[NurbsSurface]) -> SurfaceBvh {
-    SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+    SurfaceBvh::build(surfaces).unwrap()
 }
 
 fn placed(surface: &NurbsSurface, scale: f64, at: DVec3) -> NurbsSurface {

@@ -121,7 +121,6 @@ fn look(
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::BuildOptions;
 
     use super::*;
 
@@ -129,7 +128,7 @@ mod tests {
     fn the_tallies_do_not_depend_on_the_threads() {
         let surfaces =
             [shapes::sphere(1.0).unwrap().into(), shapes::torus(3.0, 0.5).unwrap().into()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let what = Audit { bvh: &bvh, surfaces: &surfaces, kernel: Kernel::default(), seed: 9 };
         let [one, three] = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

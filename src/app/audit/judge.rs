@@ -331,7 +331,7 @@ fn largest(surface: &Surface) -> f64 {
 mod tests {
     use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
     use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
-    use nurbray::intersect::{BuildOptions, Query, SurfaceBvh};
+    use nurbray::intersect::{Query, SurfaceBvh};
 
     use super::*;
 
@@ -341,7 +341,7 @@ mod tests {
     /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
     fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
         let surfaces = [shapes::sphere(1.0).unwrap().into()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let direction = DVec3::new(-0.6, -0.48, -0.64);
         let query = Query::primary(Ray::new(-3.0 * direction, direction).unwrap());
         let mut tracer = bvh.tracer();
@@ -384,7 +384,7 @@ mod tests {
         let half = TrimLoop::rectangle(UvBox::new([0.0, 0.5], [0.0, 1.0])).unwrap();
         let trims = Trims::new(domain, Kept::Odd, &[half]).unwrap();
         let surfaces = [TrimmedSurface::new(plane, trims).unwrap().into()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let judge = Judge::new(&surfaces);
         let promise = residual_factor(1, 1);
         // Within twice as far as curves are off themselves, and much farther off.
@@ -456,7 +456,7 @@ mod tests {
     #[test]
     fn shadows_are_judged_by_whether_anything_is_there() {
         let surfaces = [shapes::sphere(1.0).unwrap().into()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let judge = Judge::new(&surfaces);
         let direction = DVec3::new(-0.6, -0.48, -0.64);
         let beside = direction.any_orthonormal_vector();
@@ -484,7 +484,7 @@ mod tests {
     #[test]
     fn exactly_tangent_rays_are_told_from_grazing_ones() {
         let surfaces = [shapes::sphere(1.0).unwrap().into()];
-        let bvh = SurfaceBvh::build(&surfaces, &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let judge = Judge::new(&surfaces);
         let (normal, direction) = (DVec3::new(0.6, 0.48, 0.64), DVec3::new(0.8, -0.36, -0.48));
         let mut tracer = bvh.tracer();

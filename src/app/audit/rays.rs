@@ -237,12 +237,12 @@ fn tangent(surface: &SurfaceDerivatives, random: &mut Random) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::{BuildOptions, SurfaceBvh};
+    use nurbray::intersect::SurfaceBvh;
 
     use super::*;
 
     fn bvh(surfaces: &[Surface]) -> SurfaceBvh {
-        SurfaceBvh::build(surfaces, &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(surfaces).unwrap()
     }
 
     #[test]

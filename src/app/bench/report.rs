@@ -53,8 +53,8 @@ impl Report<'_> {
             "file_seconds": self.model.preparation.total(),
             "build_seconds": self.model.preparation.build,
             "total_seconds": measured.our_steps(self.model, ours).total(),
-            "bytes": self.model.world.bvh.bytes(),
-            "pieces": self.model.world.bvh.patches().pieces().len(),
+            "bytes": self.model.world.bvh().bytes(),
+            "pieces": self.model.world.bvh().patches().pieces().len(),
         });
         if measured.set == RaySet::AmbientOcclusion {
             line["radius"] = json!(REACH * self.model.diagonal);
@@ -113,7 +113,7 @@ impl Report<'_> {
     /// Everything in one line, for a table of several models: what it takes, and our fastest
     /// kernel's speed for each of these ray sets.
     pub(super) fn row(&self, sets: &[RaySet]) -> Vec<String> {
-        let bvh = &self.model.world.bvh;
+        let bvh = self.model.world.bvh();
         let pieces = bvh.patches().pieces().len();
         let mut row = vec![self.model.name.clone(), self.threads.to_string(), pieces.to_string()];
         row.push(short_bytes(bvh.bytes() / pieces.max(1)));
@@ -128,7 +128,7 @@ impl Report<'_> {
     /// What there is, how large it is, how long it took to prepare.
     fn preparation(&self) -> String {
         let Self { model, .. } = self;
-        let bvh = &model.world.bvh;
+        let bvh = model.world.bvh();
         let pieces = bvh.patches().pieces().len();
         let mut text = format!(
             "{}, {}: {}, {}, {}, {} ({} a Bézier patch); {} from the surfaces, {} from the file\n",

@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 
     // Answers do not depend on the number of threads: all may work.
     let Race { model, size, rays, .. } = &race;
-    let ours = sight::exact(&model.world.bvh, rays);
+    let ours = sight::exact(model.world.bvh(), rays);
     let seen = || ours.iter().filter_map(View::sight);
     let compared = Compared { model, rays, size: *size, ours: &ours };
     let mut findings = Vec::new();
@@ -203,7 +203,7 @@ impl Compared<'_> {
         // One width for all runs, that all may say the same.
         let mut entry = Entry::new(rival, self.rays, PacketWidth::Sixteen);
         entry.pass();
-        let judge = Judge { bvh: &self.model.world.bvh, tolerance: rival.distance };
+        let judge = Judge { bvh: self.model.world.bvh(), tolerance: rival.distance };
 
         let mut errors = [const { Vec::new() }; 4];
         let mut findings = Findings::default();

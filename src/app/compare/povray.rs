@@ -217,7 +217,7 @@ enum Pixel {
 
 /// Our pixels, row by row; a hit without a normal is black, as it is in POV-Ray.
 fn pixels(model: &Model, rays: &Rays, size: [u32; 2]) -> Vec<Pixel> {
-    let views = sight::exact(&model.world.bvh, rays);
+    let views = sight::exact(model.world.bvh(), rays);
     let mut pixels = vec![Pixel::Doubtful; views.len()];
     for ((view, query), [x, y]) in views.iter().zip(&rays.queries).zip(tiled_pixels(size)) {
         let cosine = |sight: &Sight| match sight.normal.is_nan() {

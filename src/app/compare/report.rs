@@ -108,8 +108,9 @@ impl Report<'_> {
         let mut table = self.table();
         table.row("triangles", "none", |k| rivals[k].triangles.to_string());
         table.row("build", &time(model.preparation.build), |k| time(rivals[k].build_seconds));
-        table
-            .row("memory", &short_bytes(model.world.bvh.bytes()), |k| short_bytes(rivals[k].bytes));
+        table.row("memory", &short_bytes(model.world.bvh().bytes()), |k| {
+            short_bytes(rivals[k].bytes)
+        });
         table.row("million rays a second", &three_digits(rate), |k| {
             three_digits(results[k].speed.mrays_per_s)
         });
@@ -185,7 +186,7 @@ impl Report<'_> {
             ..panel("Speed", "Mrays/s")
         };
         let memory = Panel {
-            levels: nurbray(self.model.world.bvh.bytes() as f64),
+            levels: nurbray(self.model.world.bvh().bytes() as f64),
             curves: vec![curve(self.rival, &|level| level.0.bytes as f64)],
             ..panel("Memory", "bytes")
         };

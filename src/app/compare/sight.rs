@@ -117,7 +117,7 @@ pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::{BuildOptions, Query};
+    use nurbray::intersect::Query;
 
     use super::*;
 
@@ -125,7 +125,7 @@ mod tests {
     fn what_is_doubtful_is_not_known() {
         let ray = Ray::new(DVec3::new(0.1, 0.2, 3.0), DVec3::NEG_Z).unwrap();
         let sphere = shapes::sphere(1.0).unwrap();
-        let bvh = SurfaceBvh::build(&[sphere], &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&[sphere]).unwrap();
         let met = bvh.tracer().first_hit(&Query::primary(ray));
         let known = View::new(&met, &ray);
         assert!((known.sight().unwrap().point.length() - 1.0).abs() < 1e-15);

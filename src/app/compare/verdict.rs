@@ -123,7 +123,6 @@ impl Judge<'_> {
 #[cfg(test)]
 mod tests {
     use nurbray::geometry::shapes;
-    use nurbray::intersect::BuildOptions;
 
     use super::*;
 
@@ -136,7 +135,7 @@ mod tests {
 
     impl Setting {
         fn new(size: f64) -> Self {
-            let bvh = SurfaceBvh::build(&[shapes::sphere(size).unwrap()], &BuildOptions::default());
+            let bvh = SurfaceBvh::build(&[shapes::sphere(size).unwrap()]);
             Self { bvh: bvh.unwrap(), tolerance: 1e-3 * size }
         }
 

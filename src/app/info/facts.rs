@@ -71,15 +71,15 @@ impl Facts {
     /// Collects them.
     pub(super) fn new(world: &World) -> Self {
         let mut surfaces: Vec<SurfaceFacts> =
-            (0..world.surfaces.len()).map(|index| authored(world, index)).collect();
-        let patches = world.bvh.patches();
+            (0..world.surfaces().len()).map(|index| authored(world, index)).collect();
+        let patches = world.bvh().patches();
         for surface in &mut surfaces {
             surface.pieces = patches.pieces_of(surface.index).len();
             surface.bytes = patches.bytes_of(surface.index);
         }
         // Those of trimmed surfaces, whose bounds are theirs.
         let mut trimmed: Vec<Vec<&Leaf>> = vec![Vec::new(); surfaces.len()];
-        for leaf in world.bvh.leaves() {
+        for leaf in world.bvh().leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
             surface.leaves += 1;
             surface.bytes += size_of::<Leaf>();
@@ -100,7 +100,7 @@ impl Facts {
         });
         let bounds = surfaces.iter().map(|surface| surface.bounds);
         let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
-        Self { surfaces, bytes: world.bvh.bytes(), bounds }
+        Self { surfaces, bytes: world.bvh().bytes(), bounds }
     }
 
     /// The diagonal of the bounding box.
@@ -126,7 +126,7 @@ impl Facts {
 
 /// What the author of a surface knows of it; the pieces are counted elsewhere.
 fn authored(world: &World, index: usize) -> SurfaceFacts {
-    let instance = &world.surfaces[index];
+    let instance = &world.surfaces()[index];
     let surface = &instance.surface;
     let charts = surface.charts();
     let collapsed = charts.iter().flat_map(|chart| {
@@ -136,7 +136,7 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     SurfaceFacts {
         index,
         name: instance.name.clone(),
-        material: world.materials[instance.material].name.clone(),
+        material: world.materials()[instance.material].name.clone(),
         degree: surface.degree(),
         rational: surface.is_rational(),
         points: surface.point_count(),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use nurbray::geometry::{Charts, KnotVector, Surface};
-use nurbray::intersect::{BuildOptions, SurfaceBvh};
+use nurbray::intersect::SurfaceBvh;
 use nurbray::scene::{CameraSpec, Placed, Scene, World};
 
 use super::super::failure::{Failure, OrFail};
@@ -56,14 +56,10 @@ impl Model {
     pub(crate) fn keeping(mut self, kept: &[usize], budget: Duration) -> Result<Self, Failure> {
         let mut keep = vec![false; self.surfaces.len()];
         kept.iter().for_each(|&index| keep[index] = true);
-        let mut kept = keep.iter();
-        self.world.surfaces.retain(|_| kept.next() == Some(&true));
-        let mut kept = keep.iter();
-        self.surfaces.retain(|_| kept.next() == Some(&true));
-        let (bvh, seconds) = repeat(budget, || {
-            SurfaceBvh::build(&self.surfaces, &BuildOptions::default()).or_bad_input()
-        })?;
-        self.world.bvh = bvh;
+        self.world = self.world.keeping(|index| keep[index]).or_bad_input()?;
+        self.surfaces = in_their_places(&self.world);
+        let build = || SurfaceBvh::build(&self.surfaces).or_bad_input();
+        let (_, seconds) = repeat(budget, build)?;
         self.preparation.build = seconds;
         Ok(self)
     }
@@ -83,10 +79,9 @@ impl Model {
             let [read, build] = [read, build].map(|time| time.as_secs_f64());
             Ok(((scene, world), Preparation { read, build }))
         })?;
-        let surfaces: Vec<_> =
-            world.surfaces.iter().map(|instance| instance.surface.clone()).collect();
+        let surfaces = in_their_places(&world);
         // A world without surfaces cannot be made.
-        let (low, high) = world.bvh.bounds().unwrap_or_default();
+        let (low, high) = world.bvh().bounds().unwrap_or_default();
         let centre = 0.5 * low + 0.5 * high;
         Ok(Self {
             name: path.display().to_string(),
@@ -99,6 +94,11 @@ impl Model {
             diagonal: (high - low).length(),
         })
     }
+}
+
+/// The surfaces of a world.
+fn in_their_places(world: &World) -> Vec<Surface> {
+    world.surfaces().iter().map(|instance| instance.surface.clone()).collect()
 }
 
 /// The distance from a point to the farthest of some points of the surfaces: four a span and

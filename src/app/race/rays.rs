@@ -107,7 +107,7 @@ fn seen(world: &World, size: [u32; 2]) -> Vec<Seen> {
     let coherence = world.neighbours(size).first_hits;
     let chunks = queries.par_chunks(CHUNK).with_max_len(1).map(|queries| {
         let mut answers = Vec::new();
-        let mut tracer = world.bvh.tracer_with(Kernel::default());
+        let mut tracer = world.bvh().tracer_with(Kernel::default());
         tracer.first_hits(queries, coherence, &mut answers);
         let hits = answers.iter().zip(queries).filter_map(|(answer, query)| {
             let hit = answer.hit?;

@@ -442,7 +442,7 @@ mod tests {
 
     use crate::geometry::NurbsCurve;
     use crate::geometry::construct::{Caps, TubeStyle, tube};
-    use crate::intersect::{BuildOptions, Query, SurfaceBvh};
+    use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
 
     /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along it (by up
@@ -454,7 +454,7 @@ mod tests {
         let line = NurbsCurve::polyline(&line).unwrap();
         let style = TubeStyle { radius: 0.03, caps: Caps::Open, tolerance: None };
         let cylinder = tube(&line, &style).unwrap()[0].surface.clone();
-        let bvh = SurfaceBvh::build(std::slice::from_ref(&cylinder), &BuildOptions::default());
+        let bvh = SurfaceBvh::build(std::slice::from_ref(&cylinder));
         let bvh = bvh.unwrap();
         let mut tracer = bvh.tracer();
         for k in 0..70 {

@@ -399,7 +399,7 @@ mod tests {
     use super::super::weighted_hills;
     use super::*;
     use crate::geometry::shapes;
-    use crate::intersect::{BuildOptions, Hit, Query, Root, SurfaceBvh};
+    use crate::intersect::{Hit, Query, Root, SurfaceBvh};
     use crate::math::Ray;
 
     /// A ray that leaves a leaf, and what is said of it.
@@ -461,11 +461,10 @@ mod tests {
     /// of one that meets its leaf again, and of the sphere's whatever the angle.
     #[test]
     fn only_what_is_not_met_again_is_final() {
-        let options = BuildOptions::default();
-        let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()], &options).unwrap();
-        let torus = SurfaceBvh::build(&[shapes::torus(1.0, 0.4).unwrap()], &options).unwrap();
-        let ring = SurfaceBvh::build(&[shapes::torus(1.0, 0.03).unwrap()], &options).unwrap();
-        let hills = SurfaceBvh::build(&[weighted_hills()], &options).unwrap();
+        let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
+        let torus = SurfaceBvh::build(&[shapes::torus(1.0, 0.4).unwrap()]).unwrap();
+        let ring = SurfaceBvh::build(&[shapes::torus(1.0, 0.03).unwrap()]).unwrap();
+        let hills = SurfaceBvh::build(&[weighted_hills()]).unwrap();
         let met_again = Cell::new(0);
         let proved = [Cell::new(0), Cell::new(0), Cell::new(0), Cell::new(0)];
         let config = ProptestConfig { cases: 20_000, ..ProptestConfig::default() };
@@ -502,7 +501,7 @@ mod tests {
     #[test]
     fn origins_elsewhere_are_noticed() {
         let sphere = shapes::sphere(1.0).unwrap();
-        let bvh = SurfaceBvh::build(&[sphere], &BuildOptions::default()).unwrap();
+        let bvh = SurfaceBvh::build(&[sphere]).unwrap();
         let normal = DVec3::new(0.6, 0.48, 0.64);
         let hit = |query: &Query| bvh.tracer().first_hit(query).hit;
         let seen = hit(&Query::primary(Ray::new(3.0 * normal, -normal).unwrap())).unwrap();

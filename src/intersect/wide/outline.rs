@@ -143,7 +143,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
-    use crate::intersect::{BuildOptions, Kernel, SurfaceBvh};
+    use crate::intersect::{Kernel, SurfaceBvh};
     use crate::math::Ray;
 
     /// The least and the largest coordinates of vectors.
@@ -198,7 +198,7 @@ mod tests {
             NurbsSurface::new(knots.clone(), knots.clone(), net, None).unwrap()
         };
         let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|normal| [side(normal), side(-normal)]);
-        SurfaceBvh::build(&sides.concat(), &BuildOptions::default()).unwrap()
+        SurfaceBvh::build(&sides.concat()).unwrap()
     }
 
     #[test]

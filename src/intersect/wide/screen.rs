@@ -209,7 +209,7 @@ mod tests {
     use crate::intersect::wide::load::{load, turn};
     use crate::intersect::wide::search::{certify, cross_box};
     use crate::intersect::wide::single_ray::{WIDENED, Wanted};
-    use crate::intersect::{BuildOptions, Hit, Query, SurfaceBvh};
+    use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::{Ray, rounding};
     use crate::patch::Leaf;
 
@@ -254,9 +254,8 @@ mod tests {
     /// Lines past places of a leaf and just outside of it, at any angle that its certificate speaks of.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
-        let options = BuildOptions::default();
         let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
-            .map(|body| SurfaceBvh::build(&[body.unwrap()], &options).unwrap());
+            .map(|body| SurfaceBvh::build(&[body.unwrap()]).unwrap());
         let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
         let config = ProptestConfig { cases: 1_500, ..ProptestConfig::default() };
         let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
