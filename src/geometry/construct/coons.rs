@@ -26,20 +26,24 @@ pub struct Borders {
 
 /// A corner of a Coons patch: which ends of `u` and `v`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Corner {
+pub struct CoonsCorner {
     u: u8,
     v: u8,
 }
 
-impl fmt::Display for Corner {
+impl fmt::Display for CoonsCorner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { u, v } = self;
         write!(f, "the corner of borders u{u} and v{v}")
     }
 }
 
-const CORNERS: [Corner; 4] =
-    [Corner { u: 0, v: 0 }, Corner { u: 0, v: 1 }, Corner { u: 1, v: 0 }, Corner { u: 1, v: 1 }];
+const CORNERS: [CoonsCorner; 4] = [
+    CoonsCorner { u: 0, v: 0 },
+    CoonsCorner { u: 0, v: 1 },
+    CoonsCorner { u: 1, v: 0 },
+    CoonsCorner { u: 1, v: 1 },
+];
 
 /// Two ends agree if they are no farther apart than a few roundings of their coordinates: a
 /// rotation costs some six operations of half an ulp, a weight divided out another.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::Corner;
+use super::CoonsCorner;
 use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError};
 use crate::math::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
@@ -429,7 +429,7 @@ pub enum ConstructError {
     )]
     Corner {
         /// Where they should.
-        corner: Corner,
+        corner: CoonsCorner,
         /// Where the border of constant u ends.
         u: DVec3,
         /// Where the border of constant v ends.

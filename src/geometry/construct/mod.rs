@@ -48,7 +48,7 @@ mod sweep;
 mod sweep_tests;
 mod tube;
 
-pub use coons::{Borders, Corner, coons};
+pub use coons::{Borders, CoonsCorner, coons};
 pub use error::ConstructError;
 pub(in crate::geometry) use fold::Course;
 pub use loft::{LOFT_DEGREE, Loft, loft};
