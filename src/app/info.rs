@@ -24,16 +24,16 @@ use gaps::Gap;
 
 /// What `--help` says behind the options.
 pub(crate) const HELP: &str = "\
-Gaps: each border of each surface is sampled at 33 points or more, evenly by
-length, and each point's nearest point on every other border is found by
-Newton's method. Two borders run side by side where at least a quarter of the
+Gaps: each border of each surface is sampled at 33 points or more, no farther
+apart than about 1/32 of its length, and each point's nearest point on every
+other border is found by Newton's method. Two borders run side by side where at least a quarter of the
 length of one lies within 1e-3 of the size of the object they belong to (of two
 objects' borders, within 1e-3 of the larger one's size and 1e-2 of the smaller
 one's; and within 1/20 of the shorter border's length) of the other. They meet
 if none of these points is farther off than rounding, 4 (p + q + 4) 2^-53 M for
 each surface; else the largest distance is listed as a gap, through which rays
-may pass: of points at which no other border meets either. Gaps narrower than
-the samples are long may be missed. A knot of multiplicity p + 1 within a domain
+may pass, measured from points of one border along which no other one meets it.
+Gaps narrower than the samples are long may be missed. A knot of multiplicity p + 1 within a domain
 makes two borders, as the surface may jump there. Trim edges are borders from
 corner to corner; what trims cut off a border does not count, nor what an edge
 runs along, nor do the parts of one tube, ribbon or net, which run into each
@@ -62,6 +62,8 @@ With --json one object:
                  hierarchy), bounds
   borders        total, trim_edges (of these), collapsed, meeting,
                  nearly_meeting, free
+  edges_left_out a list of surfaces whose trim edges are not among these, with
+                 the reason: surface, why
   gaps           a list, the widest first: surfaces [i, j], edges, width,
                  relative (to the size of the bounding box), at [x, y, z]
   not_imported   a list: file, line, column (null where unknown), what, why
@@ -117,6 +119,9 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
                 "nearly_meeting": fit.nearly,
                 "free": fit.free,
             },
+            "edges_left_out": fit.left_out.iter().map(|(surface, error)| {
+                json!({ "surface": surface, "why": error.to_string() })
+            }).collect::<Value>(),
             "gaps": fit.gaps.iter().map(|gap| gap_json(gap, facts.size())).collect::<Value>(),
             "not_imported": not_imported.collect::<Value>(),
         }))?;

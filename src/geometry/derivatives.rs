@@ -73,7 +73,7 @@ impl SurfaceDerivatives {
         let error = noise * (luu / lu / lu + 2.0 * luv / lu / lv + lvv / lv / lv);
         let sine = (du / lu).cross(dv / lv);
         if sine.length() > ROUNDING + error {
-            return unit(sine); // not for NaN, as where a length is zero
+            return normalized(sine); // not for NaN, as where a length is zero
         }
 
         // Derivatives lost in their rounding errors count as zero, lest noise gain a direction.
@@ -95,7 +95,7 @@ impl SurfaceDerivatives {
             let size = turn_u.length() * dv.length() + du.length() * turn_v.length();
             (turn_u.cross(dv) + du.cross(turn_v), size)
         };
-        if product.length() > CLEAR * size { unit(product) } else { None }
+        if product.length() > CLEAR * size { normalized(product) } else { None }
     }
 }
 
@@ -106,8 +106,8 @@ fn shrunk(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     if size > 0.0 { (a / size, b / size) } else { (a, b) }
 }
 
-/// The unit vector, exact along the axes; `None` where it is not a number.
-fn unit(vector: DVec3) -> Option<DVec3> {
+/// The unit vector of one that is neither tiny nor huge, exact along the axes; `None` where it is not a number.
+fn normalized(vector: DVec3) -> Option<DVec3> {
     let unit = vector / vector.length();
     unit.is_finite().then_some(unit)
 }

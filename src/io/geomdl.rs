@@ -335,7 +335,6 @@ impl<'a> Reader<'a> {
         Ok(Written::new(weights, place))
     }
 
-    /// Notes what the file says of a surface that is not done.
     /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and weights beside them;
     /// and what is to be said of weights that are given in both places.
     fn control(
@@ -352,6 +351,7 @@ impl<'a> Reader<'a> {
         Ok((keys.points, keys.weights.or(beside), unused))
     }
 
+    /// Notes what the file says of a surface that is not done.
     fn note_ignored(&mut self, entry: &Entry<'a>) {
         if is_set(entry.item.reversed) {
             let why = "\"reversed\" left out: (u, v) and the normal stay as written; \

@@ -1,4 +1,4 @@
-//! Normals beside a collapsed side, to all digits.
+//! Normals beside a collapsed side, as exactly as the control points tell them.
 //!
 //! Where the side `t = 0` is collapsed to a point `P`, the tangent along it vanishes there: at a distance `ρ` it is known
 //! to `error / ρ` only, and so is the normal. But `X − P W` has a first column of zeros. So it is `t A`, and `A`, of one

@@ -9,7 +9,7 @@ use nurbray::math::Aabb;
 
 use super::super::border::Border;
 
-/// The least number of intervals a border is sampled in; pieces get equal numbers of them.
+/// The least number of intervals a border is sampled in; spans get equal numbers of them, and long ones more.
 pub(crate) const INTERVALS: usize = 32;
 
 /// Newton's steps to a nearest point. They double the correct digits from a start within one
@@ -19,8 +19,8 @@ const STEPS: usize = 16;
 /// What a curve is.
 #[derive(Debug)]
 enum Source<'a> {
-    /// A border of a surface, of which trims may have cut off a part.
-    Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border },
+    /// A border of a surface, of which trims may have cut off a part; `bare` where their edges are not known.
+    Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border, bare: bool },
     /// A part of a trim edge, between two corners.
     Edge(Arc<NurbsCurve>),
 }
@@ -53,9 +53,13 @@ impl Source<'_> {
 
     /// Whether a point of it is where the surface ends. Where a trim edge runs along a border, that is the edge.
     fn keeps(&self, t: f64) -> bool {
-        let Self::Border { trims: Some(trims), border, .. } = self else { return true };
+        let Self::Border { trims: Some(trims), border, bare, .. } = self else { return true };
         let (u, v) = border.uv(t);
-        trims.contains(DVec2::new(u, v)) == Side::Inside
+        match trims.contains(DVec2::new(u, v)) {
+            Side::Inside => true,
+            Side::Edge { .. } => *bare,
+            Side::Outside => false,
+        }
     }
 }
 
@@ -84,23 +88,24 @@ pub(crate) struct BorderCurve<'a> {
 }
 
 impl<'a> BorderCurve<'a> {
-    /// Samples a border; `None` if trims leave nothing of it, or only what runs along their own edges.
-    pub(crate) fn new(chart: &'a Chart<'_>, border: Border) -> Option<Self> {
+    /// Samples a border; `None` if trims leave nothing of it, or only what runs along their own edges (if these are
+    /// not known, that is left, too: `bare`).
+    pub(crate) fn new(chart: &'a Chart<'_>, border: Border, bare: bool) -> Option<Self> {
         let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
-        let source = Source::Border { surface, trims, border };
+        let source = Source::Border { surface, trims, border, bare };
         let curve = Self::sampled(source, border.knots(surface).domain());
         curve.samples.iter().any(|sample| sample.kept).then_some(curve)
     }
 
-    /// Samples a trim edge, corner by corner.
-    pub(crate) fn of_edge(edge: NurbsCurve) -> Vec<Self> {
+    /// Samples a trim edge, corner by corner; without parts that are points, to within `rounding`, as along a pole.
+    pub(crate) fn of_edge(edge: NurbsCurve, rounding: f64) -> Vec<Self> {
         let (start, end) = edge.domain();
         let corners = corners(&edge);
         let edge = Arc::new(edge);
         let stops: Vec<f64> = [start].into_iter().chain(corners).chain([end]).collect();
         let part =
             |pair: &[f64]| Self::sampled(Source::Edge(Arc::clone(&edge)), (pair[0], pair[1]));
-        stops.windows(2).map(part).collect()
+        stops.windows(2).map(part).filter(|part| part.length > rounding).collect()
     }
 
     fn sampled(source: Source<'a>, domain: (f64, f64)) -> Self {
@@ -120,7 +125,8 @@ impl<'a> BorderCurve<'a> {
         let length: f64 = coarse.windows(2).map(chord).sum();
         let most = length / INTERVALS as f64;
         let finer = coarse.windows(2).flat_map(|pair| {
-            let parts = (chord(pair) / most).ceil().clamp(1.0, INTERVALS as f64) as usize; // 1 for NaN
+            // One for NaN, as of a curve that is a point.
+            let parts = (chord(pair) / most).ceil().max(1.0).min(INTERVALS as f64) as usize;
             divided([pair[0].0, pair[1].0], parts)
         });
         let points: Vec<(f64, DVec3)> =
@@ -214,7 +220,8 @@ fn corners(curve: &NurbsCurve) -> Vec<f64> {
     let inner = knots.spans().skip(1).map(|span| span.start);
     let turns = |&t: &f64| {
         let [before, behind] = [t.next_down(), t].map(|t| curve.derivatives(t).first);
-        before.angle_between(behind) > CORNER // false for NaN
+        let goes_on = before.angle_between(behind) <= CORNER; // false for NaN, as where it stands still
+        !goes_on
     };
     inner.filter(|&t| knots.multiplicity(t) >= knots.degree()).filter(turns).collect()
 }
@@ -251,7 +258,7 @@ mod tests {
         let whole = Chart::whole(&cylinder);
         let rim = Border::all(&cylinder)
             .into_iter()
-            .filter_map(|border| BorderCurve::new(&whole, border))
+            .filter_map(|border| BorderCurve::new(&whole, border, false))
             .find(|curve| (curve.length() - std::f64::consts::TAU).abs() < 0.05)
             .unwrap();
         let z = rim.samples()[0].point.z;
@@ -271,7 +278,7 @@ mod tests {
     fn points_beyond_an_end_are_not_beside_the_curve() {
         let plane = shapes::plane(1.0, 1.0).unwrap();
         let whole = Chart::whole(&plane);
-        let curve = BorderCurve::new(&whole, Border::all(&plane)[0]).unwrap();
+        let curve = BorderCurve::new(&whole, Border::all(&plane)[0], false).unwrap();
         let [first, .., last] = curve.samples() else { panic!("two points at least") };
         let (first, last) = (first.point, last.point);
         let along = (last - first).normalize();

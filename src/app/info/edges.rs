@@ -1,5 +1,6 @@
 //! The borders and trim edges of surfaces.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use nurbray::geometry::{Chart, CurveError, Surface, TrimmedSurface};
@@ -24,7 +25,7 @@ pub(crate) struct Edge {
 pub(crate) enum Which {
     /// A border.
     Border(Border),
-    /// A trim edge, counted from 0.
+    /// A trim edge, from corner to corner, counted from 0.
     Trim(usize),
 }
 
@@ -68,28 +69,34 @@ impl<'a> Edges<'a> {
             .into_iter()
             .partition(|(edge, border)| border.pole(&chart(edge).surface).is_some());
         let collapsed = poles.iter().filter(|(edge, border)| border.is_kept(chart(edge))).count();
-        let curve = |&(edge, border): &(Edge, Border)| {
-            Some((edge, BorderCurve::new(chart(&edge), border)?))
+        let largest = |charts: &Vec<Chart<'_>>| {
+            charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
         };
-        let mut curves: Vec<_> = extended.par_iter().filter_map(curve).collect();
-        let extended = curves.len();
+        let rounding: Vec<f64> = charts.iter().map(largest).collect();
+
         let mut left_out = Vec::new();
+        let mut trim_edges = Vec::new();
         for (surface, one) in surfaces.iter().enumerate() {
             match one.trimmed().map(TrimmedSurface::edge_curves).unwrap_or(Ok(Vec::new())) {
                 Ok(edges) => {
-                    let parts = edges.into_iter().flat_map(BorderCurve::of_edge).enumerate();
-                    curves.extend(parts.map(|(number, curve)| {
+                    let parts = edges
+                        .into_iter()
+                        .flat_map(|edge| BorderCurve::of_edge(edge, rounding[surface]));
+                    trim_edges.extend(parts.enumerate().map(|(number, curve)| {
                         (Edge { surface, chart: 0, which: Which::Trim(number) }, curve)
                     }));
                 }
                 Err(error) => left_out.push((surface, error)),
             }
         }
-        let trim_edges = curves.len() - extended;
-        let largest = |charts: &Vec<Chart<'_>>| {
-            charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
+        let bare: BTreeSet<usize> = left_out.iter().map(|(surface, _)| *surface).collect();
+        let curve = |&(edge, border): &(Edge, Border)| {
+            Some((edge, BorderCurve::new(chart(&edge), border, bare.contains(&edge.surface))?))
         };
-        let rounding = charts.iter().map(largest).collect();
+        let mut curves: Vec<_> = extended.par_iter().filter_map(curve).collect();
+        let borders = curves.len();
+        curves.extend(trim_edges);
+        let trim_edges = curves.len() - borders;
         Self { curves, collapsed, trim_edges, left_out, rounding }
     }
 

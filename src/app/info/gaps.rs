@@ -6,7 +6,7 @@ use glam::DVec3;
 use nurbray::geometry::{Chart, Charts, CurveError, Surface};
 
 use super::edges::{Edge, Edges};
-use super::neighbours::{Beside, Neighbours};
+use super::neighbours::{Beside, Widest, side_by_side};
 
 /// Two borders that run side by side without meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,12 +52,13 @@ pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: 
     let mut meeting = BTreeSet::new();
     let mut beside = BTreeSet::new();
     let mut gaps = Vec::new();
-    for (pair, Beside { met, open }) in Neighbours::of(&edges, sizes).side_by_side() {
+    for (pair, Beside { met, open }) in side_by_side(&edges, sizes) {
         let two = pair.map(|k| edges.curves[k].0);
         let [a, b] = two.map(|edge| drawings.get(edge.surface).copied().flatten());
         if met {
             meeting.extend(pair);
-        } else if let Some((width, at)) = open.filter(|_| a.is_none() || a != b) {
+        } else if let Some(Widest { distance: width, at }) = open.filter(|_| a.is_none() || a != b)
+        {
             beside.extend(pair);
             gaps.push(Gap { edges: two, width, at });
         }
@@ -213,6 +214,26 @@ mod tests {
         assert!((open.gaps[0].width - 5e-4).abs() < 1e-14, "{}", open.gaps[0].width);
     }
 
+    /// Where the borders of a sheet meet each other, at its corner.
+    #[test]
+    fn gaps_may_be_widest_at_a_corner() {
+        let turned = [[1.0, 1.0 + 1e-4], [2.0, 2.0]];
+        let turned = turned.map(|xs| [0, 1].map(|k| DVec3::new(xs[k], k as f64, 0.0)));
+        let many: Vec<f64> = (1..40).map(|k| f64::from(k) / 40.0).collect();
+        let straight = sheet([1.0, 2.0], &many);
+        let mut points: Vec<DVec3> = straight.control().iter().map(|c| c.truncate()).collect();
+        points[40].x += 1e-4;
+        let [u, v] = [straight.knots_u(), straight.knots_v()].map(KnotVector::clone);
+        let moved = NurbsSurface::new(u, v, points, None).unwrap();
+        for other in [uneven(&turned, &[]), moved] {
+            let torn = fit(&[sheet([0.0, 1.0], &[]), other], 2.0);
+            assert_eq!((torn.nearly, torn.gaps.len()), (2, 1), "{:?}", torn.gaps);
+            let gap = &torn.gaps[0];
+            assert!((gap.width / 1e-4 - 1.0).abs() < 1e-4, "{}", gap.width);
+            assert!(gap.at.distance(DVec3::new(1.0, 1.0, 0.0)) < 2e-4, "{}", gap.at);
+        }
+    }
+
     #[test]
     fn surfaces_may_be_torn_at_a_knot() {
         let line = |x: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x, 1.0, 0.0)];
@@ -256,6 +277,33 @@ mod tests {
         let half = TrimLoop::rectangle(UvBox::new([0.0, 0.5], [-0.5, 1.5])).unwrap();
         let ([borders, trim_edges, ..], _) = counts(&[plate(0.0, &half)]);
         assert_eq!((borders, trim_edges), (4, 2), "one along u = 0");
+    }
+
+    /// Of edges that no curve of a supported degree is, the borders that they run along are left.
+    #[test]
+    fn borders_stand_for_edges_that_are_not_known() {
+        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
+        let square = TrimLoop::polygon(&square).unwrap();
+        let hole = TrimLoop::circle(DVec2::splat(0.5), 0.2).unwrap();
+        let plane = plane_at(0.0, 0.0, 0.0).elevated_u(8).unwrap().elevated_v(8).unwrap();
+        let domain = TrimDomain::of(&plane).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[square, hole]).unwrap();
+        let plate = TrimmedSurface::new(plane, trims).unwrap().into();
+        let fit = super::fit(&[plate], &[], &[2.0]);
+        assert_eq!((fit.left_out.len(), fit.borders, fit.trim_edges, fit.free), (1, 4, 0, 4));
+    }
+
+    /// Three sides of an octant, of which the fourth is a point: its trim edge has no length there.
+    #[test]
+    fn trim_edges_have_no_parts_along_poles() {
+        let octant = shapes::octant_biquadratic(1.0).unwrap();
+        let [(u0, u1), (v0, v1)] = octant.domain();
+        let whole = TrimLoop::rectangle(UvBox::new([u0, u1], [v0, v1])).unwrap();
+        let domain = TrimDomain::of(&octant).unwrap();
+        let trims = Trims::new(domain, Kept::Odd, &[whole]).unwrap();
+        let octant = TrimmedSurface::new(octant, trims).unwrap().into();
+        let fit = super::fit(&[octant], &[], &[2.0]);
+        assert_eq!((fit.trim_edges, fit.free, fit.gaps.len()), (3, 3, 0));
     }
 
     #[test]

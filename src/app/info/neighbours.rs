@@ -23,86 +23,106 @@ pub(crate) const NEAR_LENGTH: f64 = 0.05;
 /// side. Two borders that meet at a corner of more than 12° have a smaller share: 0.05 / sin 12°.
 pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
 
-/// Borders and trim edges that come near each other.
-pub(super) struct Neighbours<'e> {
-    edges: &'e Edges<'e>,
-    /// The pairs of them whose boxes are near.
-    pairs: Vec<[usize; 2]>,
-    /// The sizes of the objects that surfaces belong to.
-    sizes: &'e [f64],
+/// Two borders or trim edges that come near each other.
+struct Neighbours {
+    /// Which two.
+    pair: [usize; 2],
+    /// How far the points of each are from the other one, with their numbers: of those that are near and where the
+    /// surface ends.
+    distances: [Vec<(usize, f64)>; 2],
+    /// How far apart points may be that meet.
+    rounding: f64,
 }
 
-impl<'e> Neighbours<'e> {
-    pub(super) fn of(edges: &'e Edges<'e>, sizes: &'e [f64]) -> Self {
+impl Neighbours {
+    /// All pairs that come near each other; `sizes` are those of the objects that surfaces belong to.
+    fn all(edges: &Edges<'_>, sizes: &[f64]) -> Vec<Self> {
         let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
         // That of the larger object is grown by at least as much as the two may be apart.
         let grown = |(edge, curve): &(Edge, BorderCurve<'_>)| {
             curve.bounds().grown(near([sizes[edge.surface], largest]))
         };
         let boxes: Vec<Aabb> = edges.curves.iter().map(grown).collect();
-        Self { edges, pairs: overlapping(&boxes), sizes }
-    }
-
-    /// How far points of one curve are from another one, each with its number; of those that are near and where the
-    /// surface ends.
-    fn distances(&self, [from, to]: [usize; 2]) -> Vec<(usize, f64)> {
-        let [(a, from), (b, to)] = [&self.edges.curves[from], &self.edges.curves[to]];
-        let near = near([self.sizes[a.surface], self.sizes[b.surface]])
-            .min(NEAR_LENGTH * from.length().min(to.length()));
-        let distance = |(k, sample): (usize, &Sample)| Some((k, to.distance(sample.point, near)?));
-        from.samples().iter().enumerate().filter(|(_, s)| s.kept).filter_map(distance).collect()
-    }
-
-    /// For each curve the points where another one meets it: there is no way through.
-    fn joints(&self) -> Vec<Vec<bool>> {
-        let meeting = |&[i, j]: &[usize; 2]| {
-            let met = self.edges.rounding([i, j]);
-            [[i, j], [j, i]].map(|pair| {
-                let mut distances = self.distances(pair);
-                distances.retain(|&(_, distance)| distance <= met);
-                (pair[0], distances)
-            })
+        let looked_at = |&pair: &[usize; 2]| {
+            let [(a, first), (b, second)] = pair.map(|k| &edges.curves[k]);
+            let near = near([sizes[a.surface], sizes[b.surface]])
+                .min(NEAR_LENGTH * first.length().min(second.length()));
+            let distances =
+                [(first, second), (second, first)].map(|(from, to)| distances(from, to, near));
+            let apart = distances.iter().all(Vec::is_empty);
+            (!apart).then(|| Self { pair, distances, rounding: edges.rounding(pair) })
         };
-        let met: Vec<_> = self.pairs.par_iter().map(meeting).collect();
-        let curves = self.edges.curves.iter();
-        let mut joints: Vec<Vec<bool>> =
-            curves.map(|(_, curve)| vec![false; curve.samples().len()]).collect();
-        for (curve, distances) in met.into_iter().flatten() {
-            for (k, _) in distances {
-                joints[curve][k] = true;
+        overlapping(&boxes).par_iter().filter_map(looked_at).collect()
+    }
+
+    /// The points of one of the two along which the other one meets it. A single point is none of them: at a corner
+    /// borders meet that go different ways.
+    fn joints(&self, which: usize) -> impl Iterator<Item = usize> {
+        let met = self.distances[which].iter().filter(|(_, distance)| *distance <= self.rounding);
+        let met: Vec<usize> = met.map(|&(k, _)| k).collect();
+        let along = |at: usize| {
+            let follows =
+                |a: usize, b: usize| met.get(a).zip(met.get(b)).is_some_and(|(a, b)| a + 1 == *b);
+            follows(at, at + 1) || at > 0 && follows(at - 1, at)
+        };
+        (0..met.len()).filter(|&at| along(at)).map(|at| met[at]).collect::<Vec<_>>().into_iter()
+    }
+
+    /// Whether the two meet or lie open where they run side by side; `None` if they do not.
+    fn beside(&self, edges: &Edges<'_>, joints: &[Vec<bool>]) -> Option<Beside> {
+        let (mut all, mut open): (Option<Widest>, Option<Widest>) = (None, None);
+        // One may run along a part of the other only: then not all points of the longer are near.
+        for (curve, distances) in self.pair.into_iter().zip(&self.distances) {
+            let samples = edges.curves[curve].1.samples();
+            let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
+            let whole: f64 = samples.iter().filter(|s| s.kept).map(|s| s.length).sum();
+            if near < SIDE_BY_SIDE * whole {
+                continue;
+            }
+            for &(k, distance) in distances {
+                let here = Widest { distance, at: samples[k].point };
+                all = here.or_wider(all);
+                if !joints[curve][k] {
+                    open = here.or_wider(open);
+                }
             }
         }
-        joints
+        Some(Beside { met: all?.distance <= self.rounding, open })
     }
+}
 
-    /// The pairs that run side by side, and how.
-    pub(super) fn side_by_side(&self) -> Vec<([usize; 2], Beside)> {
-        let joints = self.joints();
-        let beside = |&pair: &[usize; 2]| Some((pair, self.beside(pair, &joints)?));
-        self.pairs.par_iter().filter_map(beside).collect()
+/// The pairs that run side by side, and how.
+pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2], Beside)> {
+    let neighbours = Neighbours::all(edges, sizes);
+    // For each curve the points where another one meets it: there is no way through.
+    let mut joints: Vec<Vec<bool>> =
+        edges.curves.iter().map(|(_, curve)| vec![false; curve.samples().len()]).collect();
+    for two in &neighbours {
+        for (which, curve) in two.pair.into_iter().enumerate() {
+            two.joints(which).for_each(|k| joints[curve][k] = true);
+        }
     }
+    let beside = |two: &Neighbours| Some((two.pair, two.beside(edges, &joints)?));
+    neighbours.iter().filter_map(beside).collect()
+}
 
-    fn beside(&self, [i, j]: [usize; 2], joints: &[Vec<bool>]) -> Option<Beside> {
-        // One may run along a part of the other only: then not all points of the longer are near.
-        let ways = [[i, j], [j, i]].map(|pair| {
-            let samples = self.edges.curves[pair[0]].1.samples();
-            let distances = self.distances(pair);
-            let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
-            let all: f64 = samples.iter().filter(|s| s.kept).map(|s| s.length).sum();
-            (near >= SIDE_BY_SIDE * all).then(|| {
-                let point = |&(k, distance): &(usize, f64)| (distance, samples[k].point);
-                let open = distances.iter().filter(|(k, _)| !joints[pair[0]][*k]);
-                let widest = |x: &(f64, DVec3), y: &(f64, DVec3)| x.0.total_cmp(&y.0);
-                let all = distances.iter().map(point).max_by(widest);
-                (all, open.map(point).max_by(widest))
-            })
-        });
-        let wider = |x: (f64, DVec3), y: (f64, DVec3)| if y.0 >= x.0 { y } else { x };
-        let ways = ways.into_iter().flatten();
-        let (all, open): (Vec<_>, Vec<_>) = ways.unzip();
-        let (width, _) = all.into_iter().flatten().reduce(wider)?;
-        let met = width <= self.edges.rounding([i, j]);
-        Some(Beside { met, open: open.into_iter().flatten().reduce(wider) })
+/// The distances of the points of a curve from another one, of those that are `near` and where the surface ends.
+fn distances(from: &BorderCurve<'_>, to: &BorderCurve<'_>, near: f64) -> Vec<(usize, f64)> {
+    let distance = |(k, sample): (usize, &Sample)| Some((k, to.distance(sample.point, near)?));
+    from.samples().iter().enumerate().filter(|(_, s)| s.kept).filter_map(distance).collect()
+}
+
+/// How far two borders are apart, and where.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Widest {
+    pub(super) distance: f64,
+    pub(super) at: DVec3,
+}
+
+impl Widest {
+    /// This, unless the other is wider.
+    fn or_wider(self, other: Option<Self>) -> Option<Self> {
+        other.filter(|other| other.distance > self.distance).or(Some(self))
     }
 }
 
@@ -115,8 +135,8 @@ fn near([a, b]: [f64; 2]) -> f64 {
 pub(super) struct Beside {
     /// Whether they meet, to within rounding, all the way.
     pub(super) met: bool,
-    /// The largest distance between them where nothing else meets either, and where that is.
-    pub(super) open: Option<(f64, DVec3)>,
+    /// The largest distance from one to the other of points along which nothing meets the first.
+    pub(super) open: Option<Widest>,
 }
 
 /// All pairs of boxes that have a point in common, by sweeping along x.

@@ -26,7 +26,8 @@ pub struct SweepOptions {
     /// path's domain, at most [`MAX_SCALES`] of them. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
     pub scale: Vec<f64>,
     /// How far the surface may be from the true sweep where that is not rational, in scene units;
-    /// a millionth of [`sweep_size`] if not given, or a thousandth of the profile's size where that is less.
+    /// a millionth of [`sweep_size`] if not given, or a thousandth of the profile's size where that is less, as
+    /// far as rounding allows: 1e-11 of the path's size and coordinates.
     pub tolerance: Option<f64>,
 }
 
@@ -57,7 +58,7 @@ const TOLERANCE: f64 = 1e-6;
 /// The same as a share of the profile's size: of a thin tube along a long path the radius is to be right, too.
 const OF_PROFILE: f64 = 1e-3;
 
-/// But no less of [`sweep_size`]: rounding would not allow it.
+/// But no less than this share of [`sweep_size`], or of the path's largest coordinate: rounding would not allow it.
 const FINEST: f64 = 1e-11;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
@@ -114,7 +115,7 @@ pub fn sweep(
 fn default_tolerance(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions) -> f64 {
     let size = sweep_size(profile, path, options);
     let of_profile = OF_PROFILE * (size - extent(path));
-    of_profile.max(FINEST * size).min(TOLERANCE * size)
+    of_profile.max(FINEST * size.max(path.magnitude())).min(TOLERANCE * size)
 }
 
 /// What tolerances of sweeps, tubes and ribbons are relative to, if none is given: the diagonal of

@@ -219,6 +219,12 @@ mod tests {
     fn thin_tubes_have_their_radius() {
         let points = [[0.0, 0.0, 0.0], [500.0, 1000.0, 0.0], [1000.0, -800.0, 300.0]];
         let curve = NurbsCurve::bezier(&points.map(DVec3::from)).unwrap();
+        // As far as rounding allows.
+        for (radius, offset) in [(1e-8, 0.0), (1e-4, 1e6), (1e-4, 1e9)] {
+            let far = DAffine3::from_translation(DVec3::splat(offset));
+            let style = TubeStyle { radius, caps: Caps::Open, tolerance: None };
+            assert!(tube(&curve.transformed(&far).unwrap(), &style).is_ok(), "{radius}, {offset}");
+        }
         for radius in [1.0, 1e-2, 1e-4] {
             let style = TubeStyle { radius, caps: Caps::Open, tolerance: None };
             let [Piece { surface, deviation, .. }] = &tube(&curve, &style).unwrap()[..] else {

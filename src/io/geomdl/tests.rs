@@ -376,7 +376,7 @@ fn what_trims_leave_unused_is_noted() {
             &["degree, knots and weights beside free-form points are left out"],
         ),
         (
-            format!("[{{\"points\": [], \"data\": [{line}, \"reversed\": 1}}]}}]"),
+            format!("[{{\"weights\": [1], \"data\": [{line}, \"reversed\": 1}}]}}]"),
             &[
                 "\"reversed\" of a curve within \"data\" is left out",
                 "what stands beside the curves of \"data\" is left out",

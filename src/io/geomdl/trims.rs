@@ -89,7 +89,8 @@ impl<'a> Reader<'a> {
         let sense = Some(if cuts { LoopSense::Hole } else { LoopSense::Outline });
         let curves = match keys.data {
             Some(data) => {
-                let beside = [keys.degree, keys.knotvector, keys.control_points, keys.points];
+                let beside =
+                    [keys.degree, keys.knotvector, keys.control_points, keys.weights, keys.points];
                 if beside.iter().any(Option::is_some) {
                     unused.insert("what stands beside the curves of \"data\" is left out");
                 }
