@@ -258,8 +258,11 @@ impl<'a> Judge<'a> {
         if hit.surface != root.surface {
             return false;
         }
-        let between = Hit { t: 0.5 * (hit.t + root.t), uv: 0.5 * (hit.uv + root.uv), ..*hit };
-        let between = self.measure(ray, &between);
+        // Where the ray comes nearest to a point of the surface between them: weights may put that near one of them.
+        let uv = 0.5 * (hit.uv + root.uv);
+        let offset = self.surfaces[hit.surface as usize].point_at(uv) - ray.origin();
+        let t = offset.dot(ray.direction()) / ray.direction().length_squared();
+        let between = self.measure(ray, &Hit { t, uv, ..*hit });
         between.residual <= between.bound
     }
 
@@ -479,6 +482,34 @@ mod tests {
             assert_eq!(said(!is_met, false), (Some(wrong), false), "{aside}");
             assert_eq!(said(!is_met, true), (None, true), "{aside}");
         }
+    }
+
+    /// A ray within a plane meets it all along: whichever of its points is named, it is one root.
+    #[test]
+    fn roots_between_which_a_ray_stays_on_the_surface_are_one() {
+        let knots = || KnotVector::bezier(1).unwrap();
+        let points = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| DVec3::new(x, y, 0.0))).concat();
+        let weights = vec![1.0, 1e3, 1.0, 1e3];
+        let plane = NurbsSurface::new(knots(), knots(), points, Some(weights)).unwrap();
+        let surfaces = [Surface::from(plane)];
+        let judge = Judge::new(&surfaces);
+        let seen = Ray::new(DVec3::new(0.5, 0.5, 1.0), -DVec3::Z).unwrap();
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        let seen = bvh.tracer().first_hit(&Query::primary(seen)).hit.unwrap();
+        let along = Ray::new(DVec3::new(0.5, -1.0, 0.0), DVec3::Y).unwrap();
+        let [near, far] = [0.3, 0.9].map(|v| {
+            let uv = DVec2::new(0.5, v);
+            let point = surfaces[0].point_at(uv);
+            Hit { t: point.y + 1.0, uv, point, ..seen }
+        });
+        let shot = Shot { query: Query::primary(along), target: None };
+        let truth = Truth { hits: &[near], undecided: false };
+        let answer = Answer { hit: Some(far), doubtful: false };
+        assert_eq!(judge.judge(&shot, (&answer, OPEN), &truth).fault, None);
+        // Not so if the ray leaves the plane.
+        let slanted = Ray::new(DVec3::new(0.5, -1.0, 1e-6), DVec3::new(0.0, 1.0, -1e-6)).unwrap();
+        let shot = Shot { query: Query::primary(slanted), target: None };
+        assert_eq!(judge.judge(&shot, (&answer, OPEN), &truth).fault, Some(Fault::FalseHit));
     }
 
     #[test]
