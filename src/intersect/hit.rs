@@ -19,9 +19,9 @@ pub struct Hit {
     /// The point on the surface, `S(u, v)`.
     pub point: DVec3,
     /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where
-    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set). It is that of `(u, v)`, to some roundings (in packets to
-    /// 5e-12), beside poles too; only half of its digits are sure beside collapsed sides that meet, or where all ways from a pole set out in
-    /// one direction.
+    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set). It is that of `(u, v)`, to some
+    /// roundings (in packets to 5e-12), beside poles too; only half of its digits are sure beside
+    /// collapsed sides that meet, or where all ways from a pole set out in one direction.
     pub normal: DVec3,
     /// What else is known of the hit.
     pub flags: HitFlags,
