@@ -72,8 +72,8 @@ Columns, for each class:
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
   error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and
-               99 % (at most 1/256 too large), the largest (JSON: error_50, error_99,
-               error_max; null without such hits)
+               99 % (at most 1/256 too large), the largest (JSON: error_50,
+               error_99, error_max; null without such hits)
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
 Certain is a hit of the exact solver without doubt, unless it lies within the
 bound of an end of the ray's range, or the ray passes a border on its outside by

@@ -44,9 +44,7 @@ pub use names::{UnknownName, nearest};
 pub use net::{Knots, Net};
 pub use note_circle::NoteCircle;
 pub use place::{Place, Written};
-pub use plot::{
-    BasisSpec, CurveEntry, FigureSpec, MAX_FUNCTIONS, Plane, Plot, PlotKind, PlotSpec, PlottedCurve,
-};
+pub use plot::{BasisSpec, CurveEntry, FigureSpec, Plane, Plot, PlotKind, PlotSpec, PlottedCurve};
 pub use plot_error::PlotError;
 pub use plotted::{LoopCurve, LoopCurveKind, ObjectSpec, PlottedSurface};
 pub use settings::{IntegratorKind, PictureError, RenderDefaults};

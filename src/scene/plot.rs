@@ -46,6 +46,11 @@ pub struct Plot {
     pub show: PlotKind<PlottedCurve, RationalBasis, Vec<PlottedSurface>>,
 }
 
+impl Plot {
+    /// The most functions of a basis: no screen shows more.
+    pub const MAX_FUNCTIONS: usize = 1000;
+}
+
 /// Two coordinates of space: the one to the right and the one upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
@@ -224,9 +229,6 @@ pub(super) const MAX_ROUNDS: usize = 10;
 /// The most teeth a span's comb may have: more stand closer than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
-/// The most functions of a basis: no screen shows more.
-pub const MAX_FUNCTIONS: usize = 1000;
-
 /// The most curves of a surface in one direction: more stand closer than any screen shows.
 pub(super) const MAX_LINES: usize = 1000;
 
@@ -389,7 +391,7 @@ impl Checker<'_> {
         let Some(count) = count else {
             return Err(self.error(&knots.place, PlotError::NoCount));
         };
-        if count > MAX_FUNCTIONS {
+        if count > Plot::MAX_FUNCTIONS {
             return Err(self.error(&knots.place, PlotError::Functions { count }));
         }
         let vector = knot_vector(degree, &knots.value, count)

@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-use super::plot::{MAX_FUNCTIONS, MAX_LINES, MAX_ROUNDS, MAX_TEETH};
+use super::Plot;
+use super::plot::{MAX_LINES, MAX_ROUNDS, MAX_TEETH};
 use super::{TransformError, UnknownName};
 use crate::geometry::CurveError;
 use crate::math::Counted;
@@ -48,7 +49,7 @@ pub enum PlotError {
         weights: usize,
     },
     /// More functions than can be drawn.
-    #[error("basis: {count} functions: at most {MAX_FUNCTIONS} can be drawn")]
+    #[error("basis: {count} functions: at most {} can be drawn", Plot::MAX_FUNCTIONS)]
     Functions {
         /// How many there are.
         count: usize,

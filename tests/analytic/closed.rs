@@ -116,13 +116,14 @@ impl Case<'_> {
         let off = (line.place(hit.t) - crossing.at).abs().round() * crossing.cosine / bound;
         tally.t_error = tally.t_error.max(off);
 
-        // A normal errs by its own rounding, which grows near a pole up to the place where the pole tells it,
-        // and because the point may be off: along the ray by the error of t, and beside a tip it turns
-        // with the point.
+        // A normal errs by its own rounding, which grows near a pole up to the place where the pole tells it (at a tip
+        // that is not known: up to half of the digits), and because the point may be off: along the ray by the
+        // error of t.
         let form = self.placed.form;
         let from_pole = form.pole_distance(crossing.point);
-        let turning = 1.0 / form.tip_distance(crossing.point);
-        let rounding = bound * (1.0 + (1.0 / from_pole).min(100.0) + turning);
+        let has_tip = form.tip_distance(crossing.point).is_finite();
+        let most = if has_tip { 1.0 / bound.sqrt() } else { 100.0 };
+        let rounding = bound * (1.0 + 1.0 / from_pole).min(most);
         let allowed = 8.0 * (rounding + bound / crossing.cosine);
         let angle = hit.normal.distance(crossing.normal);
         tally.normal_error = tally.normal_error.max(angle / allowed);

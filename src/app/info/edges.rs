@@ -14,8 +14,6 @@ use super::border_curve::BorderCurve;
 pub(crate) struct Edge {
     /// Which surface.
     pub(crate) surface: usize,
-    /// Which of its charts.
-    chart: usize,
     /// Which of its borders or edges.
     pub(crate) which: Which,
 }
@@ -55,20 +53,17 @@ pub(super) struct Edges<'a> {
 impl<'a> Edges<'a> {
     /// Those of surfaces with these charts.
     pub(super) fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
-        let mut borders: Vec<(Edge, Border)> = Vec::new();
+        let mut borders: Vec<(usize, &Chart<'_>, Border)> = Vec::new();
         for (surface, charts) in charts.iter().enumerate() {
-            for (index, chart) in charts.iter().enumerate() {
+            for chart in charts {
                 let all = Border::of(chart).chain(Border::inner(chart));
-                borders.extend(all.map(|border| {
-                    (Edge { surface, chart: index, which: Which::Border(border) }, border)
-                }));
+                borders.extend(all.map(|border| (surface, chart, border)));
             }
         }
-        let chart = |edge: &Edge| &charts[edge.surface][edge.chart];
         let (poles, extended): (Vec<_>, Vec<_>) = borders
             .into_iter()
-            .partition(|(edge, border)| border.pole(&chart(edge).surface).is_some());
-        let collapsed = poles.iter().filter(|(edge, border)| border.is_kept(chart(edge))).count();
+            .partition(|(_, chart, border)| border.pole(&chart.surface).is_some());
+        let collapsed = poles.iter().filter(|(_, chart, border)| border.is_kept(chart)).count();
         let largest = |charts: &Vec<Chart<'_>>| {
             charts.iter().map(|chart| rounding(&chart.surface)).fold(0.0, f64::max)
         };
@@ -83,15 +78,16 @@ impl<'a> Edges<'a> {
                         .into_iter()
                         .flat_map(|edge| BorderCurve::of_edge(edge, rounding[surface]));
                     trim_edges.extend(parts.enumerate().map(|(number, curve)| {
-                        (Edge { surface, chart: 0, which: Which::Trim(number) }, curve)
+                        (Edge { surface, which: Which::Trim(number) }, curve)
                     }));
                 }
                 Err(error) => left_out.push((surface, error)),
             }
         }
         let bare: BTreeSet<usize> = left_out.iter().map(|(surface, _)| *surface).collect();
-        let curve = |&(edge, border): &(Edge, Border)| {
-            Some((edge, BorderCurve::new(chart(&edge), border, bare.contains(&edge.surface))?))
+        let curve = |&(surface, chart, border): &(usize, &'a Chart<'a>, Border)| {
+            let curve = BorderCurve::new(chart, border, bare.contains(&surface))?;
+            Some((Edge { surface, which: Which::Border(border) }, curve))
         };
         let mut curves: Vec<_> = extended.par_iter().filter_map(curve).collect();
         let borders = curves.len();

@@ -57,15 +57,10 @@ impl Neighbours {
 
     /// The points of one of the two along which the other one meets it. A single point is none of them: at a corner
     /// borders meet that go different ways.
-    fn joints(&self, which: usize) -> impl Iterator<Item = usize> {
+    fn joints(&self, which: usize) -> Vec<usize> {
         let met = self.distances[which].iter().filter(|(_, distance)| *distance <= self.rounding);
         let met: Vec<usize> = met.map(|&(k, _)| k).collect();
-        let along = |at: usize| {
-            let follows =
-                |a: usize, b: usize| met.get(a).zip(met.get(b)).is_some_and(|(a, b)| a + 1 == *b);
-            follows(at, at + 1) || at > 0 && follows(at - 1, at)
-        };
-        (0..met.len()).filter(|&at| along(at)).map(|at| met[at]).collect::<Vec<_>>().into_iter()
+        met.windows(2).filter(|pair| pair[0] + 1 == pair[1]).flatten().copied().collect()
     }
 
     /// Whether the two meet or lie open where they run side by side; `None` if they do not.
@@ -99,7 +94,7 @@ pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2],
         edges.curves.iter().map(|(_, curve)| vec![false; curve.samples().len()]).collect();
     for two in &neighbours {
         for (which, curve) in two.pair.into_iter().enumerate() {
-            two.joints(which).for_each(|k| joints[curve][k] = true);
+            two.joints(which).into_iter().for_each(|k| joints[curve][k] = true);
         }
     }
     let beside = |two: &Neighbours| Some((two.pair, two.beside(edges, &joints)?));

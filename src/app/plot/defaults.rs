@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 use nurbray::geometry::{KnotVector, RationalBasis, Surface};
 use nurbray::scene::{
-    CurveEntry, CurveSpec, ImportNote, Instance, MAX_FUNCTIONS, Object, Plot, PlotKind,
-    PlottedCurve, PlottedSurface, Scene, SceneError, SceneFault, Shape,
+    CurveEntry, CurveSpec, ImportNote, Instance, Object, Plot, PlotKind, PlottedCurve,
+    PlottedSurface, Scene, SceneError, SceneFault, Shape,
 };
 
 use super::super::console;
@@ -68,7 +68,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
         let Some(surface) = instance.surface.nurbs().filter(|_| !draws) else { continue };
         for (knots, direction) in [(surface.knots_u(), "u"), (surface.knots_v(), "v")] {
             let user = format!("{}, {direction}", instance.name);
-            if knots.point_count() > MAX_FUNCTIONS {
+            if knots.point_count() > Plot::MAX_FUNCTIONS {
                 too_many.push(user);
                 continue;
             }
@@ -84,7 +84,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
         console::warning(&format!(
             "basis functions of {} are not plotted: more than {}",
             joint(&too_many),
-            count(MAX_FUNCTIONS as u64, "function"),
+            count(Plot::MAX_FUNCTIONS as u64, "function"),
         ));
     }
     let plot = |(knots, users): (&KnotVector, Vec<String>)| {
@@ -115,7 +115,7 @@ fn nothing_imported(error: &SceneError, notes: &[ImportNote]) -> Failure {
 
 /// Whether functions over the knots of a surface, in one direction at least, are drawn.
 fn has_basis(surface: &Surface) -> bool {
-    let few = |knots: &KnotVector| knots.point_count() <= MAX_FUNCTIONS;
+    let few = |knots: &KnotVector| knots.point_count() <= Plot::MAX_FUNCTIONS;
     surface.nurbs().is_some_and(|surface| few(surface.knots_u()) || few(surface.knots_v()))
 }
 
