@@ -47,10 +47,12 @@
 //! How far the origin is from the surface's point at the start is seen from the approximation first,
 //! and only where its error matters from the surface itself.
 
+mod approximation;
+
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
-use super::distances::sizes;
+use self::approximation::{Bends, Plane, Weights, splat};
 use super::scene::Fitted;
 use super::search::lane_bits;
 use super::single_proof::LEAF;
@@ -118,78 +120,33 @@ impl<S: Simd> Departure<S> {
         if stretch == f32::INFINITY || !in_range {
             return Final { surely: 0, if_near: 0 };
         }
-        let [per_x, per_y] = lengths.map(|length| 1.0 / length);
-        let per_side = per_x.hypot(per_y);
-
         let weights = Weights::new(simd, fitted, lengths);
-        let Tangents { point, weight, along_x, along_y } = self.tangents(simd, fitted);
-        let mut off = splat(simd, 0.0);
-        for axis in 0..3 {
-            off = off.max((point[axis] - self.origin[axis]).abs());
-        }
-        let (along_x, along_y) = (scaled(along_x, per_x), scaled(along_y, per_y));
-        let normal = cross(along_x, along_y);
-        let per_length = splat(simd, 1.0) / dot(normal, normal).sqrt();
-        let normal = [normal[0] * per_length, normal[1] * per_length, normal[2] * per_length];
-        let along = dot(normal, self.axis);
-        let sign = splat(simd, 1.0).copysign(along);
-        let cosine = along.abs();
-        // In the tangent plane, across the ray.
-        let across = cross(normal, self.axis);
-        let sine = dot(across, across).sqrt();
-        let across = [across[0] / sine, across[1] / sine, across[2] / sine];
-        let Bends { height: [xx, xy, yy], more, aside } =
-            bends(simd, fitted, point, (normal, across));
-        let (xx, xy, yy) = (xx * sign, xy * sign, yy * sign);
+        let plane = Plane::new(simd, fitted, self);
+        let bends = Bends::new(simd, fitted, &plane);
+        let errors = Errors::new(simd, fitted, &weights, &plane);
+        let most = splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
 
-        let far_x = (self.place[0].abs() + splat(simd, LEAF + APART)) * splat(simd, lengths[0]);
-        let far_y = (self.place[1].abs() + splat(simd, LEAF + APART)) * splat(simd, lengths[1]);
-        let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
-        let half = splat(simd, 0.5);
-        let rounding = ROUNDING * weights.terms * (lengths[0] + lengths[1]);
-        // The point times the weight's slopes is a part of tangents that may be far shorter than the leaf is long.
-        let size = point[0].abs() + point[1].abs() + point[2].abs();
-        let by_weight = (size + splat(simd, lengths[0] + lengths[1])) * splat(simd, weights.slope);
-        let flattened = (by_weight + splat(simd, weights.terms)) * per_length;
-        let flattened = flattened * splat(simd, NORMAL_ROUNDING);
-        let by_weight = by_weight * splat(simd, ROUNDING);
-        // How far the approximation's point may be off.
-        let fit_error = leaf.fit_error() * fitted.heaviest();
-        let aside_of_start = (fit_error + rounding) * weights.slope;
-        let slope_error = leaf.slope_error().mul_add(per_side, ROUNDING * weights.terms);
-        let slopes = splat(simd, slope_error + aside_of_start) + by_weight + flattened;
-        let most = splat(simd, ALMOST * weights.least / stretch) * cosine - slopes;
+        // How much slopes may be other than at the stated start, over the origin's distance from there.
+        let moved = splat(simd, stretch) / plane.cosine;
+        let weight_turned = splat(simd, weights.slope) / plane.cosine;
+        let turned = moved.mul_add(bends.norm(), weight_turned);
 
         // In any direction; what rounding of the normal does to that is a part of the norm.
-        let norm = (xx.abs() + more[0]).max(yy.abs() + more[2]) + xy.abs() + more[1];
-        let largest = {
-            let (xx, xy, yy) = (xx + more[0], xy.abs() + more[1], yy + more[2]);
-            let (apart, twice) = (xx - yy, xy + xy);
-            let largest = half * (xx + yy + apart.mul_add(apart, twice * twice).sqrt());
-            norm.mul_add(flattened, largest)
-        };
-        // How much slopes may be other than at the stated start, over the origin's distance from there.
-        let moved = splat(simd, stretch) / cosine;
-        let weight_turned = splat(simd, weights.slope) / cosine;
-        let turned = moved.mul_add(norm, weight_turned);
+        let [far_x, far_y] = self.farthest(simd, lengths);
+        let largest = bends.norm().mul_add(errors.flattened, bends.largest(simd));
         // In that of the ray, and those that differ from it by a small angle.
-        let ahead = {
-            let (p, q) = (dot(across, along_x), dot(across, along_y));
-            let speed = p.mul_add(p, q * q).sqrt();
-            let (x, y) = (q / speed, p / speed);
-            let speed = speed * weight;
-            let at = (x * y).mul_add(splat(simd, -2.0) * xy, x * x * xx + y * y * yy);
-            let off = (x * y).abs().mul_add(more[1] + more[1], x * x * more[0] + y * y * more[2]);
-            let bent_aside = half * aside[0].mul_add(far_x, aside[2] * far_y);
-            let bent_aside = aside[1].mul_add(far_x.min(far_y), bent_aside);
-            let turned_aside = moved.mul_add(aside[0].max(aside[2]) + aside[1], weight_turned);
-            let angle = (bent_aside + slopes + self.reach * turned_aside) / speed;
-            angle.mul_add(angle, angle).mul_add(norm + norm, at + off)
-        };
-        let flat = sine.simd_gt(splat(simd, STEEPEST));
+        let (speed, ahead) = bends.ahead(simd, &plane);
+        let bent_aside = bends.bent_aside(simd, [far_x, far_y]);
+        let turned_aside = moved.mul_add(bends.norm_aside(), weight_turned);
+        let angle = (bent_aside + errors.slopes + self.reach * turned_aside) / speed;
+        let ahead = angle.mul_add(angle, angle).mul_add(bends.norm() + bends.norm(), ahead);
+
+        let half = splat(simd, 0.5);
+        let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let left = [most - half * largest * farthest, most - half * ahead * farthest];
 
         // All are false for NaN. Where the leaf bends away, that is no help to what is left.
+        let flat = plane.sine.simd_gt(splat(simd, STEEPEST));
         let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, NEARBY));
         let known = self.reach * turned;
         let apart = splat(simd, APART * lengths[0].min(lengths[1]));
@@ -197,195 +154,53 @@ impl<S: Simd> Departure<S> {
         let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
         // The origin is off by that in no coordinate, so by less than twice that.
-        let seen = self.reach + self.reach + splat(simd, 3.0 * (fit_error + rounding));
-        let near = off.simd_le(self.reach + splat(simd, fit_error + rounding));
+        let seen = self.reach + self.reach + splat(simd, 3.0 * errors.point);
+        let near = plane.off.simd_le(self.reach + splat(simd, errors.point));
         let surely = if_near & near & (seen * moved).simd_lt(apart);
         let seen = seen * turned;
         let surely = surely & seen.simd_lt(most) & seen.simd_lt(left[0]);
         Final { surely: lane_bits(surely), if_near: lane_bits(if_near) }
     }
 
-    /// What the approximation says of the starts.
-    #[simd]
-    fn tangents(&self, simd: S, Fitted { leaf, weight }: Fitted<'_>) -> Tangents<S> {
-        let zero = splat(simd, 0.0);
-        let mut tangents = Tangents {
-            point: [zero; 3],
-            weight: splat(simd, 1.0),
-            along_x: [zero; 3],
-            along_y: [zero; 3],
-        };
-        let Tangents { point, along_x, along_y, .. } = &mut tangents;
-        for axis in 0..3 {
-            [point[axis], along_x[axis], along_y[axis]] = self.sums(simd, &leaf.fit()[axis]);
-        }
-        if let Some(weight) = weight {
-            let [weight, by_x, by_y] = self.sums(simd, weight);
-            let inverse = splat(simd, 1.0) / weight;
-            for axis in 0..3 {
-                point[axis] *= inverse;
-                along_x[axis] = (along_x[axis] - point[axis] * by_x) * inverse;
-                along_y[axis] = (along_y[axis] - point[axis] * by_y) * inverse;
-            }
-            tangents.weight = weight;
-        }
-        tangents
-    }
-
-    /// A bicubic polynomial at the starts, and its derivatives by `x` and by `y` (Horner's scheme).
+    /// How far the leaf's sides may be from the start, and a little more: a distance in each parameter,
+    /// times the length of the half side.
     #[inline(always)]
-    fn sums(&self, simd: S, coefficients: &[f32; 16]) -> [f32x16<S>; 3] {
+    fn farthest(&self, simd: S, [length_x, length_y]: [f32; 2]) -> [f32x16<S>; 2] {
         let [x, y] = self.place;
-        let three = splat(simd, 3.0);
-        let (x2, x3) = (x + x, x * x * three);
-        let (y2, y3) = (y + y, y * y * three);
-        let (mut row, mut slope) = ([x; 4], [x; 4]);
-        for j in 0..4 {
-            let c0 = splat(simd, coefficients[j]);
-            let c1 = splat(simd, coefficients[4 + j]);
-            let c2 = splat(simd, coefficients[8 + j]);
-            let c3 = splat(simd, coefficients[12 + j]);
-            row[j] = c3.mul_add(x, c2).mul_add(x, c1).mul_add(x, c0);
-            slope[j] = c3.mul_add(x3, c2.mul_add(x2, c1));
-        }
-        [
-            row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0]),
-            slope[3].mul_add(y, slope[2]).mul_add(y, slope[1]).mul_add(y, slope[0]),
-            row[3].mul_add(y3, row[2].mul_add(y2, row[1])),
-        ]
+        let reach = splat(simd, LEAF + APART);
+        [(x.abs() + reach) * splat(simd, length_x), (y.abs() + reach) * splat(simd, length_y)]
     }
 }
 
-/// The approximation at the starts.
-struct Tangents<S: Simd> {
-    point: [f32x16<S>; 3],
-    weight: f32x16<S>,
-    /// By box coordinates.
-    along_x: [f32x16<S>; 3],
-    along_y: [f32x16<S>; 3],
+/// What the approximation and rounding leave unknown.
+struct Errors<S: Simd> {
+    /// How far its points may be off.
+    point: f32,
+    /// By how much slopes may be, those of the height and across the ray.
+    slopes: f32x16<S>,
+    /// What the normal's rounding adds to slopes, and, over their norm, to second derivatives.
+    flattened: f32x16<S>,
 }
 
-/// What is known of a weight, within [`FARTHEST`] of the middle.
-struct Weights {
-    least: f32,
-    /// In any direction, where box coordinates are multiplied by the lengths of the half sides.
-    slope: f32,
-    /// How much more rounding there is than with none.
-    terms: f32,
-}
-
-impl Weights {
+impl<S: Simd> Errors<S> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, fitted: Fitted<'_>, [length_x, length_y]: [f32; 2]) -> Self {
-        let Some(weight) = fitted.weight else {
-            return Self { least: 1.0, slope: 0.0, terms: 1.0 };
-        };
-        let (mut others, mut by_x, mut by_y) = (0.0, 0.0, 0.0);
-        for m in 1..16 {
-            let (i, j) = (m / 4, m % 4);
-            let size = weight[m].abs() * reach_to(i + j - 1);
-            others += size * FARTHEST;
-            by_x += size * i as f32;
-            by_y += size * j as f32;
-        }
-        let least = (1.0 - others).max(1.0 / fitted.heaviest());
-        // Numerators may be larger than the surface, and each is rounded as often; the weight as often again, and
-        // multiplied with points; all is divided by it.
-        let [x, y, z, _] = sizes(simd, fitted);
-        let numerators = (x + y + z) * reach_to(6) / (length_x + length_y);
-        let terms = (numerators + 2.0 * (1.0 + others)) / (least * least);
-        Self { least, slope: (by_x / length_x).hypot(by_y / length_y), terms }
+    fn new(simd: S, fitted: Fitted<'_>, weights: &Weights, plane: &Plane<S>) -> Self {
+        let leaf = fitted.leaf;
+        let [length_x, length_y] = leaf.half_side_lengths();
+        let per_side = (1.0 / length_x).hypot(1.0 / length_y);
+        let rounding = ROUNDING * weights.terms * (length_x + length_y);
+        // The point times the weight's slopes is a part of tangents that may be far shorter than the leaf is long.
+        let [x, y, z] = plane.point;
+        let size = x.abs() + y.abs() + z.abs();
+        let by_weight = (size + splat(simd, length_x + length_y)) * splat(simd, weights.slope);
+        let flattened = (by_weight + splat(simd, weights.terms)) * plane.per_length;
+        let flattened = flattened * splat(simd, NORMAL_ROUNDING);
+        let by_weight = by_weight * splat(simd, ROUNDING);
+        let point = leaf.fit_error() * fitted.heaviest() + rounding;
+        let slope_error = leaf.slope_error().mul_add(per_side, ROUNDING * weights.terms);
+        let slopes = splat(simd, slope_error + point * weights.slope) + by_weight + flattened;
+        Self { point, slopes, flattened }
     }
-}
-
-/// Second derivatives of an approximation, by the parameters times the lengths of the half sides: twice
-/// by the first, by both, twice by the second.
-struct Bends<S: Simd> {
-    /// Of the height, in the middle of the leaf.
-    height: [f32x16<S>; 3],
-    /// How much they may differ elsewhere.
-    more: [f32x16<S>; 3],
-    /// Of the distance across the ray, in size and anywhere.
-    aside: [f32x16<S>; 3],
-}
-
-/// From the sizes of the approximation's terms along the `normal`, and `across` the ray: of numerators less the `point`
-/// at the start times the weight.
-#[inline(always)]
-fn bends<S: Simd>(
-    simd: S,
-    Fitted { leaf, weight }: Fitted<'_>,
-    point: [f32x16<S>; 3],
-    (normal, across): ([f32x16<S>; 3], [f32x16<S>; 3]),
-) -> Bends<S> {
-    let [per_x, per_y] = leaf.half_side_lengths().map(|length| 1.0 / length);
-    let per = [per_x * per_x, per_x * per_y, per_y * per_y];
-    let zero = splat(simd, 0.0);
-    let mut bends = Bends { height: [zero; 3], more: [zero; 3], aside: [zero; 3] };
-    let fit = leaf.fit();
-    for i in 0..4 {
-        for j in 0..4 {
-            if i + j < 2 {
-                continue;
-            }
-            let m = 4 * i + j;
-            let mut term = [splat(simd, fit[0][m]), splat(simd, fit[1][m]), splat(simd, fit[2][m])];
-            if let Some(weight) = weight {
-                let w = splat(simd, -weight[m]);
-                for axis in 0..3 {
-                    term[axis] = w.mul_add(point[axis], term[axis]);
-                }
-            }
-            let (up, off) = (dot(normal, term), dot(across, term).abs());
-            // What comes down of the powers.
-            let factors = [i * i.saturating_sub(1), i * j, j * j.saturating_sub(1)];
-            for k in 0..3 {
-                if factors[k] == 0 {
-                    continue;
-                }
-                let weight = splat(simd, factors[k] as f32 * reach_to(i + j - 2) * per[k]);
-                bends.aside[k] = off.mul_add(weight, bends.aside[k]);
-                if i + j == 2 {
-                    bends.height[k] = up * weight;
-                } else {
-                    bends.more[k] = up.abs().mul_add(weight, bends.more[k]);
-                }
-            }
-        }
-    }
-    bends
-}
-
-#[inline(always)]
-fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
-    f32x16::splat(simd, x)
-}
-
-#[inline(always)]
-fn scaled<S: Simd>([x, y, z]: [f32x16<S>; 3], by: f32) -> [f32x16<S>; 3] {
-    let by = splat(x.simd, by);
-    [x * by, y * by, z * by]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// A power of [`FARTHEST`].
-const fn reach_to(power: usize) -> f32 {
-    let mut product = 1.0;
-    let mut k = 0;
-    while k < power {
-        product *= FARTHEST;
-        k += 1;
-    }
-    product
 }
 
 #[cfg(test)]

@@ -121,39 +121,9 @@ fn search_group<S: Simd, Q>(
     }
     let mut done = Done::default();
     if certain != 0 {
-        let start = [crossing.x, crossing.y];
-        let widened = f32x16::splat(simd, WIDENED as f32);
-        let searched =
-            (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
-        if let Some(searched) = &searched {
-            let rays = (&*packet, base);
-            let asked = (certain, error);
-            let search = (&work.distances, crossing, searched);
-            let Screened { missed, met } = screen(simd, target, rays, search, asked);
-            certain &= !(missed | met);
-            if met != 0 {
-                packet.meet(simd, base, met);
-                done.found = true;
-            }
-        }
-        if certain != 0 {
-            ahead.ask(Moment::Finish);
-            let near = match &searched {
-                Some(searched) => work.distances.refine(simd, searched),
-                None => start.map(|x| x.max(-widened).min(widened)),
-            };
-            let closer = match closer {
-                Some(known) => &*known,
-                none => none.insert(target.closer()),
-            };
-            let lanes = (certain, Ground::Certificate);
-            let net = work.nets.net_of(simd, (target.leaf.piece, patch));
-            let surface = OneNet { patch, net };
-            let about = (target, closer, &surface);
-            let finished = finish_all(simd, about, (&mut *packet, base), lanes, &near);
-            done = Done { found: done.found | finished.found, ..finished };
-            doubted |= done.open;
-        }
+        let rays = (&mut *packet, base, crossing);
+        done = search_certified(simd, (target, closer), rays, (certain, error), ahead, work);
+        doubted |= done.open;
     }
     let mut rest = done.judged;
     if doubted != 0 {
@@ -166,6 +136,51 @@ fn search_group<S: Simd, Q>(
     statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, rest, target.index);
     done.found
+}
+
+/// The `certain` of sixteen rays, which the leaf's certificate speaks of; `error` is how far points may be from them.
+#[inline(always)]
+fn search_certified<S: Simd, Q>(
+    simd: S,
+    (target, closer): (&Target<'_>, &mut Option<Closer>),
+    (packet, base, crossing): (&mut Packet, usize, &BoxCrossing<S>),
+    (mut certain, error): (u32, f32x16<S>),
+    ahead: &mut Ahead<'_, Q>,
+    work: &mut Work,
+) -> Done {
+    let mut found = false;
+    let start = [crossing.x, crossing.y];
+    let widened = f32x16::splat(simd, WIDENED as f32);
+    let is_flat = target.leaf.is_flat() && !packet.any;
+    let searched = (!is_flat).then(|| work.distances.newton(simd, start, [[-widened, widened]; 2]));
+    if let Some(searched) = &searched {
+        let search = (&work.distances, crossing, searched);
+        let asked = (certain, error);
+        let Screened { missed, met } = screen(simd, target, (&*packet, base), search, asked);
+        certain &= !(missed | met);
+        if met != 0 {
+            packet.meet(simd, base, met);
+            found = true;
+        }
+    }
+    if certain == 0 {
+        return Done { found, ..Done::default() };
+    }
+    ahead.ask(Moment::Finish);
+    let near = match &searched {
+        Some(searched) => work.distances.refine(simd, searched),
+        None => start.map(|x| x.max(-widened).min(widened)),
+    };
+    let closer = match closer {
+        Some(known) => &*known,
+        none => none.insert(target.closer()),
+    };
+    let lanes = (certain, Ground::Certificate);
+    let patch = &target.piece.patch;
+    let net = work.nets.net_of(simd, (target.leaf.piece, patch));
+    let about = (target, closer, &OneNet { patch, net });
+    let finished = finish_all(simd, about, (packet, base), lanes, &near);
+    Done { found: found | finished.found, ..finished }
 }
 
 /// Of sixteen rays that the leaf's certificate speaks of, those whose one root in it is the one they start on.

@@ -261,9 +261,9 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let [n1, n2] = rays.normals(simd);
     let (a1, a2) = (dot_d(n1, ds), dot_d(n2, ds));
     let (b1, b2) = (dot_d(n1, dt), dot_d(n2, dt));
-    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
-    let inverse_det = one / (a1 * b2 - a2 * b1);
+    let inverse_det = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
     let slopes = [[a1, a2], [b1, b2]];
+
     // Converged where the residual is within the error; or will be after this step, as far as it is not rounded. (A step
     // from a place that is within the error leaves next to nothing of it: it is no longer than half the slack of the
     // leaf, and no certificate speaks of rays that are flatter than the surface turns on its way.)
@@ -273,38 +273,15 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let (along_s, along_t) = (a1.mul_add(a1, a2 * a2), b1.mul_add(b1, b2 * b2));
     let rounded = residual * (along_s * inverse_det) * (along_t * inverse_det);
     let well = rounded.simd_le(squared * f64x8::splat(simd, MOST_ROUNDED));
-    let [step_s, step_t] = solved(slopes, inverse_det, [f1, f2]);
-    // By how much the tangents turn on the way, and what that moves the point by.
-    let (mut tangents, mut moved) = ([ds, dt], [zero; 3]);
-    let (half_step_s, half_step_t) =
-        (step_s * f64x8::splat(simd, 0.5), step_t * f64x8::splat(simd, 0.5));
-    for i in 0..3 {
-        let turn_s = dss[i].mul_add(step_s, dst[i] * step_t);
-        let turn_t = dst[i].mul_add(step_s, dtt[i] * step_t);
-        tangents[0][i] -= turn_s;
-        tangents[1][i] -= turn_t;
-        moved[i] = turn_s.mul_add(half_step_s, turn_t * half_step_t);
-    }
-    let [more_s, more_t] = solved(slopes, inverse_det, [dot_d(n1, moved), dot_d(n2, moved)]);
-    let (all_s, all_t) = (step_s + more_s, step_t + more_t);
+
+    // The step, by first derivatives and by what second ones add.
+    let step = solved(slopes, inverse_det, [f1, f2]);
+    let Turned { tangents, moved } = turned(simd, [ds, dt], [dss, dst, dtt], step);
+    let more = solved(slopes, inverse_det, [dot_d(n1, moved), dot_d(n2, moved)]);
+    let (all_s, all_t) = (step[0] + more[0], step[1] + more[1]);
     let (new_s, new_t) = (s - all_s, t - all_t);
     let cross = cross(tangents[0], tangents[1]);
-
-    let ([half_s, half_t], per_half) = (leaves.half(simd), leaves.per_half(simd));
-    let more = half_sides([more_s, more_t], per_half);
-    let longest = half_sides([step_s, step_t], per_half) + more;
-    let three = f64x8::splat(simd, 3.0);
-    let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
-    let turned_back = (bend + bend) * more;
-    let least = error * f64x8::splat(simd, PART_OF_ERROR);
-    let short = longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
-    let straight = short & well & (longest * (turned_back + third)).simd_le(least);
-    let off = third.mul_add(three, turned_back);
-    let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
-    let [turned_s, turned_t] = tangents;
-    let longer = (squared_s * dot_d(turned_s, turned_s)).max(squared_t * dot_d(turned_t, turned_t));
-    let most = f64x8::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
-    let known = short & (off * off * longer).simd_le(most * dot_d(cross, cross));
+    let Trusted { straight, known } = trusted(simd, leaves, [step, more], (tangents, cross), error);
     let domain = leaves.domain(simd);
     let inside = new_s.simd_ge(domain[0])
         & new_s.simd_le(domain[1])
@@ -312,23 +289,84 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         & new_t.simd_le(domain[3]);
 
     let (origin, axis) = (rays.origin(simd), rays.axis(simd));
-    let (mut point, mut z) = (start, zero);
+    let (mut point, mut z) = (start, f64x8::splat(simd, 0.0));
     for i in 0..3 {
         point[i] = start[i] - ds[i] * all_s - dt[i] * all_t + moved[i];
         z = axis[i].mul_add(point[i] - origin[i], z);
     }
     Landed {
         // False for NaN, which nothing is known of.
-        done: (close | straight) & inside,
+        done: (close | well & straight) & inside,
         known,
         st: [new_s, new_t],
-        step: Step { at: [s, t], by: [step_s, step_t], distances: [f1, f2] },
+        step: Step { at: [s, t], by: step, distances: [f1, f2] },
         z,
         point,
         cross,
         speed: sum_of_sizes(ds) + sum_of_sizes(dt),
         inverse_det,
     }
+}
+
+/// How the tangents turn along a step back.
+struct Turned<S: Simd> {
+    /// Those where it leads.
+    tangents: [[f64x8<S>; 3]; 2],
+    /// What that moves the point by: `½ H[h, h]`.
+    moved: [f64x8<S>; 3],
+}
+
+#[inline(always)]
+fn turned<S: Simd>(
+    simd: S,
+    mut tangents: [[f64x8<S>; 3]; 2],
+    [dss, dst, dtt]: [[f64x8<S>; 3]; 3],
+    [step_s, step_t]: [f64x8<S>; 2],
+) -> Turned<S> {
+    let half = f64x8::splat(simd, 0.5);
+    let (half_s, half_t) = (step_s * half, step_t * half);
+    let mut moved = [f64x8::splat(simd, 0.0); 3];
+    for i in 0..3 {
+        let turn_s = dss[i].mul_add(step_s, dst[i] * step_t);
+        let turn_t = dst[i].mul_add(step_s, dtt[i] * step_t);
+        tangents[0][i] -= turn_s;
+        tangents[1][i] -= turn_t;
+        moved[i] = turn_s.mul_add(half_s, turn_t * half_t);
+    }
+    Turned { tangents, moved }
+}
+
+/// How far second derivatives may be believed: the lanes where what they leave of the distances is a
+/// small part of the `error`, and those where what they leave of the normal is next to nothing.
+struct Trusted<S: Simd> {
+    straight: mask64x8<S>,
+    known: mask64x8<S>,
+}
+
+/// Of a step by first derivatives, what second ones add to it, and the tangents where both lead.
+#[inline(always)]
+fn trusted<S: Simd, T: Leaves<S>>(
+    simd: S,
+    leaves: &T,
+    [step, more]: [[f64x8<S>; 2]; 2],
+    ([along_s, along_t], cross): ([[f64x8<S>; 3]; 2], [f64x8<S>; 3]),
+    error: f64x8<S>,
+) -> Trusted<S> {
+    let ([half_s, half_t], per_half) = (leaves.half(simd), leaves.per_half(simd));
+    let more = half_sides(more, per_half);
+    let longest = half_sides(step, per_half) + more;
+    let (bend, third) = (leaves.bend(simd), leaves.third(simd) * longest * longest);
+    let turned_back = (bend + bend) * more;
+    let least = error * f64x8::splat(simd, PART_OF_ERROR);
+    let short = longest.simd_le(f64x8::splat(simd, LONGEST_STEP));
+    let straight = short & (longest * (turned_back + third)).simd_le(least);
+
+    let off = third.mul_add(f64x8::splat(simd, 3.0), turned_back);
+    let (squared_s, squared_t) = (half_s * half_s, half_t * half_t);
+    let longer = (squared_s * dot_d(along_s, along_s)).max(squared_t * dot_d(along_t, along_t));
+    let most = f64x8::splat(simd, MOST_TURN * MOST_TURN) * (squared_s * squared_t);
+    let known = short & (off * off * longer).simd_le(most * dot_d(cross, cross));
+    Trusted { straight, known }
 }
 
 /// The solution of `J h = f`, with the columns of `J` and one over its determinant.

@@ -153,19 +153,10 @@ fn finish_of<S: Simd, F: Sums<S>>(
         let step_y = (a[0] * at[1] - a[1] * at[0]) * inverse;
         let (new_x, new_y) = (x - step_x, y - step_y);
 
-        // Converged where the residual is within the error, or will be after this step: the
-        // bend bounds what the tangent plane leaves of it, and there is rounding of the step. (That is one of
-        // `W (S − o)`, whose weight leaves about as much again: a small part of the error, too.)
-        let longest = step_x.abs().max(step_y.abs());
         let weight = sums[0][3];
-        let squared = |of: [f64; 3]| of[0] * of[0] + of[1] * of[1];
-        let (residual, most) = (squared(at), error * error * weight * weight);
-        let close = residual <= most;
-        let rounded = squared(a) * inverse * (squared(b) * inverse) * residual;
-        let straight =
-            bend * longest * longest <= PART_OF_ERROR * error && rounded <= MOST_ROUNDED * most;
         let inside = new_x == within(new_x, domain[0]) && new_y == within(new_y, domain[1]);
-        if inside && (close || straight) {
+        let longest = step_x.abs().max(step_y.abs());
+        if inside && has_converged([at, a, b], inverse, (bend * longest * longest, error), weight) {
             if !(new_x.abs() <= WITH_SLACK && new_y.abs() <= WITH_SLACK) {
                 return (Outcome::Missed, step);
             }
@@ -190,6 +181,22 @@ fn finish_of<S: Simd, F: Sums<S>>(
         y = within(new_y, domain[1]);
     }
     (Outcome::NotFound, MOST_STEPS)
+}
+
+/// Whether a point `W (S − o)` is within the error, or will be after a step: it and its tangents in the ray's
+/// coordinates, and one over their determinant. The tangent plane leaves no more of the residual than `bent`, and
+/// rounding of the step some, too. (The weight leaves about as much again: a small part of the error.)
+#[inline(always)]
+fn has_converged(
+    [at, a, b]: [[f64; 3]; 3],
+    inverse: f64,
+    (bent, error): (f64, f64),
+    weight: f64,
+) -> bool {
+    let squared = |of: [f64; 3]| of[0] * of[0] + of[1] * of[1];
+    let (residual, most) = (squared(at), error * error * weight * weight);
+    let rounded = squared(a) * inverse * (squared(b) * inverse) * residual;
+    residual <= most || bent <= PART_OF_ERROR * error && rounded <= MOST_ROUNDED * most
 }
 
 /// The surface at a place, by box coordinates.

@@ -143,6 +143,12 @@ struct Entered {
     met: u32,
 }
 
+/// What the boxes say of the rays that are looked at in one go.
+struct Seen {
+    entered: [Entered; AT_ONCE],
+    crossings: [Crossings; AT_ONCE],
+}
+
 /// Takes all rays on to the next leaves they may meet, which are put down as pairs.
 #[simd]
 fn walk<S: Simd, Q: Shot>(
@@ -152,72 +158,98 @@ fn walk<S: Simd, Q: Shot>(
     stream: &mut Stream,
     statistics: &mut Statistics,
 ) {
-    let tree = scene.tree;
-    let Stream { flights, walking, waiting, nodes, blocks, regions, pairs, single, .. } = stream;
-    let mut entries = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
-    let mut crossings = [Crossings::NONE; AT_ONCE];
-    walking.clear();
-    for k in waiting.drain(..) {
-        flights[k as usize].go_on(k, walking);
+    let entered = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
+    let mut seen = Seen { entered, crossings: [Crossings::NONE; AT_ONCE] };
+    stream.walking.clear();
+    for k in stream.waiting.drain(..) {
+        stream.flights[k as usize].go_on(k, &mut stream.walking);
     }
-    loop {
-        nodes.clear();
-        blocks.clear();
-        for &(k, next) in walking.iter() {
+    while !stream.walking.is_empty() {
+        stream.nodes.clear();
+        stream.blocks.clear();
+        for &(k, next) in &stream.walking {
             // Which of the two it is has no pattern to be learnt: so there is no branch for it.
-            nodes.put((k, next.index()), next.is_node());
-            blocks.put((k, next.index()), next.is_block());
+            stream.nodes.put((k, next.index()), next.is_node());
+            stream.blocks.put((k, next.index()), next.is_block());
             if let Child::Region(index, way) = next.child() {
-                regions.push((k, (index, way)));
+                stream.regions.push((k, (index, way)));
             }
         }
-        let (nodes, blocks) = (nodes.all(), blocks.all());
-        if nodes.is_empty() && blocks.is_empty() && regions.is_empty() {
-            break;
+        stream.walking.clear();
+        enter_regions(scene, shots, stream);
+        enter_nodes(simd, scene, stream, &mut seen, statistics);
+        look_at_blocks(simd, scene, shots, stream, (&mut seen, statistics));
+    }
+}
+
+/// The rays that come to a region, in or out.
+fn enter_regions<Q: Shot>(scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
+    let Stream { flights, walking, regions, .. } = stream;
+    for (k, (index, way)) in regions.drain(..) {
+        let (region, next) = scene.tree.enter(index, way);
+        let flight = &mut flights[k as usize];
+        flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
+        flight.change_to(&region.frame, shots[k as usize].ray());
+        flight.go_on(k, walking);
+    }
+}
+
+/// The rays that come to a node.
+#[inline(always)]
+fn enter_nodes<S: Simd>(
+    simd: S,
+    scene: &Scene<'_>,
+    stream: &mut Stream,
+    seen: &mut Seen,
+    statistics: &mut Statistics,
+) {
+    let Stream { flights, walking, nodes, .. } = stream;
+    statistics.nodes += nodes.all().len() as u64;
+    for visits in nodes.all().chunks(AT_ONCE) {
+        for (&(k, index), entered) in visits.iter().zip(&mut seen.entered) {
+            let node = &scene.tree.nodes[index as usize];
+            let (near, met) = flights[k as usize].boxes.entries(simd, node);
+            near.store_slice(&mut entered.entry);
+            entered.met = met;
         }
-        walking.clear();
-        for (k, (index, way)) in regions.drain(..) {
-            let (region, next) = tree.enter(index, way);
-            let flight = &mut flights[k as usize];
-            flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
-            flight.change_to(&region.frame, shots[k as usize].ray());
+        for (&(k, index), entered) in visits.iter().zip(&seen.entered) {
+            let (node, flight) = (&scene.tree.nodes[index as usize], &mut flights[k as usize]);
+            push_unforeseen(simd, &mut flight.stack, &entered.entry, entered.met, node);
             flight.go_on(k, walking);
         }
-        statistics.nodes += nodes.len() as u64;
-        for visits in nodes.chunks(AT_ONCE) {
-            for (&(k, index), entries) in visits.iter().zip(&mut entries) {
-                let node = &tree.nodes[index as usize];
-                let (near, met) = flights[k as usize].boxes.entries(simd, node);
-                near.store_slice(&mut entries.entry);
-                entries.met = met;
-            }
-            for (&(k, index), entries) in visits.iter().zip(&entries) {
-                let (node, flight) = (&tree.nodes[index as usize], &mut flights[k as usize]);
-                push_unforeseen(simd, &mut flight.stack, &entries.entry, entries.met, node);
-                flight.go_on(k, walking);
-            }
+    }
+}
+
+/// The rays that come to a block of leaves: those with pairs wait for what becomes of them.
+#[inline(always)]
+fn look_at_blocks<S: Simd, Q: Shot>(
+    simd: S,
+    scene: &Scene<'_>,
+    shots: &[Q],
+    stream: &mut Stream,
+    (seen, statistics): (&mut Seen, &mut Statistics),
+) {
+    let Stream { flights, walking, waiting, blocks, pairs, single, .. } = stream;
+    for visits in blocks.all().chunks(AT_ONCE) {
+        for (&(k, index), crossings) in visits.iter().zip(&mut seen.crossings) {
+            let block = &scene.tree.blocks[index as usize];
+            flights[k as usize].boxes.cross(simd, block, crossings);
         }
-        for visits in blocks.chunks(AT_ONCE) {
-            for (&(k, index), crossings) in visits.iter().zip(&mut crossings) {
-                let block = &tree.blocks[index as usize];
-                flights[k as usize].boxes.cross(simd, block, crossings);
-            }
-            if scene.is_far() {
-                prefetch(scene, visits, &crossings);
-            }
-            for (&(k, index), crossings) in visits.iter().zip(&crossings) {
-                let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
-                let task = Task { scene, ray: shot.ray(), start: start_of(shot), index: k };
-                let before = pairs.len();
-                let work = (&mut *single, &mut *statistics);
-                task.look_at(simd, (index, crossings), flight, pairs, work);
-                if flight.alone {
-                    pairs.truncate(before);
-                } else if pairs.len() > before {
-                    waiting.push(k);
-                } else {
-                    flight.go_on(k, walking);
-                }
+        if scene.is_far() {
+            prefetch(scene, visits, &seen.crossings);
+        }
+        for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
+            let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
+            let task = Task { scene, ray: shot.ray(), start: start_of(shot), index: k };
+            let before = pairs.len();
+            let work = (&mut *single, &mut *statistics);
+            task.look_at(simd, (index, crossings), flight, pairs, work);
+            if flight.alone {
+                pairs.truncate(before);
+            } else if pairs.len() > before {
+                waiting.push(k);
+            } else {
+                flight.go_on(k, walking);
             }
         }
     }
