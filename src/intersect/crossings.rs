@@ -73,9 +73,9 @@ impl Crossing {
 /// Flags tips that something else is met beside, now that views of one crossing are together: none of
 /// them can take the flag away again.
 fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
-    for k in (0..meetings.len()).filter(|&k| is_tip(&meetings[k])).collect::<Vec<_>>() {
+    for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let tip = &meetings[k];
-        if meetings.iter().any(|m| !is_tip(m) && at_one_place(m, tip, pieces)) {
+        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, tip, pieces)) {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
     }
@@ -103,18 +103,18 @@ const GRAZING: f64 = 1e-4;
 /// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
 /// which side the ray is of the surface around the corner is known.
 pub(super) fn touches(meeting: &Meeting) -> bool {
-    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !is_tip(meeting)
+    !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !has_no_normal(meeting)
 }
 
 /// Whether a meeting is in a tip, or so near to one that the surface has no normal there.
-pub(super) fn is_tip(meeting: &Meeting) -> bool {
+pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
     meeting.normal.is_none()
 }
 
 /// Whether two meetings lead through the surface in the same direction, as far as is known. In a tip there
 /// is no telling, but for other views of it.
 fn same_side(a: &Meeting, b: &Meeting) -> bool {
-    match (is_tip(a), is_tip(b)) {
+    match (has_no_normal(a), has_no_normal(b)) {
         (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
         (a, b) => a == b,
     }
@@ -149,13 +149,17 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
         // Two leaves of one piece: the same parameters, or both at the same pole.
         let d = a.st - b.st;
         let apart = (a.jet.ds * d.x).length() + (a.jet.dt * d.y).length();
-        return apart <= reach;
+        if apart <= reach {
+            return true;
+        }
     }
+    let same_piece = a.piece == b.piece;
     let [a, b] = [a, b].map(|m| AtSides::new(m, &pieces[m.piece as usize], reach));
+    // Borders may meet, of one piece, too, as at the seam of a tube.
     if a.at_end && b.at_end {
         return true;
     }
-    if a.meeting.surface != b.meeting.surface {
+    if same_piece || a.meeting.surface != b.meeting.surface {
         return false;
     }
     if !a.piece.shares_chart_with(b.piece) {
@@ -228,6 +232,9 @@ fn join_stretches(meetings: &mut Vec<Meeting>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::intersect::{Query, SurfaceBvh};
+    use crate::math::Ray;
     use crate::patch::Jet;
 
     fn view(t: f64, cosine: f64, flags: HitFlags) -> Meeting {
@@ -263,5 +270,30 @@ mod tests {
         let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
         crossing.join(first);
         assert_eq!((crossing.view.t, crossing.view.flags), (1.0, HitFlags::NONE));
+    }
+
+    /// A tube of one piece, its seam creased or smooth, is met twice by what goes through the seam.
+    #[test]
+    fn a_seam_of_one_piece_is_one_crossing() {
+        let drop = [(1.0, 0.0), (3.0, 2.0), (3.0, -2.0), (1.0, 0.0)];
+        let round = [(1.0, 0.0), (1.0, 2.0), (-6.0, 0.0), (1.0, -2.0), (1.0, 0.0)];
+        for profile in [&drop[..], &round] {
+            let knots = |n: usize| KnotVector::clamped_uniform(n - 1, n).unwrap();
+            let at = |&(x, y): &(f64, f64)| [0.0, 1.0].map(|z| DVec3::new(x, y, z));
+            let net = profile.iter().flat_map(at).collect();
+            let tube = NurbsSurface::new(knots(profile.len()), knots(2), net, None).unwrap();
+            for surface in [tube.clone(), tube.swapped()] {
+                let bvh = SurfaceBvh::build(&[surface]).unwrap();
+                assert_eq!(bvh.patches().pieces().len(), 1);
+                for k in -5..=5 {
+                    let direction = DVec3::new(1.0, 0.03 * f64::from(k), 0.01 * f64::from(k));
+                    let seam = DVec3::new(1.0, 0.0, 0.5);
+                    let ray = Ray::new(seam - 16.0 * direction, direction).unwrap();
+                    let mut hits = Vec::new();
+                    let doubtful = bvh.tracer().all_hits(&Query::primary(ray), &mut hits);
+                    assert!(!doubtful && hits.len() == 2, "{k}: {hits:?}");
+                }
+            }
+        }
     }
 }

@@ -78,6 +78,7 @@ mod coherence;
 mod collapse;
 mod crossings;
 mod exact;
+mod faces;
 mod grazing;
 mod hierarchy;
 mod hit;

@@ -1,19 +1,21 @@
 //! Which way a ray goes through a vertex, where several faces meet that it meets from both sides.
 //!
-//! Around a vertex of a closed surface the faces are wedges of their tangent planes, one after another. Seen along
-//! the ray each covers an angle, one way round if the ray enters through it and the other way if it leaves. All of them
-//! together go around the ray as often as it goes through the surface: once, or not at all where it only touches
-//! the vertex, in one of the two senses. So the sum of their angles, over a full turn, is 1 where the ray leaves, −1
-//! where it enters, and 0 where it does neither, or both.
+//! Around a vertex of a closed surface the faces are wedges of their tangent planes, one after another, or parts of
+//! cones about it. Seen along the ray each covers an angle, one way round if the ray enters through it and the other way
+//! if it leaves. All of them together go around the ray as often as it goes through the surface: once, or not at all
+//! where it only touches the vertex, in one of the two senses. So the sum of their angles, over a full turn, is 1 where
+//! the ray leaves, −1 where it enters, and 0 where it does neither, or both.
 //!
 //! Where the sum is anything else, not all faces of the vertex are there, as at the border of an open surface: then
 //! nothing is said.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::crossings::{APART, LEAST_COSINE, at_one_place, is_tip, reach_along, touches};
+use super::HitFlags;
+use super::crossings::{APART, LEAST_COSINE, at_one_place, has_no_normal, reach_along, touches};
+use super::faces::Face;
 use super::meeting::Meeting;
 use crate::patch::Piece;
 
@@ -21,10 +23,12 @@ use crate::patch::Piece;
 const MOST_TURNED: f64 = 1e-6;
 
 /// Of meetings at vertices, by increasing `t`, drops those on the wrong side where a ray only enters, or only
-/// leaves. `axis` is its direction.
+/// leaves; where it cannot be told which, they are doubtful. A tip has all sides: it takes that of the ray, or, where it
+/// is touched, both. `axis` is the ray's direction.
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
+    let mut others = Vec::new();
     let reach = reach_along(meetings);
     for k in 0..meetings.len() {
         if seen[k] {
@@ -34,56 +38,89 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces);
         let group: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
         group.iter().for_each(|&j| seen[j] = true);
+
         let all = || group.iter().map(|&j| &meetings[j]);
-        let both = all().any(|m| m.cosine > 0.0) && all().any(|m| m.cosine < 0.0);
-        if both && all().all(|m| m.is_certain() && !touches(m) && !is_tip(m)) {
-            let turns = turns(all(), pieces, axis);
-            for &j in group.iter().filter(|_| (turns.abs() - 1.0).abs() <= MOST_TURNED) {
-                wrong[j] = meetings[j].cosine * turns < 0.0;
+        let known = all().all(|m| !touches(m) && !has_no_normal(m));
+        let leaves = all().any(|m| m.cosine > 0.0);
+        let enters = all().any(|m| m.cosine < 0.0);
+        let at_tip = |m: &Meeting| pieces[m.piece as usize].is_tip(m.jet.point);
+        let tip = group.iter().copied().find(|&j| at_tip(&meetings[j]));
+        if !known || !(leaves && enters || tip.is_some()) {
+            continue;
+        }
+        match (passage(all(), pieces, axis), tip) {
+            (Passage::Through(way), tip) => {
+                if let Some(tip) = tip {
+                    meetings[tip].cosine = meetings[tip].cosine.abs().copysign(way);
+                }
+                group.iter().for_each(|&j| wrong[j] = meetings[j].cosine * way < 0.0);
+            }
+            (Passage::Touching, Some(tip)) if !(leaves && enters) => {
+                let cosine = -meetings[tip].cosine;
+                others.push(Meeting { cosine, ..meetings[tip] });
+            }
+            (Passage::Touching | Passage::Open, _) => {}
+            (Passage::Unknown, _) => {
+                group.iter().for_each(|&j| meetings[j].flags.insert(HitFlags::DOUBTFUL));
             }
         }
     }
     let mut wrong = wrong.into_iter();
     meetings.retain(|_| !wrong.next().unwrap_or(false));
+    meetings.extend(others);
+    meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
 }
 
-/// The sum of the angles that faces cover as seen along the ray, in turns.
-fn turns<'m>(meetings: impl Iterator<Item = &'m Meeting>, pieces: &[Piece], axis: DVec3) -> f64 {
+/// How a ray passes a vertex.
+enum Passage {
+    /// In, by a number below zero, or out.
+    Through(f64),
+    Touching,
+    /// Not all faces are there.
+    Open,
+    /// Of some face it is not known what it covers.
+    Unknown,
+}
+
+/// How a ray passes the faces that it meets at one place.
+fn passage<'m>(
+    meetings: impl Iterator<Item = &'m Meeting>,
+    pieces: &[Piece],
+    axis: DVec3,
+) -> Passage {
     let mut faces: Vec<(u32, [bool; 4])> = Vec::new();
     let mut sum = 0.0;
     for meeting in meetings {
-        let piece = &pieces[meeting.piece as usize];
         // As far as two of such an error may be apart.
         let reach = 2.0 * APART * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
-        let sides = piece.side_distances(meeting.st, &meeting.jet).map(|off| off <= reach);
+        let piece = &pieces[meeting.piece as usize];
+        let face = Face { piece, meeting, reach, axis };
         // Leaves of one piece may see the same corner.
-        let face = (meeting.piece, sides);
-        if !faces.contains(&face) {
-            faces.push(face);
-            sum += angle(sides, meeting, axis).copysign(meeting.cosine);
+        let place = (meeting.piece, face.sides());
+        if faces.contains(&place) {
+            continue;
         }
+        faces.push(place);
+        let Some(angle) = face.angle() else { return Passage::Unknown };
+        sum += angle / TAU;
     }
-    sum / TAU
-}
-
-/// The angle that a face covers around a place of its piece, at some of its sides, as seen along the ray.
-fn angle([s0, s1, t0, t1]: [bool; 4], meeting: &Meeting, axis: DVec3) -> f64 {
-    match (s0 || s1, t0 || t1) {
-        (false, false) => TAU,
-        (true, true) => {
-            let inwards = |end: bool, along: DVec3| if end { -along } else { along };
-            let across = |v: DVec3| v.reject_from_normalized(axis);
-            let [a, b] = [inwards(s1, meeting.jet.ds), inwards(t1, meeting.jet.dt)].map(across);
-            a.angle_between(b)
-        }
-        _ => PI,
+    let whole = sum.round();
+    if (sum - whole).abs() > MOST_TURNED {
+        Passage::Open
+    } else if whole == 0.0 {
+        Passage::Touching
+    } else if whole.abs() == 1.0 {
+        Passage::Through(whole)
+    } else {
+        Passage::Open
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims, UvBox};
+    use crate::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
 
@@ -99,11 +136,33 @@ mod tests {
     }
 
     fn signs(from: [f64; 3], direction: [f64; 3]) -> Vec<f64> {
+        let (signs, doubtful) = crossings(&ring(), from, direction);
+        assert!(!doubtful, "{signs:?}");
+        signs
+    }
+
+    /// The signs of the crossings, NaN where there is no normal, and whether there is doubt.
+    fn crossings(bvh: &SurfaceBvh, from: [f64; 3], direction: [f64; 3]) -> (Vec<f64>, bool) {
         let ray = Ray::new(from.into(), direction.into()).unwrap();
         let mut hits = Vec::new();
-        let doubtful = ring().tracer().all_hits(&Query::primary(ray), &mut hits);
-        assert!(!doubtful, "{hits:?}");
-        hits.iter().map(|hit| hit.normal.dot(ray.direction()).signum()).collect()
+        let doubtful = bvh.tracer().all_hits(&Query::primary(ray), &mut hits);
+        (hits.iter().map(|hit| hit.normal.dot(ray.direction()).signum()).collect(), doubtful)
+    }
+
+    /// A bilinear cone over a star of so many spikes, or a square, with its base; the apex is at (0, 0, 1).
+    fn spiked(radii: &[f64]) -> SurfaceBvh {
+        let corner = |k: usize| {
+            let (y, x) = (TAU * (k % radii.len()) as f64 / radii.len() as f64).sin_cos();
+            radii[k % radii.len()] * DVec3::new(x, y, 0.0)
+        };
+        let knots = |n| KnotVector::clamped_uniform(1, n).unwrap();
+        let made = |net: Vec<DVec3>| {
+            NurbsSurface::new(knots(radii.len() + 1), knots(2), net, None).unwrap()
+        };
+        let around = || (0..=radii.len()).map(corner);
+        let side = made(around().flat_map(|p| [p, DVec3::Z]).collect());
+        let base = made(around().flat_map(|p| [DVec3::ZERO, p]).collect());
+        SurfaceBvh::build(&[side, base]).unwrap()
     }
 
     #[test]
@@ -120,5 +179,72 @@ mod tests {
         assert_eq!(touch.iter().sum::<f64>(), 0.0, "{touch:?}");
         let plain = signs([1.5, 0.1, 3.0], [0.0, 0.0, -1.0]);
         assert_eq!(plain, [-1.0, 1.0]);
+    }
+
+    #[test]
+    fn an_apex_is_one_crossing_of_what_goes_through_it_and_two_of_what_touches_it() {
+        let star = spiked(&[1.0, 0.3, 1.0, 0.3, 1.0, 0.3, 1.0, 0.3]);
+        let pyramid = spiked(&[1.0; 4]);
+        let cone = {
+            let side = shapes::cone(1.0, 1.0).unwrap();
+            let base = shapes::disk(1.0).unwrap().reversed_u();
+            SurfaceBvh::build(&[side, base]).unwrap()
+        };
+        for (name, bvh) in [("star", &star), ("pyramid", &pyramid), ("cone", &cone)] {
+            let (mut touched, mut doubted) = (0, 0);
+            for k in 0..500 {
+                // Through the apex, at all angles; base and apex are met at places that are known exactly.
+                let (turn, tilt) = (0.37 * k as f64, 0.003 * k as f64);
+                let direction =
+                    DVec3::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), -tilt.cos());
+                let (signs, doubtful) =
+                    crossings(bvh, (DVec3::Z - 2.0 * direction).into(), direction.into());
+                assert!(doubtful || signs.len() == 2, "{name} {k}: {signs:?}");
+                doubted += usize::from(doubtful);
+                touched += usize::from(signs.iter().all(|sign| sign.is_nan()));
+            }
+            assert!(touched > 50 && doubted < 20, "{name}: {touched} {doubted}");
+        }
+    }
+
+    /// A cube of six planes, each trimmed to a square.
+    fn trimmed_cube() -> SurfaceBvh {
+        let knots = || KnotVector::new(1, vec![-1.0, -1.0, 2.0, 2.0]).unwrap();
+        let side = |origin: DVec3, u: DVec3, v: DVec3| {
+            let point = |(s, t): (f64, f64)| origin + s * u + t * v;
+            let net = [(-1.0, -1.0), (-1.0, 2.0), (2.0, -1.0), (2.0, 2.0)].map(point).to_vec();
+            let plane = NurbsSurface::new(knots(), knots(), net, None).unwrap();
+            let square = TrimLoop::rectangle(UvBox::new([0.0, 1.0], [0.0, 1.0])).unwrap();
+            let domain = TrimDomain::of(&plane).unwrap();
+            let trims = Trims::new(domain, Kept::Odd, &[square]).unwrap();
+            TrimmedSurface::new(plane, trims).unwrap()
+        };
+        let (o, x, y, z) = (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z);
+        let sides = [(o, y, x), (z, x, y), (o, x, z), (y, z, x), (o, z, y), (x, y, z)];
+        SurfaceBvh::build(&sides.map(|(origin, u, v)| side(origin, u, v))).unwrap()
+    }
+
+    #[test]
+    fn corners_of_trims_are_gone_through_or_touched() {
+        let cube = trimmed_cube();
+        let mut touched = 0;
+        for k in 0..8 {
+            let corner = DVec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+            for n in 0..343 {
+                let whole = |n: i32| f64::from(n % 7 - 3);
+                let direction = DVec3::new(whole(n), whole(n / 7), whole(n / 49));
+                // Along edges and faces a ray meets more than it can tell.
+                if direction.to_array().contains(&0.0) {
+                    continue;
+                }
+                let (signs, doubtful) =
+                    crossings(&cube, (corner - 8.0 * direction).into(), direction.into());
+                assert!(!doubtful && signs.len() == 2, "{corner} {direction}: {signs:?}");
+                assert_eq!(signs.iter().sum::<f64>(), 0.0, "{corner} {direction}");
+                let outwards = direction * (corner - 0.5);
+                touched += usize::from(outwards.min_element() * outwards.max_element() < 0.0);
+            }
+        }
+        assert_eq!(touched, 8 * 216 * 6 / 8);
     }
 }

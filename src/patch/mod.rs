@@ -40,6 +40,7 @@ mod tangent_pairs;
 mod tangents;
 mod tensor;
 mod tiles;
+mod tips;
 
 use glam::DVec4;
 use smallvec::SmallVec;

@@ -31,7 +31,7 @@ const KNOWN: f64 = 1e-6;
 
 /// What is left of a number of f64 of which half of the digits are lost: sines and angles below it
 /// may be rounding of what second derivatives decide.
-const HALF_THE_DIGITS: f64 = 1e-8;
+pub(super) const HALF_THE_DIGITS: f64 = 1e-8;
 
 /// A Bézier piece with its place in the surface it was cut from.
 #[derive(Clone, Debug)]
@@ -43,6 +43,8 @@ pub struct Piece {
     /// Which sides are borders of the surface, and which are collapsed, a bit each.
     border: u8,
     collapsed: u8,
+    /// Which of the collapsed ones are tips, as that of a cone (see [`tips`](super::tips)).
+    tips: u8,
     /// Whether another piece begins at the end of this one with something else, in `u` and in
     /// `v`, as where the surface jumps: the knot itself belongs to that piece.
     open_end: u8,
@@ -58,7 +60,7 @@ impl Piece {
         let border = border.map(|(side, is_border)| bit(side, is_border)).sum();
         let open_end = bit(0, u.open_end) | bit(1, v.open_end);
         let collapsed = collapsed_sides(&patch, &points);
-        Self { patch, surface, border, collapsed, open_end }
+        Self { patch, surface, border, collapsed, tips: 0, open_end }
     }
 
     /// The knot rectangle of its chart that the piece covers: from and to in `u`, then in `v`.
@@ -247,10 +249,13 @@ impl Piece {
     /// side from which normals have different limits, and so the surface has none.
     pub fn is_tip(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
-        (0..4).any(|side| {
-            let on_side = |tip: DVec3| point.distance(tip) <= rounding;
-            self.collapsed(side).is_some_and(on_side) && !self.has_one_limit(side)
-        })
+        let is_at = |tip: DVec3| point.distance(tip) <= rounding;
+        (0..4).any(|side| self.tips >> side & 1 != 0 && self.collapsed(side).is_some_and(is_at))
+    }
+
+    /// Makes a tip of a collapsed side.
+    pub(super) fn make_tip(&mut self, side: usize) {
+        self.tips |= 1 << side;
     }
 
     /// The limit of the unit normal from inside the piece.
@@ -264,16 +269,14 @@ impl Piece {
         derivatives.beyond_rounding(self.patch.degree(), self.patch.noise())
     }
 
-    /// Whether the normals along a collapsed side have one limit, as far as a few places tell.
-    fn has_one_limit(&self, side: usize) -> bool {
+    /// The limits of the unit normal at a few places along a side, where there are any.
+    pub(super) fn limits_along(&self, side: usize) -> impl Iterator<Item = DVec3> {
         let end = (side % 2) as f64;
-        let at = |along: f64| match side / 2 {
-            0 => self.limit(DVec2::new(end, along)),
-            _ => self.limit(DVec2::new(along, end)),
+        let place = move |along: f64| match side / 2 {
+            0 => DVec2::new(end, along),
+            _ => DVec2::new(along, end),
         };
-        // Nothing is known of a place without limit.
-        let limits: Vec<DVec3> = [0.1, 0.3, 0.5, 0.7, 0.9].into_iter().filter_map(at).collect();
-        limits.iter().all(|limit| limit.distance(limits[0]) <= HALF_THE_DIGITS)
+        [0.1, 0.3, 0.5, 0.7, 0.9].into_iter().filter_map(move |along| self.limit(place(along)))
     }
 
     /// The sides that are collapsed to a point.

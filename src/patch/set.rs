@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::leaves::parts;
 use super::net::{ChartNet, Keeping, piece_count};
 use super::tiles::Grid;
-use super::{GroupedParts, Piece};
+use super::{GroupedParts, Piece, tips};
 use crate::geometry::{Chart, Charts, NurbsSurface};
 use crate::math::Aabb;
 
@@ -87,6 +87,7 @@ impl PatchSet {
                 Piece::new(&net, surface, first)
             }));
         }
+        grids.iter().for_each(|grid| tips::mark(&mut pieces, grid));
         let parts = parts(&pieces, &grids);
         check_count("leaves", parts.all().len(), MOST_COUNTED)?;
         let bounds = parts.bounds();

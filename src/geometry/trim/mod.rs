@@ -25,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod around;
 mod contacts;
 mod crossings;
 mod curve;
@@ -43,6 +44,7 @@ mod trim_loop;
 mod trims;
 mod uv_box;
 
+pub use around::Sectors;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};

@@ -139,14 +139,17 @@ impl Segment {
         std::mem::size_of_val(&*self.control)
     }
 
-    /// The homogeneous control points as held, without the binomial factors; for a straight
-    /// line its ends.
+    /// The homogeneous control points as held, without the binomial factors.
     pub(super) fn homogeneous(&self) -> Vec<DVec3> {
-        if self.is_straight() {
+        let [from, to] = self.ends;
+        let [Some(first), Some(last)] = [self.control.first(), self.control.last()] else {
             return self.ends.map(|end| end.extend(1.0)).to_vec();
-        }
+        };
         let degree = self.control.len() - 1;
-        self.control.iter().enumerate().map(|(i, &c)| c / binomial(degree, i)).collect()
+        let inner = (1..degree).map(|i| self.control[i] / binomial(degree, i));
+        // The outer two are good for their weights only.
+        let outer = [(from, first.z), (to, last.z)].map(|(end, w)| (w * end).extend(w));
+        [outer[0]].into_iter().chain(inner).chain([outer[1]]).collect()
     }
 
     /// The point at `t` in `[0, 1]`, held within the rectangle of the ends and equal to them
@@ -184,6 +187,40 @@ impl Segment {
             sum = sum * s + c * power;
         }
         sum.xy() / sum.z
+    }
+
+    /// The parameter at which one of its coordinates reaches a value between those of its ends: by bisection to
+    /// neighbouring numbers, for it is monotone.
+    pub(super) fn reaching(&self, axis: usize, value: f64) -> f64 {
+        let rises = self.ends[0][axis] < self.ends[1][axis];
+        let (mut low, mut high) = (0.0, 1.0);
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return high;
+            }
+            let reached = self.at(middle)[axis];
+            if reached == value {
+                return middle;
+            }
+            if (reached < value) == rises {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+    }
+
+    /// The direction of its tangent at `t`: that between the last two points of de Casteljau's scheme.
+    pub(super) fn tangent(&self, t: f64) -> DVec2 {
+        let mut control = self.homogeneous();
+        for last in (2..control.len()).rev() {
+            for k in 0..last {
+                control[k] = control[k].lerp(control[k + 1], t);
+            }
+        }
+        let [from, to] = [control[0], control[1]].map(|c| c.xy() / c.z);
+        to - from
     }
 
     /// Where a rectangle lies that meets the segment's own.

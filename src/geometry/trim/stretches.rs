@@ -40,7 +40,7 @@ impl Trims {
             if meets && from[fixed] == to[fixed] {
                 cuts.extend([from[free], to[free]]);
             } else if meets {
-                cuts.push(segment.at(reaching(segment, fixed, at))[free]);
+                cuts.push(segment.at(segment.reaching(fixed, at))[free]);
             }
         }
         cuts.retain(|cut| start <= *cut && *cut <= end);
@@ -116,7 +116,7 @@ impl Trims {
                         .chain(&borders)
                         .filter(|line| from.min(to) < **line && **line < from.max(to));
                     stops.extend(crossed.map(|&line| {
-                        let t = reaching(segment, axis, line);
+                        let t = segment.reaching(axis, line);
                         if segment.is_forward() { t } else { 1.0 - t }
                     }));
                 }
@@ -146,12 +146,6 @@ impl Trims {
 /// The control points of a segment in the direction in which the loop runs.
 fn directed(segment: &Segment) -> Vec<DVec3> {
     let mut control = segment.homogeneous();
-    // Those of its outer points are good for their weights only.
-    let [start, end] = segment.ends();
-    let last = control.len() - 1;
-    for (index, point) in [(0, start), (last, end)] {
-        control[index] = (control[index].z * point).extend(control[index].z);
-    }
     if !segment.is_forward() {
         control.reverse();
     }
@@ -167,28 +161,6 @@ fn elevated(control: &[DVec3]) -> Vec<DVec3> {
         before + control.get(k).map_or(DVec3::ZERO, |&here| (1.0 - share) * here)
     };
     (0..=degree).map(mixed).collect()
-}
-
-/// The parameter of a segment, as it is held, at which one of its coordinates reaches a value
-/// between those of its ends: by bisection to neighbouring numbers, for it is monotone.
-fn reaching(segment: &Segment, axis: usize, value: f64) -> f64 {
-    let rises = segment.ends()[0][axis] < segment.ends()[1][axis];
-    let (mut low, mut high) = (0.0, 1.0);
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return high;
-        }
-        let reached = segment.at(middle)[axis];
-        if reached == value {
-            return middle;
-        }
-        if (reached < value) == rises {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
 }
 
 impl EdgePiece {

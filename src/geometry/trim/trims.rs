@@ -94,10 +94,10 @@ pub enum Coverage {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
-    kept: Kept,
-    segments: Vec<Segment>,
+    pub(super) kept: Kept,
+    pub(super) segments: Vec<Segment>,
     loops: Vec<Range<usize>>,
-    tree: Tree,
+    pub(super) tree: Tree,
     widest_gap: f64,
 }
 

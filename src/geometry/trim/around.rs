@@ -1,0 +1,214 @@
+//! What trims keep in the directions around a point.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use super::curve::euclidean;
+use super::segment::Segment;
+use super::{Kept, Trims, UvBox};
+
+/// The sectors into which trim curves cut the directions around a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sectors {
+    /// The angles at which curves leave the point, from the direction of growing `u` towards that of growing
+    /// `v`: from 0 to a full turn, in order. On the two sides of each are different answers.
+    edges: Vec<f64>,
+    /// Whether what comes next after the angle 0 is kept.
+    first: bool,
+}
+
+impl Sectors {
+    /// The angles of the edges, in radians, in order.
+    pub fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
+    /// Whether the direction at an angle, which is that of no edge, leads into what is kept.
+    pub fn keeps(&self, angle: f64) -> bool {
+        let passed = self.edges.iter().filter(|&&edge| edge < angle).count();
+        self.first == passed.is_multiple_of(2)
+    }
+}
+
+impl Trims {
+    /// What is kept in the directions around a point that is known to `reach` only: curves that come as near
+    /// as that go through the point.
+    ///
+    /// `None` where that does not say enough: where a curve begins and ends as near as that, or ends of several
+    /// are near that are not one.
+    ///
+    /// A curve's direction is that of its tangent, at its end that of the first control point away from it.
+    pub fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
+        let mut met = Vec::new();
+        let target = UvBox::about(uv, reach);
+        self.tree.any(&target, |index| {
+            let segment = &self.segments[index];
+            if segment.seen_from(uv, segment.reach() + reach).0 {
+                met.push(index);
+            }
+            false
+        });
+
+        // Where curves end, all do.
+        let mut vertex = None;
+        let mut edges = Vec::new();
+        for &index in &met {
+            let segment = &self.segments[index];
+            let near = target.grown(segment.reach());
+            match segment.ends().map(|end| near.holds(end)) {
+                [true, true] => return None,
+                [false, false] => {
+                    let along = segment.direction_near(uv);
+                    edges.extend([angle(along, segment.rises()), angle(-along, false)]);
+                }
+                [at_start, _] => {
+                    let end = usize::from(!at_start);
+                    let place = segment.ends()[end];
+                    if *vertex.get_or_insert(place) != place {
+                        return None;
+                    }
+                    edges.push(angle(segment.direction_from(end), end == 0 && segment.rises()));
+                }
+            }
+        }
+        edges.sort_by(f64::total_cmp);
+
+        // The half-open rule counts what a ray towards larger `u` crosses that starts just above the point. Of curves
+        // through the point it crosses none, if it starts but a little above that direction.
+        let point = vertex.unwrap_or(uv);
+        let crossings = self.tree.crossings(point, &target, |index| {
+            if met.contains(&index) {
+                0
+            } else {
+                self.segments[index].seen_from(point, DVec2::ZERO).1
+            }
+        });
+        let odd = crossings % 2 != 0;
+        Some(Sectors { edges, first: odd == (self.kept == Kept::Odd) })
+    }
+}
+
+/// The angle of a direction, from 0 to a full turn: of what leads towards larger `u` and does not rise from there, a full
+/// turn.
+fn angle(direction: DVec2, rises: bool) -> f64 {
+    let angle = direction.to_angle();
+    if angle < 0.0 || angle == 0.0 && !rises { angle + TAU } else { angle }
+}
+
+impl Segment {
+    /// Whether `v` grows along it, as it is held.
+    fn rises(&self) -> bool {
+        let [from, to] = self.ends();
+        from.y < to.y
+    }
+
+    /// The direction in which it leaves one of its ends, 0 or 1: towards the first control point that is away from
+    /// it by more than rounding.
+    fn direction_from(&self, end: usize) -> DVec2 {
+        let from = self.ends()[end];
+        let control: Vec<DVec2> = self.homogeneous().into_iter().map(euclidean).collect();
+        let away = |point: &&DVec2| (**point - from).abs().cmpgt(2.0 * self.reach()).any();
+        let first =
+            if end == 0 { control.iter().find(away) } else { control.iter().rev().find(away) };
+        first.map_or(self.ends()[1 - end] - from, |point| *point - from)
+    }
+
+    /// The direction of its tangent where it is level with a point, by the coordinate in which it is longer.
+    fn direction_near(&self, uv: DVec2) -> DVec2 {
+        let [from, to] = self.ends();
+        let size = (to - from).abs();
+        let axis = usize::from(size.y > size.x);
+        self.tangent(self.reaching(axis, uv[axis]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+    use crate::geometry::trim::{TrimDomain, TrimLoop};
+
+    fn trims(kept: Kept, loops: &[TrimLoop]) -> Trims {
+        Trims::new(TrimDomain::new([-4.0, 4.0], [-4.0, 4.0]).unwrap(), kept, loops).unwrap()
+    }
+
+    fn corners(points: &[(f64, f64)]) -> TrimLoop {
+        let points: Vec<DVec2> = points.iter().map(|&(u, v)| DVec2::new(u, v)).collect();
+        TrimLoop::polygon(&points).unwrap()
+    }
+
+    const REACH: DVec2 = DVec2::splat(1e-14);
+
+    /// At each corner of polygons, one way round and the other, what lies in directions on both sides of each edge is what a
+    /// point there is, a little way off.
+    #[test]
+    fn sectors_say_what_points_nearby_do() {
+        let star: Vec<(f64, f64)> = (0..14)
+            .map(|k| {
+                let radius = [3.0, 1.0, 2.0][k % 3];
+                let (v, u) = (0.3 + TAU * k as f64 / 14.0).sin_cos();
+                (radius * u, radius * v)
+            })
+            .collect();
+        let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let l_shape = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
+        let mut asked = 0;
+        for points in [&star[..], &square, &l_shape] {
+            let there = corners(points);
+            for (kept, one) in [
+                (Kept::Odd, there.clone()),
+                (Kept::Even, there.clone()),
+                (Kept::Odd, there.reversed()),
+            ] {
+                let trims = trims(kept, &[one]);
+                for &(u, v) in points {
+                    let corner = DVec2::new(u, v);
+                    let sectors = trims.around(corner, REACH).unwrap();
+                    assert_eq!(sectors.edges().len(), 2, "{corner}");
+                    for k in 0..64 {
+                        let angle = TAU * (k as f64 + 0.5) / 64.0;
+                        let nearby = trims.contains(corner + 1e-6 * DVec2::from_angle(angle));
+                        let kept = nearby == super::super::Side::Inside;
+                        assert_eq!(sectors.keeps(angle), kept, "{corner} {angle}");
+                        asked += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(asked, 3 * (14 + 4 + 6) * 64);
+    }
+
+    #[test]
+    fn an_edge_has_two_sides_and_two_loops_that_touch_have_four() {
+        let circle = |u, radius| TrimLoop::circle(DVec2::new(u, 0.0), radius).unwrap();
+        let one = trims(Kept::Odd, &[circle(0.0, 1.0)]);
+        let at = DVec2::from_angle(0.7);
+        let sectors = one.around(at, REACH).unwrap();
+        let tangent = 0.7 + FRAC_PI_2;
+        let expected = [tangent, tangent + PI];
+        for (edge, expected) in sectors.edges().iter().zip(expected) {
+            assert!((edge - expected).abs() < 1e-13, "{edge} {expected}");
+        }
+        assert!(sectors.keeps(0.7 + PI) && !sectors.keeps(0.7));
+
+        // Where monotone segments of a circle end, and two circles touch, upright.
+        let sectors = one.around(DVec2::Y, REACH).unwrap();
+        assert!(sectors.keeps(1.5 * PI) && !sectors.keeps(0.5 * PI), "{sectors:?}");
+        let two = trims(Kept::Odd, &[circle(-1.0, 1.0), circle(1.0, 1.0)]);
+        let sectors = two.around(DVec2::ZERO, REACH).unwrap();
+        assert_eq!(sectors.edges().len(), 4, "{sectors:?}");
+        assert!(sectors.keeps(0.1) && sectors.keeps(PI), "{sectors:?}");
+
+        // Away from all of them.
+        let inside = one.around(DVec2::ZERO, REACH).unwrap();
+        assert!(inside.edges().is_empty() && inside.keeps(1.0));
+    }
+
+    #[test]
+    fn what_is_too_small_to_be_seen_is_not_told() {
+        let one = trims(Kept::Odd, &[TrimLoop::circle(DVec2::ZERO, 1e-9).unwrap()]);
+        assert_eq!(one.around(DVec2::ZERO, DVec2::splat(1e-8)), None);
+    }
+}
