@@ -286,7 +286,10 @@ impl<'a> Tangents<'a> {
         }
         let (spread, pole_spread) = if at_pole {
             let ratio = self.weights.hi / self.weights.lo;
-            (longest_s * self.weights.hi / determinant, longest_t * longest_t * ratio / determinant)
+            // The points of the collapsed side agree to a few roundings only. What that adds to the tangent along it,
+            // the degree times as much, grows towards the pole as the quotient by `t` does.
+            let along_side = field.degree[0] as f64 * longest_t * longest_t * ratio / determinant;
+            (longest_s * self.weights.hi / determinant, along_side)
         } else {
             (longest_s.max(longest_t) * self.weights.hi / determinant, 0.0)
         };

@@ -200,6 +200,9 @@ impl ExactSolver {
         );
         let degree = self.whole.degree;
         restrict_net(&mut self.whole.control, degree, task.rect[0], task.rect[1]);
+        // Bounds of what is no number would be those of nothing, and prove a miss. Limits on coordinates and weights keep
+        // all of this far from overflow.
+        debug_assert!(self.whole.control.iter().all(|c| c.is_finite()), "{:?}", self.whole);
         let bounds = self.whole.bounds();
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
         self.size = extents.into_iter().fold(0.0, f64::max);

@@ -94,7 +94,11 @@ impl ExactSolver {
         let first = solutions.len();
         for &solution in &self.isolated {
             let Proof::Isolated(rect) = solution.proof else { continue };
-            let known = solutions[first..].iter().any(|other| holds(rect, other.st));
+            // The same one lies in both; of two that are near each other one may be off into the other's box.
+            let known = solutions[first..].iter().any(|other| match other.proof {
+                Proof::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
+                _ => false,
+            });
             if !known {
                 solutions.push(solution);
             }
