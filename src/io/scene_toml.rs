@@ -153,7 +153,8 @@
 //!     { vertices = [0, 1, 2], sharpness = 1.5 },
 //! ]
 //! corners = [{ vertices = [3], sharpness = 2 }]
-//! boundary = "edge_only"                 # where a cage ends; "edge_and_corner" if not given
+//! boundary = "edge_only"                 # where a cage ends; "edge_and_corner" if not given; of
+//!                                        # catmull_clark only
 //! tolerance = 1e-5                       # in space; 1e-4 of the cage's longest side if not given
 //! [[object]]
 //! shape = { doo_sabin = { points = [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], faces = [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]] } }

@@ -24,7 +24,7 @@ pub(super) struct SubdivisionKeys {
     creases: Vec<Spanned<Keyed<SharpKeys>>>,
     #[serde(default)]
     corners: Vec<Spanned<Keyed<SharpKeys>>>,
-    boundary: Option<BoundaryKey>,
+    boundary: Option<Spanned<BoundaryKey>>,
     tolerance: Option<Spanned<f64>>,
 }
 
@@ -53,6 +53,11 @@ impl Reader<'_, '_> {
     ) -> Result<(String, Subdivision), LoadError> {
         let tolerance = keys.tolerance.take().map(|value| self.written(value, |value| value));
         let kind = scheme.name();
+        if let (Scheme::DooSabin, Some(boundary)) = (scheme, &keys.boundary) {
+            let message = "doo_sabin: boundary says nothing here, as these surfaces end inside of \
+                           the cage's border: it goes with catmull_clark";
+            return Err(LoadError::malformed(self.source.place(boundary.span().start), message));
+        }
         let inline = keys.points.is_some()
             || keys.faces.is_some()
             || !keys.creases.is_empty()
@@ -60,10 +65,12 @@ impl Reader<'_, '_> {
             || keys.boundary.is_some();
         let (name, cage) = match keys.file.take() {
             Some(file) if inline => {
-                let message = format!(
-                    "{kind}: needed is a file, or points and faces with creases, corners and \
-                     boundary, not both"
-                );
+                let with = match scheme {
+                    Scheme::CatmullClark => " with creases, corners and boundary",
+                    Scheme::DooSabin => "",
+                };
+                let message =
+                    format!("{kind}: needed is a file, or points and faces{with}, not both");
                 return Err(LoadError::malformed(self.source.place(file.span().start), message));
             }
             Some(file) => {
@@ -102,7 +109,7 @@ impl Reader<'_, '_> {
         let mut parts = CageParts {
             positions: points.into_iter().map(|point| point.into_inner().0).collect(),
             faces: faces.into_iter().map(Spanned::into_inner).collect(),
-            boundary: match keys.boundary {
+            boundary: match keys.boundary.map(Spanned::into_inner) {
                 Some(BoundaryKey::EdgeOnly) => BoundaryRule::EdgeOnly,
                 Some(BoundaryKey::EdgeAndCorner) | None => BoundaryRule::EdgeAndCorner,
             },

@@ -132,10 +132,22 @@ fn what_is_no_cage_is_told_where_it_is_written() {
          around the vertices inside"
     );
     assert_eq!(
-        cage("doo_sabin]\nfile = 'x.obj'\nboundary = 'edge_only'"),
-        "s.toml:4:8: doo_sabin: needed is a file, or points and faces with creases, corners and \
+        cage("catmull_clark]\nfile = 'x.obj'\nboundary = 'edge_only'"),
+        "s.toml:4:8: catmull_clark: needed is a file, or points and faces with creases, corners and \
          boundary, not both"
     );
+    assert_eq!(
+        cage("doo_sabin]\nfile = 'x.obj'\nfaces = [[0, 1, 2]]"),
+        "s.toml:4:8: doo_sabin: needed is a file, or points and faces, not both"
+    );
+    // No such surface reaches the border, whichever of the rules it is.
+    for rule in ["edge_only", "edge_and_corner"] {
+        assert_eq!(
+            cage(&format!("doo_sabin]\nfile = 'x.obj'\nboundary = '{rule}'")),
+            "s.toml:5:12: doo_sabin: boundary says nothing here, as these surfaces end inside of \
+             the cage's border: it goes with catmull_clark"
+        );
+    }
     assert_eq!(
         cage("doo_sabin]\nfaces = [[0, 1, 2]]"),
         "s.toml:3:9: doo_sabin: needed are points and faces, or a file"

@@ -25,7 +25,7 @@ pub(super) struct FigureKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct PlotKeys {
     title: Option<Spanned<String>>,
-    plane: Option<PlaneKey>,
+    plane: Option<Spanned<PlaneKey>>,
     show: Spanned<OneOf<ShowKeys>>,
 }
 
@@ -51,6 +51,20 @@ enum ShowKeys {
     CornerCutting(Keyed<CornerCuttingKeys>),
     Trims(Keyed<ObjectKeys>),
     Surfaces(Keyed<SurfacesKeys>),
+}
+
+impl ShowKeys {
+    /// A plot that does not show space: its name, and what it is drawn over instead.
+    fn over(&self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Basis(_) => Some(("basis", "the parameter")),
+            Self::Blending(_) => Some(("blending", "the parameter")),
+            Self::Derivatives(_) => Some(("derivatives", "the parameter")),
+            Self::Curvature(_) => Some(("curvature", "the parameter")),
+            Self::Trims(_) => Some(("trims", "u and v")),
+            _ => None,
+        }
+    }
 }
 
 impl Kinds for ShowKeys {
@@ -185,12 +199,19 @@ impl Reader<'_, '_> {
         let Keyed(keys) = keys.into_inner();
         let place = self.source.place(keys.show.span().start);
         let title = keys.title.map(|title| self.name(title)).transpose()?;
-        let plane = keys.plane.map(|plane| match plane {
+        let OneOf(show) = keys.show.into_inner();
+        if let (Some(plane), Some((kind, over))) = (&keys.plane, show.over()) {
+            let place = self.source.place(plane.span().start);
+            let message = format!(
+                "a plot of {kind} is drawn over {over}, not in a plane of space: leave plane out"
+            );
+            return Err(LoadError::malformed(place, message));
+        }
+        let plane = keys.plane.map(|plane| match plane.into_inner() {
             PlaneKey::Xy => Plane::Xy,
             PlaneKey::Xz => Plane::Xz,
             PlaneKey::Yz => Plane::Yz,
         });
-        let OneOf(show) = keys.show.into_inner();
         let show = self.show(show)?;
         Ok(PlotSpec { place, title: title.map(|title| title.value), plane, show })
     }

@@ -1,6 +1,7 @@
 //! What is said of keys, names and values that mean nothing.
 
-use super::tests::error;
+use super::tests::{error, scene};
+use crate::scene::Plane;
 
 /// A sphere, and these lines behind it.
 fn with_sphere(lines: &str) -> String {
@@ -195,6 +196,29 @@ fn wrong_values_say_what_is_needed() {
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
     }
+}
+
+#[test]
+fn only_plots_of_space_have_a_plane() {
+    let curve = "curve = { bezier = [[0, 0], [1, 2], [2, 0]] }";
+    for (kind, show, over) in [
+        ("basis", "{ degree = 2, count = 4 }", "the parameter"),
+        ("blending", "'bspline'", "the parameter"),
+        ("derivatives", &format!("{{ {curve} }}"), "the parameter"),
+        ("curvature", &format!("{{ {curve} }}"), "the parameter"),
+        ("trims", "{ of = 'sphere' }", "u and v"),
+    ] {
+        let plot = with_sphere(&format!("[[plot]]\nshow = {{ {kind} = {show} }}\nplane = 'xz'"));
+        assert_eq!(
+            error(&plot),
+            format!(
+                "s.toml:5:9: a plot of {kind} is drawn over {over}, not in a plane of space: leave \
+                 plane out"
+            )
+        );
+    }
+    let comb = format!("[[plot]]\nshow = {{ comb = {{ {curve} }} }}\nplane = 'xz'");
+    assert_eq!(scene(&comb).plots[0].plane, Some(Plane::Xz));
 }
 
 /// A list of values in the order of a table's keys would do for the parser.
