@@ -229,6 +229,14 @@ pub(super) enum ShapeKeys {
 impl Kinds for ShapeKeys {
     const EXAMPLE: &'static str = "a shape, as in { sphere = { radius = 1 } }";
     const APART: &'static str = "each shape needs an [[object]] of its own";
+
+    fn apart(found: &[String]) -> &'static str {
+        if found == ["file", "tolerance"] {
+            return "of a cage's surface, write catmull_clark = { file = \"…\", tolerance = … }, or \
+                    doo_sabin";
+        }
+        Self::APART
+    }
 }
 
 #[derive(Deserialize)]

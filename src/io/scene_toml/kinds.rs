@@ -16,6 +16,11 @@ pub(super) trait Kinds {
     const EXAMPLE: &'static str;
     /// How two of them are written.
     const APART: &'static str;
+
+    /// What to write instead of these keys in one table.
+    fn apart(_found: &[String]) -> &'static str {
+        Self::APART
+    }
 }
 
 /// One kind of thing: `{ kind = … }`, or its name alone where its keys may all be left out.
@@ -38,7 +43,7 @@ impl<'de, T: Kinds + Deserialize<'de>> Deserialize<'de> for OneOf<T> {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OneOf<T>, A::Error> {
-                let (example, apart) = (T::EXAMPLE, T::APART);
+                let (example, apart) = (T::EXAMPLE, T::apart);
                 let kind = OneKey { map, name: String::new(), example, apart };
                 T::deserialize(EnumAccessDeserializer::new(kind)).map(OneOf)
             }
@@ -92,7 +97,7 @@ struct OneKey<A> {
     map: A,
     name: String,
     example: &'static str,
-    apart: &'static str,
+    apart: fn(&[String]) -> &'static str,
 }
 
 /// Reads a key, and keeps its name.
@@ -146,7 +151,7 @@ impl<'de, A: MapAccess<'de>> VariantAccess<'de> for OneKey<A> {
         }
         match found.as_slice() {
             [others @ .., last] if !others.is_empty() => {
-                let (others, apart) = (others.join(", "), self.apart);
+                let (others, apart) = (others.join(", "), (self.apart)(&found));
                 Err(Error::custom(format!(
                     "found the keys {others} and {last}, needed one: {apart}"
                 )))

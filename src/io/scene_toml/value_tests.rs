@@ -193,6 +193,11 @@ fn wrong_values_say_what_is_needed() {
             "4:8: found the keys blending and trims, needed one: each needs a [[plot]] of its own",
         ),
         ("[[object]]\nshape = { file = 'x.json' }", "4:18: no x.json"),
+        (
+            "[[object]]\nshape = { file = 'x.obj', tolerance = 1e-6 }",
+            "4:9: found the keys file and tolerance, needed one: of a cage's surface, write \
+             catmull_clark = { file = \"…\", tolerance = … }, or doo_sabin",
+        ),
     ] {
         assert_eq!(error(&with_sphere(lines)), format!("s.toml:{message}"), "{lines}");
     }
