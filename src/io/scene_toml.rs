@@ -186,6 +186,7 @@ mod keys;
 mod kinds;
 mod objects;
 mod plots;
+mod slips;
 mod trims;
 mod values;
 
@@ -195,6 +196,7 @@ use toml::Spanned;
 
 use self::keys::{CameraKeys, LightKeys, MaterialKeys, RenderKeys, SceneKeys};
 use self::kinds::OneOf;
+use self::slips::slip;
 use self::values::{Number, Vector};
 use super::LoadError;
 use super::geomdl::Model;
@@ -225,7 +227,8 @@ pub fn read_scene(
     let source = Source::new(text, label);
     let Keyed(keys): Keyed<SceneKeys> = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
-        let message = explain(error.message(), source.slice(span.clone()));
+        let message = slip(error.message(), text, span.start)
+            .unwrap_or_else(|| explain(error.message(), source.slice(span.clone())));
         LoadError::malformed(source.place(span.start), message)
     })?;
     let mut reader = Reader { source, notes: Vec::new(), read_model };

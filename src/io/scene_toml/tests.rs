@@ -124,7 +124,15 @@ fn broken_toml() {
             "s.toml: there is nothing to show: write an [[object]], with a shape such as \"sphere\"",
         ),
         ("\u{feff}[objec]\r\n", "s.toml:1:2: unknown key \"objec\"; did you mean \"object\"?"),
-        ("a = ", "s.toml:1:5: string values must be quoted, expected literal string"),
+        (
+            "a = ",
+            "s.toml:1:5: found nothing, needed a value: a number, text in quotes, true or false, a \
+             list or a table",
+        ),
+        (
+            "# ä\n[[object]]\nshape = { sphere = { radius = 1,5 } }",
+            "s.toml:3:35: found 1,5, needed 1.5 if it is one number, [1, 5] if it is a list",
+        ),
         ("[[object]]\nshape = { sphere = {", "s.toml:2:21: unclosed inline table, expected \"}\""),
         ("[camera]\nup = [0, 0", "s.toml:2:11: unclosed array, expected \"]\""),
         ("[camera]\nup = [0, 0, 1]\nup = [0, 0, 1]", "s.toml:3:1: key \"up\" is given twice"),
