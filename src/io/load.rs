@@ -21,8 +21,8 @@ const MAX_BYTES: u64 = 1 << 30;
 /// The endings of files that are read.
 const READ: [&str; 3] = ["toml", "json", "obj"];
 
-/// Model files known by their endings but not read yet.
-const NOT_READ: [(&str, &str); 11] = [
+/// Files known by their endings but not read, or not yet.
+const NOT_READ: [(&str, &str); 15] = [
     ("step", "STEP is not read yet"),
     ("stp", "STEP is not read yet"),
     ("iges", "IGES is not read yet"),
@@ -34,6 +34,10 @@ const NOT_READ: [(&str, &str); 11] = [
     ("stl", "a mesh has no surfaces to trace"),
     ("ply", "a mesh has no surfaces to trace"),
     ("npy", "it holds rays or hits, not surfaces"),
+    ("png", "a picture has no surfaces to trace"),
+    ("exr", "a picture has no surfaces to trace"),
+    ("gz", "it is compressed: unpack it first"),
+    ("zip", "it is compressed: unpack it first"),
 ];
 
 /// Reads a scene (`.toml`) or a bare model, which is then framed and lit by default: geomdl
@@ -129,8 +133,9 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
         Some((_, what)) => what,
         None => {
             // A missing file is missing first of all, whatever its name says.
-            let text = read_text(path, mentioned)?;
-            if text.trim_start_matches('\u{feff}').trim_start().starts_with('{') {
+            let bytes = read_bytes(path, mentioned)?;
+            let begin = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+            if begin.trim_ascii_start().starts_with(b"{") {
                 return Ok(FileType::Model);
             }
             "its ending tells no known type"
@@ -146,8 +151,8 @@ fn file_ending(path: &Path) -> String {
     ending.unwrap_or_default()
 }
 
-/// The text of a file; devices, pipes and absurdly large files are refused unread.
-fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
+/// What is in a file; devices, pipes and absurdly large files are refused unread.
+fn read_bytes(path: &Path, mentioned: &Place) -> Result<Vec<u8>, LoadError> {
     let fail = |fault| LoadError::new(mentioned.clone(), fault);
     let cannot = |error: io::Error| {
         let path = path.to_owned();
@@ -170,11 +175,21 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(cannot)?;
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(cannot)?; // it may be growing
+    Ok(bytes)
+}
+
+/// The text of a file.
+fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
+    let bytes = read_bytes(path, mentioned)?;
     if file_ending(path) == "obj" && !bytes.contains(&0) {
         // Names and comments may be in any encoding; they are not used.
         return Ok(String::from_utf8_lossy(&bytes).into_owned());
     }
     String::from_utf8(bytes).map_err(|error| {
+        if is_utf16(error.as_bytes()) {
+            let place = Place::file(&path.display().to_string());
+            return LoadError::new(place, LoadFault::Utf16 { path: path.to_owned() });
+        }
         let valid = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         // As readers do, which do not count a mark of the encoding.
@@ -182,6 +197,15 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
         let place = Source::new(text, &path.display().to_string()).place(text.len());
         LoadError::new(place, LoadFault::NotText { path: path.to_owned(), valid })
     })
+}
+
+/// Whether the mark of the encoding says so; that of UTF-32 begins likewise.
+fn is_utf16(bytes: &[u8]) -> bool {
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => !rest.starts_with(&[0, 0]),
+        [0xfe, 0xff, ..] => true,
+        _ => false,
+    }
 }
 
 #[cfg(test)]
@@ -354,6 +378,41 @@ mod tests {
     }
 
     #[test]
+    fn bytes_of_unknown_endings_are_refused_by_their_endings() {
+        let known = "; what can be read are scenes (.toml), geomdl JSON models (.json) \
+             and cages (.obj)";
+        for (name, what) in [
+            ("a.blend", "its ending tells no known type"),
+            ("a.png", "a picture has no surfaces to trace"),
+            ("a.EXR", "a picture has no surfaces to trace"),
+            ("a.obj.gz", "it is compressed: unpack it first"),
+        ] {
+            let expected = format!("cannot read \"{name}\": {what}{known}");
+            assert_eq!(error(&[(name, b"\x1f\x8b\xff\xfe")]), expected);
+            assert_eq!(error(&[(name, b"\xff\xfea\0")]), expected);
+        }
+        // What begins as a model is one, and damaged.
+        assert_eq!(
+            error(&[("model", b" {\"a\": \"\xff\"}")]),
+            "model:1:9: from here on the file is not UTF-8 text: byte 8 cannot be read"
+        );
+    }
+
+    #[test]
+    fn utf_16_is_called_so() {
+        let said = "found UTF-16 text, by its first two bytes: save the file as UTF-8";
+        for bytes in [b"\xff\xfe[\0", b"\xfe\xff\0["] {
+            for name in ["s.toml", "m.json", "m.obj"] {
+                assert_eq!(error(&[(name, bytes)]), format!("{name}: {said}"));
+            }
+        }
+        assert_eq!(
+            error(&[("s.toml", b"\xff\xfe\0\0[\0\0\0")]),
+            "s.toml:1:1: from here on the file is not UTF-8 text: byte 0 cannot be read"
+        );
+    }
+
+    #[test]
     fn names_and_comments_of_cages_may_be_in_any_encoding() {
         let cage = b"# caf\xe9\no W\xfcrfel\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
         assert!(load(&[("m.obj", cage)]).1.is_ok());
@@ -361,7 +420,7 @@ mod tests {
         let cage = b"o \x83\x5c\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
         assert!(load(&[("m.obj", cage)]).1.is_ok());
         assert_eq!(
-            error(&[("m.obj", b"\xff\xfev\0 \x000\0")]),
+            error(&[("m.obj", b"\xff\0v\0 \x000\0")]),
             "m.obj:1:1: from here on the file is not UTF-8 text: byte 0 cannot be read"
         );
         assert_eq!(error(&[("m.obj", b"v 0 0 \xe9\n")]), "m.obj:1:7: \"\u{fffd}\" is not a number");

@@ -52,6 +52,11 @@ pub enum LoadFault {
         /// How many bytes of text come first.
         valid: usize,
     },
+    /// It is UTF-16 text, by the mark of the encoding.
+    Utf16 {
+        /// Which file.
+        path: PathBuf,
+    },
     /// It is of a type that is not read.
     UnknownType {
         /// Which file.
@@ -128,6 +133,9 @@ impl fmt::Display for LoadFault {
             }
             Self::NotText { valid, .. } => {
                 write!(f, "from here on the file is not UTF-8 text: byte {valid} cannot be read")
+            }
+            Self::Utf16 { .. } => {
+                f.write_str("found UTF-16 text, by its first two bytes: save the file as UTF-8")
             }
             Self::UnknownType { path, what } => {
                 write!(
