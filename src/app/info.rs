@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     let drawing = |instance: &Instance| {
         let [object, part] = instance.part;
         match &scene.objects[object].parts[part].shape {
-            Shape::Built(construction) => construction.is_drawing().then_some(instance.part),
+            Shape::Built(construction, _) => construction.is_drawing().then_some(instance.part),
             _ => None,
         }
     };

@@ -97,7 +97,7 @@ impl Shape {
             Self::Triangle(net) => net.points.value.len(),
             Self::Subdivision(surface) => surface.cage.positions().len(),
             Self::Named(..) => 0,
-            Self::Built(construction) => construction.point_count(),
+            Self::Built(construction, _) => construction.point_count(),
         }
     }
 }
@@ -128,8 +128,9 @@ pub enum Shape {
     /// they were; the measures have the names a [`ShapeError`](crate::geometry::shapes::ShapeError)
     /// gives them.
     Named(NamedShape, Vec<Written<&'static str>>),
-    /// One made from curves.
-    Built(Arc<Construction>),
+    /// One made from curves, and where each of its numbers was written, as far as they were; they
+    /// have the names of their keys in scenes.
+    Built(Arc<Construction>, Vec<Written<&'static str>>),
 }
 
 /// A camera as far as the author says; the rest is chosen so that all is in the picture.

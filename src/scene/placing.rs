@@ -81,8 +81,9 @@ impl Placer<'_> {
                 let deviation = limit.deviation();
                 return Ok(vec![Made { name: String::new(), surface: limit.into(), deviation }]);
             }
-            Shape::Built(construction) => {
-                let shop = Workshop { surface: name, place: &part.place, placer: self };
+            Shape::Built(construction, written) => {
+                let place = &part.place;
+                let shop = Workshop { surface: name, place, written, placer: self };
                 return shop.make(construction);
             }
         };
@@ -156,7 +157,7 @@ impl Placer<'_> {
             return Err(fails(SceneFault::Draws { object: drawn.to_owned(), error }));
         };
         let draws = |part: &Part| match &part.shape {
-            Shape::Built(construction) => construction.draws().is_some(),
+            Shape::Built(construction, _) => construction.draws().is_some(),
             _ => false,
         };
         if object.parts.iter().any(draws) {

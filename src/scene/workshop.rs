@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 
 use super::curve::CurveFault;
 use super::placing::Placer;
-use super::{Construction, CurveSpec, Place, SceneError, SceneFault};
+use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{
     self, Axis, Borders, ConstructError, ControlNet, NetStyle, Piece, Sweep, TubeStyle,
 };
-use crate::geometry::{Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
+use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,28 +33,26 @@ pub(super) struct Workshop<'a> {
     pub(super) surface: &'a str,
     /// Where the construction was written.
     pub(super) place: &'a Place,
+    /// Where its numbers were written, by their keys.
+    pub(super) written: &'a [Written<&'static str>],
     /// Finds other objects' surfaces.
     pub(super) placer: &'a Placer<'a>,
 }
 
 impl Workshop<'_> {
-    /// The surfaces of a construction. What is wrong with one of its curves is told where that was
-    /// written.
+    /// The surfaces of a construction. What is wrong with one of its curves or numbers is told
+    /// where that was written.
     pub(super) fn make(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
-        self.made(what).map_err(|error| {
-            let curves = what.curves();
-            let blamed = match error.fault() {
-                SceneFault::Construction { error, .. } => {
-                    curves.iter().find(|(name, _)| error.blames(name))
-                }
-                _ => None,
-            };
-            match blamed {
-                Some((_, curve)) if error.place() == self.place => {
-                    SceneError::new(curve.place.clone(), error.fault().clone())
-                }
-                _ => error,
+        self.made(what).map_err(|error| match error.fault() {
+            SceneFault::Construction { error: fault, .. } if error.place() == self.place => {
+                let curves = what.curves();
+                let curve = curves.iter().find(|(name, _)| fault.blames(name));
+                let number = || self.written.iter().find(|one| Some(one.value) == key_of(fault));
+                let place = curve.map(|(_, curve)| &curve.place);
+                let place = place.or_else(|| number().map(|number| &number.place));
+                SceneError::new(place.unwrap_or(self.place).clone(), error.fault().clone())
             }
+            _ => error,
         })
     }
 
@@ -155,6 +153,38 @@ impl Workshop<'_> {
             SceneError::new(self.place.clone(), SceneFault::Construction { surface, error })
         })
     }
+}
+
+/// The key of the number that is at fault, if it is one that has a key.
+fn key_of(error: &ConstructError) -> Option<&'static str> {
+    Some(match error {
+        ConstructError::Angle { .. } => "degrees",
+        ConstructError::Direction { what: "extrusion by", .. } => "by",
+        ConstructError::Direction { what: "direction of the axis", .. } => "axis",
+        ConstructError::Direction { what: "up", .. } | ConstructError::Up { .. } => "up",
+        ConstructError::Point { .. } | ConstructError::FarAxis { .. } => "through",
+        ConstructError::DegreeAcross { .. } | ConstructError::Sections { .. } => "degree",
+        ConstructError::Scale { .. }
+        | ConstructError::NoScale
+        | ConstructError::ScaleCount { .. } => "scale",
+        ConstructError::Twist { .. } => "twist",
+        ConstructError::Tolerance { .. } | ConstructError::NotHeld { .. } => "tolerance",
+        ConstructError::Width { .. } => "width",
+        ConstructError::Radius { what: "joint", .. } => "joints",
+        ConstructError::Curve {
+            error: CurveError::Radius { .. } | CurveError::RadiusRange { .. },
+            ..
+        } => "radius",
+        ConstructError::IsoOff { parameter, .. }
+        | ConstructError::IsoCut { parameter, .. }
+        | ConstructError::IsoPoint { parameter, .. } => match parameter {
+            'u' => "u",
+            'v' => "v",
+            _ => "w",
+        },
+        ConstructError::NoW { .. } => "w",
+        _ => return None,
+    })
 }
 
 /// What is drawn of another object's surfaces, as long as it is not too much.

@@ -314,7 +314,7 @@ mod tests {
         let net = Construction::Net { of: here("ball".into()), style };
         let mut drawing = object(SPHERE);
         drawing.default_name = "net".into();
-        drawing.parts[0].shape = Shape::Built(Arc::new(net));
+        drawing.parts[0].shape = Shape::Built(Arc::new(net), Vec::new());
         let drawn = 30 * 18 + 14 * 45; // its lines and balls
 
         let scene = scene(vec![ball, drawing.clone(), drawing]);

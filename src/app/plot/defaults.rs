@@ -62,7 +62,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
         let [object, part] = instance.part;
         // What only draws another object has nothing of its own.
         let draws = match &scene.objects[object].parts[part].shape {
-            Shape::Built(construction) => construction.draws().is_some(),
+            Shape::Built(construction, _) => construction.draws().is_some(),
             _ => false,
         };
         let Some(surface) = instance.surface.nurbs().filter(|_| !draws) else { continue };
@@ -180,7 +180,7 @@ fn joint(users: &[String]) -> String {
 fn curves(object: &Object) -> Vec<(String, &CurveSpec)> {
     let name = object.name.as_ref().map_or(object.default_name.as_str(), |name| &name.value);
     let built = object.parts.iter().filter_map(|part| match &part.shape {
-        Shape::Built(construction) => Some(construction),
+        Shape::Built(construction, _) => Some(construction),
         _ => None,
     });
     built

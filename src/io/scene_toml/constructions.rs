@@ -5,20 +5,24 @@ use toml::Spanned;
 
 use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
+use super::keys::Measures;
 use super::values::{Axis, Number, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::construct::{Caps, NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 use crate::scene::{Construction, Written};
 
+/// A construction, if its keys make one.
+type Built = Result<Construction, LoadError>;
+
 /// What the keys of a construction make.
 pub(super) trait ConstructionKeys {
-    /// The construction, with its curves.
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError>;
+    /// The construction, with its curves. Where its numbers are written goes to `measures`.
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built;
 }
 
 impl<K: ConstructionKeys> ConstructionKeys for Keyed<K> {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
-        Box::new(self.0).construction(reader)
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        Box::new(self.0).construction(reader, measures)
     }
 }
 
@@ -26,18 +30,21 @@ impl<K: ConstructionKeys> ConstructionKeys for Keyed<K> {
 #[serde(deny_unknown_fields)]
 pub(super) struct RevolutionKeys {
     profile: Spanned<CurveKeys>,
-    axis: Option<Axis>,
-    through: Option<Vector>,
-    degrees: Option<Number>,
+    axis: Option<Spanned<Axis>>,
+    through: Option<Spanned<Vector>>,
+    degrees: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for RevolutionKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        let through = noted("through", self.through, measures);
+        let axis = noted("axis", self.axis, measures);
+        let degrees = noted("degrees", self.degrees, measures);
         Ok(Construction::Revolution {
             profile: reader.curve(self.profile)?,
-            through: self.through.map(|point| point.0).unwrap_or_default(),
-            axis: self.axis.map_or(glam::DVec3::Z, |axis| axis.0),
-            degrees: self.degrees.map_or(360.0, |angle| angle.0),
+            through: through.map(|point| point.0).unwrap_or_default(),
+            axis: axis.map_or(glam::DVec3::Z, |axis| axis.0),
+            degrees: degrees.map_or(360.0, |angle| angle.0),
         })
     }
 }
@@ -46,12 +53,13 @@ impl ConstructionKeys for RevolutionKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct ExtrusionKeys {
     profile: Spanned<CurveKeys>,
-    by: Vector,
+    by: Spanned<Vector>,
 }
 
 impl ConstructionKeys for ExtrusionKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
-        Ok(Construction::Extrusion { profile: reader.curve(self.profile)?, by: self.by.0 })
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        let by = noted_one("by", self.by, measures).0;
+        Ok(Construction::Extrusion { profile: reader.curve(self.profile)?, by })
     }
 }
 
@@ -63,7 +71,7 @@ pub(super) struct RuledKeys {
 }
 
 impl ConstructionKeys for RuledKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, _: &mut Measures) -> Built {
         Ok(Construction::Ruled { from: reader.curve(self.from)?, to: reader.curve(self.to)? })
     }
 }
@@ -78,7 +86,7 @@ pub(super) struct CoonsKeys {
 }
 
 impl ConstructionKeys for CoonsKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, _: &mut Measures) -> Built {
         Ok(Construction::Coons(Box::new([
             reader.curve(self.u0)?,
             reader.curve(self.u1)?,
@@ -92,15 +100,15 @@ impl ConstructionKeys for CoonsKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct LoftKeys {
     sections: Vec<Spanned<CurveKeys>>,
-    degree: Option<u32>,
+    degree: Option<Spanned<u32>>,
 }
 
 impl ConstructionKeys for LoftKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         let sections = self.sections.into_iter().map(|curve| reader.curve(curve));
         Ok(Construction::Loft {
             sections: sections.collect::<Result<_, _>>()?,
-            degree: self.degree.map(|degree| degree as usize),
+            degree: noted("degree", self.degree, measures).map(|degree| degree as usize),
         })
     }
 }
@@ -110,22 +118,22 @@ impl ConstructionKeys for LoftKeys {
 pub(super) struct SweepKeys {
     profile: Spanned<CurveKeys>,
     path: Spanned<CurveKeys>,
-    up: Option<Axis>,
-    twist: Option<Number>,
-    scale: Option<Vec<Number>>,
-    tolerance: Option<Number>,
+    up: Option<Spanned<Axis>>,
+    twist: Option<Spanned<Number>>,
+    scale: Option<Spanned<Vec<Number>>>,
+    tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for SweepKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         Ok(Construction::Sweep {
             profile: reader.curve(self.profile)?,
             path: reader.curve(self.path)?,
             options: SweepOptions {
-                up: self.up.map(|up| up.0),
-                twist: self.twist.map_or(0.0, |twist| twist.0),
-                scale: self.scale.map_or(vec![1.0], numbers),
-                tolerance: self.tolerance.map(|tolerance| tolerance.0),
+                up: noted("up", self.up, measures).map(|up| up.0),
+                twist: noted("twist", self.twist, measures).map_or(0.0, |twist| twist.0),
+                scale: noted("scale", self.scale, measures).map_or(vec![1.0], numbers),
+                tolerance: noted("tolerance", self.tolerance, measures).map(|length| length.0),
             },
         })
     }
@@ -135,21 +143,20 @@ impl ConstructionKeys for SweepKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct TubeKeys {
     curve: Spanned<CurveKeys>,
-    radius: Number,
+    radius: Spanned<Number>,
     #[serde(default)]
     caps: CapsKey,
-    tolerance: Option<Number>,
+    tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for TubeKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         let caps = match self.caps {
             CapsKey::Open => Caps::Open,
             CapsKey::Flat => Caps::Flat,
             CapsKey::Round => Caps::Round,
         };
-        let tolerance = self.tolerance.map(|tolerance| tolerance.0);
-        let style = TubeStyle { radius: self.radius.0, caps, tolerance };
+        let style = TubeStyle { caps, ..round_tube(self.radius, self.tolerance, measures) };
         Ok(Construction::Tube { curve: reader.curve(self.curve)?, style })
     }
 }
@@ -167,21 +174,21 @@ enum CapsKey {
 #[serde(deny_unknown_fields)]
 pub(super) struct RibbonKeys {
     curve: Spanned<CurveKeys>,
-    width: Number,
-    up: Option<Axis>,
-    twist: Option<Number>,
-    tolerance: Option<Number>,
+    width: Spanned<Number>,
+    up: Option<Spanned<Axis>>,
+    twist: Option<Spanned<Number>>,
+    tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for RibbonKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         Ok(Construction::Ribbon {
             curve: reader.curve(self.curve)?,
             style: RibbonStyle {
-                width: self.width.0,
-                up: self.up.map(|up| up.0),
-                twist: self.twist.map_or(0.0, |twist| twist.0),
-                tolerance: self.tolerance.map(|tolerance| tolerance.0),
+                width: noted_one("width", self.width, measures).0,
+                up: noted("up", self.up, measures).map(|up| up.0),
+                twist: noted("twist", self.twist, measures).map_or(0.0, |twist| twist.0),
+                tolerance: noted("tolerance", self.tolerance, measures).map(|length| length.0),
             },
         })
     }
@@ -191,13 +198,13 @@ impl ConstructionKeys for RibbonKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct PolygonKeys {
     curve: Spanned<CurveKeys>,
-    radius: Number,
-    joints: Option<Number>,
+    radius: Spanned<Number>,
+    joints: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for PolygonKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
-        let style = net_style(self.radius, self.joints);
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        let style = net_style(self.radius, self.joints, measures);
         Ok(Construction::Polygon { curve: reader.curve(self.curve)?, style })
     }
 }
@@ -206,13 +213,13 @@ impl ConstructionKeys for PolygonKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct NetKeys {
     of: Spanned<String>,
-    radius: Number,
-    joints: Option<Number>,
+    radius: Spanned<Number>,
+    joints: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for NetKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
-        let style = net_style(self.radius, self.joints);
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        let style = net_style(self.radius, self.joints, measures);
         Ok(Construction::Net { of: reader.text(self.of), style })
     }
 }
@@ -221,13 +228,13 @@ impl ConstructionKeys for NetKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct TrimCurvesKeys {
     of: Spanned<String>,
-    radius: Number,
-    tolerance: Option<Number>,
+    radius: Spanned<Number>,
+    tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for TrimCurvesKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
-        let style = round_tube(self.radius, self.tolerance);
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
+        let style = round_tube(self.radius, self.tolerance, measures);
         Ok(Construction::TrimCurves { of: reader.text(self.of), style })
     }
 }
@@ -236,24 +243,21 @@ impl ConstructionKeys for TrimCurvesKeys {
 #[serde(deny_unknown_fields)]
 pub(super) struct IsoCurvesKeys {
     of: Spanned<String>,
-    #[serde(default)]
-    u: Vec<Number>,
-    #[serde(default)]
-    v: Vec<Number>,
-    #[serde(default)]
-    w: Vec<Number>,
-    radius: Number,
-    tolerance: Option<Number>,
+    u: Option<Spanned<Vec<Number>>>,
+    v: Option<Spanned<Vec<Number>>>,
+    w: Option<Spanned<Vec<Number>>>,
+    radius: Spanned<Number>,
+    tolerance: Option<Spanned<Number>>,
 }
 
 impl ConstructionKeys for IsoCurvesKeys {
-    fn construction(self: Box<Self>, reader: &Reader<'_, '_>) -> Result<Construction, LoadError> {
+    fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         Ok(Construction::IsoCurves {
             of: reader.text(self.of),
-            u: numbers(self.u),
-            v: numbers(self.v),
-            w: numbers(self.w),
-            style: round_tube(self.radius, self.tolerance),
+            u: noted("u", self.u, measures).map_or_else(Vec::new, numbers),
+            v: noted("v", self.v, measures).map_or_else(Vec::new, numbers),
+            w: noted("w", self.w, measures).map_or_else(Vec::new, numbers),
+            style: round_tube(self.radius, self.tolerance, measures),
         })
     }
 }
@@ -265,13 +269,35 @@ fn numbers(list: Vec<Number>) -> Vec<f64> {
     list.into_iter().map(|number| number.0).collect()
 }
 
-fn round_tube(radius: Number, tolerance: Option<Number>) -> TubeStyle {
-    let tolerance = tolerance.map(|tolerance| tolerance.0);
-    TubeStyle { radius: radius.0, caps: Caps::Round, tolerance }
+/// The value of a key; where it is written goes to the measures.
+fn noted_one<T>(key: &'static str, value: Spanned<T>, measures: &mut Measures) -> T {
+    measures.push((key, value.span().start));
+    value.into_inner()
 }
 
-fn net_style(radius: Number, joints: Option<Number>) -> NetStyle {
-    NetStyle { radius: radius.0, joints: joints.map_or(JOINTS * radius.0, |joints| joints.0) }
+/// The value of a key that may be left out, likewise.
+fn noted<T>(key: &'static str, value: Option<Spanned<T>>, measures: &mut Measures) -> Option<T> {
+    value.map(|value| noted_one(key, value, measures))
+}
+
+fn round_tube(
+    radius: Spanned<Number>,
+    tolerance: Option<Spanned<Number>>,
+    measures: &mut Measures,
+) -> TubeStyle {
+    let radius = noted_one("radius", radius, measures).0;
+    let tolerance = noted("tolerance", tolerance, measures).map(|length| length.0);
+    TubeStyle { radius, caps: Caps::Round, tolerance }
+}
+
+fn net_style(
+    radius: Spanned<Number>,
+    joints: Option<Spanned<Number>>,
+    measures: &mut Measures,
+) -> NetStyle {
+    let radius = noted_one("radius", radius, measures).0;
+    let joints = noted("joints", joints, measures).map_or(JOINTS * radius, |joints| joints.0);
+    NetStyle { radius, joints }
 }
 
 impl Reader<'_, '_> {

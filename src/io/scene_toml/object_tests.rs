@@ -20,7 +20,7 @@ fn what_cannot_be_made_from_curves_is_told() {
     );
     assert_eq!(
         shape("revolution]\nprofile = { polyline = [[1, 0], [2, 0]] }\ndegrees = 400"),
-        "s.toml:3:9: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
+        "s.toml:5:11: surface \"cup\": angle 400°: it must be from -360° to 360°, and not 0°"
     );
     assert_eq!(
         shape(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::keys::{
-    Grid, NurbsKeys, ObjectKeys, ShapeKeys, ShapeSource, TransformKeys, TriangleKeys,
+    Grid, Measures, NurbsKeys, ObjectKeys, ShapeKeys, ShapeSource, TransformKeys, TriangleKeys,
 };
 use super::kinds::OneOf;
 use super::{LoadError, Reader};
@@ -56,8 +56,7 @@ impl Reader<'_, '_> {
         let only = |shape| vec![Part { name: String::new(), place: here, shape, trims: None }];
         match shape.source() {
             ShapeSource::Named(named, measures) => {
-                let place = |(name, offset)| Written::new(name, self.source.place(offset));
-                let measures = measures.into_iter().map(place).collect();
+                let measures = self.measures(measures);
                 Ok((named.name().to_owned(), only(Shape::Named(named, measures))))
             }
             ShapeSource::Nurbs(keys) => {
@@ -76,9 +75,11 @@ impl Reader<'_, '_> {
                 Ok((name, only(Shape::Subdivision(Arc::new(surface)))))
             }
             ShapeSource::Built(keys) => {
-                let construction = keys.construction(self)?;
+                let mut measures = Measures::new();
+                let construction = keys.construction(self, &mut measures)?;
                 let name = construction.name().to_owned();
-                Ok((name, only(Shape::Built(Arc::new(construction)))))
+                let measures = self.measures(measures);
+                Ok((name, only(Shape::Built(Arc::new(construction), measures))))
             }
             ShapeSource::File(file) => {
                 let place = self.source.place(file.span().start);
@@ -89,6 +90,12 @@ impl Reader<'_, '_> {
                 Ok((stem, model.parts))
             }
         }
+    }
+
+    /// What has a name in errors, each with its place.
+    fn measures(&self, measures: Measures) -> Vec<Written<&'static str>> {
+        let place = |(name, offset)| Written::new(name, self.source.place(offset));
+        measures.into_iter().map(place).collect()
     }
 
     fn net(&self, called: &str, keys: NurbsKeys) -> Result<Net, LoadError> {

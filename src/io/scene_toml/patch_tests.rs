@@ -93,6 +93,59 @@ fn profiles_that_fold_are_told_where_they_are_written() {
     assert!(message.starts_with(begins), "{message}");
 }
 
+/// Each key stands on a line of its own, as the documentation shows them.
+#[test]
+fn numbers_of_constructions_are_told_where_they_are_written() {
+    let profile = "profile = { circle = { radius = 0.2 } }";
+    let line = "polyline = [[0, 0, 0], [0, 0, 1]]";
+    let sections = "sections = [{ polyline = [[0, 0], [1, 0]] }, { polyline = [[0, 1], [1, 1]] }]";
+    let (sweep, tube) =
+        (format!("{profile}\npath = {{ {line} }}"), format!("curve = {{ {line} }}"));
+    for (kind, others, key, message) in [
+        (
+            "revolution",
+            profile,
+            "degrees = 720",
+            "angle 720°: it must be from -360° to 360°, and not 0°",
+        ),
+        (
+            "revolution",
+            profile,
+            "axis = [0, 0, 0]",
+            "direction of the axis (0, 0, 0): it must be finite and not zero",
+        ),
+        (
+            "extrusion",
+            profile,
+            "by = [0, 0, 0]",
+            "extrusion by (0, 0, 0): it must be finite and not zero",
+        ),
+        ("loft", sections, "degree = 0", "degree 0 across: degrees from 1 to 32 are supported"),
+        ("loft", sections, "degree = 2", "2 sections: degree 2 across needs at least 3"),
+        (
+            "sweep",
+            &sweep,
+            "up = 'z'",
+            "up (0, 0, 1) runs along the path, whose direction there is (0, 0, 1): choose another one",
+        ),
+        ("sweep", &sweep, "scale = [1, -1]", "scale 1 is -1: it must be finite, and not negative"),
+        ("sweep", &sweep, "tolerance = 0", "tolerance 0: it must be positive and finite"),
+        ("tube", &tube, "radius = -1", "tube: radius -1: it must be positive and finite"),
+        ("ribbon", &tube, "width = 0", "width 0: it must be positive and finite"),
+        (
+            "polygon",
+            &format!("{tube}\nradius = 1"),
+            "joints = -1",
+            "joint radius -1: it must be positive and finite",
+        ),
+    ] {
+        let text = format!("[[object]]\nname = 'o'\n[object.shape.{kind}]\n{others}\n{key}");
+        let (row, column) = (text.lines().count(), key.find("= ").unwrap() + 3);
+        let expected = format!("s.toml:{row}:{column}: surface \"o\": {message}");
+        assert_eq!(error(&text), expected);
+    }
+}
+
 #[test]
 fn what_is_no_cage_is_told_where_it_is_written() {
     let cage = |text: &str| error(&format!("[[object]]\nname = 'box'\n[object.shape.{text}"));
@@ -196,7 +249,7 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     }
     assert_eq!(
         error(&format!("{cage}{}", thin("of = 'box', u = [13], radius = 0.1"))),
-        "s.toml:7:1: surface \"l\": the line u = 13 is not on the surface, whose u is from 0 to 12"
+        "s.toml:7:38: surface \"l\": the line u = 13 is not on the surface, whose u is from 0 to 12"
     );
 
     // On a sphere's octant, tubes are within their radius of the sphere; each is of one line.
@@ -220,19 +273,19 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
         ("w = [1]", "the line w = 1 is a single point, where there is nothing to draw"),
     ] {
         let lines = thin(&format!("of = 'box', {line}, radius = 0.1"));
-        let expected = format!("s.toml:6:1: surface \"l\": {message}");
+        let expected = format!("s.toml:6:38: surface \"l\": {message}");
         assert_eq!(error(&format!("{octant}{lines}")), expected);
     }
     // At a pole there is nothing to draw.
     let ball = "[[object]]\nname = 'box'\nshape = 'sphere'\n";
     assert_eq!(
         error(&format!("{ball}{}", thin("of = 'box', w = [0.5], radius = 0.1"))),
-        "s.toml:6:1: surface \"l\": a NURBS surface has no lines of constant w: triangular patches \
+        "s.toml:6:38: surface \"l\": a NURBS surface has no lines of constant w: triangular patches \
          have"
     );
     assert_eq!(
         error(&format!("{ball}{}", lines.replace("0.5", "0.5, 0"))),
-        "s.toml:6:1: surface \"l\": the line u = 0 is a single point, where there is nothing to \
+        "s.toml:6:38: surface \"l\": the line u = 0 is a single point, where there is nothing to \
          draw"
     );
 }

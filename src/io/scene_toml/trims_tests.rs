@@ -176,7 +176,7 @@ fn trim_edges_and_iso_curves_are_drawn_where_the_surface_is() {
     let error = made("shape.iso_curves = { of = 's', u = [0.5, 0.1], radius = 0.1 }").unwrap_err();
     assert_eq!(
         error,
-        "s.toml:7:1: surface \"l\": the line u = 0.1 lies where trims keep nothing, or where \
+        "s.toml:7:36: surface \"l\": the line u = 0.1 lies where trims keep nothing, or where \
          the surface has ended"
     );
     let bare = "[[object]]\nname = 'b'\nshape = 'deck_patch'\n\
