@@ -50,7 +50,7 @@
 //! [[object]]
 //! shape = { torus = { major = 1, minor = 0.25 } }
 //! material = "clay"
-//! reverse = false                        # true turns its surfaces inside out: they run backwards in u
+//! reverse = false                        # true turns its surfaces inside out, see below
 //! transform = [                          # the first one first
 //!     { scale = 0.8 },                   # or [x, y, z]
 //!     { rotate = { axis = "x", degrees = 60 } },
@@ -58,6 +58,11 @@
 //!     # { matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] },
 //! ]
 //! ```
+//!
+//! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS surfaces
+//! run backwards in u; in triangular patches, and in each unit square of subdivision surfaces, u and v
+//! are exchanged. The `trims` of the object are written in the (u, v) of its shape as it is without
+//! `reverse`; all else counts in the (u, v) after it: textures, `iso_curves`, plots, hits.
 //!
 //! # Shapes
 //!

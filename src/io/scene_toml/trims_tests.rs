@@ -48,6 +48,44 @@ fn loops_of_every_kind_cut() {
     }
 }
 
+/// As the documentation of `reverse` says.
+#[test]
+fn trims_are_written_as_without_reverse_and_all_else_counts_after() {
+    let left = "loops = [{ polygon = [[0.1, 0.1], [0.4, 0.1], [0.4, 0.9], [0.1, 0.9]] }]";
+    let text = plane(left).replace("shape =", "reverse = true\nshape =");
+    let world = World::new(&scene(&text).unwrap()).unwrap();
+    let sheet = world.surfaces[0].surface.trimmed().unwrap();
+    let [near, far] = [0.25, 0.75].map(|u| DVec2::new(u, 0.5));
+    assert_eq!([near, far].map(|uv| sheet.keeps(uv)), [false, true]);
+    assert_eq!(world.surfaces[0].surface.point_at(far), DVec3::new(-0.25, 0.0, 0.0));
+    let line = |u: f64| {
+        format!("[[object]]\nshape.iso_curves = {{ of = 'sheet', u = [{u}], radius = 0.01 }}")
+    };
+    assert!(World::new(&scene(&format!("{text}{}", line(0.75))).unwrap()).is_ok());
+    assert_eq!(
+        error(&format!("{text}{}", line(0.25))),
+        "s.toml:8:40: surface \"iso_curves\": the line u = 0.25 lies where trims keep nothing, or \
+         where the surface has ended"
+    );
+
+    // Where v cannot stay as it is, u and v are exchanged.
+    for (shape, unit) in [
+        ("triangle = { degree = 1, points = [[0, 0, 0], [0, 1, 0], [1, 0, 0]] }", 0.0),
+        (
+            "catmull_clark = { points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], \
+             [0, 1, 0]], faces = [[0, 1, 4, 5], [1, 2, 3, 4]] }",
+            1.0,
+        ),
+    ] {
+        let object = format!("[[object]]\nshape = {{ {shape} }}\n");
+        let [plain, turned] = ["", "reverse = true\n"].map(|reverse| {
+            World::new(&scene(&format!("{object}{reverse}")).unwrap()).unwrap().surfaces.remove(0)
+        });
+        let exchanged = plain.surface.point_at(DVec2::new(unit + 0.5, 0.25));
+        assert_eq!(turned.surface.point_at(DVec2::new(unit + 0.25, 0.5)), exchanged, "{shape}");
+    }
+}
+
 #[test]
 fn trims_that_cannot_be_are_named() {
     for (trims, message) in [
