@@ -40,8 +40,8 @@ gets
 --against povray: the scene is written for POV-Ray 3.7 with a lamp at the
 camera, so that a pixel is the cosine between ray and normal; its bicubic
 patches are flat to within each tolerance. The program `povray`, or the one
-named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are named
-and left out on both sides. DIR gets
+named by POVRAY, renders it. Surfaces POV-Ray cannot be told exactly are left
+out on both sides, and named, the first twelve for each reason. DIR gets
   report.md                 times; errors of brightness; pixels lost and
                             invented
   scene-TOLERANCE.pov       what POV-Ray reads

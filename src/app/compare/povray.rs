@@ -21,8 +21,8 @@ use super::sight::{self, Sight, View};
 const BRIGHTNESS: Scale =
     Scale { quantity: "error of brightness (cosine between ray and normal)", low: -5, high: 0 };
 
-/// How many surfaces left out for one reason are named.
-const NAMES: usize = 3;
+/// How many surfaces left out for one reason are named: a line or two of names, as `--help` says.
+const NAMES: usize = 12;
 
 /// The files of a report.
 const REPORT: &str = "report.md";
@@ -280,11 +280,19 @@ mod tests {
             name: format!("s{number}"),
             reason: if number == 2 { PovrayGap::Trimmed } else { PovrayGap::Rational },
         };
-        let skipped: Vec<_> = (0..6).map(skip).collect();
-        let trimmed = skipped[2].to_string();
-        let five = "5 of 9 surfaces are left out (\"s0\", \"s1\", \"s3\" and 2 more), each because it is \
-                    rational, and the patches of POV-Ray are polynomial";
-        assert_eq!(left_out(&skipped, 9), [five, &trimmed]);
+        let told = |names: &str, count: usize| {
+            let skipped: Vec<_> = (0..=count).map(skip).collect();
+            let alike = format!(
+                "{count} of 19 surfaces are left out ({names}), each because it is rational, and \
+                 the patches of POV-Ray are polynomial"
+            );
+            assert_eq!(left_out(&skipped, 19), [alike, skipped[2].to_string()]);
+        };
+        told("\"s0\", \"s1\", \"s3\", \"s4\", \"s5\"", 5);
+        let twelve = "\"s0\", \"s1\", \"s3\", \"s4\", \"s5\", \"s6\", \"s7\", \"s8\", \"s9\", \"s10\", \"s11\", \
+                      \"s12\"";
+        told(twelve, 12);
+        told(&format!("{twelve} and 2 more"), 14);
         assert!(left_out(&[], 9).is_empty());
     }
 
