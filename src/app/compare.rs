@@ -17,8 +17,8 @@ use std::process::ExitCode;
 use nurbray::scene::World;
 
 use super::args::{Against, CompareArguments};
-use super::console;
 use super::failure::Failure;
+use super::input;
 use super::race::{MAX_SIDE, Model};
 
 /// What `--help` says behind the options.
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
 /// Says that there is nothing to compare.
 fn warn_if_empty(model: &Model, hits: usize, doubtful: usize) {
     if hits + doubtful == 0 {
-        console::warning(&format!("{}: the camera sees nothing of the model", model.name));
+        input::warn_of_nothing_seen(&model.name);
     }
 }
 

@@ -28,6 +28,11 @@ pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
     }
 }
 
+/// Says that no ray of the camera has hit anything.
+pub(crate) fn warn_of_nothing_seen(name: &str) {
+    console::warning(&format!("{name}: the camera sees nothing of the model"));
+}
+
 /// Makes a scene ready to trace and says how long that took.
 ///
 /// # Errors

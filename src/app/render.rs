@@ -95,6 +95,11 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     });
     progress.finish();
     let (film, took) = (film.or_failed()?, start.elapsed());
+    // A crop may well be meant to be empty.
+    let seen = film.counters().hits + film.counters().doubtful;
+    if seen == 0 && settings.crop.is_none() {
+        input::warn_of_nothing_seen(&arguments.input.display().to_string());
+    }
     let staged = pictures.iter().map(|picture| stage(picture, &film, &world, (arguments, took)));
     put_all_in_place(staged.collect::<Result<_, _>>()?).or_failed()?;
     if !arguments.quiet {

@@ -44,6 +44,18 @@ fn quiet_says_nothing() {
 }
 
 #[test]
+fn a_camera_that_looks_away_warns_but_not_of_crops() {
+    let away = format!("[camera]\nlook_from = [0, -9, 0]\nlook_at = [0, -20, 0]\n{SPHERE}");
+    let sandbox = Sandbox::with(&[("away.toml", &away), ("sphere.toml", SPHERE)]);
+    let run = sandbox.run("render away.toml -o a.png --quiet").succeeded();
+    assert_eq!(run.stderr, "warning: away.toml: the camera sees nothing of the model\n");
+    for part in ["away.toml -o a.png --crop 0,0,4,4", "sphere.toml -o a.png --crop 0,0,1,1"] {
+        let run = sandbox.run(&format!("render {part} --quiet")).succeeded();
+        assert_eq!(run.stderr, "");
+    }
+}
+
+#[test]
 fn an_exr_holds_the_aovs_asked_for_and_tells_how_it_was_made() {
     let sandbox = sandbox();
     sandbox.run("render sphere.toml -o all.exr").succeeded();
