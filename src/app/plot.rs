@@ -80,8 +80,10 @@ pub(crate) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
         _ => stage(path, |file| file.write_all(text.as_bytes())).or_failed(),
     });
     put_all_in_place(staged.collect::<Result<_, _>>()?).or_failed()?;
-    let drawn = count(panels.len() as u64, "plot");
-    console::say(&format!("{drawn}; wrote {}", output::listed(&paths)));
+    if !arguments.quiet {
+        let drawn = count(panels.len() as u64, "plot");
+        console::say(&format!("{drawn}; wrote {}", output::listed(&paths)));
+    }
     Ok(ExitCode::SUCCESS)
 }
 

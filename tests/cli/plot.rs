@@ -274,6 +274,15 @@ fn the_same_input_gives_the_same_bytes_and_a_png_is_the_same_picture() {
 }
 
 #[test]
+fn quiet_says_nothing() {
+    let sandbox = Sandbox::with(&[("s.toml", "[[plot]]\nshow = { blending = \"bezier\" }\n")]);
+    for quiet in ["--quiet", "-q"] {
+        let run = sandbox.run(&format!("plot s.toml -o p.svg {quiet}")).succeeded();
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    }
+}
+
+#[test]
 fn scenes_without_plots_get_those_that_suit_them() {
     let sandbox = Sandbox::with(&[
         ("ball.toml", SPHERE),

@@ -22,4 +22,8 @@ pub(crate) struct PlotArguments {
     /// else 480x400 a plot]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) size: Option<Size>,
+
+    /// No summary: nothing on stderr but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
