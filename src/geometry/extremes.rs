@@ -1,4 +1,4 @@
-//! Where a coordinate of a rational Bézier piece turns around.
+//! Where a coordinate of a rational Bézier piece turns around, or changes its sign.
 
 use crate::math::bernstein::{binomial, restrict};
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -14,20 +14,27 @@ pub(crate) const FINEST: f64 = UNIT_ROUNDOFF;
 /// weights). It is measured from `center`: that changes no extreme, but far from 0 it saves the
 /// digits in which the points differ.
 pub(crate) fn add_extremes(coordinate: &[f64], weights: &[f64], center: f64, found: &mut Vec<f64>) {
-    Derivative::new(coordinate, weights, center).roots(found);
+    Polynomial::derivative(coordinate, weights, center).roots(found);
 }
 
-/// The numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor, as
+/// Adds the parameters in (0, 1), in no order, where the sign of a polynomial changes, to [`FINEST`], and
+/// perhaps some where it only might. It is given as its Bernstein coefficients, each with a
+/// bound on what rounding may have done to it.
+pub(crate) fn add_sign_changes(coefficients: Vec<f64>, noise: Vec<f64>, found: &mut Vec<f64>) {
+    Polynomial { coefficients, noise }.roots(found);
+}
+
+/// A polynomial: the numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor, as
 /// Bernstein coefficients, with a bound on what rounding may have done to each.
 #[derive(Clone)]
-struct Derivative {
+struct Polynomial {
     coefficients: Vec<f64>,
     noise: Vec<f64>,
 }
 
-impl Derivative {
-    /// For a coordinate measured from `center`.
-    fn new(coordinate: &[f64], weights: &[f64], center: f64) -> Self {
+impl Polynomial {
+    /// That of a coordinate measured from `center`.
+    fn derivative(coordinate: &[f64], weights: &[f64], center: f64) -> Self {
         let p = weights.len() - 1;
         let pairs = || coordinate.iter().zip(weights);
         let centered: Vec<f64> = pairs().map(|(x, w)| x - center * w).collect();

@@ -26,6 +26,7 @@
 //! ```
 
 pub(crate) mod arc;
+mod axis_points;
 mod compatible;
 mod coons;
 mod error;

@@ -4,6 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::ConstructError;
 use super::arc::UnitArc;
+use super::axis_points::cut_at_axis;
 use super::fold::check_turned;
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve, NurbsSurface};
 use crate::math::unit;
@@ -39,6 +40,21 @@ impl Axis {
     /// How far along the axis a point is, from the point that the axis is given by.
     pub(crate) fn height(&self, point: DVec3) -> f64 {
         self.direction.dot(point - self.origin)
+    }
+
+    /// Its direction, of length 1.
+    pub(crate) fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The point of it that is nearest to another point.
+    pub(crate) fn nearest(&self, point: DVec3) -> DVec3 {
+        self.origin + self.direction * self.height(point)
+    }
+
+    /// The largest coordinate of the point that it is given by.
+    pub(crate) fn magnitude(&self) -> f64 {
+        self.origin.abs().max_element()
     }
 
     /// The z axis.
@@ -95,9 +111,10 @@ pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec
 /// for a negative angle), `v` along the profile on its own domain. Where the profile rises
 /// along the axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and
 /// what lies on the axis (within rounding) becomes a collapsed edge exactly. A profile may
-/// cross the axis: the surface then meets itself there, and its normals point inward beyond. But
-/// no part of it may be taken to where another one has been: a full circle about its own
-/// diameter makes a sphere with 180°, and covers it twice with 360°.
+/// cross the axis: the surface then meets itself there, and its normals point inward beyond. Where it
+/// crosses or touches it between control points, it gets knots, so that no patch has such a place
+/// within it. But no part of it may be taken to where another one has been: a full circle about
+/// its own diameter makes a sphere with 180°, and covers it twice with 360°.
 ///
 /// Arcs of at most 90° of degree 2 (Piegl & Tiller 1997, A8.1).
 ///
@@ -113,15 +130,18 @@ pub fn revolve(
     if !usable {
         return Err(ConstructError::Angle { degrees });
     }
-    let points: Vec<Turned> = (0..profile.control().len())
-        .map(|index| Turned::new(profile.point(index), profile.weight(index), axis))
-        .collect();
-    if points.iter().all(|point| point.across == DVec3::ZERO) {
+    let turned = |profile: &NurbsCurve| -> Vec<Turned> {
+        (0..profile.control().len())
+            .map(|index| Turned::new(profile.point(index), profile.weight(index), axis))
+            .collect()
+    };
+    if turned(profile).iter().all(|point| point.across == DVec3::ZERO) {
         return Err(ConstructError::OnAxis);
     }
     check_turned(profile, axis, degrees)?;
+    let profile = &cut_at_axis(profile, axis)?;
     let arc = UnitArc::new(0.0, degrees);
-    let net = turned_net(&arc.points, &points);
+    let net = turned_net(&arc.points, &turned(profile));
     Ok(NurbsSurface::from_homogeneous(arc.knots, profile.knots().clone(), net)?)
 }
 

@@ -1,0 +1,226 @@
+//! Profiles cut where they meet the axis that they are turned about.
+//!
+//! A surface of revolution has a singular point wherever its profile meets the axis. Within a patch,
+//! rays near that point keep the solver busy, and never are certain of it; as a side that is
+//! collapsed to a point it is a pole like any other.
+
+use glam::{DVec3, DVec4};
+
+use super::ConstructError;
+use super::path::pieces;
+use super::revolve::{Axis, across};
+use crate::geometry::NurbsCurve;
+use crate::geometry::extremes::{add_extremes, add_sign_changes};
+use crate::math::rounding::UNIT_ROUNDOFF;
+use crate::math::unit;
+
+/// How far from the axis the point of a curve may be that is on it, in roundings of the largest
+/// coordinate for each control point that a piece has: as many products as it is the sum of, with half
+/// a dozen operations each.
+const ROUNDINGS: f64 = 8.0;
+
+/// The same curve with knots where it meets the axis within its domain, as many as make these places
+/// control points; and these exactly on the axis, from which rounding only had taken them.
+///
+/// Where a whole piece lies on the axis, its ends are such places.
+///
+/// # Errors
+/// When a curve with so many knots is none.
+pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurve, ConstructError> {
+    let mut cut = profile.clone();
+    for t in meetings(profile, axis) {
+        let degree = profile.knots().degree();
+        let missing = degree.saturating_sub(cut.knots().multiplicity(t));
+        if missing == 0 {
+            continue; // a control point already, as its author has it
+        }
+        let of_profile = || ConstructError::of("profile");
+        let whole = cut.insert_knot(t, missing).map_err(of_profile())?;
+        let index = whole.knots().span(t) - degree;
+        let (point, weight) = (whole.point(index), whole.weight(index));
+        let away = across(point, axis);
+        if away.length() <= tolerance(profile, axis, t) {
+            let mut control: Vec<DVec4> = whole.control().to_vec();
+            control[index] = (weight * axis.nearest(point)).extend(weight);
+            let knots = whole.knots().clone();
+            cut = NurbsCurve::from_homogeneous(knots, control).map_err(of_profile())?;
+        }
+    }
+    Ok(cut)
+}
+
+/// How far from the axis a curve may be at a parameter that meets it there: what rounding makes of its
+/// coordinates, and how far it runs while the parameter does not change.
+fn tolerance(profile: &NurbsCurve, axis: &Axis, t: f64) -> f64 {
+    let magnitude = profile.magnitude().max(axis.magnitude());
+    let count = (profile.knots().degree() + 1) as f64;
+    let (start, end) = profile.domain();
+    let step = f64::EPSILON * start.abs().max(end.abs());
+    ROUNDINGS * count * f64::EPSILON * magnitude + step * profile.derivatives(t).first.length()
+}
+
+/// The parameters within the domain where a curve meets the axis, in order.
+fn meetings(profile: &NurbsCurve, axis: &Axis) -> Vec<f64> {
+    let knots: Vec<f64> = profile.knots().spans().skip(1).map(|span| span.start).collect();
+    let mut found = knots.clone();
+    for piece in pieces(profile) {
+        found.extend(candidates(&piece, axis));
+    }
+    let distance = |t: f64| across(profile.point_at(t), axis).length();
+    let on_axis = |t: f64| distance(t) <= tolerance(profile, axis, t); // false for NaN
+    found.retain(|&t| on_axis(t));
+    found.sort_by(f64::total_cmp);
+    found.dedup();
+
+    // One place may have been found several times, each a little aside: all of what lies between
+    // is on the axis then, too. A knot of the curve is the best of them.
+    let mut meetings: Vec<f64> = Vec::new();
+    for t in found {
+        let Some(last) = meetings.last_mut() else {
+            meetings.push(t);
+            continue;
+        };
+        let is_knot = [*last, t].map(|t| knots.contains(&t));
+        if is_knot == [true, true] || !on_axis(0.5 * (*last + t)) {
+            meetings.push(t);
+        } else if is_knot[1] || (!is_knot[0] && distance(t) < distance(*last)) {
+            *last = t;
+        }
+    }
+    meetings
+}
+
+/// The parameters within a Bézier piece where it may meet the axis.
+///
+/// Its vector from the axis has two coordinates. Where both vanish, one changes its sign or touches
+/// zero with an extreme: whatever the order of the zero, one of the two is known so well that the
+/// coordinate itself vanishes to within rounding.
+fn candidates(piece: &NurbsCurve, axis: &Axis) -> Vec<f64> {
+    let count = piece.control().len();
+    let away = |index: usize| across(piece.point(index), axis);
+    let farthest = (0..count)
+        .map(away)
+        .fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
+    let Some(first) = unit(farthest) else { return Vec::new() };
+    let weights: Vec<f64> = (0..count).map(|index| piece.weight(index)).collect();
+    let magnitude = piece.magnitude().max(axis.magnitude());
+    let noise: Vec<f64> =
+        weights.iter().map(|weight| ROUNDINGS * UNIT_ROUNDOFF * magnitude * weight).collect();
+    let mut shares = Vec::new();
+    for direction in [first, axis.direction().cross(first)] {
+        let coordinate: Vec<f64> =
+            (0..count).map(|index| weights[index] * away(index).dot(direction)).collect();
+        add_extremes(&coordinate, &weights, 0.0, &mut shares);
+        add_sign_changes(coordinate, noise.clone(), &mut shares);
+    }
+    let (start, end) = piece.domain();
+    let within = |&t: &f64| start < t && t < end;
+    shares.into_iter().map(|share| start + share * (end - start)).filter(within).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::revolve;
+    use super::*;
+    use crate::geometry::shapes::circle_arc;
+    use crate::geometry::{KnotVector, NurbsSurface};
+    use glam::{DAffine3, DMat3, DQuat};
+
+    fn bezier(points: &[[f64; 3]], weights: Option<&[f64]>) -> NurbsCurve {
+        let knots = KnotVector::bezier(points.len() - 1).unwrap();
+        let points = points.iter().copied().map(DVec3::from).collect();
+        NurbsCurve::new(knots, points, weights.map(<[f64]>::to_vec)).unwrap()
+    }
+
+    /// Profiles, and how many times each meets the z axis within its domain: lines and curves that
+    /// cross and touch it, at a knot, with a triple zero, from several sides.
+    fn profiles() -> Vec<(&'static str, NurbsCurve, usize)> {
+        let double_cone = bezier(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 1.0]], None);
+        let uneven = bezier(&[[-1.0, 0.0, 0.0], [0.7, 0.0, 1.0]], Some(&[1.0, 3.0]));
+        let touches = bezier(&[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.5], [1.0, 0.0, 1.0]], None);
+        let weighted =
+            bezier(&[[1.0, 2.0, 0.0], [-0.5, -1.0, 0.5], [1.0, 2.0, 1.0]], Some(&[1.0, 2.0, 1.0]));
+        let third = 1.0 / 3.0;
+        let triple = bezier(
+            &[[-1.0, 0.0, 0.0], [1.0, 0.0, third], [-1.0, 0.0, 2.0 * third], [1.0, 0.0, 1.0]],
+            None,
+        );
+        let twice =
+            bezier(&[[-1.0, 0.0, 0.0], [2.0, 0.3, 0.5], [-2.0, -0.3, 1.0], [1.0, 0.0, 1.5]], None);
+        let points = [[-2.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [1.0, 2.0], [2.0, 2.5]];
+        let points = points.map(|[x, z]| DVec3::new(x, 0.0, z)).to_vec();
+        let smooth = KnotVector::clamped_uniform(2, 5).unwrap();
+        let at_a_corner = KnotVector::clamped_uniform(1, 5).unwrap();
+        let spline = NurbsCurve::new(smooth, points.clone(), None).unwrap();
+        let polygon = NurbsCurve::new(at_a_corner, points, None).unwrap();
+        let upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+        let aside = DAffine3::from_translation(DVec3::new(-0.5, 0.0, 0.0));
+        let arc = circle_arc(1.0, 10.0, 110.0).unwrap().transformed(&(aside * upright)).unwrap();
+        let apart = bezier(&[[-1.0, 1e-9, 0.0], [1.0, 1e-9, 1.0]], None);
+        vec![
+            ("double cone", double_cone, 1),
+            ("double cone at uneven speed", uneven, 1),
+            ("a parabola that touches", touches, 1),
+            ("a hyperbola that touches", weighted, 1),
+            ("a triple zero", triple, 1),
+            ("a cubic", twice, 1),
+            ("a spline", spline, 1),
+            ("a corner that is there", polygon, 0),
+            ("an arc", arc, 1),
+            ("close by", apart, 0),
+        ]
+    }
+
+    /// The surface is the same, and each place on the axis is a row of control points that are one.
+    #[test]
+    fn places_on_the_axis_become_collapsed_rows() {
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let slanted = |size| {
+            let at = DVec3::new(0.3, -0.2, 0.1) * size;
+            DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, at)
+        };
+        for place in [DAffine3::IDENTITY, slanted(1.0), slanted(1e-8), slanted(1e8)] {
+            let at = place.transform_point3(DVec3::ZERO);
+            let axis = Axis::new(at, place.transform_vector3(DVec3::Z)).unwrap();
+            for (name, profile, count) in profiles() {
+                let profile = profile.transformed(&place).unwrap();
+                // Other parameters, of other rounding.
+                for profile in [profile.clone(), profile.on_domain(100.3, 107.0).unwrap()] {
+                    check(name, &profile, &axis, count);
+                }
+            }
+        }
+    }
+
+    fn check(name: &str, profile: &NurbsCurve, axis: &Axis, count: usize) {
+        let surface = revolve(profile, axis, 360.0).unwrap();
+        let knots = surface.knots_v();
+        let degree = knots.degree();
+        let collapsed = |t: &f64| {
+            let row = knots.span(*t) - degree;
+            let first = surface.point(0, row);
+            // One homogeneous point but for the weights around, which divide with a rounding.
+            let one = 2.0 * f64::EPSILON * first.abs().max_element();
+            let mut around = 1..surface.size().0;
+            knots.multiplicity(*t) == degree
+                && around.all(|i| surface.point(i, row).distance(first) <= one)
+        };
+        let inner: Vec<f64> = knots.spans().skip(1).map(|span| span.start).collect();
+        let collapsed = inner.iter().filter(|t| collapsed(t)).count();
+        let authored = usize::from(name == "a corner that is there");
+        assert_eq!(collapsed, count + authored, "{name}: {inner:?}");
+        if count == 0 {
+            assert_eq!(surface.knots_v(), profile.knots(), "{name}");
+        }
+        same_points(name, &surface, profile, axis);
+    }
+
+    fn same_points(name: &str, surface: &NurbsSurface, profile: &NurbsCurve, axis: &Axis) {
+        let (start, end) = profile.domain();
+        for k in 0..=40 {
+            let t = start + (end - start) * f64::from(k) / 40.0;
+            let off = surface.point_at(0.0, t).distance(profile.point_at(t));
+            assert!(off <= 2.0 * tolerance(profile, axis, t), "{name}, {t}: {off:e}");
+        }
+    }
+}
