@@ -20,5 +20,5 @@ pub use interval::Interval;
 pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
-pub use shown::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
+pub use shown::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 pub(crate) use unit::unit;

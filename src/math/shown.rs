@@ -37,6 +37,27 @@ impl fmt::Display for Measured {
     }
 }
 
+/// A length that was measured and must not be exceeded, as a message shows it: six digits, the last of
+/// them rounded down. `0.666666`; but `2`, where it is 2 to within rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct AtLeast(pub f64);
+
+/// How far a measured length may be below a round one that it is taken for, as a share: millions
+/// of times less than what the six digits tell.
+const ROUND: f64 = 1e-12;
+
+impl fmt::Display for AtLeast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        let digits = |number: f64| format!("{number:.5e}").parse().unwrap_or(number);
+        let nearest: f64 = digits(number);
+        // NaN and what is not finite are shown as they are.
+        let above = nearest > number + ROUND * number.abs();
+        let last = 10_f64.powf(number.abs().log10().floor() - 5.0);
+        Shown(if above { digits(nearest - last) } else { nearest }).fmt(f)
+    }
+}
+
 /// A point that was computed, as a message shows it: each coordinate as [`Measured`], those that
 /// are but rounding of the largest as 0.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +149,23 @@ mod tests {
             (2, "sharpness", "2 sharpnesses"),
         ] {
             assert_eq!(Counted(number, noun).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn lengths_that_must_not_be_exceeded_are_rounded_down() {
+        for (number, text) in [
+            (2.0 / 3.0, "0.666666"),
+            (1.0 / 3.0, "0.333333"),
+            (2.0 - 1e-15, "2"),
+            (2.0 - 1e-9, "1.99999"),
+            (9.999996e-8, "9.99999e-8"),
+            (1.999996e7, "19999900"),
+            (0.0, "0"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(AtLeast(number).to_string(), text);
         }
     }
 

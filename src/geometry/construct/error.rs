@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::CoonsCorner;
 use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError};
-use crate::math::{Counted, Measured, MeasuredPoint, Shown, ShownVector};
+use crate::math::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
 /// what is needed.
@@ -327,11 +327,11 @@ pub enum ConstructError {
         /// The one that is the same again.
         last: usize,
     },
-    /// A sweep would run backwards where its path bends.
+    /// A sweep would run backwards where its path bends: told is the place where it would most.
     #[error(
-        "the {what} folds at t = {} of the {path}: the {path} bends with radius {} there, \
-         and the {} reaches {} towards the centre",
-        Measured(*.t), Measured(*.radius), if *.what == "sweep" { "profile" } else { .what },
+        "the {what} folds, most of all at t = {} of the {path}: the {path} bends with radius {} \
+         there, and the {} reaches {} towards the centre",
+        Measured(*.t), AtLeast(*.radius), if *.what == "sweep" { "profile" } else { .what },
         Measured(*.reach)
     )]
     Fold {
@@ -341,7 +341,8 @@ pub enum ConstructError {
         path: &'static str,
         /// The path's parameter.
         t: f64,
-        /// The path's radius of curvature.
+        /// The path's radius of curvature. A thinner tube does not fold; messages show digits
+        /// that are not above it.
         radius: f64,
         /// How far the profile reaches towards its centre.
         reach: f64,

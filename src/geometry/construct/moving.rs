@@ -114,35 +114,121 @@ impl MovingFrames {
     /// Refuses a sweep whose profile reaches beyond the centre of curvature: there it would
     /// run backwards. Ends of pieces, where a path may stand still, are looked at a little
     /// inside.
+    ///
+    /// Told is the place where it reaches farthest in terms of the radius of curvature. Between the
+    /// places looked at, it is searched for around those that are the farthest among their neighbours.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
         let (start, end) = profile.domain();
         let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
         let points: Vec<DVec3> = (0..=FOLD_SAMPLES).map(|k| profile.point_at(at(k))).collect();
+        let mut looked_at = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
-            let (start, end) = piece.curve.domain();
-            for k in 0..=FOLD_SAMPLES {
-                let share = (k as f64 / FOLD_SAMPLES as f64).clamp(INSIDE, 1.0 - INSIDE);
-                let t = start + (end - start) * share;
-                let (carrier, _) = self.at(piece, t)?;
-                let path = piece.curve.derivatives(t);
-                let speed = path.first.length();
-                let along = path.first / speed;
-                let bend = (path.second - path.second.dot(along) * along) / (speed * speed);
-                let most = points
-                    .iter()
-                    .map(|p| bend.dot(p.x * carrier.axes[0] + p.y * carrier.axes[1]))
-                    .fold(0.0, f64::max);
-                if most >= 1.0 {
-                    let radius = 1.0 / bend.length();
-                    let (what, path) = ("sweep", "path");
-                    let reach = most * radius;
-                    return Err(ConstructError::Fold { what, path, t, radius, reach });
+            let bends = (0..=FOLD_SAMPLES).map(|k| self.bend(piece, k as f64, &points));
+            looked_at.push(bends.collect::<Result<Vec<Bend>, _>>()?);
+        }
+        let mut worst = Bend::STRAIGHT;
+        for bend in looked_at.iter().flatten() {
+            worst = worst.or(*bend);
+        }
+        if worst.most >= NEAR_WORST {
+            let enough = NEAR_WORST * worst.most;
+            for (piece, bends) in self.pieces.iter().zip(&looked_at) {
+                for k in (0..=FOLD_SAMPLES).filter(|&k| bends[k].most >= enough) {
+                    let around = [k.saturating_sub(1), (k + 1).min(FOLD_SAMPLES)];
+                    if around.iter().all(|&beside| bends[beside].most <= bends[k].most) {
+                        worst = worst.or(self.worst_between(piece, around, &points)?);
+                    }
                 }
             }
         }
+        let Bend { most, t, radius } = worst;
+        if most >= 1.0 {
+            let (what, path) = ("sweep", "path");
+            let reach = most * radius;
+            return Err(ConstructError::Fold { what, path, t, radius, reach });
+        }
         Ok(())
     }
+
+    /// How a piece bends at a place, counted in [`FOLD_SAMPLES`] of it, and how far the points of a
+    /// profile reach.
+    fn bend(
+        &self,
+        piece: &PieceFrames,
+        place: f64,
+        points: &[DVec3],
+    ) -> Result<Bend, ConstructError> {
+        let (start, end) = piece.curve.domain();
+        let share = (place / FOLD_SAMPLES as f64).clamp(INSIDE, 1.0 - INSIDE);
+        let t = start + (end - start) * share;
+        let (carrier, _) = self.at(piece, t)?;
+        let path = piece.curve.derivatives(t);
+        let speed = path.first.length();
+        let along = path.first / speed;
+        let bend = (path.second - path.second.dot(along) * along) / (speed * speed);
+        let reach = |p: &DVec3| bend.dot(p.x * carrier.axes[0] + p.y * carrier.axes[1]);
+        let most = points.iter().map(reach).fold(0.0, f64::max);
+        Ok(Bend { most, t, radius: 1.0 / bend.length() })
+    }
+
+    /// The worst place between two others with one that is worse between them, by golden sections.
+    fn worst_between(
+        &self,
+        piece: &PieceFrames,
+        [low, high]: [usize; 2],
+        points: &[DVec3],
+    ) -> Result<Bend, ConstructError> {
+        let (mut low, mut high) = (low as f64, high as f64);
+        let inner =
+            |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        let [mut a, mut b] = inner(low, high);
+        let mut bends = [self.bend(piece, a, points)?, self.bend(piece, b, points)?];
+        for _ in 0..SECTIONS {
+            if bends[0].most >= bends[1].most {
+                high = b;
+                b = a;
+                a = inner(low, high)[0];
+                bends = [self.bend(piece, a, points)?, bends[0]];
+            } else {
+                low = a;
+                a = b;
+                b = inner(low, high)[1];
+                bends = [bends[1], self.bend(piece, b, points)?];
+            }
+        }
+        Ok(bends[0].or(bends[1]))
+    }
 }
+
+/// How a path bends at a place.
+#[derive(Clone, Copy, Debug)]
+struct Bend {
+    /// How far the profile reaches towards the centre of curvature, in radii of curvature.
+    most: f64,
+    t: f64,
+    radius: f64,
+}
+
+impl Bend {
+    const STRAIGHT: Self = Self { most: 0.0, t: 0.0, radius: f64::INFINITY };
+
+    /// The worse of two, the earlier one of equals.
+    fn or(self, other: Self) -> Self {
+        if other.most > self.most { other } else { self }
+    }
+}
+
+/// If the worst bend that was looked at reaches this share of the way to the centre, the worst of all is
+/// searched for around those that reach this share of the worst: but where a path almost has a
+/// corner, no bend doubles between two of the places looked at.
+const NEAR_WORST: f64 = 0.5;
+
+/// The golden ratio less 1.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// So many golden sections shorten the way between two places a million times: at a maximum, that
+/// leaves a millionth of a millionth of its height.
+const SECTIONS: usize = 29;
 
 /// How far inside a piece, as a share of it, curvature is measured at its ends: where the
 /// path stands still at an end, the noise of derivatives is there a thousandth of them.

@@ -219,15 +219,16 @@ fn along_a_circle(
         frame.origin + factor * offset - circle.centre
     };
     let (start, end) = profile.domain();
-    for share in 0..=FOLD_SAMPLES {
+    let across = |share: usize| {
         let t = start + (end - start) * share as f64 / FOLD_SAMPLES as f64;
-        let across = place(profile.point_at(t)).dot(circle.across);
-        if across <= SAME_PLACE * circle.radius {
-            let reach = circle.radius - across;
-            let (what, called, t) = ("sweep", "path", path.domain().0);
-            let radius = circle.radius;
-            return Err(ConstructError::Fold { what, path: called, t, radius, reach });
-        }
+        place(profile.point_at(t)).dot(circle.across)
+    };
+    let nearest = (0..=FOLD_SAMPLES).map(across).fold(f64::INFINITY, f64::min);
+    let radius = circle.radius;
+    if nearest <= SAME_PLACE * radius {
+        let reach = radius - nearest;
+        let (what, called, t) = ("sweep", "path", path.domain().0);
+        return Err(ConstructError::Fold { what, path: called, t, radius, reach });
     }
     net_size(profile.control().len(), circle.points.len())?;
     let axis = circle.across.cross(circle.ahead);

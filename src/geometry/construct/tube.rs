@@ -347,11 +347,15 @@ mod tests {
         let bend = NurbsCurve::bezier(&bend).unwrap();
         let thick = TubeStyle { radius: 2.0, ..TubeStyle::default() };
         let error = tube(&bend, &thick).unwrap_err().to_string();
-        assert!(error.starts_with("the tube folds at t = 0.203125 of the curve: the curve bends"));
-        assert!(error.ends_with("there, and the tube reaches 2 towards the centre"), "{error}");
+        // P = (2 t, 4 t (1 − t)): in the middle P′ = (2, 0), P″ = (0, −8).
+        assert_eq!(
+            error,
+            "the tube folds, most of all at t = 0.5 of the curve: the curve bends with radius 0.5 \
+             there, and the tube reaches 2 towards the centre"
+        );
         let wide = RibbonStyle { width: 4.0, up: Some(DVec3::Z), ..RibbonStyle::default() };
         let error = ribbon(&bend, &wide).unwrap_err().to_string();
-        assert!(error.starts_with("the ribbon folds at t = "), "{error}");
+        assert!(error.starts_with("the ribbon folds, most of all at t = "), "{error}");
         let along = RibbonStyle { up: Some(DVec3::new(1.0, 2.0, 0.0)), width: 0.1, ..wide };
         let error = ribbon(&bend, &along).unwrap_err().to_string();
         assert!(error.starts_with("up (1, 2, 0) runs along the curve, whose"), "{error}");
