@@ -8,6 +8,9 @@ mod camera;
 mod construction;
 mod curve;
 mod document;
+mod drawn;
+#[cfg(test)]
+mod drawn_tests;
 mod error;
 mod framing;
 mod light;

@@ -3,12 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use super::curve::CurveFault;
+use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::placing::Placer;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
-use crate::geometry::construct::{
-    self, Axis, Borders, ConstructError, ControlNet, NetStyle, Piece, Sweep, TubeStyle,
-};
-use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
+use crate::geometry::construct::{self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep};
+use crate::geometry::{CurveError, NurbsCurve, Surface};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +56,7 @@ impl Workshop<'_> {
     }
 
     fn made(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
+        let most_points = self.placer.most_points;
         let pieces = match what {
             Construction::Revolution { profile, through, axis, degrees } => {
                 let profile = self.curve("profile", profile)?;
@@ -112,23 +112,19 @@ impl Workshop<'_> {
             }
             Construction::Net { of, style } => {
                 let nets = self.placer.nets_of(self.surface, of)?;
-                numbered(self.checked(control_nets(&nets, style, self.drawing()))?)
+                numbered(self.checked(control_nets(&nets, style, most_points))?)
             }
             Construction::TrimCurves { of, style } => {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
-                numbered(self.checked(trim_curves(&surfaces, style, self.drawing()))?)
+                numbered(self.checked(trim_curves(&surfaces, style, most_points))?)
             }
             Construction::IsoCurves { of, u, v, w, style } => {
                 let surfaces = self.placer.surfaces_of(self.surface, of)?;
-                numbered(self.checked(iso_curves(&surfaces, [u, v, w], style, self.drawing()))?)
+                let lines = iso_lines([u, v, w]);
+                numbered(self.checked(iso_curves(&surfaces, &lines, style, most_points))?)
             }
         };
         Ok(pieces)
-    }
-
-    /// Nothing drawn yet.
-    fn drawing(&self) -> Drawing {
-        Drawing { pieces: Vec::new(), points: 0, most_points: self.placer.most_points }
     }
 
     /// The curve written under a key.
@@ -185,174 +181,6 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
         ConstructError::NoW { .. } => "w",
         _ => return None,
     })
-}
-
-/// What is drawn of another object's surfaces, as long as it is not too much.
-struct Drawing {
-    pieces: Vec<Piece>,
-    /// Their control points.
-    points: usize,
-    most_points: usize,
-}
-
-impl Drawing {
-    fn add(&mut self, pieces: Vec<Piece>) -> Result<(), ConstructError> {
-        self.points += pieces.iter().map(|piece| piece.surface.control().len()).sum::<usize>();
-        self.check(self.points)?;
-        self.pieces.extend(pieces);
-        Ok(())
-    }
-
-    fn check(&self, points: usize) -> Result<(), ConstructError> {
-        if points > self.most_points {
-            return Err(ConstructError::LargeDrawing { limit: self.most_points });
-        }
-        Ok(())
-    }
-}
-
-/// Control nets as cylinders and balls.
-fn control_nets(
-    nets: &[ControlNet],
-    style: &NetStyle,
-    mut drawing: Drawing,
-) -> Result<Vec<Piece>, ConstructError> {
-    for net in nets {
-        drawing.add(construct::control_net(net, style)?)?;
-    }
-    Ok(drawing.pieces)
-}
-
-/// Trim edges as tubes.
-fn trim_curves(
-    surfaces: &[Surface],
-    style: &TubeStyle,
-    mut drawing: Drawing,
-) -> Result<Vec<Piece>, ConstructError> {
-    let mut trimmed = surfaces.iter().filter_map(Surface::trimmed).peekable();
-    if trimmed.peek().is_none() {
-        return Err(ConstructError::NoTrims);
-    }
-    for surface in trimmed {
-        // Edges are lifted onto its Bézier pieces, all of which are made for that.
-        drawing.check(surface.surface().bezier_point_count())?;
-        for edge in surface.edge_curves().map_err(ConstructError::TrimEdge)? {
-            drawing.add(construct::tube(&edge, style)?)?;
-        }
-    }
-    Ok(drawing.pieces)
-}
-
-/// Curves of constant parameter as tubes, where trims keep them. Those that are only a point, at
-/// poles and corners, show nothing; but each line asked for must show something on one of the
-/// surfaces.
-fn iso_curves(
-    surfaces: &[Surface],
-    [u, v, w]: [&Vec<f64>; 3],
-    style: &TubeStyle,
-    mut drawing: Drawing,
-) -> Result<Vec<Piece>, ConstructError> {
-    let all = [(TriangleSide::U, u), (TriangleSide::V, v), (TriangleSide::W, w)];
-    let lines = all.into_iter().flat_map(|(fixed, at)| at.iter().map(move |&t| (fixed, t)));
-    let lines: Vec<(TriangleSide, f64)> = lines.collect();
-    if lines.is_empty() {
-        return Err(ConstructError::NoIsoLines);
-    }
-    // What each line has come to so far.
-    let mut found = vec![Found::Nothing; lines.len()];
-    for surface in surfaces {
-        for (&(fixed, t), found) in lines.iter().zip(&mut found) {
-            for curve in iso_curve(surface, fixed, t)? {
-                if curve.is_point() {
-                    *found = (*found).max(Found::Point);
-                } else {
-                    *found = Found::Curve;
-                    drawing.add(construct::tube(&curve, style)?)?;
-                }
-            }
-        }
-    }
-    for ((fixed, t), found) in lines.into_iter().zip(found) {
-        let parameter = parameter(fixed);
-        match found {
-            Found::Nothing => return Err(ConstructError::IsoCut { parameter, t }),
-            Found::Point => return Err(ConstructError::IsoPoint { parameter, t }),
-            Found::Curve => {}
-        }
-    }
-    Ok(drawing.pieces)
-}
-
-/// What is kept of one line of constant parameter on a surface.
-fn iso_curve(
-    surface: &Surface,
-    fixed: TriangleSide,
-    t: f64,
-) -> Result<Vec<NurbsCurve>, ConstructError> {
-    let direction = match fixed {
-        TriangleSide::U => Some(Direction::U),
-        TriangleSide::V => Some(Direction::V),
-        TriangleSide::W => None,
-    };
-    let curves = match (surface, direction) {
-        (Surface::Triangle(patch), _) => {
-            let curve = patch.curve_at(fixed, t).map(|curve| vec![curve]);
-            return curve.ok_or(ConstructError::IsoOff { parameter: parameter(fixed), t, end: 1 });
-        }
-        (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
-        (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
-        (Surface::Nurbs(surface), Some(Direction::V)) => surface.curve_at_v(t).map(|c| vec![c]),
-        (Surface::Trimmed(surface), Some(direction)) => surface.kept_curves(direction, t),
-        (_, None) => return Err(ConstructError::NoW { kind: surface.kind() }),
-    };
-    curves.map_err(ConstructError::Iso)
-}
-
-/// A line of constant parameter of a subdivision surface: of constant `u` in one of its unit
-/// squares, of constant `v` in all of them.
-fn limit_curves(
-    surface: &LimitSurface,
-    direction: Direction,
-    t: f64,
-) -> Result<Vec<NurbsCurve>, ConstructError> {
-    let (parameter, end) = match direction {
-        Direction::U => ('u', surface.unit_count()),
-        Direction::V => ('v', 1),
-    };
-    let within = (0.0..=end as f64).contains(&t); // false for NaN
-    if !within {
-        return Err(ConstructError::IsoOff { parameter, t, end });
-    }
-    Ok(match direction {
-        Direction::U => {
-            let unit = (t as usize).min(end.saturating_sub(1));
-            surface.unit_curves(unit, direction, t - unit as f64)
-        }
-        Direction::V => {
-            let units = 0..surface.unit_count();
-            units.flat_map(|unit| surface.unit_curves(unit, direction, t)).collect()
-        }
-    })
-}
-
-/// What a fixed parameter is called.
-fn parameter(fixed: TriangleSide) -> char {
-    match fixed {
-        TriangleSide::U => 'u',
-        TriangleSide::V => 'v',
-        TriangleSide::W => 'w',
-    }
-}
-
-/// What a line of constant parameter is on some surfaces.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Found {
-    /// Trims keep nothing of it.
-    Nothing,
-    /// A point.
-    Point,
-    /// A curve.
-    Curve,
 }
 
 /// The pieces under names of their own: what each is, with a number where there are several.

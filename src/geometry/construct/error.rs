@@ -327,6 +327,14 @@ pub enum ConstructError {
         /// The one that is the same again.
         last: usize,
     },
+    /// One of several lines that are drawn is at fault.
+    #[error("{line}: {error}")]
+    Line {
+        /// Which line, as `surface 3, u = 0.5`.
+        line: String,
+        /// What is wrong with it.
+        error: Box<ConstructError>,
+    },
     /// A sweep would run backwards where its path bends: told is the place where it would most.
     #[error(
         "the {what} folds, most of all at t = {} of the {path}: the {path} bends with radius {} \

@@ -27,8 +27,12 @@
 
 pub(crate) mod arc;
 mod axis_points;
+mod collinear;
 mod compatible;
 mod coons;
+mod drawing;
+#[cfg(test)]
+mod drawing_tests;
 mod error;
 mod fold;
 #[cfg(test)]
@@ -39,6 +43,7 @@ mod loft;
 mod moving;
 mod net;
 mod path;
+mod places;
 mod revolve;
 mod ruled;
 #[cfg(test)]
@@ -47,9 +52,11 @@ mod stops;
 mod sweep;
 #[cfg(test)]
 mod sweep_tests;
+mod tightest;
 mod tube;
 
 pub use coons::{Borders, CoonsCorner, coons};
+pub use drawing::Drawing;
 pub use error::ConstructError;
 pub(in crate::geometry) use fold::Course;
 pub use loft::{LOFT_DEGREE, Loft, loft};
@@ -58,4 +65,5 @@ pub use revolve::{Axis, revolve};
 pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};
 pub use sweep::{MAX_SCALES, Sweep, SweepOptions, sweep, sweep_size};
+pub use tightest::Tightest;
 pub use tube::{Caps, Piece, RibbonStyle, TubeStyle, ribbon, tube};

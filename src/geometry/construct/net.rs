@@ -1,11 +1,9 @@
 //! Control polygons and control nets as things to see.
 
-use std::collections::HashSet;
-
 use glam::{DAffine3, DVec3};
 
-use super::ConstructError;
-use super::tube::{Caps, Piece, TubeStyle, ball, tube};
+use super::tube::{Caps, Piece, TubeStyle};
+use super::{ConstructError, Drawing};
 use crate::geometry::{NurbsCurve, NurbsSurface, TrianglePatch};
 
 /// How thick a net is drawn.
@@ -16,6 +14,13 @@ pub struct NetStyle {
     /// The radius of the balls at the control points; larger than that of the lines, or the
     /// two touch along a circle.
     pub joints: f64,
+}
+
+impl NetStyle {
+    /// The lines as tubes.
+    pub fn lines(&self) -> TubeStyle {
+        TubeStyle { radius: self.radius, caps: Caps::Open, tolerance: None }
+    }
 }
 
 /// Control points, and lines between neighbours.
@@ -80,86 +85,15 @@ impl From<&NurbsCurve> for ControlNet {
 }
 
 /// A control net as things to see: a cylinder for each line, a ball for each point. Points
-/// that coincide, as at poles and seams, are drawn once.
+/// that coincide, as at poles and seams, are drawn once, and so are lines, also where they overlap.
 ///
 /// # Errors
 /// When a radius is not a positive length, there are too many points, or a line ends at none of
 /// them.
 pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
-    let count = net.points.len();
-    if count > MAX_DRAWN {
-        return Err(ConstructError::LargeNet { count, limit: MAX_DRAWN });
-    }
-    for (line, ends) in net.lines.iter().enumerate() {
-        if let Some(&vertex) = ends.iter().find(|&&vertex| vertex >= count) {
-            return Err(ConstructError::NetLine { line, vertex, count });
-        }
-    }
-    let mut drawing = Drawing::new(&net.points, *style);
-    // Point by point, after the lines that begin there.
-    let mut lines = vec![Vec::new(); count];
-    for &[a, b] in &net.lines {
-        lines[a].push(b);
-    }
-    for (point, ends) in net.points.iter().zip(lines) {
-        for end in ends {
-            drawing.line(*point, net.points[end])?;
-        }
-        drawing.point(*point)?;
-    }
-    Ok(drawing.pieces)
-}
-
-/// The most control points of a net that is drawn: each becomes a ball of 45 control points
-/// and two lines of 18, hundreds of leaves in all; more of them than this cannot be told apart.
-const MAX_DRAWN: usize = 1 << 16;
-
-/// A point on a grid so fine that only points that are the same but for rounding share a place.
-type Place = [i64; 3];
-
-/// The grid's width as a share of the largest coordinate: thousands of roundings.
-const GRID: f64 = 1e-12;
-
-struct Drawing {
-    style: NetStyle,
-    cell: f64,
-    points: HashSet<Place>,
-    lines: HashSet<[Place; 2]>,
-    pieces: Vec<Piece>,
-}
-
-impl Drawing {
-    fn new(points: &[DVec3], style: NetStyle) -> Self {
-        let largest = |point: &DVec3| point.abs().max_element();
-        let magnitude = points.iter().map(largest).fold(f64::MIN_POSITIVE, f64::max);
-        let (points, lines) = (HashSet::new(), HashSet::new());
-        Self { style, cell: GRID * magnitude, points, lines, pieces: Vec::new() }
-    }
-
-    /// Halfway off the grid's lines, where round numbers lie.
-    fn place(&self, point: DVec3) -> Place {
-        (point / self.cell + DVec3::splat(0.3)).floor().to_array().map(|x| x as i64)
-    }
-
-    fn point(&mut self, at: DVec3) -> Result<(), ConstructError> {
-        if self.points.insert(self.place(at)) {
-            self.pieces.push(Piece { what: "point", ..ball(at, self.style.joints)? });
-        }
-        Ok(())
-    }
-
-    fn line(&mut self, a: DVec3, b: DVec3) -> Result<(), ConstructError> {
-        let mut ends = [self.place(a), self.place(b)];
-        ends.sort_unstable();
-        if ends[0] == ends[1] || !self.lines.insert(ends) {
-            return Ok(());
-        }
-        let line = NurbsCurve::polyline(&[a, b]).map_err(ConstructError::of("line"))?;
-        let style = TubeStyle { radius: self.style.radius, caps: Caps::Open, tolerance: None };
-        let tubes = tube(&line, &style)?;
-        self.pieces.extend(tubes.into_iter().map(|piece| Piece { what: "line", ..piece }));
-        Ok(())
-    }
+    let mut drawing = Drawing::among(net.points.iter().copied(), style.lines());
+    drawing.net(net, style.joints)?;
+    drawing.pieces()
 }
 
 #[cfg(test)]

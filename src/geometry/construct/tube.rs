@@ -2,15 +2,16 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::ConstructError;
 use super::fold::check_fold;
 use super::path::{direction, is_closed, is_straight, smooth_parts};
 use super::revolve::{Axis, revolve};
 use super::ruled::extrude;
 use super::stops::without_stops;
 use super::sweep::{Sweep, SweepOptions, sweep};
+use super::{ConstructError, Drawing};
 use crate::geometry::shapes::{circle_arc, sphere_biquadratic};
 use crate::geometry::{NurbsCurve, NurbsSurface};
+use crate::math::unit;
 
 /// How a tube ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,56 +59,80 @@ pub struct TubeStyle {
 /// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept
 /// ([`sweep`]). Where the curve has a kink, a sphere joins the parts; where it stops for a while, as at
 /// a control point that is repeated more often than its degree, it goes on. A curve that ends where
-/// it begins has no caps.
+/// it begins has no caps. What would be there twice, as where the curve passes a corner again, is
+/// made once; [`Drawing`] does so for several curves.
 ///
 /// # Errors
 /// When the radius is not a positive length, the curve has a gap, is but a point, runs back over
 /// itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
-    tube_along(curve, style).map_err(|error| error.around_a_curve("tube"))
+    let points = (0..curve.control().len()).map(|index| curve.point(index));
+    let mut drawing = Drawing::among(points, *style);
+    drawing.tube(curve)?;
+    drawing.pieces()
 }
 
-fn tube_along(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
-    let radius = style.radius;
+/// What a tube around a curve consists of.
+pub(super) struct Parts {
+    /// The circle that is carried along.
+    pub(super) profile: NurbsCurve,
+    /// The curve's smooth parts.
+    pub(super) smooth: Vec<SmoothPart>,
+    /// Where they meet at an angle.
+    pub(super) joints: Vec<DVec3>,
+    /// Where the tube ends, and in which directions.
+    pub(super) ends: Vec<(DVec3, DVec3)>,
+}
+
+pub(super) struct SmoothPart {
+    pub(super) curve: NurbsCurve,
+    /// Its ends, if it is straight.
+    pub(super) straight: Option<[DVec3; 2]>,
+}
+
+/// Takes a curve apart at its corners.
+///
+/// # Errors
+/// As [`tube`], but for what bends too much.
+pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructError> {
     let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
     check_fold(curve, "curve")?;
     let curve = &without_stops(curve)?;
-    let parts = smooth_parts(curve)?;
-    let mut pieces = Vec::new();
-    for part in &parts {
-        pieces.push(round_part(&profile, part, style)?);
-    }
-    for part in &parts[1..] {
-        pieces.push(ball(part.ends()[0], radius)?);
-    }
-    let (first, last) = (&parts[0], &parts[parts.len() - 1]);
+    let smooth = smooth_parts(curve)?;
+    let mut joints: Vec<DVec3> = smooth[1..].iter().map(|part| part.ends()[0]).collect();
+    let mut ends = Vec::new();
+    let (first, last) = (&smooth[0], &smooth[smooth.len() - 1]);
     let (start, end) = (first.ends()[0], last.ends()[1]);
     let backwards = -direction(first, first.domain().0)?;
     let forwards = direction(last, last.domain().1)?;
-    if is_closed(curve) {
-        if super::path::angle(-backwards, forwards) > super::path::SAME_DIRECTION {
-            pieces.push(ball(start, radius)?);
-        }
-    } else {
-        pieces.extend(cap(start, backwards, style)?);
-        pieces.extend(cap(end, forwards, style)?);
+    if !is_closed(curve) {
+        ends.extend([(start, backwards), (end, forwards)]);
+    } else if super::path::angle(-backwards, forwards) > super::path::SAME_DIRECTION {
+        joints.push(start);
     }
-    Ok(pieces)
+    let told = |curve: NurbsCurve| {
+        let straight = is_straight(&curve).then(|| curve.ends());
+        SmoothPart { curve, straight }
+    };
+    Ok(Parts { profile, smooth: smooth.into_iter().map(told).collect(), joints, ends })
 }
 
-fn round_part(
+/// The open tube around a straight line: however its parameter runs, a cylinder is the
+/// extrusion of its circle.
+pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Piece, ConstructError> {
+    let around = || ConstructError::of("tube");
+    let along = unit(b - a).ok_or(ConstructError::StandsStill { path: "curve", t: 0.0 })?;
+    let circle = circle_arc(radius, 0.0, 360.0).map_err(around())?;
+    let placed = circle.transformed(&frame_at(a, along)).map_err(around())?;
+    Ok(Piece::exact("tube", extrude(&placed, b - a)?))
+}
+
+/// The open tube around a smooth part.
+pub(super) fn round_part(
     profile: &NurbsCurve,
     part: &NurbsCurve,
     style: &TubeStyle,
 ) -> Result<Piece, ConstructError> {
-    if is_straight(part) {
-        // However its parameter runs, a cylinder is the extrusion of its circle.
-        let [a, b] = part.ends();
-        let along = direction(part, part.domain().0)?;
-        let placed =
-            profile.transformed(&frame_at(a, along)).map_err(ConstructError::of("tube"))?;
-        return Ok(Piece::exact("tube", extrude(&placed, b - a)?));
-    }
     let options = SweepOptions { tolerance: style.tolerance, ..SweepOptions::default() };
     let Sweep { surface, deviation } = sweep(profile, part, &options)?;
     Ok(Piece { what: "tube", surface, deviation })
@@ -133,7 +158,11 @@ pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Piece, ConstructError> 
 }
 
 /// What closes a tube that ends at a point in this direction.
-fn cap(at: DVec3, outward: DVec3, style: &TubeStyle) -> Result<Option<Piece>, ConstructError> {
+pub(super) fn cap(
+    at: DVec3,
+    outward: DVec3,
+    style: &TubeStyle,
+) -> Result<Option<Piece>, ConstructError> {
     let radius = style.radius;
     let of_cap = ConstructError::of("cap");
     let profile = match style.caps {
@@ -167,7 +196,9 @@ pub struct RibbonStyle {
 
 /// The flat band along a curve, one surface for each of the curve's smooth parts: straight
 /// lines across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends
-/// square: they overlap on its inside and leave a notch on its outside.
+/// square: they overlap on its inside and leave a notch on its outside. Where they do, around a
+/// corner in the ribbon's own plane, they coincide: it is for rounding to say which of them is seen and
+/// whether one shades the other. Pictures are speckled there, and the rays doubtful.
 ///
 /// # Errors
 /// When the width is not a positive length, and as [`sweep`].
@@ -198,6 +229,7 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, Con
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::KnotVector;
 
     fn counts(pieces: &[Piece]) -> [usize; 3] {
         ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
@@ -333,12 +365,58 @@ mod tests {
         let points = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0], [2.0, 0.0], [2.0, 0.0], [2.0, 0.0]];
         let points = points.into_iter().chain([[3.0, 2.0], [4.0, 0.0]]);
         let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
-        let knots = crate::geometry::KnotVector::clamped_uniform(3, 8).unwrap();
+        let knots = KnotVector::clamped_uniform(3, 8).unwrap();
         let curve = NurbsCurve::new(knots, points, None).unwrap();
         let style = TubeStyle { radius: 0.1, ..TubeStyle::default() };
         assert_eq!(counts(&tube(&curve, &style).unwrap()), [2, 1, 2]);
         let style = RibbonStyle { width: 0.1, ..RibbonStyle::default() };
         assert_eq!(ribbon(&curve, &style).unwrap().len(), 2);
+    }
+
+    /// Whoever makes the tube a little thinner than the radius that the message shows is not told of another
+    /// bend then.
+    #[test]
+    fn a_tube_thinner_than_the_tightest_bend_is_made() {
+        let bezier = |points: &[[f64; 3]]| {
+            NurbsCurve::bezier(&points.iter().copied().map(DVec3::from).collect::<Vec<_>>())
+        };
+        // P′ = (1, 0, 0) and P″ = (0, −8, −4) in the middle: the radius there is 1 / √80.
+        let bend = bezier(&[[0.0, 0.0, 0.0], [0.5, 2.0, 1.0], [1.0, 0.0, 0.0]]).unwrap();
+        // Two parts of which the second is tighter, where neither is looked at.
+        let points = [[0.0, 0.0], [1.0, 1.7], [2.0, 0.0], [2.9, -4.1], [4.0, 0.3]];
+        let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let knots = KnotVector::with_multiplicities(2, &[(0.0, 3), (1.0, 2), (2.0, 3)]).unwrap();
+        let two = NurbsCurve::new(knots, points, None).unwrap();
+        let hook = bezier(&[[0.0; 3], [3.0, 0.1, 0.0], [-1.9, 0.3, 1.0], [1.0, 1.0, 0.0]]).unwrap();
+        for (name, curve) in [("bend", &bend), ("two parts", &two), ("hook", &hook)] {
+            let made = |radius| tube(curve, &TubeStyle { radius, ..TubeStyle::default() });
+            let told = |radius| match made(radius).unwrap_err() {
+                ConstructError::Fold { radius, .. } => radius,
+                error => panic!("{name}: {error}"),
+            };
+            let thick = told(10.0);
+            let message = made(10.0).unwrap_err().to_string();
+            let shown = message.split("bends with radius ").nth(1).unwrap();
+            let shown: f64 = shown.split(' ').next().unwrap().parse().unwrap();
+            assert!(shown <= thick && thick - shown < 1e-5 * thick, "{name}: {thick} as {shown}");
+            for radius in [1.002 * thick, 1.2 * thick] {
+                assert!((told(radius) / thick - 1.0).abs() < 1e-12, "{name}: {radius}");
+            }
+            assert!(made(shown.next_down()).is_ok(), "{name}: {shown}");
+
+            // No place of the curve has a smaller radius of curvature, but for how far 64 places
+            // around the tube are off the centre's direction: cos(π / 64) is 1 - 1.2e-3.
+            let (start, end) = curve.domain();
+            for k in 1..100_000 {
+                let at = curve.derivatives(start + (end - start) * f64::from(k) / 1e5);
+                let radius = at.first.length().powi(3) / at.first.cross(at.second).length();
+                assert!(radius > thick * (1.0 - 1.3e-3), "{name}: {radius} < {thick}");
+            }
+        }
+        let radius = 80_f64.sqrt().recip();
+        let fold = tube(&bend, &TubeStyle { radius: 1.0, ..TubeStyle::default() }).unwrap_err();
+        let ConstructError::Fold { radius: told, .. } = fold else { panic!("{fold}") };
+        assert!((told - radius).abs() < 1e-12, "{told}");
     }
 
     #[test]

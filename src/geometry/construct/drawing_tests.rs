@@ -1,0 +1,208 @@
+//! What is drawn together: equal parts once, and no other ones.
+
+use glam::{DAffine3, DVec3};
+
+use super::{Caps, ControlNet, Drawing, NetStyle, Piece, TubeStyle, control_net, tube};
+use crate::geometry::shapes::circle_arc;
+use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
+
+fn counts(pieces: &[Piece]) -> [usize; 3] {
+    ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
+}
+
+fn flat(points: &[[f64; 2]], size: f64) -> Vec<DVec3> {
+    points.iter().map(|&[x, y]| size * DVec3::new(x, y, 0.0)).collect()
+}
+
+/// Tubes around all of some curves.
+fn drawn(curves: &[NurbsCurve], caps: Caps, size: f64) -> Vec<Piece> {
+    let style = TubeStyle { radius: 0.05 * size, caps, tolerance: None };
+    let mut drawing = Drawing::among([DVec3::splat(2.0 * size)], style);
+    for curve in curves {
+        drawing.tube(curve).unwrap();
+    }
+    let most = drawing.point_count();
+    let pieces = drawing.pieces().unwrap();
+    let points = pieces.iter().map(|piece| piece.surface.control().len()).sum::<usize>();
+    assert!(points <= most);
+    pieces
+}
+
+/// The four sides of a square, each from another corner: at every one two tubes end.
+#[test]
+fn ends_that_meet_become_one_ball() {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let side = |a: usize, b: usize, size| {
+        NurbsCurve::polyline(&flat(&[corners[a], corners[b]], size)).unwrap()
+    };
+    for size in [1e-8, 1.0, 1e8] {
+        let sides = [side(0, 1, size), side(2, 1, size), side(2, 3, size), side(0, 3, size)];
+        let pieces = drawn(&sides, Caps::Round, size);
+        assert_eq!(counts(&pieces), [4, 4, 0]);
+        for corner in flat(&corners, size) {
+            let around = |piece: &&Piece| {
+                let on = piece.surface.point_at(0.3, 0.4).distance(corner) / size;
+                piece.what == "joint" && (on - 0.05).abs() < 1e-12
+            };
+            assert_eq!(pieces.iter().filter(around).count(), 1, "{corner}");
+        }
+        // Alone, half a ball; disks across each other stay two.
+        assert_eq!(counts(&drawn(&sides[..1], Caps::Round, size)), [1, 0, 2]);
+        assert_eq!(counts(&drawn(&sides, Caps::Flat, size)), [4, 0, 8]);
+        // Those in one plane are one, on whichever side the tubes are.
+        let on = NurbsCurve::polyline(&flat(&[[1.0, 0.0], [2.0, 0.0]], size)).unwrap();
+        assert_eq!(counts(&drawn(&[side(0, 1, size), on], Caps::Flat, size)), [2, 0, 3]);
+    }
+}
+
+#[test]
+fn a_corner_passed_twice_has_one_ball() {
+    let way = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0], [0.0, 1.0]];
+    let curve = NurbsCurve::polyline(&flat(&way, 1.0)).unwrap();
+    let style = TubeStyle { radius: 0.1, ..TubeStyle::default() };
+    // Balls at the three corners, half a one at the end.
+    assert_eq!(counts(&tube(&curve, &style).unwrap()), [4, 3, 1]);
+}
+
+#[test]
+fn tubes_are_made_once_whichever_way_they_run() {
+    let points = [[0.0, 0.0, 0.0], [0.5, 1.0, 0.3], [1.0, -1.0, 0.0], [2.0, 0.0, 1.0]];
+    let wave = NurbsCurve::bezier(&points.map(DVec3::from)).unwrap();
+    let arc = circle_arc(1.0, 20.0, 130.0).unwrap();
+    let line = NurbsCurve::polyline(&[DVec3::ZERO, DVec3::new(1.0, 0.3, 0.2)]).unwrap();
+    for curve in [&wave, &arc, &line] {
+        let moved = curve.on_domain(3.0, 5.0).unwrap();
+        let finer = curve.elevated(1).unwrap().insert_knot(curve.domain().1 * 0.3, 1).unwrap();
+        let all = [curve.clone(), curve.reversed(), moved, finer.reversed(), finer];
+        assert_eq!(counts(&drawn(&all, Caps::Open, 1.0)), [1, 0, 0]);
+    }
+    // Ends and middle are the same; the rest is not.
+    let through = |y: f64| {
+        let points = [[0.0, 0.0], [0.5, y], [1.0, 0.0], [1.5, -y], [2.0, 0.0]];
+        NurbsCurve::bezier(&flat(&points, 1.0)).unwrap()
+    };
+    assert_eq!(counts(&drawn(&[through(0.5), through(0.6)], Caps::Open, 1.0)), [2, 0, 0]);
+}
+
+/// Two patches side by side have a row of control points in common, of which each knows with other
+/// rounding.
+#[test]
+fn rows_that_nets_share_are_drawn_once() {
+    for (size, noise) in [(1e-8, 0.0), (1.0, 3e-16), (1e8, 3e-16)] {
+        let patch = |offset: f64| {
+            let knots = KnotVector::clamped_uniform(2, 3).unwrap();
+            let points = (0..9).map(|k| {
+                let (i, j) = (f64::from(k / 3), f64::from(k % 3));
+                size * (1.0 + noise * offset) * DVec3::new(i + offset, j, i * j / 7.0 - i * offset)
+            });
+            NurbsSurface::new(knots.clone(), knots, points.collect(), None).unwrap()
+        };
+        let [left, mut right] = [patch(0.0), patch(2.0)].map(|s| ControlNet::from(&s));
+        // Their common row.
+        for j in 0..3 {
+            right.points[j] = left.points[6 + j] * (1.0 + noise);
+        }
+        let mut net = Drawing::among(left.points.iter().copied().chain(right.points.clone()), {
+            NetStyle { radius: 0.01 * size, joints: 0.02 * size }.lines()
+        });
+        net.net(&left, 0.02 * size).unwrap();
+        net.net(&right, 0.02 * size).unwrap();
+        let pieces = net.pieces().unwrap();
+        let count = |what| pieces.iter().filter(|piece| piece.what == what).count();
+        assert_eq!((count("line"), count("point")), (12 + 12 - 2, 15));
+    }
+}
+
+/// On one line: two that overlap, one within them, one that goes on from their end; and another
+/// line beside them, and across.
+#[test]
+fn lines_that_overlap_are_joined() {
+    let along = DVec3::new(0.3, -0.7, 0.2);
+    let aside = DVec3::new(0.0, 0.1, 0.0);
+    let at = |place: f64| DVec3::new(0.1, 0.2, 0.3) + place * along;
+    let segments = [
+        [at(0.0), at(2.0)],
+        [at(3.0), at(1.0)],
+        [at(1.5), at(1.7)],
+        [at(3.0), at(4.0)],
+        [at(0.5) + aside, at(2.5) + aside],
+        [at(0.5) + aside, at(2.5) - aside],
+    ];
+    let net = ControlNet {
+        points: segments.iter().flatten().copied().collect(),
+        lines: (0..segments.len()).map(|k| [2 * k, 2 * k + 1]).collect(),
+    };
+    let pieces = control_net(&net, &NetStyle { radius: 0.01, joints: 0.02 }).unwrap();
+    let lines: Vec<&Piece> = pieces.iter().filter(|piece| piece.what == "line").collect();
+    assert_eq!(lines.len(), 4);
+    // The joined one goes all the way.
+    let [_, (c, d)] = lines[0].surface.domain();
+    let length = lines[0].surface.point_at(0.0, c).distance(lines[0].surface.point_at(0.0, d));
+    assert!((length - 3.0 * along.length()).abs() < 1e-14, "{length}");
+}
+
+/// The net of a tube with corners has rods of its balls within those of its cylinders.
+#[test]
+fn nets_of_tubes_with_corners_have_no_rods_within_others() {
+    let way = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+    let way = NurbsCurve::polyline(&flat(&way, 1.0)).unwrap();
+    let surfaces = tube(&way, &TubeStyle { radius: 0.1, ..TubeStyle::default() }).unwrap();
+    let style = TubeStyle { radius: 0.02, caps: Caps::Open, tolerance: None };
+    let mut drawing = Drawing::among([DVec3::splat(1.1)], style);
+    for piece in &surfaces {
+        drawing.net(&ControlNet::from(&piece.surface), 0.04).unwrap();
+    }
+    let rods: Vec<[DVec3; 2]> = (drawing.pieces().unwrap().iter())
+        .filter(|piece| piece.what == "line")
+        .map(|piece| {
+            // The middles of the circles at both ends.
+            let surface = &piece.surface;
+            let [(a, b), (c, d)] = surface.domain();
+            let middle = |v| 0.5 * (surface.point_at(a, v) + surface.point_at(0.5 * (a + b), v));
+            [middle(c), middle(d)]
+        })
+        .collect();
+    for (index, &[a, b]) in rods.iter().enumerate() {
+        let along = (b - a).normalize();
+        for &[p, q] in rods.iter().skip(index + 1) {
+            let off = |point: DVec3| (point - a).reject_from_normalized(along).length();
+            let [s, t] = [p, q].map(|point| (point - a).dot(along));
+            let common = s.max(t).min(a.distance(b)) - s.min(t).max(0.0);
+            let overlap = off(p) < 1e-9 && off(q) < 1e-9 && common > 1e-9;
+            assert!(!overlap, "{a} {b}, {p} {q}");
+        }
+    }
+    // Nothing is lost: each line of each net lies on one of the rods.
+    for piece in &surfaces {
+        let net = ControlNet::from(&piece.surface);
+        for [a, b] in net.lines.iter().map(|&ends| ends.map(|end| net.points[end])) {
+            let covered = rods.iter().any(|&[p, q]| {
+                [a, b].iter().all(|point| {
+                    (point.distance(p) + point.distance(q) - p.distance(q)).abs() < 1e-12
+                })
+            });
+            assert!(covered || a.distance(b) < 1e-12, "{a} {b}");
+        }
+    }
+}
+
+/// However many lines meet at two poles, and lie side by side.
+#[test]
+fn many_lines_are_drawn_in_no_time() {
+    let half = circle_arc(1.0, -90.0, 180.0).unwrap();
+    let meridians = (0..2000).map(|k| {
+        let turn = DAffine3::from_rotation_y(f64::from(k) / 2000.0 * std::f64::consts::TAU);
+        half.transformed(&turn).unwrap()
+    });
+    let style = TubeStyle { radius: 1e-4, caps: Caps::Open, tolerance: None };
+    let mut curved = Drawing::among([DVec3::ONE], style);
+    let mut straight = Drawing::among([DVec3::ONE], style);
+    for curve in meridians {
+        curved.tube(&curve).unwrap();
+        let middle = curve.point_at(0.5 * (curve.domain().0 + curve.domain().1));
+        let line = NurbsCurve::polyline(&[middle, middle + 0.3 * DVec3::Y]).unwrap();
+        straight.tube(&line).unwrap();
+    }
+    assert_eq!(curved.pieces().unwrap().len(), 2000);
+    assert_eq!(straight.pieces().unwrap().len(), 2000);
+}

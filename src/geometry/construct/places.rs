@@ -1,0 +1,82 @@
+//! Points that are one but for rounding.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+/// Points are one if they are no farther apart than this share of the largest coordinate. A point of a
+/// curve on a surface is the outcome of some hundred operations, each off by half an ulp of what the weights
+/// make of its coordinates; and what is that near to something else cannot be seen beside it.
+pub(super) const SAME: f64 = 4096.0 * f64::EPSILON;
+
+/// Numbers for places: one for all points that are the same to within rounding.
+///
+/// Points lie in the cells of a grid some tolerances wide, and are looked for in those which they are
+/// near to: mostly one, at most eight. Of several places near a point, the first is its.
+#[derive(Debug)]
+pub(super) struct Places {
+    tolerance: f64,
+    points: Vec<DVec3>,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+}
+
+/// The width of a cell in tolerances: any number that leaves most points near one cell only.
+const CELL: f64 = 16.0;
+
+impl Places {
+    /// No places yet; the points to come have coordinates of up to this magnitude.
+    pub(super) fn new(magnitude: f64) -> Self {
+        Self { tolerance: SAME * magnitude, points: Vec::new(), cells: HashMap::new() }
+    }
+
+    /// How far apart points may be that are one.
+    pub(super) fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The number of the place of a point, which may be a new one.
+    pub(super) fn of(&mut self, point: DVec3) -> usize {
+        let cell = |at: DVec3| {
+            // Halfway off the grid's planes, where round numbers lie.
+            (at / (CELL * self.tolerance) + 0.3).floor().to_array().map(|x| x as i64)
+        };
+        let reach = DVec3::splat(self.tolerance);
+        let (low, high) = (cell(point - reach), cell(point + reach));
+        let mut found: Option<usize> = None;
+        for x in low[0]..=high[0] {
+            for (y, z) in (low[1]..=high[1]).flat_map(|y| (low[2]..=high[2]).map(move |z| (y, z))) {
+                let there = self.cells.get(&[x, y, z]).into_iter().flatten();
+                let near = |index: &&usize| self.points[**index].distance(point) <= self.tolerance;
+                found = there.filter(near).copied().chain(found).min();
+            }
+        }
+        found.unwrap_or_else(|| {
+            self.cells.entry(cell(point)).or_default().push(self.points.len());
+            self.points.push(point);
+            self.points.len() - 1
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wherever a point lies in its cell, those within the tolerance are found, and no others.
+    #[test]
+    fn points_are_one_to_within_the_tolerance() {
+        for magnitude in [1e-8, 1.0, 1e8] {
+            let step = SAME * magnitude;
+            for k in 0..200 {
+                let at = DVec3::new(0.1, -0.7, 0.3) * magnitude + step * 0.37 * f64::from(k);
+                let mut places = Places::new(magnitude);
+                assert_eq!(places.of(at), 0);
+                for (index, axis) in DVec3::AXES.into_iter().enumerate() {
+                    assert_eq!(places.of(at + 0.9 * step * axis), 0, "{k}");
+                    assert_eq!(places.of(at - 0.9 * step * axis), 0, "{k}");
+                    assert_eq!(places.of(at + 1.2 * step * axis), index + 1, "{k}");
+                }
+            }
+        }
+    }
+}

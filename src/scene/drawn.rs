@@ -1,0 +1,232 @@
+//! What is drawn of another object's surfaces: control nets, trim edges, lines of constant
+//! parameter. What several of them share is drawn once.
+
+use glam::DVec3;
+
+use crate::geometry::construct::{
+    ConstructError, ControlNet, Drawing, NetStyle, Piece, Tightest, TubeStyle,
+};
+use crate::geometry::{Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
+use crate::math::Shown;
+
+/// A drawing, as long as it is not too much.
+struct Drawn {
+    drawing: Drawing,
+    most_points: usize,
+    tightest: Tightest,
+}
+
+impl Drawn {
+    /// Of what lies among these points.
+    fn among(
+        points: impl IntoIterator<Item = DVec3>,
+        style: TubeStyle,
+        most_points: usize,
+    ) -> Self {
+        let drawing = Drawing::among(points, style);
+        Self { drawing, most_points, tightest: Tightest::default() }
+    }
+
+    fn of_surfaces(surfaces: &[Surface], style: TubeStyle, most_points: usize) -> Self {
+        let points = surfaces.iter().flat_map(|surface| surface.control_net().points);
+        Self::among(points, style, most_points)
+    }
+
+    /// A tube along a line that errors call so. Where it folds, others may be bent more: that is
+    /// told at the end.
+    fn tube(
+        &mut self,
+        curve: &NurbsCurve,
+        line: impl FnOnce() -> String,
+    ) -> Result<(), ConstructError> {
+        let made = self.drawing.tube(curve);
+        let told = made.map_err(|error| in_line(line(), error));
+        self.tightest.sift(told)?;
+        self.check(self.drawing.point_count())
+    }
+
+    fn check(&self, points: usize) -> Result<(), ConstructError> {
+        if points > self.most_points {
+            return Err(ConstructError::LargeDrawing { limit: self.most_points });
+        }
+        Ok(())
+    }
+
+    fn pieces(self) -> Result<Vec<Piece>, ConstructError> {
+        self.tightest.check()?;
+        self.drawing.pieces()
+    }
+}
+
+/// An error about one of several lines.
+fn in_line(line: String, error: ConstructError) -> ConstructError {
+    ConstructError::Line { line, error: Box::new(error) }
+}
+
+/// What errors call something on one of some surfaces: that alone where there is but one.
+fn on_surface(surface: usize, count: usize, what: &str) -> String {
+    if count == 1 { what.to_owned() } else { format!("surface {surface}, {what}") }
+}
+
+/// Control nets as cylinders and balls.
+pub(super) fn control_nets(
+    nets: &[ControlNet],
+    style: &NetStyle,
+    most_points: usize,
+) -> Result<Vec<Piece>, ConstructError> {
+    let points = nets.iter().flat_map(|net| net.points.iter().copied());
+    let mut drawn = Drawn::among(points, style.lines(), most_points);
+    for (index, net) in nets.iter().enumerate() {
+        drawn.drawing.net(net, style.joints).map_err(|error| match nets.len() {
+            1 => error,
+            _ => in_line(format!("surface {index}"), error),
+        })?;
+        drawn.check(drawn.drawing.point_count())?;
+    }
+    drawn.pieces()
+}
+
+/// Trim edges as tubes.
+pub(super) fn trim_curves(
+    surfaces: &[Surface],
+    style: &TubeStyle,
+    most_points: usize,
+) -> Result<Vec<Piece>, ConstructError> {
+    let of_each = surfaces.iter().map(Surface::trimmed);
+    let trimmed: Vec<_> =
+        of_each.enumerate().filter_map(|(index, one)| Some((index, one?))).collect();
+    if trimmed.is_empty() {
+        return Err(ConstructError::NoTrims);
+    }
+    let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
+    for (index, surface) in trimmed {
+        // Edges are lifted onto its Bézier pieces, all of which are made for that.
+        drawn.check(surface.surface().bezier_point_count())?;
+        let edges = surface.edge_curves().map_err(ConstructError::TrimEdge)?;
+        for (number, edge) in edges.iter().enumerate() {
+            drawn
+                .tube(edge, || on_surface(index, surfaces.len(), &format!("trim edge {number}")))?;
+        }
+    }
+    drawn.pieces()
+}
+
+/// The parameter that is constant along a line, and its value.
+type IsoLine = (TriangleSide, f64);
+
+/// The lines of constant u, v and w at these values.
+pub(super) fn iso_lines([u, v, w]: [&[f64]; 3]) -> Vec<IsoLine> {
+    let all = [(TriangleSide::U, u), (TriangleSide::V, v), (TriangleSide::W, w)];
+    all.into_iter().flat_map(|(fixed, at)| at.iter().map(move |&t| (fixed, t))).collect()
+}
+
+/// Curves of constant parameter as tubes, where trims keep them. Those that are only a point, at
+/// poles and corners, show nothing; but each line asked for must show something on one of the
+/// surfaces.
+pub(super) fn iso_curves(
+    surfaces: &[Surface],
+    lines: &[IsoLine],
+    style: &TubeStyle,
+    most_points: usize,
+) -> Result<Vec<Piece>, ConstructError> {
+    if lines.is_empty() {
+        return Err(ConstructError::NoIsoLines);
+    }
+    let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
+    // What each line has come to so far.
+    let mut found = vec![Found::Nothing; lines.len()];
+    for (index, surface) in surfaces.iter().enumerate() {
+        for (&(fixed, t), found) in lines.iter().zip(&mut found) {
+            for curve in iso_curve(surface, fixed, t)? {
+                if curve.is_point() {
+                    *found = (*found).max(Found::Point);
+                } else {
+                    *found = Found::Curve;
+                    let line = format!("{} = {}", parameter(fixed), Shown(t));
+                    drawn.tube(&curve, || on_surface(index, surfaces.len(), &line))?;
+                }
+            }
+        }
+    }
+    for (&(fixed, t), found) in lines.iter().zip(found) {
+        let parameter = parameter(fixed);
+        match found {
+            Found::Nothing => return Err(ConstructError::IsoCut { parameter, t }),
+            Found::Point => return Err(ConstructError::IsoPoint { parameter, t }),
+            Found::Curve => {}
+        }
+    }
+    drawn.pieces()
+}
+
+/// What is kept of one line of constant parameter on a surface.
+fn iso_curve(
+    surface: &Surface,
+    fixed: TriangleSide,
+    t: f64,
+) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let direction = match fixed {
+        TriangleSide::U => Some(Direction::U),
+        TriangleSide::V => Some(Direction::V),
+        TriangleSide::W => None,
+    };
+    let curves = match (surface, direction) {
+        (Surface::Triangle(patch), _) => {
+            let curve = patch.curve_at(fixed, t).map(|curve| vec![curve]);
+            return curve.ok_or(ConstructError::IsoOff { parameter: parameter(fixed), t, end: 1 });
+        }
+        (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
+        (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
+        (Surface::Nurbs(surface), Some(Direction::V)) => surface.curve_at_v(t).map(|c| vec![c]),
+        (Surface::Trimmed(surface), Some(direction)) => surface.kept_curves(direction, t),
+        (_, None) => return Err(ConstructError::NoW { kind: surface.kind() }),
+    };
+    curves.map_err(ConstructError::Iso)
+}
+
+/// A line of constant parameter of a subdivision surface: of constant `u` in one of its unit
+/// squares, of constant `v` in all of them.
+fn limit_curves(
+    surface: &LimitSurface,
+    direction: Direction,
+    t: f64,
+) -> Result<Vec<NurbsCurve>, ConstructError> {
+    let (parameter, end) = match direction {
+        Direction::U => ('u', surface.unit_count()),
+        Direction::V => ('v', 1),
+    };
+    let within = (0.0..=end as f64).contains(&t); // false for NaN
+    if !within {
+        return Err(ConstructError::IsoOff { parameter, t, end });
+    }
+    Ok(match direction {
+        Direction::U => {
+            let unit = (t as usize).min(end.saturating_sub(1));
+            surface.unit_curves(unit, direction, t - unit as f64)
+        }
+        Direction::V => {
+            let units = 0..surface.unit_count();
+            units.flat_map(|unit| surface.unit_curves(unit, direction, t)).collect()
+        }
+    })
+}
+
+/// What a fixed parameter is called.
+fn parameter(fixed: TriangleSide) -> char {
+    match fixed {
+        TriangleSide::U => 'u',
+        TriangleSide::V => 'v',
+        TriangleSide::W => 'w',
+    }
+}
+
+/// What a line of constant parameter is on some surfaces.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Found {
+    /// Trims keep nothing of it.
+    Nothing,
+    /// A point.
+    Point,
+    /// A curve.
+    Curve,
+}
