@@ -1,4 +1,4 @@
-//! A million hard rays: the fast path against the exact solver, against points the rays were
+//! A million hard rays: the fast path, one by one, in packets and in batches, against the exact solver, against points the rays were
 //! aimed at, and against the parity of closed models.
 
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Many rays of every class, asked and judged; one line of numbers a class.
 
-use nurbray::intersect::{Answer, HitFlags, Query, SurfaceBvh, Tracer};
+use nurbray::intersect::{Answer, Coherence, HitFlags, Occlusion, Query, SurfaceBvh, Tracer};
 use nurbray::math::Ray;
 use rayon::prelude::*;
 
@@ -95,13 +95,19 @@ impl<'a> Survey<'a> {
             let mut random = Random::new(seed ^ (block << 32));
             let mut tracer = self.bvh.tracer();
             let mut tally = Tally::default();
-            for k in 0..block_size.min(plan.rays - block * block_size) {
-                let shot = self.rays.shot(class, &mut random);
+            let count = block_size.min(plan.rays - block * block_size);
+            let shots = (0..count).map(|_| self.rays.shot(class, &mut random)).collect::<Vec<_>>();
+            // Those asked everything are of all three ways, too.
+            let way = |k: u64| (k + k / plan.thorough) % 3;
+            for (k, seen) in self.look(&shots, way, &mut tracer) {
+                let shot = &shots[k as usize];
                 let thorough = k % plan.thorough == 0;
-                let faults = self.ask(&shot, thorough, &mut tracer, &mut tally);
+                let faults = self.ask(shot, seen, thorough.then_some(&mut tracer), &mut tally);
                 tally.fault_count += u64::from(!faults.is_empty());
                 let name = &self.model.name;
-                let told = |fault| format!("{name} {class}: {fault}\n      {:?}", shot.ray);
+                let told = |fault| {
+                    format!("{name} {class}, way {}: {fault}\n      {:?}", way(k), shot.ray)
+                };
                 tally.faults.extend(faults.into_iter().map(told));
                 tally.faults.truncate(FAULTS_SHOWN);
             }
@@ -114,21 +120,52 @@ impl<'a> Survey<'a> {
         sum
     }
 
+    /// First hits, and whether anything is in the way, of rays one by one, of others in packets, and of
+    /// others in batches: whatever their `way`, no answer may depend on it.
+    fn look(
+        &self,
+        shots: &[Shot],
+        way: impl Fn(u64) -> u64,
+        tracer: &mut Tracer<'_>,
+    ) -> Vec<(u64, (Answer, Occlusion))> {
+        let mut seen = Vec::new();
+        let batches = [None, Some(Coherence::Coherent), Some(Coherence::Incoherent)];
+        for (wanted, coherence) in (0..).zip(batches) {
+            let indices = (0..shots.len() as u64).filter(|&k| way(k) == wanted).collect::<Vec<_>>();
+            let query = |&k: &u64| Query::primary(shots[k as usize].ray);
+            let queries = indices.iter().map(query).collect::<Vec<_>>();
+            let (mut firsts, mut shadows) = (Vec::new(), Vec::new());
+            match coherence {
+                None => {
+                    firsts.extend(queries.iter().map(|query| tracer.first_hit(query)));
+                    shadows.extend(queries.iter().map(|query| tracer.occluded(query)));
+                }
+                Some(coherence) => {
+                    tracer.first_hits(&queries, coherence, &mut firsts);
+                    tracer.occlusions(&queries, coherence, &mut shadows);
+                }
+            }
+            seen.extend(indices.into_iter().zip(firsts.into_iter().zip(shadows)));
+        }
+        seen.sort_unstable_by_key(|&(k, _)| k);
+        seen
+    }
+
+    /// What is wrong with what was `seen` of a ray, and, if there is a tracer for it, with everything else that is
+    /// said of it.
     fn ask(
         &self,
         shot: &Shot,
-        thorough: bool,
-        tracer: &mut Tracer<'_>,
+        (first, occlusion): (Answer, Occlusion),
+        thorough: Option<&mut Tracer<'_>>,
         tally: &mut Tally,
     ) -> Vec<String> {
-        let query = Query::primary(shot.ray);
-        if !thorough {
-            let first = tracer.first_hit(&query);
-            tally.note(&self.judge, &shot.ray, first);
+        tally.note(&self.judge, &shot.ray, first);
+        let Some(tracer) = thorough else {
             return self.judge.faults_of_first(shot, &first);
-        }
-        let answers = Answers::ask(tracer, &query);
-        tally.note(&self.judge, &shot.ray, answers.first);
+        };
+        let query = Query::primary(shot.ray);
+        let answers = Answers { first, occlusion, ..Answers::ask(tracer, &query) };
         tally.thorough += 1;
         tally.all_doubtful += u64::from(answers.all_doubtful);
         let inside = answers.all.iter().any(|hit| hit.flags.contains(HitFlags::INSIDE));
