@@ -13,6 +13,8 @@ mod ray;
 mod ray_frame;
 pub mod rounding;
 mod shown;
+#[cfg(test)]
+pub(crate) mod testing;
 mod unit;
 
 pub use aabb::Aabb;

@@ -238,6 +238,7 @@ mod tests {
     use proptest::prelude::*;
 
     use crate::geometry::{KnotVector, NurbsSurface};
+    use crate::math::testing::same_cases;
     use crate::patch::{Leaf, OrientedBox, PatchSet, SceneFrame};
 
     /// A random piece, and its leaves.
@@ -275,7 +276,7 @@ mod tests {
         let bumps = prop::collection::vec((-0.6..0.6f64, 0.7..1.4f64), 16);
         let pairs = prop::collection::vec((place(), place()), 40);
         let (asked, nearest) = (Cell::new(0), Cell::new(f64::INFINITY));
-        proptest!(|(bumps in bumps, rational in any::<bool>(), pairs in pairs)| {
+        proptest!(same_cases(256), |(bumps in bumps, rational in any::<bool>(), pairs in pairs)| {
             let (set, leaves) = leaves(&bumps, rational);
             let patch = &set.pieces()[0].patch;
             for (leaf, oriented) in &leaves {
@@ -310,7 +311,7 @@ mod tests {
         let away = (-11.0..0.0f64).prop_flat_map(|away| (Just(away), away - 1.0..away));
         let pairs = prop::collection::vec((along(), along(), away), 40);
         let (asked, close, nearest) = (Cell::new(0), Cell::new(0), Cell::new(f64::INFINITY));
-        proptest!(|(bumps in bumps, rational in any::<bool>(), side in 0usize..4, pairs in pairs)| {
+        proptest!(same_cases(256), |(bumps in bumps, rational in any::<bool>(), side in 0usize..4, pairs in pairs)| {
             // A fan: all points of a side are one, but for what is still a point.
             let end = if side % 2 == 0 { 0 } else { 3 };
             let noise = 3.0 * 8.0 * f64::EPSILON;
@@ -375,7 +376,7 @@ mod tests {
         let ray = (1e-4..1e-3f64, 0.0..1.0f64, 0.05..1.0f64, 0.0..std::f64::consts::TAU);
         let rays = prop::collection::vec(ray, 8);
         let (asked, closest) = (Cell::new(0), Cell::new(f64::INFINITY));
-        proptest!(|(bumps in bumps, rational in any::<bool>(), rays in rays)| {
+        proptest!(same_cases(256), |(bumps in bumps, rational in any::<bool>(), rays in rays)| {
             let (set, leaves) = leaves(&bumps, rational);
             let piece = &set.pieces()[0];
             for (leaf, oriented) in &leaves {

@@ -216,6 +216,7 @@ mod tests {
     use crate::geometry::shapes;
     use crate::intersect::{Hit, Query, Root, SurfaceBvh};
     use crate::math::Ray;
+    use crate::math::testing::same_cases;
 
     /// A ray that leaves a leaf, and what is said of it.
     struct Leaving {
@@ -282,7 +283,7 @@ mod tests {
         let hills = SurfaceBvh::build(&[weighted_hills()]).unwrap();
         let met_again = Cell::new(0);
         let proved = [Cell::new(0), Cell::new(0), Cell::new(0), Cell::new(0)];
-        let config = ProptestConfig { cases: 20_000, ..ProptestConfig::default() };
+        let config = same_cases(20_000);
         let rays =
             (0usize.., -1.19..1.19f64, -1.19..1.19f64, -6.0..0.0f64, any::<bool>(), 0.0..6.3f64);
         proptest!(config, |((k, x, y, size, inwards, turn) in rays)| {

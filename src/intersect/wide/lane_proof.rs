@@ -336,6 +336,7 @@ const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
 mod tests {
     use std::cell::Cell;
 
+    use crate::math::testing::same_cases;
     use fearless_simd::{Level, dispatch, f32x8};
     use glam::{DMat2, DVec2};
     use proptest::prelude::*;
@@ -415,7 +416,7 @@ mod tests {
         let place = || (-1.1..=1.1f64, -1.1..=1.1f64).prop_map(|(x, y)| DVec2::new(x, y));
         let ends = || [place(), place()].prop_filter("apart", |[p, q]| p.distance(*q) > 1e-3);
         let [unique, folded] = [Cell::new(0), Cell::new(0)];
-        let config = ProptestConfig { cases: 4000, ..ProptestConfig::default() };
+        let config = same_cases(4000);
         proptest!(config, |(of in bicubics, ends in ends())| {
             let two = through(of, ends);
             prop_assert_eq!(said(&two), [false; 2], "{:?} has roots at {:?}", two, ends);

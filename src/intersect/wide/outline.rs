@@ -145,6 +145,7 @@ mod tests {
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::{Kernel, SurfaceBvh};
     use crate::math::Ray;
+    use crate::math::testing::same_cases;
 
     /// The least and the largest coordinates of vectors.
     fn ranges(vectors: &[DVec3]) -> [[f64; 2]; 3] {
@@ -159,7 +160,7 @@ mod tests {
         let spread = || prop_oneof![Just(0.0), 0.0..0.01f64, 0.0..1.0f64];
         let bundle = (vector(), vector(), 0.1..20.0f64, spread(), spread());
         let others = prop::collection::vec((vector(), vector()), 1..20);
-        proptest!(|(bundle in bundle, others in others)| {
+        proptest!(same_cases(256), |(bundle in bundle, others in others)| {
             let (origin, direction, away, origin_spread, direction_spread) = bundle;
             prop_assume!(direction.length() > 0.1);
             let lines = others.iter().map(|&(o, d)| {
@@ -209,7 +210,7 @@ mod tests {
         let others = prop::collection::vec((vector(), vector(), 0.8..1.4f64), 1..64);
         let bundle = (vector(), vector(), 3.0..300.0f64, spread(), spread());
         let [beside, bounded] = [Cell::new(0), Cell::new(0)];
-        let config = ProptestConfig { cases: 600, ..ProptestConfig::default() };
+        let config = same_cases(600);
         proptest!(config, |(bundle in bundle, others in others, aside in 1.0..12.0f64)| {
             let (corner, direction, away, origin_spread, target_spread) = bundle;
             prop_assume!(direction.length() > 0.1);

@@ -123,6 +123,7 @@ mod tests {
     use crate::intersect::Kernel;
     use crate::intersect::wide::spline_net::RecentNets;
     use crate::math::bernstein::{self, Basis};
+    use crate::math::testing::same_cases;
     use crate::patch::{PatchSet, TensorPatch};
 
     /// A net of some degrees, more or less wild: its points within one of the origin, its weights within a factor.
@@ -203,8 +204,7 @@ mod tests {
         let places = prop::array::uniform8(place);
         // Of degrees up to three, and of higher ones.
         let by_powers = [Cell::new(0), Cell::new(0)];
-        let config =
-            ProptestConfig { cases: 600, max_shrink_iters: 200, ..ProptestConfig::default() };
+        let config = ProptestConfig { max_shrink_iters: 200, ..same_cases(600) };
         proptest!(config, |(surface in nets(), places in places)| {
             // The bounds are those of points on the piece, whose weight is no less than all that it is made of;
             // outside it may vanish.

@@ -210,6 +210,7 @@ mod tests {
     use crate::intersect::wide::search::{certify, cross_box};
     use crate::intersect::wide::single_ray::{WIDENED, Wanted};
     use crate::intersect::{Hit, Query, SurfaceBvh};
+    use crate::math::testing::same_cases;
     use crate::math::{Ray, rounding};
     use crate::patch::Leaf;
 
@@ -257,7 +258,7 @@ mod tests {
         let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
             .map(|body| SurfaceBvh::build(&[body.unwrap()]).unwrap());
         let [asked, missed, met] = [Cell::new(0), Cell::new(0), Cell::new(0)];
-        let config = ProptestConfig { cases: 1_500, ..ProptestConfig::default() };
+        let config = same_cases(1_500);
         let place = || prop_oneof![-1.3..1.3f64, -1.03..-0.97f64, 0.97..1.03f64];
         let line = (place(), place(), -1.0..1.0f64, 0.0..6.3f64);
         let lines = (0usize.., prop::collection::vec(line, 16));
