@@ -97,8 +97,8 @@ impl Slabs {
     /// Where the ray enters a child's box, in scene units and never too late; `None` for a miss.
     ///
     /// A direction component of zero gives an infinite inverse; a NaN arises only when the
-    /// widened origin lies exactly in a padded face, where nothing is, and `min` and `max`
-    /// pass over it.
+    /// widened origin lies exactly in a padded face, where nothing is: then the other face alone
+    /// decides, and a miss is right.
     fn entry(&self, node: &Node, k: usize) -> Option<f64> {
         let plane = |side: usize| {
             let at = |axis: usize| f64::from(node.planes[axis][side][k]);

@@ -67,7 +67,7 @@ pub(crate) const AT_POLE: f64 = 2.0;
 pub(crate) struct Task<'a> {
     /// The piece the leaf belongs to.
     pub(crate) patch: &'a TensorPatch,
-    /// The rectangle to search, in the piece's parameters: the leaf and its slack.
+    /// The rectangle to search, in the piece's parameters: the leaf and at least its slack.
     pub(crate) rect: Rect,
     /// A root is wanted only if it lies in this rectangle, to within its slack.
     pub(crate) wanted: Rect,
