@@ -242,8 +242,8 @@ pub(crate) struct CastArguments {
     #[arg(short, long, value_name = "HITS.npy")]
     pub(crate) output: PathBuf,
 
-    /// Every hit of each ray, not only the first; one row for what borders, poles
-    /// or trim edges of two surfaces come to in one place
+    /// Every hit of each ray, not only the first; where surfaces meet at borders,
+    /// poles or trim edges, one row for each crossing
     #[arg(long)]
     pub(crate) all: bool,
 

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::borders::{at_border, error_bound, on_piece, rounding_at, trim_side};
+use super::borders::{
+    TRIM_REACH, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
+};
 use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use super::grazing::Known;
 use super::kept_pole::Spot;
@@ -70,6 +72,8 @@ struct Candidate<'a> {
     flags: HitFlags,
     /// Whether the solution lies a little outside of the piece.
     moved: bool,
+    /// Whether trims cut it off, by more than the rounding of a ray that was aimed at their edge.
+    cut_off: bool,
 }
 
 impl<'a> Candidate<'a> {
@@ -93,7 +97,19 @@ impl<'a> Candidate<'a> {
         }
         let z_error = error_along(proof, error, (z, cosine));
         let moved = spot.st != solution.st;
-        Self { question, leaf, solution, on_ray, error, z_error, normal, cosine, flags, moved }
+        Self {
+            question,
+            leaf,
+            solution,
+            on_ray,
+            error,
+            z_error,
+            normal,
+            cosine,
+            flags,
+            moved,
+            cut_off: false,
+        }
     }
 
     /// What trims cut off is not there; their edges are. In a pole is what any kept parameter
@@ -113,6 +129,10 @@ impl<'a> Candidate<'a> {
                     self.on_ray.z = ray.axis.dot(kept.jet.point - ray.origin);
                     (self.normal, self.cosine) = kept.normal_along(ray);
                     self.on_ray.spot = kept;
+                } else if !inside {
+                    let aimed = AIMED * rounding_at(spot.jet.point, piece, ray);
+                    let aimed = trim_reach(&spot.jet, aimed * (z_error / error)) / TRIM_REACH;
+                    self.cut_off = piece.side(spot.st, aimed) == Side::Outside;
                 }
             }
             // The ray may run on inside the surface to where that is kept.
@@ -193,7 +213,8 @@ impl<'a> Candidate<'a> {
             error,
             cosine,
             stretch,
-            beyond: self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
+            beyond: self.cut_off
+                || self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
         }
     }
 }
@@ -309,6 +330,6 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
 /// to be told apart: half of this; with two errors and less they were seen as one.
 const CLEAR_OF_POLE: f64 = 16.0;
 
-/// A ray aimed at a point of a border passes it by no more than this part of what rounding may
+/// A ray aimed at a point of a border, or of a trim edge, passes it by no more than this part of what rounding may
 /// do there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;

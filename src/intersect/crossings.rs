@@ -82,12 +82,17 @@ fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
 }
 
 /// Flags what is met only because the ray passes close to it on its outside, unless another
-/// side of the same edge is met there in the other direction.
+/// side of the same edge is met there in the other direction, and by nothing else there but that.
 fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
     for k in (0..meetings.len()).filter(|&k| meetings[k].beyond).collect::<Vec<_>>() {
         let touch = &meetings[k];
-        let opposite = |m: &Meeting| m.cosine * touch.cosine < 0.0;
-        let whole = meetings.iter().any(|m| opposite(m) && at_one_place(m, touch, pieces));
+        let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
+        let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, pieces);
+        let is_taken = |m: &Meeting| {
+            (0..meetings.len()).any(|j| j != k && same_way(&meetings[j]) && near(&meetings[j], m))
+        };
+        let opposite = |m: &&Meeting| m.cosine * touch.cosine < 0.0;
+        let whole = meetings.iter().filter(opposite).any(|m| near(m, touch) && !is_taken(m));
         if !whole {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }

@@ -8,11 +8,16 @@ use super::HitFlags;
 use super::borders::trim_reach;
 use super::meeting::Meeting;
 use crate::geometry::Direction;
+use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
 
-/// A collapsed side is looked at from one place to the next in so many steps: between two of them
-/// the direction that leads away from the pole turns by less than half a turn.
-const STEPS_ALONG: usize = 16;
+/// Curves are halved so often to see on which side of the ray they pass: what is left is far below what rounding
+/// lets one know.
+const MOST_HALVINGS: u32 = 40;
+
+/// Directions are known to span a plane if the sine of the angle between two of them is more than this, the root of the
+/// unit roundoff.
+const LEAST_SINE: f64 = 1e-8;
 
 /// A piece of a surface, where a ray meets it.
 pub(super) struct Face<'a> {
@@ -31,15 +36,21 @@ impl Face<'_> {
         distances.map(|off| off <= self.reach)
     }
 
+    /// Whether another place of the piece is the same, to within rounding; in a pole all of a side are.
+    pub(super) fn holds(&self, st: DVec2) -> bool {
+        let Meeting { jet, st: here, .. } = self.meeting;
+        let apart = st - *here;
+        (jet.ds * apart.x).length() + (jet.dt * apart.y).length() <= 2.0 * self.reach
+    }
+
     /// The angle it covers, in radians: above zero where a ray leaves through it, below where one enters. `None` where
     /// it cannot be told.
     pub(super) fn angle(&self) -> Option<f64> {
         let sides = self.sides();
-        let poles = self.piece.collapsed_sides().filter(|(side, _)| sides[side.number()]);
-        let mut poles = poles.map(|(side, _)| side);
+        let mut poles = self.piece.collapsed_sides().filter(|(side, _)| sides[side.number()]);
         let angle = match (poles.next(), poles.next()) {
             (None, _) => self.around_place(sides),
-            (Some(side), None) => self.around_pole(side),
+            (Some((side, pole)), None) => self.around_pole(side, pole),
             _ => None, // where two such sides meet, no tangent leads away
         };
         angle.filter(|angle| angle.is_finite())
@@ -70,25 +81,36 @@ impl Face<'_> {
             let beyond = s0 && u < 0.0 || s1 && u > 0.0 || t0 && v < 0.0 || t1 && v > 0.0;
             cut[0] < cut[1] && !beyond && sectors.as_ref().is_none_or(|one| one.keeps(middle))
         });
-        Some(kept.map(|cut| self.turn(in_space(cut[0]), in_space(cut[1]))).sum())
+        // All turn the same way: where they turn by half a turn, rounding would tell which.
+        let turned = |cut: &[f64]| self.turn(in_space(cut[0]), in_space(cut[1])).abs();
+        Some(kept.map(turned).sum::<f64>().copysign(self.meeting.cosine))
     }
 
     /// Around a pole: what the direction that leads away from it sweeps along the collapsed side.
-    fn around_pole(&self, side: CollapsedSide) -> Option<f64> {
+    ///
+    /// Where `t` is zero on that side, the surface less the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W` but for higher
+    /// powers of `t`, with the control points `Pᵢ` of the next row: these directions are those of a Bézier curve.
+    fn around_pole(&self, side: CollapsedSide, pole: DVec3) -> Option<f64> {
         let (piece, fixed) = (self.piece, side.parameter());
-        let away = |along: f64| {
-            let mut st = DVec2::splat(along);
-            st[fixed] = side.end() as f64;
-            let jet = piece.patch.jet(st);
-            let out = [jet.ds, jet.dt][fixed];
-            self.across(if side.end() == 0 { out } else { -out })
+        let degree = piece.patch.degree();
+        let row = if side.end() == 0 { 1 } else { degree[fixed] - 1 };
+        let away = (0..=degree[1 - fixed]).map(|k| {
+            let [i, j] = if fixed == 0 { [row, k] } else { [k, row] };
+            let control = piece.patch.control_point(i, j);
+            control.truncate() - control.w * pole
+        });
+        let away: Vec<DVec3> = away.collect();
+        // Where all of them are parallel, as at a cusp, they say nothing of what is around it.
+        let spans = |a: &DVec3, b: &DVec3| {
+            a.cross(*b).length() > LEAST_SINE * a.length() * b.length() // false for zero
         };
+        if !away.iter().any(|a| spans(a, &away[0]) || spans(a, &away[away.len() - 1])) {
+            return None;
+        }
+        let across: Vec<DVec3> = away.into_iter().map(|v| self.across(v)).collect();
+
         // The normal is the one's derivative along the side times the direction, or that times this.
         let sign = if (fixed == 0) == (side.end() == 0) { 1.0 } else { -1.0 };
-        let swept = |[from, to]: [f64; 2]| -> f64 {
-            let at = |k: usize| away(from + (to - from) * k as f64 / STEPS_ALONG as f64);
-            (0..STEPS_ALONG).map(|k| self.turn(at(k), at(k + 1))).sum()
-        };
         let [start, end] = piece.domain()[1 - fixed];
         let local = |u: f64| ((u - start) / (end - start)).clamp(0.0, 1.0);
         let kept = match piece.trims() {
@@ -98,7 +120,24 @@ impl Face<'_> {
                 trims.kept_along(direction, piece.chart_uv(side.beside(DVec2::splat(0.5)))[fixed])
             }
         };
-        Some(sign * kept.into_iter().map(|stretch| swept(stretch.map(local))).sum::<f64>())
+        let swept = |stretch: [f64; 2]| {
+            let [from, to] = stretch.map(local);
+            self.swept(part_of(&across, from, to), MOST_HALVINGS)
+        };
+        Some(sign * kept.into_iter().map(swept).sum::<Option<f64>>()?)
+    }
+
+    /// What a Bézier curve sweeps about the ray, of control points seen along it. Where those are on one side of a line
+    /// through the ray, the curve is, and its ends tell; else so are, sooner or later, those of its halves.
+    fn swept(&self, control: Vec<DVec3>, halvings: u32) -> Option<f64> {
+        let [first, last] = [control[0], control[control.len() - 1]];
+        let middle = control.iter().filter_map(|v| v.try_normalize()).sum::<DVec3>();
+        if control.iter().all(|v| v.dot(middle) > 0.0) {
+            return Some(self.turn(first, last));
+        }
+        let halvings = halvings.checked_sub(1)?;
+        let below = self.swept(part_of(&control, 0.0, 0.5), halvings)?;
+        Some(below + self.swept(part_of(&control, 0.5, 1.0), halvings)?)
     }
 
     /// A vector as seen along the ray.
@@ -111,4 +150,11 @@ impl Face<'_> {
         let sine = self.axis.dot(from.cross(to));
         if from == DVec3::ZERO || to == DVec3::ZERO { f64::NAN } else { sine.atan2(from.dot(to)) }
     }
+}
+
+/// A part of a Bézier curve, of constant weight.
+fn part_of(control: &[DVec3], from: f64, to: f64) -> Vec<DVec3> {
+    let mut control = control.to_vec();
+    restrict(&mut control, from, to);
+    control
 }

@@ -30,8 +30,8 @@ pub(super) struct Meeting {
     pub(super) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
     pub(super) stretch: Option<[f64; 2]>,
-    /// Whether the ray passes a side of the piece on its outside, by more than the rounding of
-    /// a ray that was aimed at the side.
+    /// Whether the ray passes a side of the piece, or an edge of its trims, on its outside, by more than the
+    /// rounding of a ray that was aimed at it.
     pub(super) beyond: bool,
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::geometry::construct::{
     ConstructError, ControlNet, Drawing, NetStyle, Piece, Tightest, TubeStyle,
 };
-use crate::geometry::{Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
+use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 use crate::math::Shown;
 
 /// A drawing, as long as it is not too much.
@@ -58,9 +58,16 @@ impl Drawn {
     }
 }
 
-/// An error about one of several lines.
+/// An error about one of several lines, if it is not about what is asked of all of them.
 fn in_line(line: String, error: ConstructError) -> ConstructError {
-    ConstructError::Line { line, error: Box::new(error) }
+    match error {
+        ConstructError::Curve {
+            error: CurveError::Radius { .. } | CurveError::RadiusRange { .. },
+            ..
+        }
+        | ConstructError::Tolerance { .. } => error,
+        error => ConstructError::Line { line, error: Box::new(error) },
+    }
 }
 
 /// What errors call something on one of some surfaces: that alone where there is but one.

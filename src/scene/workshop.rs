@@ -154,6 +154,7 @@ impl Workshop<'_> {
 /// The key of the number that is at fault, if it is one that has a key.
 fn key_of(error: &ConstructError) -> Option<&'static str> {
     Some(match error {
+        ConstructError::Line { error, .. } => return key_of(error),
         ConstructError::Angle { .. } => "degrees",
         ConstructError::Direction { what: "extrusion by", .. } => "by",
         ConstructError::Direction { what: "direction of the axis", .. } => "axis",

@@ -452,6 +452,7 @@ impl ConstructError {
     /// Whether the curve of this name in a construction is at fault: `profile`, `section 2`, …
     pub fn blames(&self, curve: &str) -> bool {
         match self {
+            Self::Line { error, .. } => error.blames(curve),
             Self::Curve { which, .. }
             | Self::RunsBack { which, .. }
             | Self::FoldsFlat { which, .. }

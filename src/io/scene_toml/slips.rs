@@ -40,6 +40,17 @@ fn is_number(word: &str) -> bool {
     word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
 }
 
+/// Whether digits may be a group of a longer number's, as in `1,000,000`: TOML has no such numbers that begin with a zero.
+fn is_group(word: &str) -> bool {
+    word.len() == 3 && word.starts_with('0') && word.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// That groups of digits are one number.
+fn one_number(found: &str, groups: &[&str]) -> String {
+    let [whole, groups] = [groups.concat(), groups.join("_")];
+    format!("found {found}, needed {whole} or {groups}: a number has no gaps")
+}
+
 /// Text without quotes, a fraction, numbers without commas, or nothing at all.
 fn no_value(after: &str) -> Option<String> {
     let found = after.split([',', ']', '}', '#']).next()?.trim();
@@ -51,12 +62,27 @@ fn no_value(after: &str) -> Option<String> {
         && is_number(first)
         && is_number(second)
     {
+        if is_group(second) {
+            return Some(one_number(&format!("{first} {second}"), &[first, second]));
+        }
         return Some(format!(
             "found {first} {second}, needed a comma between two numbers of a list: {first}, {second}"
         ));
     }
     if found.len() > LONGEST || found.contains(['"', '\'', '\\']) {
         return None;
+    }
+    if let Some(number) = found.strip_prefix('−').filter(|number| is_number(number)) {
+        return Some(format!("found {found}, needed -{number}: the sign is another character"));
+    }
+    if let Some(meant) = match found {
+        "yes" | "on" => Some("true"),
+        "no" | "off" => Some("false"),
+        _ => None,
+    } {
+        return Some(format!(
+            "found {found}, needed {meant}, or quotes if it is text: \"{found}\""
+        ));
     }
     if let Some((above, below)) = found.split_once('/')
         && let (Ok(above), Ok(below)) = (above.trim().parse::<f64>(), below.trim().parse::<f64>())
@@ -81,6 +107,9 @@ fn no_brackets(before: &str, after: &str) -> Option<String> {
     let list = numbers.join(", ");
     if numbers.len() < 2 || list.len() > LONGEST {
         return None;
+    }
+    if numbers[1..].iter().any(|word| is_group(word)) && numbers[1..].iter().all(|w| w.len() == 3) {
+        return Some(one_number(&numbers.join(","), &numbers));
     }
     if let [whole, decimals] = numbers[..]
         && written.contains(&format!("{whole},{decimals}"))
@@ -150,6 +179,9 @@ mod tests {
                 "5: found ball, needed digits if it is a number, quotes if it is text: \"ball\""
                     .into(),
             ),
+            ("k = yes", "5: found yes, needed true, or quotes if it is text: \"yes\"".into()),
+            ("k = [−1, 2]", "6: found −1, needed -1: the sign is another character".into()),
+            ("k = 3 000", "5: found 3 000, needed 3000 or 3_000: a number has no gaps".into()),
             ("k = ", format!("5: {nothing}")),
             ("k = # none", format!("5: {nothing}")),
             ("k = { j = }", format!("11: {nothing}")),
@@ -171,6 +203,10 @@ mod tests {
             ("k = { i = 'x', j = 1,5 }", format!("24: {decimal}")),
             ("k = 0, 0, 1", format!("6: {list}")),
             ("k = { j = 0, 0, 1 }", format!("15: {list}")),
+            (
+                "k = 1,000,000",
+                "6: found 1,000,000, needed 1000000 or 1_000_000: a number has no gaps".into(),
+            ),
             ("k = 8, 6", "6: found 8, 6, needed brackets around a list: [8, 6]".into()),
             ("k = 1.5,2", "8: found 1.5, 2, needed brackets around a list: [1.5, 2]".into()),
             ("k = 1,", format!("6: {end}")),
