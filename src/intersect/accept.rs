@@ -1,6 +1,6 @@
 //! What a solution comes to: a meeting, a doubt, or nothing.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::borders::{
     TRIM_REACH, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
@@ -72,6 +72,8 @@ struct Candidate<'a> {
     flags: HitFlags,
     /// Whether the solution lies a little outside of the piece.
     moved: bool,
+    /// How far it may be from a trim edge that it is at.
+    edge: f64,
     /// Whether trims cut it off, by more than the rounding of a ray that was aimed at their edge.
     cut_off: bool,
 }
@@ -108,6 +110,7 @@ impl<'a> Candidate<'a> {
             cosine,
             flags,
             moved,
+            edge: 0.0,
             cut_off: false,
         }
     }
@@ -121,8 +124,13 @@ impl<'a> Candidate<'a> {
         let known = Known { ray, error, along: z_error };
         match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
             Side::Inside => {}
-            Side::Edge { inside, .. } => {
+            Side::Edge { inside, distance } => {
                 self.flags.insert(HitFlags::TRIM_EDGE);
+                let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
+                let speeds = DVec2::new(spot.jet.ds.length(), spot.jet.dt.length());
+                // In a pole a parameter may be anything: that says nothing.
+                let off = (distance / lengths).dot(speeds);
+                self.edge = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
                 let kept = pole.and_then(|side| spot.kept(question.set, side, (ray, allowed)));
                 if let Some(kept) = kept {
@@ -190,7 +198,7 @@ impl<'a> Candidate<'a> {
 
     fn meeting(self) -> Meeting {
         let at_border = self.is_at_border();
-        let Self { question, on_ray, error, z_error, normal, cosine, mut flags, .. } = self;
+        let Self { question, on_ray, error, z_error, normal, cosine, edge, mut flags, .. } = self;
         let OnRay { spot: Spot { index, piece, st, jet }, z, residual, .. } = on_ray;
         let ray = question.ray;
         if at_border {
@@ -211,6 +219,7 @@ impl<'a> Candidate<'a> {
             normal,
             flags,
             error,
+            edge,
             cosine,
             stretch,
             beyond: self.cut_off

@@ -139,13 +139,21 @@ pub(super) const APART: f64 = 4.0;
 
 /// How far apart along the ray meetings may be that are at the same place.
 pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
-    2.0 * ALONG * meetings.iter().map(|meeting| meeting.t_error).fold(0.0, f64::max)
+    2.0 * meetings.iter().map(off_along).fold(0.0, f64::max)
+}
+
+/// How far along the ray a meeting may be from where another one is at the same place: at a trim edge as far as that may
+/// be, too.
+fn off_along(meeting: &Meeting) -> f64 {
+    let t_from_z = meeting.t_error / meeting.z_error;
+    ALONG * meeting.t_error + meeting.edge * t_from_z
 }
 
 /// Whether two meetings are at the same place: the same one, or one that pieces share.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
-    let along = ALONG * (a.t_error + b.t_error); // no more than `reach_along`
+    let along = off_along(a) + off_along(b); // no more than `reach_along`
     let reach = APART * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
+    let reach = reach + a.edge + b.edge;
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
     if !near {
         return false;
@@ -255,6 +263,7 @@ mod tests {
             normal: Some(DVec3::Z),
             flags,
             error: 1e-15,
+            edge: 0.0,
             cosine,
             stretch: None,
             beyond: false,

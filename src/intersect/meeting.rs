@@ -26,6 +26,8 @@ pub(super) struct Meeting {
     pub(super) flags: HitFlags,
     /// How far the surface's point may be from the ray.
     pub(super) error: f64,
+    /// How far it may be from a trim edge that it is at; zero elsewhere.
+    pub(super) edge: f64,
     /// The cosine between the ray and the normal, signed; zero where there is no normal.
     pub(super) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.

@@ -195,6 +195,7 @@ fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
         flags,
         error,
         cosine,
+        edge: 0.0,
         stretch: None,
         beyond: false,
     }

@@ -240,6 +240,7 @@ impl<'a> Certain<'a> {
             flags: self.flags.without(HitFlags::NO_NORMAL),
             error: error_bound(self.piece, frame),
             cosine: self.normal.dot(frame.axis),
+            edge: 0.0,
             stretch: None,
             beyond: false,
         }

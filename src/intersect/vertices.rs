@@ -98,6 +98,7 @@ fn passage<'m>(
     for meeting in meetings {
         // As far as two of such an error may be apart.
         let reach = 2.0 * APART * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
+        let reach = reach + 2.0 * meeting.edge;
         let piece = &pieces[meeting.piece as usize];
         let face = Face { piece, meeting, reach, axis };
         // Leaves of one piece may see the same corner; and a piece may meet itself.
