@@ -336,13 +336,13 @@ const SLOPE_WEIGHTS: [[f32; 16]; 2] = {
 mod tests {
     use std::cell::Cell;
 
-    use crate::math::testing::same_cases;
     use fearless_simd::{Level, dispatch, f32x8};
     use glam::{DMat2, DVec2};
     use proptest::prelude::*;
 
     use super::super::single_search::Distances;
     use super::*;
+    use crate::math::testing::same_cases;
 
     /// Two bicubics: coefficients of `xⁱ yʲ`, at `4 i + j`.
     type Bicubics = [[f64; 16]; 2];
