@@ -1,6 +1,7 @@
 //! `nurbray plot`: curves, functions and constructions as figures.
 
 mod area;
+mod bending;
 mod defaults;
 mod flatten;
 mod functions;

@@ -1,8 +1,32 @@
 //! How much a curve bends.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4, Vec4Swizzles};
 
-use super::CurveDerivatives;
+use super::{CurveDerivatives, NurbsCurve};
+
+/// What rounding of the control points, of the basis and of the sums does to derivatives, as a share of the terms' sizes.
+const ROUNDING_OF_TERMS: f64 = 16.0 * f64::EPSILON;
+
+impl NurbsCurve {
+    /// How far [`CurveDerivatives::curvature_vector`] may be off at `t`, by rounding of the control points and of
+    /// the sums over them, in one over length; NaN or infinite where the curve stands still.
+    pub fn curvature_error(&self, t: f64) -> f64 {
+        let basis = self.knots().basis_derivatives(t);
+        let active = &self.control()[basis.span - self.knots().degree()..=basis.span];
+        let CurveDerivatives { point, first, second } = self.derivatives(t);
+        let sizes = basis.orders.map(|values| {
+            let sizes = active.iter().zip(values).map(|(&point, value)| value.abs() * point.abs());
+            sizes.sum::<DVec4>()
+        });
+        let weight = sizes[0].w;
+        let of_terms = |sizes: DVec4, at: DVec3| sizes.xyz().length() + sizes.w * at.length();
+        let first_error = of_terms(sizes[1], point) / weight;
+        let by_weights = 2.0 * sizes[1].w * first.length();
+        let second_error = (of_terms(sizes[2], point) + by_weights) / weight;
+        let speed = first.length();
+        ROUNDING_OF_TERMS * (second_error + second.length() / speed * first_error) / speed / speed
+    }
+}
 
 impl CurveDerivatives {
     /// The curvature `κ = |C′ × C″| / |C′|³`, in one over length; 0 where the curve is straight.
@@ -55,6 +79,32 @@ mod tests {
                 assert!((curvature - 1.0).abs() < 1e-13, "{k}: {curvature}");
             }
         }
+    }
+
+    #[test]
+    fn straight_curves_bend_by_no_more_than_rounding() {
+        // Coordinates that no f64 has, and one that is far from the origin.
+        for (far, at) in [(0.0, 1e-12), (1e6, 1e-6)] {
+            let points =
+                [0.0, 1.0, 3.0, 4.0, 4.5, 6.0].map(|x| DVec3::new(far + x, 0.3 * x, -0.7 * x));
+            let knots = KnotVector::uniform(3, points.len()).unwrap();
+            for weights in [None, Some(vec![1.0, 0.4, 0.7, 1.3, 0.9, 1.0])] {
+                let curve = NurbsCurve::new(knots.clone(), points.to_vec(), weights).unwrap();
+                let (start, end) = curve.domain();
+                for k in 0..=40 {
+                    let t = start + (end - start) * f64::from(k) / 40.0;
+                    let (bend, error) =
+                        (curve.derivatives(t).curvature().unwrap(), curve.curvature_error(t));
+                    assert!(bend <= error && error < at, "{k}: {bend:e} {error:e}");
+                }
+            }
+        }
+        let arc = circle_arc(2.0, 10.0, 350.0).unwrap();
+        let off = |t: f64| (arc.derivatives(t).curvature().unwrap() - 0.5).abs();
+        assert!(
+            (0..=40).all(|k| off(f64::from(k) / 40.0) <= arc.curvature_error(f64::from(k) / 40.0))
+        );
+        assert!(arc.curvature_error(0.3) < 1e-12);
     }
 
     #[test]

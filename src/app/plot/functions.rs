@@ -5,9 +5,9 @@ use std::rc::Rc;
 use glam::DVec2;
 use nurbray::geometry::{CurveError, KnotVector, MatrixForm, NurbsCurve, RationalBasis};
 
+use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 use super::space::{indexed, pieces};
-use super::steps::slow;
 
 /// Of more knots than this only the outermost say how often they are there.
 const MOST_MULTIPLICITIES: usize = 24;
@@ -193,11 +193,9 @@ pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
 
 /// The curvature.
 pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
-    let (bent, spans) = (curve.clone(), pieces(curve.knots()));
-    let slow = slow(curve);
+    let (bending, spans) = (Bending::of(curve), pieces(curve.knots()));
     let curvature = Function::new("curvature", &spans, move |t| {
-        let at = bent.derivatives(t);
-        at.curvature().filter(|_| at.first.length() > slow).unwrap_or(f64::NAN)
+        bending.at(t).map_or(f64::NAN, |(_, bend)| bend.length())
     });
     let title = title.unwrap_or_else(|| "Curvature".to_owned());
     with_knots(functions((title, "κ"), &spans, [curvature].into_iter()), curve)

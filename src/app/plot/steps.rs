@@ -5,6 +5,7 @@ use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
 use nurbray::scene::{Plane, PlottedCurve, Written};
 use plotters::style::RGBColor;
 
+use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
 use super::space::{Projection, bare_polygon, entry, path, pieces, polygon, short};
 
@@ -157,16 +158,6 @@ pub(super) fn corner_cutting(
     Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
 }
 
-/// A curve that moves at less than this, a millionth of its highest speed, stands still: as where
-/// control points are repeated. Of its curvature rounding leaves nothing there.
-pub(super) fn slow(curve: &NurbsCurve) -> f64 {
-    let places =
-        |[start, end]: [f64; 2]| (0..=16).map(move |k| start + (end - start) * f64::from(k) / 16.0);
-    let speeds = pieces(curve.knots()).into_iter().flat_map(places);
-    let speeds = speeds.map(|t| curve.derivatives(t).first.length());
-    1e-6 * speeds.fold(0.0, f64::max)
-}
-
 fn times(number: usize) -> String {
     match number {
         1 => "once".to_owned(),
@@ -187,14 +178,12 @@ pub(super) fn comb(
 
     // The feet of the teeth, and how far each tip is from its foot at scale 1.
     let mut spans: Vec<Vec<(DVec3, DVec3)>> = Vec::new();
-    let slow = slow(curve);
+    let bending = Bending::of(curve);
     for [start, end] in pieces(curve.knots()) {
         let last = end.next_down(); // of this span, not the first of the next
         let feet = (0..=teeth).filter_map(|k| {
             let t = (start + k as f64 / teeth as f64 * (end - start)).min(last);
-            let at = curve.derivatives(t);
-            let bend = at.curvature_vector().filter(|_| at.first.length() > slow);
-            bend.map(|bend| (at.point, -bend))
+            bending.at(t).map(|(point, bend)| (point, -bend))
         });
         spans.push(feet.collect());
     }

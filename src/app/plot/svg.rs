@@ -15,11 +15,11 @@ use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
 use super::view::{Ticks, View};
 
-/// Plotters counts in whole pixels. It is given a picture so many times as large, which the
+/// Plotters counts in whole pixels. It is given a picture this many times as large, which the
 /// first line of the file makes small again.
 pub(crate) const SUBPIXELS: u32 = 32;
 
-/// Curves are drawn to within so much of a pixel: a tenth of the width of a thin line.
+/// Curves are drawn to within this much of a pixel: a tenth of the width of a thin line.
 pub(super) const TOLERANCE: f64 = 0.1;
 
 /// What stands around a plot, in pixels.
@@ -89,7 +89,7 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Unabl
     }
 }
 
-/// The panels in rows of so many columns, as the text of an SVG file.
+/// The panels in rows of this many columns, as the text of an SVG file.
 pub(super) fn svg(panels: &[Panel], columns: usize, size: [u32; 2]) -> Result<String, Unable> {
     let columns = columns.clamp(1, panels.len().max(1));
     let rows = panels.len().div_ceil(columns).max(1);

@@ -19,7 +19,7 @@ const BORDER: RGBColor = RGBColor(40, 40, 40);
 /// a thousand. The curves drawn over its edges are exact to a tenth of a pixel in any.
 const AREA: f64 = 5e-5;
 
-/// A domain more than so many times as long as wide is stretched to fill the plot.
+/// A domain more than this many times as long as wide is stretched to fill the plot.
 const SLENDER: f64 = 4.0;
 
 /// More control points than this are not drawn: they would cover the curves.

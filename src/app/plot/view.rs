@@ -7,7 +7,7 @@ use super::panel::{Item, Panel, Scale};
 /// What is left free around the things shown: this share of the plot's width and height.
 const ROOM: f64 = 0.07;
 
-/// Where points of space have labels, so many pixels are left free for these; at most so large
+/// Where points of space have labels, this many pixels are left free for these; at most so large
 /// a share of the plot.
 const LABEL_ROOM: DVec2 = DVec2::new(48.0, 18.0);
 const MOST_LABEL_ROOM: f64 = 0.16;
@@ -28,7 +28,7 @@ pub(super) struct View {
 }
 
 impl View {
-    /// The view that shows all of a panel in so many pixels; `None` if there is nothing to show,
+    /// The view that shows all of a panel in this many pixels; `None` if there is nothing to show,
     /// or its extent is beyond numbers.
     pub(super) fn of(panel: &Panel, pixels: DVec2) -> Option<Self> {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);

@@ -53,8 +53,13 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
         check_fold(&sections[0], &which(0))
             .or_else(|error| check_fold(&sections[1], &which(1)).map_err(|_| error))?;
     }
+    let polynomial = !sections.iter().any(NurbsCurve::is_rational);
     let sections = compatible(sections, &which)?;
-    let lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
+    let mut lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
+    if polynomial {
+        // Not to be rational by the rounding of what was done to them.
+        lines.iter_mut().flatten().for_each(|point| point.w = 1.0);
+    }
     let parameters = averaged_chords(&lines)?;
     check_way_back(&sections, degree)?;
     let across = |error| SurfaceError::Knots { direction: crate::geometry::Direction::V, error };
@@ -64,7 +69,11 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
     let mut net = Vec::with_capacity(net_size(knots_u.point_count(), sections.len())?);
     for i in 0..knots_u.point_count() {
         let through: Vec<DVec4> = lines.iter().map(|line| line[i]).collect();
-        net.extend(equations.control(&through));
+        let weight = through[0].w;
+        let alike = through.iter().all(|point| point.w == weight);
+        // A weight that all have is left as it is, but for rounding.
+        let exact = |point: DVec4| if alike { point.with_w(weight) } else { point };
+        net.extend(equations.control(&through).into_iter().map(exact));
     }
     let surface = NurbsSurface::from_homogeneous(knots_u, equations.knots().clone(), net);
     let surface = surface.map_err(|error| match error {
@@ -144,6 +153,31 @@ mod tests {
     fn circle(radius: f64, z: f64) -> NurbsCurve {
         let lift = DAffine3::from_translation(DVec3::new(0.0, 0.0, z));
         circle_arc(radius, 0.0, 360.0).unwrap().transformed(&lift).unwrap()
+    }
+
+    #[test]
+    fn lofts_of_polynomials_are_polynomial() {
+        for count in 3..=8 {
+            let section = |k: usize| {
+                let place = |i: usize| {
+                    let wobble = (1.7 * (i * count + k) as f64).sin();
+                    DVec3::new(i as f64, wobble, k as f64 + 0.31 * wobble)
+                };
+                // Of different degrees, and some of two pieces.
+                let points: Vec<DVec3> = (0..4 + k % 2).map(place).collect();
+                let knots = KnotVector::clamped_uniform(2 + k % 2, points.len()).unwrap();
+                NurbsCurve::new(knots, points, None).unwrap()
+            };
+            let sections: Vec<_> = (0..count).map(section).collect();
+            let Loft { surface, parameters } = loft(&sections, 2.min(count - 1)).unwrap();
+            assert!(!surface.is_rational(), "{count}");
+            for (section, v) in sections.iter().zip(parameters) {
+                let middle = surface.point_at(0.5, v);
+                let (start, end) = section.domain();
+                let expected = section.derivatives(0.5 * (start + end)).point;
+                assert!(middle.distance(expected) < 1e-13, "{count}");
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,77 @@
+//! How curves bend, as far as rounding lets it be known.
+
+use glam::DVec3;
+use nurbray::geometry::NurbsCurve;
+
+use super::space::pieces;
+
+/// A curve, and where it stands still.
+#[derive(Clone, Debug)]
+pub(super) struct Bending {
+    curve: NurbsCurve,
+    slow: f64,
+    /// Curvatures that are known no better than this are not known.
+    coarsest: f64,
+}
+
+/// A curve that moves at less than this part of its highest speed stands still: as where control points are repeated.
+const STILL: f64 = 1e-6;
+
+/// Curvatures may be off by this, over the curve's size.
+const COARSEST: f64 = 1e-3;
+
+impl Bending {
+    pub(super) fn of(curve: &NurbsCurve) -> Self {
+        let places = |[start, end]: [f64; 2]| {
+            (0..=16).map(move |k| start + (end - start) * f64::from(k) / 16.0)
+        };
+        let speeds = pieces(curve.knots()).into_iter().flat_map(places);
+        let speeds = speeds.map(|t| curve.derivatives(t).first.length());
+        let slow = STILL * speeds.fold(0.0, f64::max);
+        let points = (0..curve.control().len()).map(|index| curve.point(index));
+        let [low, high] = points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
+            [low.min(p), high.max(p)]
+        });
+        let coarsest = COARSEST / (high - low).length();
+        Self { curve: curve.clone(), slow, coarsest }
+    }
+
+    /// The curve's point at `t` and its curvature vector there, zero where that is no more than rounding; `None` where
+    /// the curve stands still, or moves so slowly that rounding leaves nothing of how it bends.
+    pub(super) fn at(&self, t: f64) -> Option<(DVec3, DVec3)> {
+        let at = self.curve.derivatives(t);
+        let bend = at.curvature_vector().filter(|_| at.first.length() > self.slow)?;
+        let error = self.curve.curvature_error(t);
+        if bend.length() > error {
+            Some((at.point, bend))
+        } else {
+            (error <= self.coarsest).then_some((at.point, DVec3::ZERO))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbray::geometry::KnotVector;
+
+    use super::*;
+
+    #[test]
+    fn straight_curves_are_straight_and_what_rests_is_unknown_or_right() {
+        let points =
+            [[0.0, 0.0], [1.0, 0.3], [3.0, 0.9], [4.0, 1.2]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let line = Bending::of(&NurbsCurve::bezier(&points).unwrap());
+        assert!((0..=100).all(|k| line.at(f64::from(k) / 100.0).unwrap().1 == DVec3::ZERO));
+
+        // A B-spline that comes to rest in a point that is three times its last: it ends straight.
+        let points = [[0.1, 0.0], [1.0, 2.3], [3.0, 1.1], [4.2, 0.7], [4.2, 0.7], [4.2, 0.7]];
+        let turned = |[x, y]: [f64; 2]| DVec3::new(0.94 * x - 0.34 * y, 0.34 * x + 0.94 * y, 0.0);
+        let knots = KnotVector::uniform(3, points.len()).unwrap();
+        let curve = NurbsCurve::new(knots, points.map(turned).to_vec(), None).unwrap();
+        let (bending, (_, end)) = (Bending::of(&curve), curve.domain());
+        let bends = (0..=1000).filter_map(|k| bending.at(end - 1e-3 * f64::from(k)));
+        let bends: Vec<f64> = bends.map(|(_, bend)| bend.length()).collect();
+        assert!(bends.len() > 950, "{}", bends.len());
+        assert!(bends.iter().all(|&bend| bend < 1e-3), "{bends:?}");
+    }
+}
