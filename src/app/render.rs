@@ -37,7 +37,12 @@ What a pixel shows (--integrator):
 All but direct are black where nothing is hit (iterations: where nothing was
 done).
 
-What an EXR holds besides R, G, B and A, the AOVs (--aov chooses):
+R, G, B and A of an EXR: linear light, a mean over all samples; A is the share of
+those that hit something. Of the rest the background (nurbray:background in the
+header) is part of R, G, B already: subtract (1 - A) times that before you put
+the picture over another one.
+
+What an EXR holds besides, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the
           hit, along the ray, in scene units; infinite where nothing is hit
   P       the point hit, in the scene's coordinates; 0 where nothing is hit
@@ -76,6 +81,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     output::check(&paths, &[&arguments.input])?;
     let mut scene = input::read(&arguments.input)?;
     let settings = settings(arguments, &scene.settings, &pictures)?;
+    scene.settings.size = settings.size; // a camera that nobody placed shows all in that
     override_camera(arguments, &mut scene.camera)?;
     warn_of_what_is_lost(arguments, &pictures);
 

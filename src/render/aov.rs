@@ -123,7 +123,7 @@ impl Channel {
 
     /// Whether it holds colour or coverage, for which 16 bits are enough; the others are
     /// measurements.
-    pub fn is_color(self) -> bool {
+    pub(crate) fn is_color(self) -> bool {
         use Channel::*;
         matches!(self, R | G | B | A | AlbedoR | AlbedoG | AlbedoB)
     }
@@ -178,6 +178,9 @@ impl FromIterator<Aov> for AovSet {
 
 impl fmt::Display for AovSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_empty() {
+            return f.write_str("none");
+        }
         let names: Vec<_> = self.iter().map(Aov::name).collect();
         f.write_str(&names.join(","))
     }

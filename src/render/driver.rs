@@ -24,7 +24,7 @@ pub struct Progress {
 }
 
 /// Why there is no picture.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// There can be no such film.
@@ -40,7 +40,7 @@ pub enum RenderError {
     },
 }
 
-/// How an error calls so many threads.
+/// How an error calls this many threads.
 fn named(threads: usize) -> String {
     if threads == 0 { "the threads".into() } else { Counted(threads, "thread").to_string() }
 }

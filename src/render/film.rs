@@ -50,7 +50,7 @@ impl AddAssign for Counters {
 }
 
 /// Why there is no film.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FilmError {
     /// There can be no such picture.

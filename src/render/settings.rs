@@ -48,7 +48,7 @@ pub struct RenderSettings {
 }
 
 /// Why a picture cannot be rendered so.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// There can be no such picture, however it is rendered.

@@ -103,7 +103,7 @@ pub enum CurveKind {
 /// How a uniform B-spline begins and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BSplineEnds {
-    /// Open, the first and the last control point there so many times.
+    /// Open, the first and the last control point there this many times.
     Repeated([usize; 2]),
     /// It closes.
     Closed,

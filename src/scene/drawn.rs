@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::geometry::construct::{
-    ConstructError, ControlNet, Drawing, NetStyle, Piece, Tightest, TubeStyle,
+    Component, ConstructError, ControlNet, Drawing, NetStyle, Tightest, TubeStyle,
 };
 use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 use crate::math::Shown;
@@ -52,7 +52,7 @@ impl Drawn {
         Ok(())
     }
 
-    fn pieces(self) -> Result<Vec<Piece>, ConstructError> {
+    fn pieces(self) -> Result<Vec<Component>, ConstructError> {
         self.tightest.check()?;
         self.drawing.pieces()
     }
@@ -80,7 +80,7 @@ pub(super) fn control_nets(
     nets: &[ControlNet],
     style: &NetStyle,
     most_points: usize,
-) -> Result<Vec<Piece>, ConstructError> {
+) -> Result<Vec<Component>, ConstructError> {
     let points = nets.iter().flat_map(|net| net.points.iter().copied());
     let mut drawn = Drawn::among(points, style.lines(), most_points);
     for (index, net) in nets.iter().enumerate() {
@@ -98,7 +98,7 @@ pub(super) fn trim_curves(
     surfaces: &[Surface],
     style: &TubeStyle,
     most_points: usize,
-) -> Result<Vec<Piece>, ConstructError> {
+) -> Result<Vec<Component>, ConstructError> {
     let of_each = surfaces.iter().map(Surface::trimmed);
     let trimmed: Vec<_> =
         of_each.enumerate().filter_map(|(index, one)| Some((index, one?))).collect();
@@ -135,7 +135,7 @@ pub(super) fn iso_curves(
     lines: &[IsoLine],
     style: &TubeStyle,
     most_points: usize,
-) -> Result<Vec<Piece>, ConstructError> {
+) -> Result<Vec<Component>, ConstructError> {
     if lines.is_empty() {
         return Err(ConstructError::NoIsoLines);
     }

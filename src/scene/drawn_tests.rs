@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::drawn::{control_nets, iso_curves, iso_lines};
 use crate::geometry::construct::{
-    Axis, Caps, ControlNet, NetStyle, Piece, TubeStyle, extrude, revolve, tube,
+    Axis, Caps, Component, ControlNet, NetStyle, TubeStyle, extrude, revolve, tube,
 };
 use crate::geometry::{
     Cage, CageParts, KnotVector, NurbsCurve, NurbsSurface, Surface, TrianglePatch,
@@ -18,7 +18,7 @@ fn thin(radius: f64) -> TubeStyle {
     TubeStyle { radius, ..TubeStyle::default() }
 }
 
-fn lines(surfaces: &[Surface], values: [&[f64]; 3], radius: f64) -> Vec<Piece> {
+fn lines(surfaces: &[Surface], values: [&[f64]; 3], radius: f64) -> Vec<Component> {
     iso_curves(surfaces, &iso_lines(values), &thin(radius), ENOUGH).unwrap()
 }
 
@@ -45,7 +45,7 @@ fn doubtful(surfaces: &[NurbsSurface]) -> (usize, usize) {
     (doubt, met)
 }
 
-fn expect_no_doubt(name: &str, pieces: Vec<Piece>) {
+fn expect_no_doubt(name: &str, pieces: Vec<Component>) {
     let surfaces: Vec<NurbsSurface> = pieces.into_iter().map(|piece| piece.surface).collect();
     let (doubt, met) = doubtful(&surfaces);
     assert!(doubt == 0 && met > 500, "{name}: {doubt} in doubt, {met} hits");

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::place::with_place;
 use super::{
-    CameraError, ImportNote, LoopSense, PictureError, Place, PlotError, TransformError,
+    CameraError, ImportNote, LightError, LoopSense, PictureError, Place, PlotError, TransformError,
     TrimCurveFault, UnknownName,
 };
 use crate::geometry::construct::ConstructError;
@@ -235,6 +235,25 @@ pub enum SceneFault {
         /// What the file holds instead.
         notes: Vec<ImportNote>,
     },
+    /// A light is none.
+    #[error("light {light}: {error}")]
+    Light {
+        /// Which, counted from 0.
+        light: usize,
+        /// What is wrong with it.
+        error: LightError,
+    },
+    /// A material has no such colour.
+    #[error("material \"{material}\": {error}")]
+    Texture {
+        /// Its name.
+        material: String,
+        /// What is wrong with it.
+        error: LightError,
+    },
+    /// The background is no light.
+    #[error("{0}")]
+    Background(LightError),
     /// The picture cannot be made.
     #[error("{0}")]
     Picture(PictureError),

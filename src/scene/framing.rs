@@ -115,15 +115,22 @@ impl CameraSpec {
         part.unwrap_or(&self.place)
     }
 
-    /// The camera as written, with what was left open chosen to show the sphere.
-    pub(super) fn camera(&self, sphere: BoundingSphere) -> Result<Camera, CameraError> {
+    /// The camera as written, with what was left open chosen to show the sphere in pictures of this shape,
+    /// width over height.
+    pub(super) fn camera(
+        &self,
+        sphere: BoundingSphere,
+        aspect: f64,
+    ) -> Result<Camera, CameraError> {
         let radius = MARGIN * sphere.radius;
+        // Lenses say how high a picture is; it is to hold the sphere in its width, too.
+        let narrow = aspect.min(1.0);
         let projection = match &self.lens {
             Lens::Perspective { fov } => {
                 Projection::Perspective { fov: value(fov).unwrap_or(Lens::DEFAULT_FOV) }
             }
             Lens::Orthographic { height } => {
-                Projection::Orthographic { height: value(height).unwrap_or(2.0 * radius) }
+                Projection::Orthographic { height: value(height).unwrap_or(2.0 * radius / narrow) }
             }
         };
         let look_at = value(&self.look_at).unwrap_or(sphere.center);
@@ -133,20 +140,19 @@ impl CameraSpec {
         let look_from = value(&self.look_from).unwrap_or_else(|| {
             let reach = radius + MARGIN * look_at.distance(sphere.center);
             let distance = match projection {
+                Projection::Perspective { fov } if narrow < 1.0 => {
+                    reach / (narrow * (0.5 * fov.to_radians()).tan()).atan().sin()
+                }
                 Projection::Perspective { fov } => reach / (0.5 * fov.to_radians()).sin(),
                 Projection::Orthographic { .. } => 2.0 * reach,
             };
             look_at + distance * VIEW_FROM.normalize()
         });
-        let make = match &self.look_from {
-            None => Camera::fitting,
-            Some(_) => Camera::new,
-        };
         let view = |up| View { look_from, look_at, up };
         match value(&self.up) {
-            Some(up) => make(view(up), projection),
-            None => match make(view(DVec3::Z), projection) {
-                Err(CameraError::UpAlongView { .. }) => make(view(DVec3::Y), projection), // from above
+            Some(up) => Camera::new(view(up), projection),
+            None => match Camera::new(view(DVec3::Z), projection) {
+                Err(CameraError::UpAlongView { .. }) => Camera::new(view(DVec3::Y), projection), // from above
                 other => other,
             },
         }
@@ -170,4 +176,38 @@ pub(super) fn default_lights(camera: &Camera) -> Vec<Light> {
     let fill = Light::directional(0.9 * right + 0.2 * up + 0.6 * back, [0.25 * PI; 3]);
     let ambient = Light::Ambient { radiance: [0.06; 3] };
     key.into_iter().chain(fill).chain([ambient]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_any_shape_just_hold_the_sphere_and_lenses_say_how_high_they_are() {
+        let sphere = BoundingSphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 };
+        let written = |value: f64| Some(Written::from(value));
+        for fov in [None, written(70.0)] {
+            for aspect in [0.2, 0.5, 1.0, 2.0] {
+                let lens = Lens::Perspective { fov: fov.clone() };
+                let camera = CameraSpec { lens, ..CameraSpec::default() };
+                let camera = camera.camera(sphere, aspect).unwrap();
+                let [top, side] = [DVec2::new(0.5, 0.0), DVec2::new(0.0, 0.5)]
+                    .map(|film| camera.ray(film, aspect));
+                let half = top.direction().angle_between(camera.forward()).to_degrees();
+                assert!((2.0 * half - fov.as_ref().map_or(30.0, |fov| fov.value)).abs() < 1e-9);
+                let nearest = [top, side].map(|ray| {
+                    let to = sphere.center - ray.origin();
+                    to.cross(ray.direction()).length() / ray.direction().length()
+                });
+                let nearest = nearest[0].min(nearest[1]);
+                assert!((nearest - MARGIN * sphere.radius).abs() < 1e-12, "{aspect}: {nearest}");
+            }
+        }
+        let camera = |height: Option<Written<f64>>| {
+            let lens = Lens::Orthographic { height };
+            CameraSpec { lens, ..CameraSpec::default() }.camera(sphere, 0.5).unwrap().projection()
+        };
+        assert_eq!(camera(written(3.0)), Projection::Orthographic { height: 3.0 });
+        assert_eq!(camera(None), Projection::Orthographic { height: 4.0 * MARGIN * 0.5 });
+    }
 }

@@ -1,8 +1,9 @@
 //! What shines.
 
 use glam::DVec3;
+use thiserror::Error;
 
-use crate::math::unit;
+use crate::math::{Shown, ShownVector, unit};
 
 /// A colour or an amount of light: linear red, green, blue with Rec. 709 primaries.
 pub type Rgb = [f64; 3];
@@ -33,7 +34,72 @@ pub enum Light {
     },
 }
 
+/// Why numbers are no light, or no colour.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LightError {
+    /// A colour or an amount of light is negative, NaN or infinite.
+    #[error(
+        "{what} {}: red, green and blue must be finite numbers from 0 on",
+        ShownVector(DVec3::from_array(*amount))
+    )]
+    Amount {
+        /// What it is of.
+        what: &'static str,
+        /// The numbers as given.
+        amount: Rgb,
+    },
+    /// A point light is nowhere.
+    #[error("position {}: coordinates must be finite", ShownVector(*.position))]
+    Position {
+        /// The position as given.
+        position: DVec3,
+    },
+    /// A directional light comes from nowhere.
+    #[error("to_light {}: a unit direction is needed", ShownVector(*.to_light))]
+    Direction {
+        /// The direction as given.
+        to_light: DVec3,
+    },
+    /// Lines are no share of their cells.
+    #[error("width {}: a share of a cell, from 0 to 1, is needed", Shown(*.width))]
+    Width {
+        /// The width as given.
+        width: f64,
+    },
+}
+
+/// Refuses what is no colour and no amount of light.
+pub(super) fn check_amount(what: &'static str, amount: Rgb) -> Result<(), LightError> {
+    let is_light = amount.iter().all(|&share| share >= 0.0 && share.is_finite());
+    if is_light { Ok(()) } else { Err(LightError::Amount { what, amount }) }
+}
+
 impl Light {
+    /// Refuses numbers that are no light.
+    ///
+    /// # Errors
+    /// When an amount of light is negative or not finite, a position is not finite, or a direction
+    /// is not of length 1 to within 1e-9.
+    pub fn check(&self) -> Result<(), LightError> {
+        match *self {
+            Self::Point { position, intensity } => {
+                if !position.is_finite() {
+                    return Err(LightError::Position { position });
+                }
+                check_amount("intensity", intensity)
+            }
+            Self::Directional { to_light, irradiance } => {
+                let is_unit = (to_light.length() - 1.0).abs() <= 1e-9; // false for NaN
+                if !is_unit {
+                    return Err(LightError::Direction { to_light });
+                }
+                check_amount("irradiance", irradiance)
+            }
+            Self::Ambient { radiance } => check_amount("radiance", radiance),
+        }
+    }
+
     /// A directional light whose rays come from the side of `from`, any length.
     ///
     /// `None` when `from` is zero or not finite.
@@ -56,5 +122,31 @@ mod tests {
         assert_eq!(Light::directional(DVec3::ZERO, [1.0; 3]), None);
         assert_eq!(Light::directional(DVec3::new(1.0, f64::NAN, 0.0), [1.0; 3]), None);
         assert_eq!(Light::directional(DVec3::INFINITY, [1.0; 3]), None);
+    }
+
+    #[test]
+    fn what_is_no_light_is_refused() {
+        let to_light = DVec3::new(0.6, 0.0, 0.8);
+        assert_eq!(Light::Directional { to_light, irradiance: [0.0, 1.0, 1e300] }.check(), Ok(()));
+        for (light, expected) in [
+            (
+                Light::Ambient { radiance: [0.5, f64::NAN, 0.5] },
+                "radiance (0.5, NaN, 0.5): red, green and blue must be finite numbers from 0 on",
+            ),
+            (
+                Light::Point { position: DVec3::ZERO, intensity: [1.0, 1.0, -0.5] },
+                "intensity (1, 1, -0.5): red, green and blue must be finite numbers from 0 on",
+            ),
+            (
+                Light::Point { position: DVec3::INFINITY, intensity: [1.0; 3] },
+                "position (inf, inf, inf): coordinates must be finite",
+            ),
+            (
+                Light::Directional { to_light: 2.0 * DVec3::X, irradiance: [1.0; 3] },
+                "to_light (2, 0, 0): a unit direction is needed",
+            ),
+        ] {
+            assert_eq!(light.check().unwrap_err().to_string(), expected);
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::Rgb;
+use super::light::check_amount;
+use super::{LightError, Rgb};
 
 /// A diffuse material.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,28 @@ pub enum Texture {
         /// The colour between them.
         base: Rgb,
     },
+}
+
+impl Texture {
+    /// Refuses numbers that are no colours, and lines that are no part of their cells.
+    ///
+    /// # Errors
+    /// When a number of a colour is negative or not finite, or a width not from 0 to 1.
+    pub fn check(&self) -> Result<(), LightError> {
+        match *self {
+            Self::Constant(color) => check_amount("color", color),
+            Self::Checker { colors, .. } => {
+                colors.into_iter().try_for_each(|color| check_amount("color", color))
+            }
+            Self::IsoLines { width, line, base, .. } => {
+                if !(0.0..=1.0).contains(&width) {
+                    return Err(LightError::Width { width });
+                }
+                check_amount("color of lines", line)?;
+                check_amount("color between lines", base)
+            }
+        }
+    }
 }
 
 impl Material {
@@ -130,6 +153,26 @@ mod tests {
         assert_eq!(largest(Texture::Checker { count: [1, 1], colors: [A, [0.0, 0.0, 2.0]] }), 2.0);
         let lines = Texture::IsoLines { count: [1, 1], width: 0.1, line: [0.2; 3], base: [0.1; 3] };
         assert_eq!(largest(lines), 0.2);
+    }
+
+    #[test]
+    fn what_is_no_colour_is_refused() {
+        let lines = |width, base| Texture::IsoLines { count: [1, 1], width, line: A, base };
+        assert_eq!(lines(1.0, B).check(), Ok(()));
+        for (texture, expected) in [
+            (lines(1.5, B), "width 1.5: a share of a cell, from 0 to 1, is needed"),
+            (lines(f64::NAN, B), "width NaN: a share of a cell, from 0 to 1, is needed"),
+            (
+                lines(0.5, [0.0, -1.0, 0.0]),
+                "color between lines (0, -1, 0): red, green and blue must be finite numbers from 0 on",
+            ),
+            (
+                Texture::Checker { count: [1, 1], colors: [A, [0.0, 0.0, f64::INFINITY]] },
+                "color (0, 0, inf): red, green and blue must be finite numbers from 0 on",
+            ),
+        ] {
+            assert_eq!(texture.check().unwrap_err().to_string(), expected);
+        }
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub use construction::Construction;
 pub use curve::{BSplineEnds, CurveKind, CurveSpec};
 pub use document::{CameraSpec, ImportNote, Lens, Object, Part, Scene, Shape};
 pub use error::{SceneError, SceneFault};
-pub use light::{Light, Rgb};
+pub use light::{Light, LightError, Rgb};
 pub(crate) use material::share;
 pub use material::{Material, Texture};
 pub use names::{UnknownName, nearest};

@@ -77,7 +77,7 @@ pub struct RenderDefaults {
 }
 
 /// Why there can be no such picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PictureError {
     /// A side of the picture is 0.
@@ -102,6 +102,12 @@ pub enum PictureError {
     /// No samples are taken.
     #[error("spp 0: a picture needs at least one sample a pixel")]
     NoSamples,
+    /// The exposure is NaN or infinite.
+    #[error("exposure {exposure}: stops must be finite")]
+    Exposure {
+        /// The exposure as given.
+        exposure: f64,
+    },
 }
 
 impl RenderDefaults {
@@ -113,10 +119,15 @@ impl RenderDefaults {
     /// renderer, which can make it in parts.
     ///
     /// # Errors
-    /// When a side has no pixels, or absurdly many, or there are no samples.
+    /// When a side has no pixels, or absurdly many, there are no samples, or the exposure is not
+    /// finite.
     pub fn check(&self) -> Result<(), PictureError> {
         Self::check_size(self.size)?;
-        if self.spp == 0 { Err(PictureError::NoSamples) } else { Ok(()) }
+        if self.spp == 0 {
+            return Err(PictureError::NoSamples);
+        }
+        let exposure = self.exposure;
+        if exposure.is_finite() { Ok(()) } else { Err(PictureError::Exposure { exposure }) }
     }
 
     /// Refuses widths and heights that no picture has.
@@ -168,6 +179,8 @@ mod tests {
             "size 4294967295x1: a side of a picture has at most 65536 pixels"
         );
         assert_eq!(message((1, 1), 0), "spp 0: a picture needs at least one sample a pixel");
+        let dark = RenderDefaults { exposure: f64::NEG_INFINITY, ..RenderDefaults::default() };
+        assert_eq!(dark.check().unwrap_err().to_string(), "exposure -inf: stops must be finite");
     }
 
     #[test]

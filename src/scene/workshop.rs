@@ -6,8 +6,10 @@ use super::curve::CurveFault;
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::placing::Placer;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
-use crate::geometry::construct::{self, Axis, Borders, ConstructError, ControlNet, Piece, Sweep};
-use crate::geometry::{CurveError, NurbsCurve, Surface};
+use crate::geometry::construct::{
+    self, Axis, Borders, Component, ConstructError, ControlNet, Sweep,
+};
+use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,20 +181,24 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
             'v' => "v",
             _ => "w",
         },
+        ConstructError::Iso(SurfaceError::Parameter { direction, .. }) => match direction {
+            Direction::U => "u",
+            Direction::V => "v",
+        },
         ConstructError::NoW { .. } => "w",
         _ => return None,
     })
 }
 
 /// The pieces under names of their own: what each is, with a number where there are several.
-fn numbered(pieces: Vec<Piece>) -> Vec<Made> {
+fn numbered(pieces: Vec<Component>) -> Vec<Made> {
     let of = |what| pieces.iter().filter(|piece| piece.what == what).count();
     let several: HashSet<&str> = KINDS.into_iter().filter(|what| of(*what) > 1).collect();
     let only = pieces.len() == 1;
     let mut counts: HashMap<&str, usize> = HashMap::new();
     pieces
         .into_iter()
-        .map(|Piece { what, surface, deviation }| {
+        .map(|Component { what, surface, deviation }| {
             let count = counts.entry(what).or_default();
             *count += 1;
             let name = match several.contains(what) {

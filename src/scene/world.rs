@@ -1,11 +1,14 @@
 //! A scene ready to trace.
 
 use super::framing::{BoundingSphere, default_lights};
+use super::light::check_amount;
 use super::palette::Palette;
 use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
 use super::workshop::Made;
-use super::{Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault};
+use super::{
+    Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Written,
+};
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, SurfaceBvh};
 
@@ -15,7 +18,7 @@ pub struct World {
     pub(crate) bvh: SurfaceBvh,
     pub(crate) surfaces: Vec<Instance>,
     pub(crate) materials: Vec<Material>,
-    /// The lights; never empty.
+    /// The lights; [`World::new`] gives a scene without any its default ones.
     pub lights: Vec<Light>,
     /// Where the picture is taken from.
     pub camera: Camera,
@@ -49,7 +52,7 @@ impl World {
     /// Checks a scene and makes it ready to trace.
     ///
     /// # Errors
-    /// When a surface, a transform or the camera is not one, a name is unknown or taken,
+    /// When a surface, a transform, a light, a colour or the camera is not one, a name is unknown or taken,
     /// there is nothing to show, or too much; the error says where it was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         Placed::new(scene)?.build()
@@ -106,7 +109,9 @@ impl<'a> Placed<'a> {
             let fault = SceneFault::Empty { notes: scene.notes.clone() };
             return Err(SceneError::new(scene.place.clone(), fault));
         };
-        let camera = scene.camera.camera(sphere).map_err(|error| {
+        let (width, height) = scene.settings.size;
+        let aspect = f64::from(width) / f64::from(height);
+        let camera = scene.camera.camera(sphere, aspect).map_err(|error| {
             SceneError::new(scene.camera.blame(&error).clone(), SceneFault::Camera(error))
         })?;
         let lights =
@@ -146,12 +151,27 @@ fn check_and_place(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), Scen
         let only_plots = !scene.plots.is_empty();
         return Err(fails(if only_plots { SceneFault::OnlyPlots } else { SceneFault::NoObjects }));
     }
+    check_shades(scene)?;
     check_point_count(scene)?;
     let placed = place_objects(scene, Scene::MAX_POINTS)?;
     if placed.0.is_empty() {
         return Err(fails(SceneFault::Empty { notes: scene.notes.clone() }));
     }
     Ok(placed)
+}
+
+/// Refuses lights, colours and backgrounds that are none.
+fn check_shades(scene: &Scene) -> Result<(), SceneError> {
+    for (light, one) in scene.lights.iter().enumerate() {
+        let fault = |error| SceneFault::Light { light, error };
+        one.check().map_err(|error| SceneError::new(scene.place.clone(), fault(error)))?;
+    }
+    for Written { value: Material { name, texture }, place } in &scene.materials {
+        let fault = |error| SceneFault::Texture { material: name.clone(), error };
+        texture.check().map_err(|error| SceneError::new(place.clone(), fault(error)))?;
+    }
+    let background = scene.background.map_or(Ok(()), |amount| check_amount("background", amount));
+    background.map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Background(error)))
 }
 
 /// Refuses what would not fit in memory before any of it is copied.
@@ -239,6 +259,29 @@ mod tests {
 
     fn message(scene: &Scene) -> String {
         World::new(scene).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn light_that_is_none_is_refused() {
+        let ball = || vec![object(NamedShape::Sphere { radius: 1.0 })];
+        let dark = Light::Ambient { radiance: [0.0; 3] };
+        let lights = vec![dark, Light::Ambient { radiance: [1.0, -1.0, 1.0] }];
+        assert_eq!(
+            message(&Scene { lights, ..scene(ball()) }),
+            "s.toml: light 1: radiance (1, -1, 1): red, green and blue must be finite numbers from 0 on"
+        );
+        let background = Some([0.0, f64::NAN, 0.0]);
+        assert_eq!(
+            message(&Scene { background, ..scene(ball()) }),
+            "s.toml: background (0, NaN, 0): red, green and blue must be finite numbers from 0 on"
+        );
+        let texture = Texture::Constant([0.0, 0.0, -1.0]);
+        let materials = vec![here(Material { name: "red".into(), texture })];
+        assert_eq!(
+            message(&Scene { materials, ..scene(ball()) }),
+            "s.toml:41:7: material \"red\": color (0, 0, -1): red, green and blue must be finite numbers \
+             from 0 on"
+        );
     }
 
     fn bilinear() -> Net {

@@ -25,7 +25,7 @@ const ROUNDINGS: f64 = 8.0;
 /// Where a whole piece lies on the axis, its ends are such places.
 ///
 /// # Errors
-/// When a curve with so many knots is none.
+/// When a curve with this many knots is none.
 pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurve, ConstructError> {
     let mut cut = profile.clone();
     for t in meetings(profile, axis) {

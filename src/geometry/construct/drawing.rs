@@ -10,9 +10,9 @@ use glam::DVec3;
 
 use super::collinear::united;
 use super::places::{Places, SAME};
-use super::tube::{Caps, Parts, Piece, TubeStyle, ball, cap, cylinder, parts, round_part};
+use super::tube::{Caps, Component, Parts, TubeStyle, ball, cap, cylinder, parts, round_part};
 use super::{ConstructError, ControlNet, Tightest};
-use crate::geometry::NurbsCurve;
+use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
 
 /// Things to see that are drawn together.
 ///
@@ -54,7 +54,7 @@ enum Item {
         at: DVec3,
         outward: DVec3,
     },
-    Made(Piece),
+    Made(Component),
 }
 
 impl Item {
@@ -128,11 +128,15 @@ impl Drawing {
     /// points.
     ///
     /// # Errors
-    /// When it has too many points, or a line that ends at none of them.
+    /// When it has too many points, one that is not finite, or a line that ends at none of them.
     pub fn net(&mut self, net: &ControlNet, joints: f64) -> Result<(), ConstructError> {
         let count = net.points.len();
         if count > MAX_DRAWN {
             return Err(ConstructError::LargeNet { count, limit: MAX_DRAWN });
+        }
+        let usable = |point: &DVec3| point.abs().max_element() <= MAX_MAGNITUDE && !point.is_nan();
+        if let Some(index) = net.points.iter().position(|point| !usable(point)) {
+            return Err(ConstructError::NetPoint { index, point: net.points[index] });
         }
         for (line, ends) in net.lines.iter().enumerate() {
             if let Some(&vertex) = ends.iter().find(|&&vertex| vertex >= count) {
@@ -160,7 +164,7 @@ impl Drawing {
     ///
     /// # Errors
     /// When a radius is not a positive length.
-    pub fn pieces(self) -> Result<Vec<Piece>, ConstructError> {
+    pub fn pieces(self) -> Result<Vec<Component>, ConstructError> {
         let rods = self.items.iter().filter_map(|item| match item {
             Item::Rod { ends, .. } => Some(*ends),
             _ => None,
@@ -172,11 +176,11 @@ impl Drawing {
                 Item::Rod { what, .. } => {
                     // Those that are part of another one are drawn with it.
                     if let Some(ends) = united.next().flatten() {
-                        pieces.push(Piece { what, ..cylinder(ends, self.style.radius)? });
+                        pieces.push(Component { what, ..cylinder(ends, self.style.radius)? });
                     }
                 }
                 Item::Ball { what, at, radius } => {
-                    pieces.push(Piece { what, ..ball(at, radius)? });
+                    pieces.push(Component { what, ..ball(at, radius)? });
                 }
                 Item::Cap { at, outward } => pieces.extend(cap(at, outward, &self.style)?),
                 Item::Made(piece) => pieces.push(piece),

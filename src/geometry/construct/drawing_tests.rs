@@ -2,11 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::{Caps, ControlNet, Drawing, NetStyle, Piece, TubeStyle, control_net, tube};
+use super::{Caps, Component, ControlNet, Drawing, NetStyle, TubeStyle, control_net, tube};
 use crate::geometry::shapes::circle_arc;
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 
-fn counts(pieces: &[Piece]) -> [usize; 3] {
+fn counts(pieces: &[Component]) -> [usize; 3] {
     ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
 }
 
@@ -15,7 +15,7 @@ fn flat(points: &[[f64; 2]], size: f64) -> Vec<DVec3> {
 }
 
 /// Tubes around all of some curves.
-fn drawn(curves: &[NurbsCurve], caps: Caps, size: f64) -> Vec<Piece> {
+fn drawn(curves: &[NurbsCurve], caps: Caps, size: f64) -> Vec<Component> {
     let style = TubeStyle { radius: 0.05 * size, caps, tolerance: None };
     let mut drawing = Drawing::among([DVec3::splat(2.0 * size)], style);
     for curve in curves {
@@ -40,7 +40,7 @@ fn ends_that_meet_become_one_ball() {
         let pieces = drawn(&sides, Caps::Round, size);
         assert_eq!(counts(&pieces), [4, 4, 0]);
         for corner in flat(&corners, size) {
-            let around = |piece: &&Piece| {
+            let around = |piece: &&Component| {
                 let on = piece.surface.point_at(0.3, 0.4).distance(corner) / size;
                 piece.what == "joint" && (on - 0.05).abs() < 1e-12
             };
@@ -133,7 +133,7 @@ fn lines_that_overlap_are_joined() {
         lines: (0..segments.len()).map(|k| [2 * k, 2 * k + 1]).collect(),
     };
     let pieces = control_net(&net, &NetStyle { radius: 0.01, joints: 0.02 }).unwrap();
-    let lines: Vec<&Piece> = pieces.iter().filter(|piece| piece.what == "line").collect();
+    let lines: Vec<&Component> = pieces.iter().filter(|piece| piece.what == "line").collect();
     assert_eq!(lines.len(), 4);
     // The joined one goes all the way.
     let [_, (c, d)] = lines[0].surface.domain();

@@ -101,6 +101,17 @@ pub enum ConstructError {
         /// How many the net has.
         count: usize,
     },
+    /// A point of a net is NaN, or beyond what surfaces have.
+    #[error(
+        "control point {index} of the net is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
+        ShownVector(*.point)
+    )]
+    NetPoint {
+        /// Which point, counted from 0.
+        index: usize,
+        /// The point, as given.
+        point: DVec3,
+    },
     /// What is drawn of an object has more control points than are sensible.
     #[error("a drawing of more than {limit} control points: at most that many are supported")]
     LargeDrawing {
@@ -379,9 +390,9 @@ pub enum ConstructError {
     /// There is no scale, or all are zero.
     #[error("the scale is 0 all along the path: one at least must be positive")]
     NoScale,
-    /// There are too many scales.
+    /// There are no scales, or too many.
     #[error(
-        "{found} scales: there can be {most}, as many as a curve of the largest degree has points"
+        "{found} scales: there can be 1 to {most}, as many as a curve of the largest degree has points"
     )]
     ScaleCount {
         /// How many there are.

@@ -23,11 +23,11 @@ use crate::math::unit;
 /// are themselves rounded.
 const ROUNDING: (f64, f64) = (16384.0 * f64::EPSILON, 16.0 * f64::EPSILON);
 
-/// Points are one that are apart by no more than so many of those: the two stretches may each
+/// Points are one that are apart by no more than this many of those: the two stretches may each
 /// have lost one or two at their beginning.
 const SAME_POINT: f64 = 4.0;
 
-/// A stretch that is run through again is longer than so many of those: narrower things than
+/// A stretch that is run through again is longer than this many of those: narrower things than
 /// that cannot be told from it.
 const LONGER: f64 = 64.0;
 

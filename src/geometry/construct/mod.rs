@@ -66,4 +66,4 @@ pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};
 pub use sweep::{MAX_SCALES, Sweep, SweepOptions, sweep, sweep_size};
 pub use tightest::Tightest;
-pub use tube::{Caps, Piece, RibbonStyle, TubeStyle, ribbon, tube};
+pub use tube::{Caps, Component, RibbonStyle, TubeStyle, ribbon, tube};

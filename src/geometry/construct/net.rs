@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::tube::{Caps, Piece, TubeStyle};
+use super::tube::{Caps, Component, TubeStyle};
 use super::{ConstructError, Drawing};
 use crate::geometry::{NurbsCurve, NurbsSurface, TrianglePatch};
 
@@ -88,9 +88,9 @@ impl From<&NurbsCurve> for ControlNet {
 /// that coincide, as at poles and seams, are drawn once, and so are lines, also where they overlap.
 ///
 /// # Errors
-/// When a radius is not a positive length, there are too many points, or a line ends at none of
-/// them.
-pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Piece>, ConstructError> {
+/// When a radius is not a positive length, there are too many points, one is not finite, or a line
+/// ends at none of them.
+pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Component>, ConstructError> {
     let mut drawing = Drawing::among(net.points.iter().copied(), style.lines());
     drawing.net(net, style.joints)?;
     drawing.pieces()
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::geometry::{KnotVector, shapes};
 
-    fn counts(pieces: &[Piece]) -> [usize; 2] {
+    fn counts(pieces: &[Component]) -> [usize; 2] {
         ["line", "point"].map(|what| pieces.iter().filter(|p| p.what == what).count())
     }
 
@@ -146,6 +146,11 @@ mod tests {
                 .unwrap_err()
                 .to_string(),
             "90000 control points: nets of up to 65536 can be drawn"
+        );
+        let nowhere = ControlNet { points: vec![DVec3::ZERO, DVec3::NAN], lines: Vec::new() };
+        assert_eq!(
+            control_net(&nowhere, &NetStyle { radius: 0.1, joints: 0.2 }).unwrap_err().to_string(),
+            "control point 1 of the net is (NaN, NaN, NaN): coordinates must be finite (up to 1e70)"
         );
         assert_eq!(message(1.0, 0.0), "joint radius 0: it must be positive and finite");
     }

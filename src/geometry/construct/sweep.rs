@@ -137,10 +137,10 @@ fn check_options(options: &SweepOptions) -> Result<(), ConstructError> {
     if let Some(index) = scale.iter().position(|&factor| !(factor >= 0.0 && factor.is_finite())) {
         return Err(ConstructError::Scale { index, factor: scale[index] });
     }
-    if scale.iter().all(|&factor| factor == 0.0) {
+    if !scale.is_empty() && scale.iter().all(|&factor| factor == 0.0) {
         return Err(ConstructError::NoScale);
     }
-    if scale.len() > MAX_SCALES {
+    if !(1..=MAX_SCALES).contains(&scale.len()) {
         return Err(ConstructError::ScaleCount { found: scale.len(), most: MAX_SCALES });
     }
     if !twist.is_finite() {

@@ -309,13 +309,17 @@ fn what_cannot_be_swept() {
         "scale 1 is -1: it must be finite, and not negative"
     );
     assert_eq!(
-        message(&circle(0.1), &parabola, &scaled(&[])),
+        message(&circle(0.1), &parabola, &scaled(&[0.0, 0.0])),
         "the scale is 0 all along the path: one at least must be positive"
+    );
+    assert_eq!(
+        message(&circle(0.1), &parabola, &scaled(&[])),
+        "0 scales: there can be 1 to 33, as many as a curve of the largest degree has points"
     );
     assert!(sweep(&circle(0.1), &parabola, &scaled(&[1.0; MAX_SCALES])).is_ok());
     assert_eq!(
         message(&circle(0.1), &parabola, &scaled(&[1.0; MAX_SCALES + 1])),
-        "34 scales: there can be 33, as many as a curve of the largest degree has points"
+        "34 scales: there can be 1 to 33, as many as a curve of the largest degree has points"
     );
     let fine = SweepOptions { tolerance: Some(1e-30), ..plain.clone() };
     assert!(message(&circle(0.1), &parabola, &fine).starts_with("the tolerance 1e-"));

@@ -27,7 +27,7 @@ pub enum Caps {
 
 /// One surface of several that are made together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct Component {
     /// What it is, as `tube` or `cap`.
     pub what: &'static str,
     /// The surface.
@@ -36,7 +36,7 @@ pub struct Piece {
     pub deviation: f64,
 }
 
-impl Piece {
+impl Component {
     pub(crate) fn exact(what: &'static str, surface: NurbsSurface) -> Self {
         Self { what, surface, deviation: 0.0 }
     }
@@ -65,7 +65,7 @@ pub struct TubeStyle {
 /// # Errors
 /// When the radius is not a positive length, the curve has a gap, is but a point, runs back over
 /// itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
-pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Piece>, ConstructError> {
+pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Component>, ConstructError> {
     let points = (0..curve.control().len()).map(|index| curve.point(index));
     let mut drawing = Drawing::among(points, *style);
     drawing.tube(curve)?;
@@ -119,12 +119,12 @@ pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructE
 
 /// The open tube around a straight line: however its parameter runs, a cylinder is the
 /// extrusion of its circle.
-pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Piece, ConstructError> {
+pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Component, ConstructError> {
     let around = || ConstructError::of("tube");
     let along = unit(b - a).ok_or(ConstructError::StandsStill { path: "curve", t: 0.0 })?;
     let circle = circle_arc(radius, 0.0, 360.0).map_err(around())?;
     let placed = circle.transformed(&frame_at(a, along)).map_err(around())?;
-    Ok(Piece::exact("tube", extrude(&placed, b - a)?))
+    Ok(Component::exact("tube", extrude(&placed, b - a)?))
 }
 
 /// The open tube around a smooth part.
@@ -132,10 +132,10 @@ pub(super) fn round_part(
     profile: &NurbsCurve,
     part: &NurbsCurve,
     style: &TubeStyle,
-) -> Result<Piece, ConstructError> {
+) -> Result<Component, ConstructError> {
     let options = SweepOptions { tolerance: style.tolerance, ..SweepOptions::default() };
     let Sweep { surface, deviation } = sweep(profile, part, &options)?;
-    Ok(Piece { what: "tube", surface, deviation })
+    Ok(Component { what: "tube", surface, deviation })
 }
 
 /// The rigid map that takes the origin to a point and z to a direction.
@@ -150,11 +150,11 @@ fn frame_at(origin: DVec3, z: DVec3) -> DAffine3 {
 ///
 /// # Errors
 /// When the radius is not a positive length, or the point not finite.
-pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Piece, ConstructError> {
+pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Component, ConstructError> {
     let sphere = sphere_biquadratic(radius)
         .map_err(|_| ConstructError::Radius { what: "joint", radius })?
         .transformed(&DAffine3::from_translation(centre))?;
-    Ok(Piece::exact("joint", sphere))
+    Ok(Component::exact("joint", sphere))
 }
 
 /// What closes a tube that ends at a point in this direction.
@@ -162,7 +162,7 @@ pub(super) fn cap(
     at: DVec3,
     outward: DVec3,
     style: &TubeStyle,
-) -> Result<Option<Piece>, ConstructError> {
+) -> Result<Option<Component>, ConstructError> {
     let radius = style.radius;
     let of_cap = ConstructError::of("cap");
     let profile = match style.caps {
@@ -173,7 +173,7 @@ pub(super) fn cap(
             .map_err(of_cap)?,
     };
     let surface = revolve(&profile, &Axis::Z, 360.0)?.transformed(&frame_at(at, outward))?;
-    Ok(Some(Piece::exact("cap", surface)))
+    Ok(Some(Component::exact("cap", surface)))
 }
 
 /// Takes the plane of x and y to that of x and z.
@@ -202,7 +202,7 @@ pub struct RibbonStyle {
 ///
 /// # Errors
 /// When the width is not a positive length, and as [`sweep`].
-pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, ConstructError> {
+pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Component>, ConstructError> {
     let usable = style.width > 0.0 && style.width.is_finite(); // false for NaN
     if !usable {
         return Err(ConstructError::Width { width: style.width });
@@ -220,7 +220,7 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Piece>, Con
     };
     let made = |part: NurbsCurve| {
         let Sweep { surface, deviation } = sweep(&profile, &part, &options)?;
-        Ok(Piece { what: "ribbon", surface, deviation })
+        Ok(Component { what: "ribbon", surface, deviation })
     };
     let parts = smooth_parts(&curve).map_err(called)?.into_iter();
     parts.map(|part| made(part).map_err(called)).collect()
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
     use crate::geometry::KnotVector;
 
-    fn counts(pieces: &[Piece]) -> [usize; 3] {
+    fn counts(pieces: &[Component]) -> [usize; 3] {
         ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
     }
 
@@ -259,7 +259,7 @@ mod tests {
         }
         for radius in [1.0, 1e-2, 1e-4] {
             let style = TubeStyle { radius, caps: Caps::Open, tolerance: None };
-            let [Piece { surface, deviation, .. }] = &tube(&curve, &style).unwrap()[..] else {
+            let [Component { surface, deviation, .. }] = &tube(&curve, &style).unwrap()[..] else {
                 panic!("one tube")
             };
             assert!(*deviation <= 1.5e-3 * radius, "{radius}: {deviation}");

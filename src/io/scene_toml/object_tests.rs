@@ -100,6 +100,10 @@ fn nets_are_drawn_of_objects_that_have_surfaces_of_their_own() {
         error(&format!("{ball}{}", lines.replace("'net', u = [0.5]", "'ball'"))),
         "s.toml:7:1: surface \"l\": no lines are named: give u, v or, of triangular patches, w a list of parameters"
     );
+    assert_eq!(
+        error(&format!("{ball}{}", lines.replace("'net', u = [0.5]", "'ball', v = [0.5, 7]"))),
+        "s.toml:7:39: surface \"l\": direction v: the parameter 7 does not lie inside the domain from 0 to 1"
+    );
 }
 
 #[test]

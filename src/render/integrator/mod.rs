@@ -16,12 +16,12 @@ use false_color::HitColor;
 /// A way to find what camera rays see, ready for one picture of one world, with its scratch memory.
 #[derive(Debug)]
 pub(super) struct Integrator {
-    way: Way,
+    way: Method,
     neighbours: Neighbours,
 }
 
 #[derive(Debug)]
-enum Way {
+enum Method {
     /// Lights, shadows and materials.
     Direct(Direct),
     /// A property of the hit as a colour; black where there is none.
@@ -42,12 +42,12 @@ impl Integrator {
     /// For camera rays that are such neighbours.
     pub(super) fn new(kind: IntegratorKind, world: &World, neighbours: Neighbours) -> Self {
         let way = match kind {
-            IntegratorKind::Direct => Way::Direct(Direct::default()),
-            IntegratorKind::Normal => Way::Hit(HitColor::Normal),
-            IntegratorKind::Uv => Way::Hit(HitColor::Uv),
-            IntegratorKind::Depth => Way::Hit(HitColor::depth(world)),
-            IntegratorKind::Id => Way::Hit(HitColor::Id),
-            IntegratorKind::Iterations => Way::Iterations,
+            IntegratorKind::Direct => Method::Direct(Direct::default()),
+            IntegratorKind::Normal => Method::Hit(HitColor::Normal),
+            IntegratorKind::Uv => Method::Hit(HitColor::Uv),
+            IntegratorKind::Depth => Method::Hit(HitColor::depth(world)),
+            IntegratorKind::Id => Method::Hit(HitColor::Id),
+            IntegratorKind::Iterations => Method::Iterations,
         };
         Self { way, neighbours }
     }
@@ -63,7 +63,7 @@ impl Integrator {
         batch: &mut Batch,
     ) -> Counters {
         batch.radiance.clear();
-        if let Way::Iterations = self.way {
+        if let Method::Iterations = self.way {
             work::trace(tracer, batch);
             return count(&batch.answers);
         }
@@ -71,8 +71,8 @@ impl Integrator {
         tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
         let mut counters = count(&batch.answers);
         match &mut self.way {
-            Way::Direct(direct) => counters += direct.light(world, (tracer, occlusions), batch),
-            Way::Hit(color) => {
+            Method::Direct(direct) => counters += direct.light(world, (tracer, occlusions), batch),
+            Method::Hit(color) => {
                 let Batch { rays, answers, radiance } = batch;
                 let seen = rays.iter().zip(answers.iter());
                 radiance.extend(seen.map(|(ray, answer)| match &answer.hit {
@@ -80,7 +80,7 @@ impl Integrator {
                     None => [0.0; 3],
                 }));
             }
-            Way::Iterations => {}
+            Method::Iterations => {}
         }
         counters
     }
