@@ -1,0 +1,105 @@
+//! What a ray is answered does not depend on its neighbours.
+
+use glam::DVec3;
+use nurbray::geometry::{KnotVector, NurbsSurface, Surface};
+use nurbray::intersect::{Coherence, Kernel, Query, SurfaceBvh};
+use nurbray::math::Ray;
+
+use crate::answers::{bits, one_by_one, trace};
+use crate::models::{models, sheet, with_heavy_points};
+use crate::random::Random;
+use crate::rays::{leaving, rays};
+
+#[test]
+fn an_answer_does_not_depend_on_the_company() {
+    for (name, surfaces) in models() {
+        let bvh = SurfaceBvh::build(&surfaces).unwrap();
+        let (low, high) = bvh.bounds().unwrap();
+        let mut random = Random::new(7);
+        let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
+        let mut queries = rays(&surfaces, center, radius, &mut random);
+        let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+        queries.extend(leaving(&hits, radius, &mut random));
+        in_any_company(&name, &bvh, &queries, &mut random);
+    }
+}
+
+/// Nor does it where nets are made of a spline's control points, one by one or eight side by side.
+#[test]
+fn nor_does_that_of_dense_sheets() {
+    let mut random = Random::new(9);
+    for (degree, points, rational) in [((5, 5), 30, true), ((4, 7), 26, false), ((3, 2), 60, true)]
+    {
+        let own = sheet(degree, points, rational);
+        for surface in [own.clone(), with_heavy_points(&own)] {
+            let bvh = SurfaceBvh::build(std::slice::from_ref(&surface)).unwrap();
+            let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
+            in_any_company(&format!("dense sheet {degree:?}"), &bvh, &queries, &mut random);
+        }
+    }
+}
+
+/// Nor where neighbouring weights differ by up to a million times.
+#[test]
+fn nor_does_that_of_sheets_of_wild_weights() {
+    let mut random = Random::new(11);
+    for degree in [(3, 1), (5, 1), (2, 2)] {
+        let control = sheet(degree, 24, false).control().to_vec();
+        let mut wild = || 10f64.powf(6.0 * random.unit() - 3.0);
+        let control = control.into_iter().map(|point| wild() * point).collect();
+        let knots = |degree| KnotVector::clamped_uniform(degree, 24).unwrap();
+        let surface =
+            NurbsSurface::from_homogeneous(knots(degree.0), knots(degree.1), control).unwrap();
+        let bvh = SurfaceBvh::build(std::slice::from_ref(&surface)).unwrap();
+        let queries = rays(&[Surface::from(surface)], DVec3::ZERO, 1.5, &mut random);
+        in_any_company(&format!("wild sheet {degree:?}"), &bvh, &queries, &mut random);
+    }
+}
+
+/// Lines that touch a sheet in the shape of a cubic, to within rounding or a little more, and cross the same
+/// leaf elsewhere: of some of its parts one root is proved, of others nothing.
+#[test]
+fn nor_does_that_of_a_ray_of_which_not_all_is_proved() {
+    let bend = 0.012;
+    let knots = |degree| KnotVector::clamped_uniform(degree, degree + 1).unwrap();
+    let net = [(-1.0, -bend), (-1.0 / 3.0, bend), (1.0 / 3.0, -bend), (1.0, bend)]
+        .into_iter()
+        .flat_map(|(x, z)| [-1.0, 1.0].map(|y| DVec3::new(x, y, z)))
+        .collect();
+    let sheet = NurbsSurface::new(knots(3), knots(1), net, None).unwrap();
+    let bvh = SurfaceBvh::build(&[sheet]).unwrap();
+    assert_eq!(bvh.leaves().len(), 1);
+    let mut random = Random::new(8);
+    let mut queries = Vec::new();
+    for _ in 0..600 {
+        let at = 0.9 * (random.unit() - 0.5);
+        let slope = 3.0 * bend * at * at;
+        let aside = 10f64.powf(-16.0 + 10.0 * random.unit()) * (random.unit() - 0.5);
+        let direction = DVec3::new(1.0, 0.2 * (random.unit() - 0.5), slope);
+        let touched = DVec3::new(at, 0.5 * (random.unit() - 0.5), bend * at.powi(3) + aside);
+        let sign = if random.unit() < 0.5 { 1.0 } else { -1.0 };
+        let ray = Ray::new(touched - 3.0 * sign * direction, sign * direction).unwrap();
+        queries.push(Query::primary(ray));
+    }
+    in_any_company("cubic sheet", &bvh, &queries, &mut random);
+}
+
+/// All kernels' answers to rays, and again in another order and in batches of another size.
+fn in_any_company(name: &str, bvh: &SurfaceBvh, queries: &[Query], random: &mut Random) {
+    let kernels = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
+    let hints = [Coherence::Coherent, Coherence::Incoherent];
+    for (&kernel, coherence) in kernels.flat_map(|kernel| hints.map(|hint| (kernel, hint))) {
+        let together = trace(bvh, kernel, coherence, queries);
+        let mut order: Vec<usize> = (0..queries.len()).collect();
+        for k in (1..order.len()).rev() {
+            order.swap(k, (random.unit() * (k + 1) as f64) as usize);
+        }
+        for company in order.chunks(23) {
+            let mixed: Vec<Query> = company.iter().map(|&k| queries[k]).collect();
+            let answers = trace(bvh, kernel, coherence, &mixed);
+            for (&k, answer) in company.iter().zip(&answers) {
+                assert_eq!(bits(answer), bits(&together[k]), "{name}, {kernel}: ray {k}");
+            }
+        }
+    }
+}
