@@ -92,7 +92,7 @@ impl Panel {
         Ok(())
     }
 
-    /// The title, a legend with room for so many lines, and the axes below it: they hold
+    /// The title, a legend with room for this many lines, and the axes below it: they hold
     /// what is drawn and nothing else.
     fn draw(
         &self,

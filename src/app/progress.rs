@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::console;
 
-/// Plain lines appear at each of so many equal parts of the work, and no oftener than this:
+/// Plain lines appear at each of this many equal parts of the work, and no oftener than this:
 /// work of seconds needs none, work of hours has ten.
 const PARTS: u64 = 10;
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
@@ -60,7 +60,7 @@ impl Progress {
         self.show(done);
     }
 
-    /// `done` units of the work are finished, and so many rays are traced in all; 0 if that
+    /// `done` units of the work are finished, and this many rays are traced in all; 0 if that
     /// is not what the work is about.
     pub(crate) fn set(&self, done: u64, rays: u64) {
         self.rays.store(rays, Ordering::Relaxed);

@@ -33,7 +33,7 @@ pub(crate) fn short(number: f64) -> String {
     digits(number, 6)
 }
 
-/// A number with up to so many significant digits, without trailing zeros.
+/// A number with up to this many significant digits, without trailing zeros.
 fn digits(number: f64, most: i32) -> String {
     let exponent = number.abs().log10().floor();
     if number == 0.0 || !number.is_finite() {

@@ -81,6 +81,12 @@ pub enum CurveError {
         /// The radius.
         radius: f64,
     },
+    /// An arc of a circle begins nowhere.
+    #[error("an arc from {}°: it must begin at a finite angle", Shown(*.from))]
+    ArcStart {
+        /// Where it begins.
+        from: f64,
+    },
     /// An arc of a circle turns by nothing, or by more than the circle has.
     #[error("an arc from {from}° by {degrees}°: it must turn by -360° to 360°, and not by 0°")]
     Arc {

@@ -6,7 +6,7 @@ use crate::math::bernstein;
 /// The highest degree supported.
 ///
 /// Basis functions are evaluated in arrays of this size plus one on the stack, so that
-/// nothing allocates per point. Files from CAD systems rarely exceed degree 24.
+/// nothing allocates per point. See [`bernstein::MAX_DEGREE`].
 pub const MAX_DEGREE: usize = bernstein::MAX_DEGREE;
 
 /// The largest number of control points in one direction: more is taken for a mistake and

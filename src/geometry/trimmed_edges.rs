@@ -9,7 +9,7 @@ use super::{
 };
 use crate::math::bernstein::binomial;
 
-/// Two pieces of an edge are joined if their ends agree to so many roundings of the largest
+/// Two pieces of an edge are joined if their ends agree to this many roundings of the largest
 /// coordinate: a surface with a knot of full multiplicity may jump.
 const JOINT: f64 = 256.0;
 

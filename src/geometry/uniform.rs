@@ -35,7 +35,7 @@ impl NurbsCurve {
     /// finite.
     pub fn closed_bspline(degree: usize, points: &[DVec3]) -> Result<Self, CurveError> {
         check_count(points.len(), 3)?;
-        // Knots first: they refuse a degree before so many points are made.
+        // Knots first: they refuse a degree before this many points are made.
         let count = points.len().saturating_add(degree);
         let knots = KnotVector::uniform(degree, count)?;
         let around = (0..count).map(|k| points[k % points.len()]).collect();
@@ -43,7 +43,7 @@ impl NurbsCurve {
     }
 }
 
-/// The control points with the first and the last repeated, each so many times in all. A
+/// The control points with the first and the last repeated, each this many times in all. A
 /// uniform spline of degree `p` meets an end point that is there `p` times. (The lecture's slide with
 /// threefold ends prints coordinates a hundred times those of the slide that defines the points.)
 ///

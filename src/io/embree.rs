@@ -279,7 +279,7 @@ impl Embree {
         Self::open(c"")
     }
 
-    /// Loads Embree, to build scenes with so many threads; 0 means one a processor.
+    /// Loads Embree, to build scenes with this many threads; 0 means one a processor.
     ///
     /// # Errors
     /// As [`Embree::load`].

@@ -14,7 +14,7 @@ const KINDS: [(&str, &str); 5] = [
 
 /// Keys that are looked for in the wrong table: the key, one that the table does have, and
 /// what to write.
-const ELSEWHERE: [(&str, &str, &str); 14] = [
+const ELSEWHERE: [(&str, &str, &str); 17] = [
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
     ("from", "look_from", "look_from = [x, y, z]"),
@@ -29,6 +29,9 @@ const ELSEWHERE: [(&str, &str, &str); 14] = [
     ("translate", "shape", "transform = [{ translate = [x, y, z] }]"),
     ("rotate", "shape", "transform = [{ rotate = { axis = \"z\", degrees = … } }]"),
     ("scale", "shape", "transform = [{ scale = … }]"),
+    ("transform", "knots_u", "it under [[object]], above the tables of its shape"),
+    ("material", "knots_u", "it under [[object]], above the tables of its shape"),
+    ("plane", "net", "it under [[plot]], above the tables of what it shows"),
 ];
 
 /// Types of Rust that parsers mention, and what they are called outside.
@@ -88,6 +91,10 @@ fn one_or_several(message: &str, written: &str) -> Option<String> {
     if message == "invalid type: map, expected a sequence" {
         return Some(match header("[", "]") {
             Some(name) => format!("there can be several of these: write [[{name}]]"),
+            None if begins_with_points(written) => "found a table, needed a list of points: [[x, y], …]; \
+                                                   with weights or knots it is nurbs = { degree = …, \
+                                                   points = …, weights = … }"
+                .to_owned(),
             None => "found a table, needed a list: write [{ … }]".to_owned(),
         });
     }
@@ -97,6 +104,12 @@ fn one_or_several(message: &str, written: &str) -> Option<String> {
         return Some(format!("there is only one of these: write [{name}]"));
     }
     None
+}
+
+/// Whether a table's first key is one that tells of control points.
+fn begins_with_points(table: &str) -> bool {
+    let first = table.trim_start_matches('{').trim_start();
+    ["points", "weights", "degree", "knots"].iter().any(|key| first.starts_with(key))
 }
 
 /// `shpere`, expected one of `sphere`, `torus`.
@@ -171,6 +184,10 @@ mod tests {
             explain("unknown field `fov`, expected one of `size`, `spp`", "fov"),
             "unknown key \"fov\"; known: size, spp"
         );
+        assert_eq!(
+            explain("unknown field `transform`, expected one of `degree`, `knots_u`", "transform"),
+            "unknown key \"transform\"; write it under [[object]], above the tables of its shape"
+        );
     }
 
     #[test]
@@ -198,6 +215,14 @@ mod tests {
         assert_eq!(
             explain("invalid type: map, expected a sequence", "{ scale = 2 }"),
             "found a table, needed a list: write [{ … }]"
+        );
+        assert_eq!(
+            explain(
+                "invalid type: map, expected a sequence",
+                "{ points = [[0, 0], [1, 1]], weights = [1, 2] }"
+            ),
+            "found a table, needed a list of points: [[x, y], …]; with weights or knots it is nurbs = { degree = …, \
+             points = …, weights = … }"
         );
         assert_eq!(
             explain("invalid type: sequence, expected a table", "[[camera]]"),

@@ -238,7 +238,8 @@ fn transposed(columns: &[f64], rows: usize, width: usize) -> Vec<f64> {
 /// Rows and columns, if the array has two dimensions and one of the widths that will do.
 fn shape(header: &NpyHeader, path: &Path, columns: &[usize]) -> Result<(usize, usize), NpyError> {
     if let &[rows, width] = header.shape()
-        && let Some(&width) = columns.iter().find(|&&columns| columns as u64 == width)
+        && let Some(&width) =
+            columns.iter().find(|&&columns| columns > 0 && columns as u64 == width)
     {
         return Ok((rows as usize, width));
     }
@@ -395,6 +396,9 @@ mod tests {
             let bytes: Vec<u8> = cut.chars().map(|c| c as u8).collect();
             assert!(message(&bytes).ends_with("it ends within the header"), "{cut}");
         }
+        // Rows of nothing are no rows, even where they are asked for.
+        let empty = file(&header("<f8", "False", "(3, 0)"), &[]);
+        assert!(read(&empty, &[0]).is_err());
         let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();
         assert_eq!(error, "cannot read \"/no/such.npy\": there is no such file");
         assert!(matches!(read_table(Path::new("/"), &[6]), Err(NpyError::Io { .. })));

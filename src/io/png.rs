@@ -76,9 +76,9 @@ pub fn stage_png_bytes(
     (width, height): (u32, u32),
     bytes: &[u8],
 ) -> Result<StagedFile, WriteError> {
-    let needed = u64::from(width) * u64::from(height) * 3;
+    let needed = 3 * u128::from(width) * u128::from(height);
     stage(path, |file| {
-        if bytes.len() as u64 != needed {
+        if bytes.len() as u128 != needed {
             return Err(io::Error::other(format!(
                 "{} bytes, but {width}x{height} pixels need {needed}",
                 bytes.len()

@@ -35,11 +35,11 @@ pub(crate) fn basis<const N: usize>(degree: usize, t: f64) -> [f64; N] {
 }
 
 /// `n` choose `k`, rounded; 0 for `k` above `n`. With `n` below 64 it is far from overflow.
-pub fn binomial(n: usize, k: usize) -> f64 {
+pub(crate) fn binomial(n: usize, k: usize) -> f64 {
     if k > n {
         return 0.0;
     }
-    (1..=k).fold(1.0, |product, i| product * (n + 1 - i) as f64 / i as f64)
+    (1..=k).fold(1.0, |product, i| product * (n - (i - 1)) as f64 / i as f64)
 }
 
 /// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
@@ -99,7 +99,7 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// each of the two cuts mixes `p` times, with three roundings a mix; of random signs they come to
 /// less than `4 p u`. Beyond, what is off grows as polynomials do: `e` outside at both ends, by up
 /// to `(1 + 2 e)ᵖ`.
-pub fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
+pub(crate) fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
@@ -107,13 +107,17 @@ where
 }
 
 /// Restricts a tensor-product net of `(p + 1)(q + 1)` coefficients, second index fastest, to
-/// `[s0, s1] × [t0, t1]`, as [`restrict`] does.
+/// `[s0, s1] × [t0, t1]`, with the errors of two polynomials' coefficients, one after the other.
+///
+/// # Panics
+/// When there are not as many coefficients as that.
+#[track_caller]
 pub fn restrict_net<T>(net: &mut [T], degree: [usize; 2], s: [f64; 2], t: [f64; 2])
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
     let [p, q] = degree;
-    debug_assert_eq!(net.len(), (p + 1) * (q + 1));
+    assert_eq!(net.len(), (p + 1) * (q + 1), "coefficients of degrees {degree:?}");
     if s != [0.0, 1.0] {
         let cuts = Cuts::to(s[0], s[1]);
         match p {
@@ -209,7 +213,7 @@ impl Cuts {
         }
     }
 
-    /// Cuts the columns of a net of `N` rows, each outside the net.
+    /// Cuts the columns of a net of `N` rows, each in a copy outside the net.
     #[inline(always)]
     fn apply_to_columns<T, const N: usize>(&self, net: &mut [T], length: usize)
     where

@@ -28,7 +28,7 @@ pub(crate) struct Audit<'a> {
     pub(crate) seed: u64,
 }
 
-/// Audits with so many rays; `done` is called with the number of rays finished, from any
+/// Audits with this many rays; `done` is called with the number of rays finished, from any
 /// thread. Returns the classes in order, each with its tally; none if there is no surface.
 pub(crate) fn audit(
     what: &Audit<'_>,

@@ -376,7 +376,7 @@ mod tests {
         assert!(bound(knot + 0.1) < 1e3 * UNIT_ROUNDOFF, "{:e}", bound(knot + 0.1));
     }
 
-    /// Beside a trim edge by so many times what a point of the plane may be off, is what was seen there owed?
+    /// Beside a trim edge by this many times what a point of the plane may be off, is what was seen there owed?
     #[test]
     fn what_lies_beyond_a_trim_edge_by_more_than_the_promise_is_not_owed() {
         let knots = KnotVector::bezier(1).unwrap();

@@ -179,7 +179,7 @@ fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure>
     }
 }
 
-/// What is left out of so many surfaces, a line for each reason.
+/// What is left out of this many surfaces, a line for each reason.
 fn left_out(skipped: &[PovraySkip], surfaces: usize) -> Vec<String> {
     let mut reasons: Vec<(PovrayGap, Vec<&PovraySkip>)> = Vec::new();
     for skip in skipped {

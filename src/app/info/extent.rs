@@ -195,13 +195,13 @@ impl Eq for Part {}
 mod tests {
     use glam::{DAffine3, DQuat};
     use nurbray::geometry::{NurbsSurface, shapes};
-    use nurbray::patch::PatchSet;
+    use nurbray::intersect::SurfaceBvh;
 
     use super::*;
 
     fn tight(surface: &NurbsSurface) -> Aabb {
-        let (patches, _) = PatchSet::new(std::slice::from_ref(surface)).unwrap();
-        extent(patches.pieces().iter().map(|piece| &piece.patch))
+        let bvh = SurfaceBvh::build(std::slice::from_ref(surface)).unwrap();
+        extent(bvh.patches().pieces().iter().map(|piece| &piece.patch))
     }
 
     /// The box, and how far it may be off.

@@ -108,7 +108,7 @@ fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
 }
 
 /// Which sides of a corner's patch are borders of the surface: those towards neighbours in the
-/// same face that bring no patch. Turned by so many quarters: at corner 0 of a square, u runs
+/// same face that bring no patch. Turned by this many quarters: at corner 0 of a square, u runs
 /// towards the next corner, v towards the previous one.
 fn borders(mesh: &Mesh, corner: u32, turn: usize) -> [bool; 4] {
     let topology = &mesh.topology;

@@ -223,7 +223,7 @@ impl fmt::Display for Feature {
     }
 }
 
-/// The verb for so many things.
+/// The verb for this many things.
 fn are(count: usize) -> &'static str {
     if count == 1 { "is" } else { "are" }
 }

@@ -222,7 +222,7 @@ pub fn circle_cubic() -> NurbsCurve {
 ///
 /// # Errors
 /// When the radius is not positive or not from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`], or the turn
-/// is zero or more than 360°.
+/// is zero or more than 360°, or the start is not finite.
 pub fn circle_arc(radius: f64, from: f64, degrees: f64) -> Result<NurbsCurve, CurveError> {
     let usable = radius > 0.0 && radius.is_finite(); // false for NaN
     if !usable {
@@ -231,7 +231,10 @@ pub fn circle_arc(radius: f64, from: f64, degrees: f64) -> Result<NurbsCurve, Cu
     if !(MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&radius) {
         return Err(CurveError::RadiusRange { radius });
     }
-    let usable = from.is_finite() && degrees != 0.0 && degrees.abs() <= 360.0;
+    if !from.is_finite() {
+        return Err(CurveError::ArcStart { from });
+    }
+    let usable = degrees != 0.0 && degrees.abs() <= 360.0; // false for NaN
     if !usable {
         return Err(CurveError::Arc { from, degrees });
     }

@@ -10,7 +10,7 @@ use super::{Kept, Trims, UvBox};
 
 /// The sectors into which trim curves cut the directions around a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sectors {
+pub(crate) struct Sectors {
     /// The angles at which curves leave the point, from the direction of growing `u` towards that of growing
     /// `v`: from 0 to a full turn, in order. On the two sides of each are different answers.
     edges: Vec<f64>,
@@ -20,12 +20,12 @@ pub struct Sectors {
 
 impl Sectors {
     /// The angles of the edges, in radians, in order.
-    pub fn edges(&self) -> &[f64] {
+    pub(crate) fn edges(&self) -> &[f64] {
         &self.edges
     }
 
     /// Whether the direction at an angle, which is that of no edge, leads into what is kept.
-    pub fn keeps(&self, angle: f64) -> bool {
+    pub(crate) fn keeps(&self, angle: f64) -> bool {
         let passed = self.edges.iter().filter(|&&edge| edge < angle).count();
         self.first == passed.is_multiple_of(2)
     }
@@ -39,7 +39,7 @@ impl Trims {
     /// are near that are not one.
     ///
     /// A curve's direction is that of its tangent, at its end that of the first control point away from it.
-    pub fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
+    pub(crate) fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
         let mut met = Vec::new();
         let target = UvBox::about(uv, reach);
         self.tree.any(&target, |index| {

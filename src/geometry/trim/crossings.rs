@@ -30,7 +30,7 @@ const WORK_FOR_A_START: usize = 1 << 24;
 /// but rounding. This share of its rectangle is between the two.
 const SMALL_AREA: f64 = 1e-9;
 
-/// A loop that is no larger than so many roundings of its curves is but a point.
+/// A loop that is no larger than this many roundings of its curves is but a point.
 const MOST_REACHES: f64 = 64.0;
 
 /// So many contacts are looked at for the first time before all are found.

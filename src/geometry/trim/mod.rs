@@ -44,7 +44,6 @@ mod trim_loop;
 mod trims;
 mod uv_box;
 
-pub use around::Sectors;
 pub use curve::{MAX_TRIM_POINTS, TrimCurve};
 pub use domain::TrimDomain;
 pub use error::{TrimCurveError, TrimError, TrimLoopError};

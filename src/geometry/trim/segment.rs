@@ -6,7 +6,7 @@ use super::UvBox;
 use crate::math::bernstein::binomial;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// The search for where a target lies ends after so many steps. Four halve the stretch that
+/// The search for where a target lies ends after this many steps. Four halve the stretch that
 /// is left, so that it is down to 2⁻⁶⁴ of the segment, far below one rounding.
 const MOST_STEPS: usize = 256;
 
@@ -341,7 +341,7 @@ impl Segment {
         Self::held(ends, control, self.reach + DVec2::new(rounding, 0.0))
     }
 
-    /// The curve it stands for may be farther away by so much.
+    /// The curve it stands for may be farther away by this much.
     pub(super) fn widen(&mut self, by: DVec2) {
         let margin = self.across.abs().dot(by);
         self.reach += by;

@@ -175,11 +175,12 @@ impl Trims {
     ///
     /// For a hit whose point is known to within `r` in space and tangents at the angle `θ`,
     /// `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` holds all parameters that may be the
-    /// hit's, to first order. Infinite reaches are allowed.
+    /// hit's, to first order. Infinite reaches are allowed; NaN and what is below zero count as zero.
     pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
         if uv.is_nan() {
             return Side::Outside;
         }
+        let reach = reach.max(DVec2::ZERO);
         let mut distance: Option<DVec2> = None;
         let crossings = self.tree.crossings(uv, &UvBox::about(uv, reach), |index| {
             let segment = &self.segments[index];

@@ -116,7 +116,7 @@ pub struct GridMesh {
 }
 
 impl GridMesh {
-    /// A mesh without grids yet, with room for so many vertices.
+    /// A mesh without grids yet, with room for this many vertices.
     pub(super) fn with_room(vertices: usize) -> Self {
         Self {
             positions: Vec::with_capacity(vertices),

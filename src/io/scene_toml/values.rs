@@ -138,7 +138,7 @@ enum Loose {
     List(Vec<f64>),
 }
 
-/// Longer lists are kept only so far: no value has so many numbers.
+/// Longer lists are kept only so far: no value has this many numbers.
 const LONGEST: usize = 8;
 
 /// Reads a value from whatever [`Loose`] can be. The value is made within the visitor, so

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::*;
 use crate::geometry::KnotVector;
 
-/// The squares of the cage's faces after so many steps, quads only from the first step on.
+/// The squares of the cage's faces after this many steps, quads only from the first step on.
 fn refined_squares(cage: &Cage, steps: usize) -> (Cage, Vec<FaceSquare>) {
     let sides: Vec<usize> = (0..cage.face_count()).map(|f| cage.face(f).unwrap().len()).collect();
     let mut squares = Vec::new();
