@@ -6,9 +6,9 @@ use super::borders::{
     TRIM_REACH, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
 };
 use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
-use super::grazing::Known;
+use super::grazing::KnownRoot;
 use super::kept_pole::Spot;
-use super::meeting::{Findings, Meeting, Place, Question};
+use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
 use super::{HitFlags, Root};
 use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
@@ -17,7 +17,7 @@ use crate::patch::{Jet, Leaf, Piece};
 /// Makes a meeting of a solution that lies on the piece and in the ray's range.
 pub(super) fn accept(
     question: &Question<'_>,
-    place: &Place<'_>,
+    place: &PlacedLeaf<'_>,
     solution: &Solution,
     known: Option<(Jet, f64)>,
     findings: &mut Findings,
@@ -46,7 +46,7 @@ impl Dropped {
 /// The meeting that a solution is.
 fn meeting(
     question: &Question<'_>,
-    place: &Place<'_>,
+    place: &PlacedLeaf<'_>,
     solution: &Solution,
     known: Option<(Jet, f64)>,
 ) -> Result<Meeting, Dropped> {
@@ -121,7 +121,7 @@ impl<'a> Candidate<'a> {
         let Self { question, leaf, ref on_ray, error, z_error, .. } = *self;
         let OnRay { ref spot, z, allowed, .. } = *on_ray;
         let (ray, piece) = (question.ray, spot.piece);
-        let known = Known { ray, error, along: z_error };
+        let known = KnownRoot { ray, error, along: z_error };
         match trim_side(leaf, piece, (spot.st, &spot.jet), &known) {
             Side::Inside => {}
             Side::Edge { inside, distance } => {
@@ -242,7 +242,7 @@ struct OnRay<'a> {
 /// # Errors
 /// Where that is not within rounding of the ray.
 fn on_ray<'a>(
-    &Place { leaf, piece, .. }: &Place<'a>,
+    &PlacedLeaf { leaf, piece, .. }: &PlacedLeaf<'a>,
     ray: &RayFrame,
     solution: &Solution,
     known: Option<(Jet, f64)>,
@@ -284,7 +284,7 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
 
-/// A leaf is met only by rays within so many errors of it: a stretch along which a ray runs inside of it may be off
+/// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside of it may be off
 /// by that.
 pub(super) const AROUND: f64 = 4.0;
 

@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 
 use super::exact::holds;
-use super::grazing::Known;
+use super::grazing::KnownRoot;
 use super::newton::project;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
@@ -82,7 +82,7 @@ pub(super) fn trim_side(
     leaf: &Leaf,
     piece: &Piece,
     (st, jet): (DVec2, &Jet),
-    known: &Known<'_>,
+    known: &KnownRoot<'_>,
 ) -> Side {
     // A border's point that is nearest to the ray may be off the leaf.
     let kept = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);

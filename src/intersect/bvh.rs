@@ -151,7 +151,7 @@ impl ReachOfF32 {
     }
 
     /// How far coordinates may be scaled up. The more they are, the smaller things are well seen, and the
-    /// nearer rays must begin: so many times as far away as anything in the scene they still may. Of bicubic
+    /// nearer rays must begin: this many times as far away as anything in the scene they still may. Of bicubic
     /// surfaces things of some 5e-6 of that still fill the coordinates.
     fn most_scale(&self) -> f64 {
         const TIMES: f64 = 1024.0;

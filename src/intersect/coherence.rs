@@ -28,7 +28,7 @@ pub struct Neighbours {
     pub scattered: Coherence,
 }
 
-/// Packets pay off where a leaf is at least so many rays wide. Measured on sheets: they take 1.2 times
+/// Packets pay off where a leaf is at least this many rays wide. Measured on sheets: they take 1.2 times
 /// as long as batches of incoherent rays at about 1.7, 1.9 times at 0.8, six times at 0.4.
 const FIRST_HITS: f64 = 2.0;
 

@@ -133,8 +133,8 @@ pub(super) const LEAST_COSINE: f64 = 1e-8;
 /// the ray as the other may be off.
 const ALONG: f64 = 2.0;
 
-/// And in space than this many times the errors of both, over the smaller cosine: more than each may be off itself and by
-/// being moved to a border. (Other factors were not tried.)
+/// Meetings at one place are closer in space than this many times the sum of their errors, over the smaller cosine: more
+/// than each may be off itself and by being moved to a border. (Other factors were not tried.)
 pub(super) const APART: f64 = 4.0;
 
 /// How far apart along the ray meetings may be that are at the same place.

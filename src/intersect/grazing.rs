@@ -14,7 +14,7 @@ use crate::patch::{Jet, Piece};
 
 /// How well a root is known.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known<'a> {
+pub(super) struct KnownRoot<'a> {
     pub(super) ray: &'a RayFrame,
     /// How far its point may be from the ray.
     pub(super) error: f64,
@@ -22,7 +22,7 @@ pub(super) struct Known<'a> {
     pub(super) along: f64,
 }
 
-/// Roots that are known so many times worse along the ray than across it are taken for a stretch of it, not
+/// Roots that are known this many times worse along the ray than across it are taken for a stretch of it, not
 /// for a square.
 const LONG: f64 = 4.0;
 
@@ -32,7 +32,7 @@ const MOST_SQUARES: usize = 256;
 /// Gauss and Newton's steps to the place under a point of the ray, from one near it.
 const STEPS: usize = 3;
 
-impl Known<'_> {
+impl KnownRoot<'_> {
     /// Whether edges beside the strip are to be told from those on it.
     pub(super) fn is_long(&self) -> bool {
         self.along > LONG * self.error
@@ -49,13 +49,13 @@ impl Known<'_> {
         for _ in 0..MOST_SQUARES {
             let Some(part) = waiting.pop() else { return only };
             match self.side_of(piece, (st, jet), part) {
-                Part::Beyond => {}
-                Part::Of(side) if *only.get_or_insert(side) == side => {}
-                Part::Open if part[1] - part[0] > 2.0 * width => {
+                Strip::Beyond => {}
+                Strip::Of(side) if *only.get_or_insert(side) == side => {}
+                Strip::Open if part[1] - part[0] > 2.0 * width => {
                     let middle = 0.5 * (part[0] + part[1]);
                     waiting.extend([[middle, part[1]], [part[0], middle]]);
                 }
-                Part::Of(_) | Part::Open | Part::Unknown => return None,
+                Strip::Of(_) | Strip::Open | Strip::Unknown => return None,
             }
         }
         None // it may run along an edge
@@ -75,7 +75,7 @@ impl Known<'_> {
     }
 
     /// The side of what lies under a part of the ray, from and to as lengths from a root.
-    fn side_of(&self, piece: &Piece, root: (DVec2, &Jet), [from, to]: [f64; 2]) -> Part {
+    fn side_of(&self, piece: &Piece, root: (DVec2, &Jet), [from, to]: [f64; 2]) -> Strip {
         let half = 0.5 * (to - from);
         let under = |along: f64| Foot::new(piece, root, root.1.point + along * self.ray.axis);
         let feet = [from, 0.5 * (from + to), to].map(under);
@@ -83,28 +83,28 @@ impl Known<'_> {
         // known here.
         let beyond = |foot: &Foot| foot.beyond.filter(|&side| !piece.is_border(side));
         if feet.iter().any(|foot| beyond(foot).is_some()) {
-            return Part::Unknown;
+            return Strip::Unknown;
         }
         let [a, middle, b] = &feet;
         if a.beyond.is_some() && a.beyond == middle.beyond && a.beyond == b.beyond {
-            return Part::Beyond;
+            return Strip::Beyond;
         }
         let found = |foot: &Foot| foot.beyond.is_some() || foot.off <= self.error + 0.25 * half;
         if !feet.iter().all(found) {
-            return Part::Open; // also for NaN
+            return Strip::Open; // also for NaN
         }
         // With as much again to spare, and the ends surely in it.
         let reach = trim_reach(&middle.jet, 2.0 * half / TRIM_REACH + self.error);
         let holds = |foot: &Foot| (foot.st - middle.st).abs().cmple(reach).all();
         match piece.side(middle.st, reach) {
-            side @ (Side::Inside | Side::Outside) if holds(a) && holds(b) => Part::Of(side),
-            _ => Part::Open,
+            side @ (Side::Inside | Side::Outside) if holds(a) && holds(b) => Strip::Of(side),
+            _ => Strip::Open,
         }
     }
 }
 
 /// What is known of a part of the strip.
-enum Part {
+enum Strip {
     /// It lies beyond the surface's border.
     Beyond,
     /// It lies on one side of all edges.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::patch::ScaledBox;
 
-/// Of trees over more primitives than this only the worst nodes are inserted again: it takes long, and
+/// In trees over more primitives than this only the worst nodes are inserted again: that is slow, and
 /// gains little where boxes are many, small and alike.
 const MANY: usize = 1 << 17;
 

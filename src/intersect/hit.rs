@@ -34,7 +34,8 @@ pub struct Hit {
 pub struct Root {
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
-    /// What part of `error` there is across the surface: the cosine of the angle between ray and normal.
+    /// What part of `error` there is across the surface: the cosine of the angle between ray and normal;
+    /// 0 without a normal.
     pub(crate) cosine: f32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,

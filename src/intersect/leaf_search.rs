@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use super::accept::{AROUND, accept};
 use super::borders::{error_bound, on_piece};
-use super::exact::{Proof, Rect, Solution, Task, holds};
+use super::exact::{Problem, Proof, Rect, Solution, holds};
 use super::hull::Hull;
-use super::meeting::{Findings, Place, Question};
+use super::meeting::{Findings, PlacedLeaf, Question};
 use super::newton::{Grounds, Newton, newton};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
@@ -21,13 +21,13 @@ use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 /// `z_limit` is how far along the ray anything is still of interest.
 pub(super) fn search(
     question: &Question<'_>,
-    place: &Place<'_>,
+    place: &PlacedLeaf<'_>,
     passage: &Passage,
     z_limit: f64,
     findings: &mut Findings,
 ) {
     findings.statistics.leaf_tests += 1;
-    let Place { leaf, oriented, piece } = *place;
+    let PlacedLeaf { leaf, oriented, piece } = *place;
     let ray = question.ray;
     let error = error_bound(piece, ray);
 
@@ -67,12 +67,12 @@ pub(super) fn search(
 /// that is `None`, only what is proved counts.
 pub(super) fn search_exactly(
     question: &Question<'_>,
-    place: &Place<'_>,
+    place: &PlacedLeaf<'_>,
     from: Option<f64>,
     z_limit: f64,
     findings: &mut Findings,
 ) {
-    let Place { leaf, piece, .. } = *place;
+    let PlacedLeaf { leaf, piece, .. } = *place;
     let error = error_bound(piece, question.ray);
     if findings.effort >= MOST_EFFORT {
         if let Some(z) = from {
@@ -82,7 +82,7 @@ pub(super) fn search_exactly(
     }
     let (rect, is_all) = searched(leaf, piece, error);
     let [z_min, z_max] = question.ray.z_range;
-    let task = Task {
+    let task = Problem {
         patch: &piece.patch,
         rect,
         wanted: leaf.rect(),
@@ -128,7 +128,7 @@ pub(super) fn search_exactly(
 
 /// From where on the ray may meet a leaf, or pass it within rounding: not before it enters the leaf's box, nor before
 /// all of the control points. `None` where it passes their hull.
-pub(super) fn met_from(place: &Place<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
+pub(super) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
@@ -182,14 +182,14 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
 /// as the ray passes, over the sine of its angle with the surface.
 const BEYOND_SIDES: f64 = 16.0;
 
-/// But no farther than so many sides of the leaf, over the degree: what rounding does to control points grows there
+/// At most this many sides of the leaf, over the degree: what rounding does to control points grows there
 /// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold twice what points may be
 /// off by, and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
 /// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is
 /// proved, or beyond the range of interest.
-fn open_from(proof: Proof, task: &Task<'_>) -> Option<f64> {
+fn open_from(proof: Proof, task: &Problem<'_>) -> Option<f64> {
     let ([from, to], [z_min, z_max]) = (proof.stretch()?, task.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
@@ -216,7 +216,7 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
 
 /// Whether the leaf's certificate speaks of this ray, and rounding is small against the
 /// leaf.
-fn certified(place: &Place<'_>, ray: &RayFrame, error: f64) -> bool {
+fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
     let Some(steepness) = certificate.speaks_of(slopes, error) else { return false };

@@ -44,6 +44,42 @@ impl Meeting {
     }
 }
 
+/// A hit that is certain, as the fast kernels find it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CertainHit {
+    pub(super) t: f64,
+    /// How far the place along the ray may be off, in scene units.
+    pub(super) z_error: f64,
+    pub(super) piece: u32,
+    pub(super) st: DVec2,
+    pub(super) jet: Jet,
+    pub(super) normal: Option<DVec3>,
+    pub(super) flags: HitFlags,
+}
+
+impl CertainHit {
+    /// As the scalar search would have found it on its `piece`.
+    pub(super) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
+        let Self { t, z_error, st, jet, normal, flags, .. } = self;
+        Meeting {
+            t,
+            t_error: z_error * frame.t_from_z,
+            z_error,
+            surface: piece.surface,
+            piece: self.piece,
+            st,
+            jet,
+            normal,
+            flags,
+            error: error_bound(piece, frame),
+            edge: 0.0,
+            cosine: normal.map_or(0.0, |normal| normal.dot(frame.axis)),
+            stretch: None,
+            beyond: false,
+        }
+    }
+}
+
 /// What meetings come to as the answer of an any-hit search; `doubt` is the smallest ray parameter
 /// at which something may have been missed.
 pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: f64) -> Occlusion {
@@ -75,13 +111,13 @@ impl<'a> Question<'a> {
 
 /// A leaf, with its box and its piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
+pub(super) struct PlacedLeaf<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) oriented: &'a OrientedBox,
     pub(super) piece: &'a Piece,
 }
 
-impl Place<'_> {
+impl PlacedLeaf<'_> {
     /// A ray's way through the leaf's box, if it may meet the leaf before `limit` and after its start,
     /// both in scene units along it, and to within rounding.
     pub(super) fn passage(

@@ -42,9 +42,8 @@ pub(super) struct Grounds {
     pub(super) bend: [[f64; 2]; 2],
 }
 
-/// By how much of the residual each of its products with an axis is taken for larger, or smaller, than it is:
-/// far above what rounding does to a residual that is [`CLEAR`] of the error, and to the point that it is
-/// compared with, and f32 to the axes.
+/// The margin, as a share of the residual, on each of its products with an axis: far more than rounding changes
+/// a residual that is [`CLEAR`] of the error and the point it is compared with, or f32 the axes.
 pub(super) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals this much larger than the error.

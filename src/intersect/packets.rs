@@ -2,7 +2,7 @@
 
 use super::bits::set_bits;
 use super::borders::{at_border, error_bound};
-use super::meeting::{Meeting, occlusion};
+use super::meeting::{CertainHit, Meeting, occlusion};
 use super::read_ahead::{Ahead, Moment, ReadAhead};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
@@ -171,32 +171,16 @@ impl Tracer<'_> {
 
 /// A lane's hit as the scalar search would have found it.
 fn meeting(set: &PatchSet, frame: &RayFrame, hit: &LaneHit) -> Meeting {
-    let piece = &set.pieces()[hit.piece as usize];
-    let error = error_bound(piece, frame);
+    let LaneHit { piece: index, t, z_error, st, point, normal, needs_look } = *hit;
+    let piece = &set.pieces()[index as usize];
+    let jet = Jet { point, ..piece.patch.jet(st) };
     let mut flags = HitFlags::NONE;
-    let jet = Jet { point: hit.point, ..piece.patch.jet(hit.st) };
-    let mut normal = hit.normal.is_finite().then_some(hit.normal);
-    if hit.needs_look {
-        normal = piece.normal(hit.st, &jet);
-        if at_border(piece, hit.st, &jet, error) {
+    let mut normal = normal.is_finite().then_some(normal);
+    if needs_look {
+        normal = piece.normal(st, &jet);
+        if at_border(piece, st, &jet, error_bound(piece, frame)) {
             flags.insert(HitFlags::BORDER);
         }
     }
-    let cosine = normal.map_or(0.0, |normal| normal.dot(frame.axis));
-    Meeting {
-        t: hit.t,
-        t_error: hit.z_error * frame.t_from_z,
-        z_error: hit.z_error,
-        surface: piece.surface,
-        piece: hit.piece,
-        st: hit.st,
-        jet,
-        normal,
-        flags,
-        error,
-        cosine,
-        edge: 0.0,
-        stretch: None,
-        beyond: false,
-    }
+    CertainHit { t, z_error, piece: index, st, jet, normal, flags }.meeting(piece, frame)
 }

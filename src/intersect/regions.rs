@@ -137,7 +137,7 @@ mod tests {
     use crate::intersect::tree::{Child, ChildCode, Way};
     use crate::patch::PatchSet;
 
-    /// A flat sheet of so many pieces each way.
+    /// A flat sheet of this many pieces each way.
     fn sheet(pieces: usize) -> NurbsSurface {
         let points = pieces + 1;
         let knots = KnotVector::clamped_uniform(1, points).unwrap();

@@ -7,17 +7,17 @@ use glam::{DVec2, DVec3};
 use super::borders::{at_border, error_bound};
 use super::hit::Root;
 use super::leaf_search;
-use super::meeting::{Meeting, Question};
+use super::meeting::{CertainHit, Meeting, Question};
 use super::tracer::answer_of;
-use super::wide::{Scene, SingleHit, SingleRay, Wanted, trace_single};
+use super::wide::{Searched, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, Passage, Piece};
 
 impl SurfaceBvh {
-    pub(super) fn scene(&self) -> Scene<'_> {
+    pub(super) fn scene(&self) -> Searched<'_> {
         let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
-        Scene { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
+        Searched { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
     }
 }
 
@@ -183,7 +183,7 @@ pub(super) struct Certain<'a> {
 
 impl<'a> Certain<'a> {
     #[inline(always)]
-    pub(super) fn new(scene: &Scene<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
+    pub(super) fn new(scene: &Searched<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
         let leaf = &scene.leaves[hit.leaf as usize];
         let index = leaf.piece;
         let piece = &scene.set.pieces()[index as usize];
@@ -217,7 +217,8 @@ impl<'a> Certain<'a> {
         if !within {
             return Answer::default();
         }
-        let cosine = Root::kept_cosine(self.normal.dot(ray.direction()) * t_from_z);
+        let cosine = self.normal.dot(ray.direction()) * t_from_z;
+        let cosine = if cosine.is_nan() { 0.0 } else { Root::kept_cosine(cosine) };
         let root = Root { piece: self.index, cosine, st, error: z_error };
         let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
@@ -228,22 +229,16 @@ impl<'a> Certain<'a> {
     /// As the scalar search would have found it.
     fn meeting(&self, frame: &RayFrame) -> Meeting {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
-        Meeting {
+        let hit = CertainHit {
             t: z * frame.t_from_z,
-            t_error: z_error * frame.t_from_z,
             z_error,
-            surface: self.piece.surface,
             piece: self.index,
             st,
             jet: Jet { point, ..self.piece.patch.jet(st) },
             normal: self.normal.is_finite().then_some(self.normal),
             flags: self.flags.without(HitFlags::NO_NORMAL),
-            error: error_bound(self.piece, frame),
-            cosine: self.normal.dot(frame.axis),
-            edge: 0.0,
-            stretch: None,
-            beyond: false,
-        }
+        };
+        hit.meeting(self.piece, frame)
     }
 }
 

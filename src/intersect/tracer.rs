@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::accept::AROUND;
 use super::leaf_search;
-use super::meeting::{Findings, Meeting, Place, Question};
+use super::meeting::{Findings, Meeting, PlacedLeaf, Question};
 use super::tree::ChildCode;
 use super::wide::{PACKET, Packet, SingleWork, Stream, Work};
 use super::{
@@ -55,7 +55,7 @@ impl Default for PacketScratch {
 }
 
 /// How a leaf is searched.
-type Search = fn(&Question<'_>, &Place<'_>, &Passage, f64, &mut Findings);
+type Search = fn(&Question<'_>, &PlacedLeaf<'_>, &Passage, f64, &mut Findings);
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(bvh: &'a SurfaceBvh, kernel: Kernel) -> Self {
@@ -223,7 +223,7 @@ impl<'a> Tracer<'a> {
 /// The exact solver as a way to search a leaf.
 fn exactly(
     question: &Question<'_>,
-    place: &Place<'_>,
+    place: &PlacedLeaf<'_>,
     passage: &Passage,
     limit: f64,
     findings: &mut Findings,
@@ -235,13 +235,13 @@ fn exactly(
 
 impl SurfaceBvh {
     /// What the search of a leaf works on, given the leaf's box.
-    pub(super) fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> Place<'b> {
+    pub(super) fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
         let leaf = &self.leaves[leaf as usize];
-        Place { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
+        PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
     }
 }
 
-/// Two points of a surface are one place, as near as can be told, within so many times the sum of what they may be off.
+/// Two points of a surface count as one place if they are closer than this many times the sum of their error bounds.
 const SAME_PLACE: f64 = 4.0;
 
 /// The first of some meetings, and whether what was doubtful could have come before it.

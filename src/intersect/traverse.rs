@@ -63,8 +63,8 @@ impl Tree {
 /// How far a ray may pass a box by that it is said to meet, per unit of the largest coordinate: what a
 /// point of a surface of the highest degree may be off by, and almost as much again for the rounding
 /// of the origin and of the test itself, some operations.
-const ROUNDING: f64 = 512.0 * rounding::UNIT_ROUNDOFF;
-const _: () = assert!(ROUNDING > 1.5 * rounding::residual_factor(MAX_DEGREE, MAX_DEGREE));
+const BOX_ROUNDING: f64 = 512.0 * rounding::UNIT_ROUNDOFF;
+const _: () = assert!(BOX_ROUNDING > 1.5 * rounding::residual_factor(MAX_DEGREE, MAX_DEGREE));
 
 /// A ray prepared for box tests in scaled coordinates.
 struct Slabs {
@@ -83,8 +83,8 @@ impl Slabs {
         let origin = frame.scaled(ray.origin);
         // Rounding of the subtraction, and of the surface's own points for this origin.
         let center = frame.center.abs().max_element();
-        let error =
-            ROUNDING * ((ray.magnitude + center) * frame.scale + origin.abs().max_element() + 1.0);
+        let error = BOX_ROUNDING
+            * ((ray.magnitude + center) * frame.scale + origin.abs().max_element() + 1.0);
         Self {
             origin_low: origin + error,
             origin_high: origin - error,

@@ -38,6 +38,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
         let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces);
         let group: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
+        let overlaps = group.iter().any(|&j| seen[j]);
         group.iter().for_each(|&j| seen[j] = true);
 
         let all = || group.iter().map(|&j| &meetings[j]);
@@ -49,8 +50,13 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         if !known || !(leaves && enters || tip.is_some()) {
             continue;
         }
+        if overlaps {
+            // One at the place of two that are not at one place: what belongs together is not known.
+            doubt(meetings, &group);
+            continue;
+        }
         match (passage(all(), pieces, axis), tip) {
-            (Passage::Through(way), tip) => {
+            (AtVertex::Through(way), tip) => {
                 if let Some(tip) = tip {
                     meetings[tip].cosine = meetings[tip].cosine.abs().copysign(way);
                 }
@@ -60,12 +66,12 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                     doubt(meetings, &group);
                 }
             }
-            (Passage::Touching, Some(tip)) if !(leaves && enters) => {
+            (AtVertex::Touching, Some(tip)) if !(leaves && enters) => {
                 let cosine = -meetings[tip].cosine;
                 others.push(Meeting { cosine, ..meetings[tip] });
             }
-            (Passage::Touching, _) => {}
-            (Passage::Unknown, _) => doubt(meetings, &group),
+            (AtVertex::Touching, _) => {}
+            (AtVertex::Unknown, _) => doubt(meetings, &group),
         }
     }
     let mut wrong = wrong.into_iter();
@@ -75,7 +81,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
 }
 
 /// How a ray passes a vertex.
-enum Passage {
+enum AtVertex {
     /// In, by a number below zero, or out.
     Through(f64),
     Touching,
@@ -92,7 +98,7 @@ fn passage<'m>(
     meetings: impl Iterator<Item = &'m Meeting>,
     pieces: &[Piece],
     axis: DVec3,
-) -> Passage {
+) -> AtVertex {
     let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
     let mut sum = 0.0;
     for meeting in meetings {
@@ -110,15 +116,15 @@ fn passage<'m>(
             continue;
         }
         faces.push((meeting, sides));
-        let Some(angle) = face.angle() else { return Passage::Unknown };
+        let Some(angle) = face.angle() else { return AtVertex::Unknown };
         sum += angle / TAU;
     }
     let whole = sum.round();
     let is_whole = (sum - whole).abs() <= MOST_TURNED;
     match whole.abs() {
-        0.0 if is_whole => Passage::Touching,
-        1.0 if is_whole => Passage::Through(whole),
-        _ => Passage::Unknown,
+        0.0 if is_whole => AtVertex::Touching,
+        1.0 if is_whole => AtVertex::Through(whole),
+        _ => AtVertex::Unknown,
     }
 }
 
@@ -157,7 +163,7 @@ mod tests {
         (hits.iter().map(|hit| hit.normal.dot(ray.direction()).signum()).collect(), doubtful)
     }
 
-    /// A bilinear cone over a star of so many spikes, or a square, with its base; the apex is at (0, 0, 1).
+    /// A bilinear cone over a star of this many spikes, or a square, with its base; the apex is at (0, 0, 1).
     fn spiked(radii: &[f64]) -> SurfaceBvh {
         let corner = |k: usize| {
             let (y, x) = (TAU * (k % radii.len()) as f64 / radii.len() as f64).sin_cos();
@@ -256,7 +262,8 @@ mod tests {
         assert_eq!(touched, 8 * 216 * 6 / 8);
     }
 
-    /// Signs that cancel, or a doubt.
+    /// Signs that cancel, or a doubt; whether it is one.
+    #[must_use]
     fn check_parity(bvh: &SurfaceBvh, through: DVec3, direction: DVec3, what: &str) -> bool {
         let ray = Ray::with_range(through, direction, f64::NEG_INFINITY, f64::INFINITY).unwrap();
         let mut hits = Vec::new();
@@ -307,18 +314,23 @@ mod tests {
         };
         let side = shapes::cylinder(1.0, 1.0).unwrap();
         let can = SurfaceBvh::build(&[side, disk(1.0), disk(0.0).reversed_u()]).unwrap();
+        let mut doubted = 0;
         for k in 0..500 {
             let corner = DVec3::new([half, -half][k % 2], [half, -half][k / 2 % 2], 1.0);
             let angle = 0.37 * k as f64;
             let direction = DVec3::new(angle.cos(), angle.sin(), -0.01 - 0.004 * k as f64);
-            check_parity(&can, corner, direction, "a corner of the can");
+            let is_doubtful = check_parity(&can, corner, direction, "a corner of the can");
+            doubted += u32::from(is_doubtful);
         }
+        // There is no normal at the corner, and no certificate beside it.
+        assert!(doubted < 300, "{doubted} of 500");
     }
 
     #[test]
     fn rays_within_rounding_of_a_corner_are_even_or_doubtful() {
         let (cube, star) = (trimmed_cube(), spiked(&[1.0, 0.3, 1.0, 0.3, 1.0, 0.3]));
         for (bvh, corner) in [(&cube, DVec3::ONE), (&cube, DVec3::X), (&star, DVec3::Z)] {
+            let mut doubted = [0; 3];
             for k in 0..1500 {
                 let far = 10f64.powf(-15.0 + 3.0 * (k % 50) as f64 / 50.0);
                 // On a sphere, spread by the golden ratio.
@@ -329,8 +341,11 @@ mod tests {
                     DVec3::new(flat * x, flat * y, 2.0 * z - 1.0)
                 };
                 let (aside, direction) = (far * spread(k), spread(7 * k + 3));
-                check_parity(bvh, corner + aside, direction, "near a corner");
+                let is_doubtful = check_parity(bvh, corner + aside, direction, "near a corner");
+                // Below 1e-14, to 1e-13, to 1e-12.
+                doubted[k % 50 * 3 / 50] += u32::from(is_doubtful);
             }
+            assert!(doubted.iter().all(|&doubted| doubted < 250), "{doubted:?} of 500 each");
         }
     }
 }

@@ -60,7 +60,7 @@ impl Aabb {
     /// It may be wrong where the ray comes nearer than a few roundings of the distances from its origin to the
     /// box's planes. Nothing is beside the empty box.
     #[inline(always)]
-    pub fn is_beside(&self, ray: &Ray) -> bool {
+    pub(crate) fn is_beside(&self, ray: &Ray) -> bool {
         let (origin, inverse) = (ray.origin(), ray.direction().recip());
         // What is no number must be so of the plane that the ray starts in, and not of the other one.
         let inverse = DVec3::select(inverse.cmplt(DVec3::MIN), DVec3::INFINITY, inverse);

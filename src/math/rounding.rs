@@ -11,14 +11,14 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// terms adds `(p + q + 2) u`, numerator and denominator double that for a rational
 /// piece, and the difference to the ray's origin and the dot product with a plane's
 /// normal add the rest (Higham 2002, ch. 3). The worst case would be about
-/// `6 (p + q + 4)`; errors of random sign stay well below half of it, and the bound
-/// taken here is the promise the tests hold us to.
+/// `6 (p + q + 4)`; errors of random sign stay below the two thirds of it that are
+/// taken here, the promise the tests hold us to.
 pub const fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
     4.0 * (degree_u + degree_v + 4) as f64 * UNIT_ROUNDOFF
 }
 
 /// The largest f32 not above `x`.
-pub fn f32_below(x: f64) -> f32 {
+pub(crate) fn f32_below(x: f64) -> f32 {
     -f32_above(-x)
 }
 
@@ -26,7 +26,7 @@ pub fn f32_below(x: f64) -> f32 {
 ///
 /// Without a branch: none could be foreseen, and a wrong guess takes as long as a good part of a ray.
 #[inline(always)]
-pub fn f32_above(x: f64) -> f32 {
+pub(crate) fn f32_above(x: f64) -> f32 {
     let nearest = x as f32;
     let bits = nearest.to_bits();
     // One number up: numbers below zero are counted downwards.
@@ -35,7 +35,7 @@ pub fn f32_above(x: f64) -> f32 {
 }
 
 /// The largest power of two not above `x`, kept normal: scaling by it is exact.
-pub fn power_of_two_below(x: f64) -> f64 {
+pub(crate) fn power_of_two_below(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << (f64::MANTISSA_DIGITS - 1);
     f64::from_bits(x.clamp(f64::MIN_POSITIVE, 2f64.powi(1000)).to_bits() & EXPONENT)
 }
@@ -43,6 +43,12 @@ pub fn power_of_two_below(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_promise_is_what_the_readme_says() {
+        assert_eq!(residual_factor(3, 3), 40.0 / 2f64.powi(53));
+        assert_eq!(residual_factor(1, 2), 28.0 / 2f64.powi(53));
+    }
 
     #[test]
     fn a_power_of_two_is_not_above_nor_half() {

@@ -14,7 +14,7 @@ pub(super) const MOST_HALVINGS: u32 = 16;
 /// Leaves are at least so flat.
 const COARSEST: f64 = 0.5;
 
-/// Rational leaves that are longer than so many times their width, up to [`LONGEST`], and bent along
+/// Rational leaves that are longer than this many times their width, up to [`LONGEST`], and bent along
 /// it, must be as much flatter than [`COARSEST`]: what is known of them relative to their length must
 /// be good for their width. Measured on the wires of a sphere's net: rays are traced 1.1 to 1.3 times as fast.
 const LONG: f64 = 8.0;
@@ -27,11 +27,11 @@ const LONGEST: f64 = 32.0;
 const AT_POLES: f64 = 0.15;
 const POLE_HALVINGS: u32 = 5;
 
-/// What turns by a part's width is worth no more than so many times the turns by its sides: where the sides
+/// What turns by a part's width is worth no more than this many times the turns by its sides: where the sides
 /// are all but parallel, as beside a cusp line, the first become no less however often it is halved.
 const MOST_TIMES: f64 = 4.0;
 
-/// What is shorter than so many times what points may be off by is not seen to bend: what is measured there is
+/// What is shorter than this many times what points may be off by is not seen to bend: what is measured there is
 /// rounding, which becomes no less however often a part is halved.
 const LEAST_SEEN: f64 = 1e4;
 
@@ -59,7 +59,7 @@ pub(super) struct Bend {
     sides: [f64; 2],
 }
 
-/// Control points along one direction: so many steps of a row, how far apart its points are in the net,
+/// Control points along one direction: this many steps of a row, how far apart its points are in the net,
 /// and the same of the rows.
 #[derive(Clone, Copy, Debug)]
 struct Rows {

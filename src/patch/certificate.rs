@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::field::Net;
 use super::oriented_box::Axes;
 use super::rounded::{Near16, Up8, Up16};
-use super::tangents::{MARGIN, Proof};
+use super::tangents::{MARGIN, TangentBounds};
 use super::{CollapsedSide, LEAF_SLACK, OrientedBox};
 use crate::math::Interval;
 
@@ -101,7 +101,7 @@ pub(crate) struct Certificate {
 /// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
 /// length: ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6. So much
 /// more that what is left is known to a third, too.
-const ROUNDING: f64 = 1e-5;
+const SLOPE_ROUNDING: f64 = 1e-5;
 
 /// How many times as far beyond a side as is needed roots are to lie to speak for a miss: the root may be off,
 /// and so may the points of the piece, by an error each; and slopes are in f32.
@@ -117,7 +117,9 @@ impl Certificate {
         oriented: &OrientedBox,
     ) -> Self {
         let lengths = oriented.directions().map(DVec3::length);
-        let Some(proof) = Proof::new(net, collapsed, axes) else { return Self::none(collapsed) };
+        let Some(proof) = TangentBounds::new(net, collapsed, axes) else {
+            return Self::none(collapsed);
+        };
         // The first row points along `b₀ × n`, the second along `n × a₀`.
         let Interval { lo, hi } = proof.turning[0];
         let turning = [proof.turning[1], Interval { lo: -hi, hi: -lo }];
@@ -133,7 +135,7 @@ impl Certificate {
         Self {
             lean,
             turning: [Up16::above(farthest(0)), Up16::above(farthest(1))],
-            rounding: Up16::above(ROUNDING * lengths[2]),
+            rounding: Up16::above(SLOPE_ROUNDING * lengths[2]),
             steep_per_error: Up16::above(proof.spread * lengths[2] / slack),
             bend: proof.bend.map(|bend| bend.map(Up8::above)),
             pole_per_error: Up16::above(proof.pole_spread * lengths[2] / slack),

@@ -5,81 +5,13 @@ use std::sync::Arc;
 use glam::DVec4;
 use rayon::prelude::*;
 
+use super::keeping::Keeping;
 use super::piece_net::{LONGEST, numbers_a_point};
 use super::powers::{self, ToPowers};
-use super::{ControlNet, NetSource, PieceNet, SplineNet};
+use super::{BezierNet, NetSource, PieceNet, SplineNet};
 use crate::geometry::trim::Trims;
 use crate::geometry::{BezierForm, Chart, ChartMap, Extractions, KnotVector, NurbsSurface};
 use crate::math::rounding;
-
-/// How the control points of charts are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Keeping {
-    /// All Bézier points, ready to be used.
-    Bezier,
-    /// Where it is possible and saves much, those of the B-spline, from which pieces make theirs.
-    Spline,
-}
-
-/// Bézier points of all charts together are kept as long as they are no more than this: beside all else
-/// they fit into a core's own cache, of 1 or 2 MB, and memory is not what a small model lacks. Made anew
-/// for each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94 to 1.0 times as fast.
-const MOST_BEZIER_BYTES: usize = 1 << 18;
-
-/// Charts with fewer than so many times as many Bézier points as control points keep them all the same; so do those
-/// of so few spans that their control points, with what makes nets of them, take more than one part in so many of
-/// the memory.
-const LEAST_SAVING: usize = 2;
-
-impl Keeping {
-    /// That of all charts, which share the cache.
-    pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
-        let bytes = charts
-            .map(|chart| {
-                let size = numbers_a_point(chart.surface.common_weight());
-                chart.surface.bezier_point_count().saturating_mul(size_of::<f64>() * size)
-            })
-            .fold(0, usize::saturating_add);
-        if bytes > MOST_BEZIER_BYTES { Self::Spline } else { Self::Bezier }
-    }
-
-    /// How a surface's control points are kept, if those of all are kept so.
-    fn of_one(self, surface: &NurbsSurface) -> Self {
-        let degrees = [surface.knots_u(), surface.knots_v()].map(KnotVector::degree);
-        let can_be_made = degrees.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
-        let saves = self == Self::Spline && can_be_made && spline_saves(surface);
-        if saves { Self::Spline } else { Self::Bezier }
-    }
-
-    /// How many Bézier points of a surface are kept.
-    pub(super) fn bezier_points(self, surface: &NurbsSurface) -> usize {
-        match self.of_one(surface) {
-            Self::Bezier => surface.bezier_point_count(),
-            Self::Spline => 0,
-        }
-    }
-}
-
-/// How many pieces a surface is cut into.
-pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
-    surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
-}
-
-/// Whether a surface's Bézier points are many times as many as its control points, and take much more memory with
-/// nets by powers, which are kept beside them, than control points with what makes nets of them.
-fn spline_saves(surface: &NurbsSurface) -> bool {
-    let knots = [surface.knots_u(), surface.knots_v()];
-    let (bezier, control) = (surface.bezier_point_count(), surface.control().len());
-    let by_powers: usize =
-        knots.iter().map(|knots| knots.spans().count() * (knots.degree() + 1)).product();
-    let makers = knots.iter().map(|knots| {
-        let p = knots.degree();
-        knots.point_count() * (Extractions::numbers_a_span(p) + p * (p + 1))
-    });
-    let size = numbers_a_point(surface.common_weight());
-    let kept = size * control + makers.sum::<usize>();
-    bezier >= LEAST_SAVING * control && size * (bezier + by_powers) >= LEAST_SAVING * kept
-}
 
 /// The control points of a chart, and where its pieces lie.
 #[derive(Debug)]
@@ -122,7 +54,7 @@ enum Sums {
 struct Others(Vec<[u32; 2]>);
 
 impl Others {
-    /// Whether they are less than half of so many pieces.
+    /// Whether they are less than half of this many pieces.
     fn are_few(&self, count: usize) -> bool {
         2 * self.0.len() < count
     }
@@ -184,7 +116,7 @@ pub(super) struct Control {
 }
 
 impl Control {
-    /// So many rows of so many points, and `more` numbers.
+    /// So many rows of this many points, and `more` numbers.
     fn new<R>(
         weight: Option<f64>,
         [rows, stride]: [usize; 2],
@@ -298,7 +230,7 @@ impl ChartNet {
         let (mut others, size) = (Vec::new(), self.components());
         let count = rows.len() * columns.len();
         let mut numbers = Vec::with_capacity(count * self.numbers_a_net() + 1);
-        let mut bezier = ControlNet::new();
+        let mut bezier = BezierNet::new();
         for &row in rows {
             for &column in columns {
                 let NetSource::Kept(net) = self.source([row, column]) else { return None };
@@ -477,33 +409,4 @@ fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<Pie
         };
     }
     spans
-}
-
-/// A number not below zero, rounded up: the upper half of an f64, for its range in less room.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Coarse(u32);
-
-impl Coarse {
-    pub(super) fn above(x: f64) -> Self {
-        let bits = x.to_bits();
-        let cut_off = bits & 0xffff_ffff != 0;
-        Self((bits >> 32) as u32 + u32::from(cut_off))
-    }
-
-    pub(super) fn value(self) -> f64 {
-        f64::from_bits(u64::from(self.0) << 32)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coarse_numbers_are_not_below() {
-        for x in [0.0, 1.0, 0.1, 1.0 / 3.0, 1e70, 3e-70, 1.999_999_999, 5e-324] {
-            let coarse = Coarse::above(x).value();
-            assert!(x <= coarse && coarse <= x * (1.0 + 2e-6) + 1e-300, "{x}: {coarse}");
-        }
-    }
 }

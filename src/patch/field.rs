@@ -3,7 +3,7 @@
 use glam::{DVec3, DVec4};
 
 use super::tensor::euclidean;
-use super::{CollapsedSide, ControlNet, mapped};
+use super::{BezierNet, CollapsedSide, mapped};
 use crate::math::Interval;
 use crate::math::bernstein::binomials;
 
@@ -33,7 +33,7 @@ impl Net<'_> {
     }
 
     /// The net turned so that the collapsed side becomes `t = 0`.
-    pub(super) fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], ControlNet) {
+    pub(super) fn with_collapsed_first(&self, side: CollapsedSide) -> ([usize; 2], BezierNet) {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j];
         let turned = |rows: usize, columns: usize, pick: &dyn Fn(usize, usize) -> DVec4| {
@@ -54,13 +54,13 @@ impl Net<'_> {
 /// Bernstein coefficients of three components and a weight on a rectangle.
 pub(super) struct Field {
     pub(super) degree: [usize; 2],
-    pub(super) values: ControlNet,
+    pub(super) values: BezierNet,
 }
 
 impl Field {
     pub(super) fn derivative_s(&self) -> Self {
         let [p, q] = self.degree;
-        let mut values = ControlNet::from_slice(&self.values[q + 1..]);
+        let mut values = BezierNet::from_slice(&self.values[q + 1..]);
         for (after, here) in values.iter_mut().zip(&self.values) {
             *after = (*after - *here) * p as f64;
         }
@@ -69,7 +69,7 @@ impl Field {
 
     pub(super) fn derivative_t(&self) -> Self {
         let [p, q] = self.degree;
-        let mut values = ControlNet::from_elem(DVec4::ZERO, (p + 1) * q);
+        let mut values = BezierNet::from_elem(DVec4::ZERO, (p + 1) * q);
         for (to, row) in values.chunks_exact_mut(q).zip(self.values.chunks_exact(q + 1)) {
             for j in 0..q {
                 to[j] = (row[j + 1] - row[j]) * q as f64;
@@ -98,7 +98,7 @@ impl Field {
         };
         let (along, across) = (binomials(p), binomials(q));
         let columns = 2 * q + 1;
-        let mut values = ControlNet::from_elem(DVec4::ZERO, (2 * p - 1) * columns);
+        let mut values = BezierNet::from_elem(DVec4::ZERO, (2 * p - 1) * columns);
         for i in 0..p {
             for j in i + 1..=p {
                 let times = (j - i) as f64 * along[i] * along[j];

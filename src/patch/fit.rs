@@ -24,7 +24,7 @@ pub(super) const NO_WEIGHT: WeightFit = {
     weight
 };
 
-/// Weights are approximated where they stay within so many times that in the middle of the leaf, and one over that,
+/// Weights are approximated where they stay within this many times that in the middle of the leaf, and one over that,
 /// as far as the bounds of [`FitError`] hold.
 pub(crate) const MOST_WEIGHT: f32 = 4.0;
 
@@ -214,7 +214,7 @@ const NODES: [f64; 4] = {
 /// Takes values at the nodes to power coefficients.
 const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
 
-/// The points of a net's surface at so many places in each direction.
+/// The points of a net's surface at this many places in each direction.
 pub(super) fn points_at<const M: usize>(
     places: [f64; M],
     degree: [usize; 2],

@@ -298,7 +298,7 @@ const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
 const AT_BORDER: u8 = 4;
 
-/// Leaves that are stretched less need no second look, nor do those that are not so many times as long as wide.
+/// Leaves that are stretched less need no second look, nor do those that are not this many times as long as wide.
 const WELL_STRETCHED: f64 = 2.0;
 const LONG: f32 = 2.0;
 

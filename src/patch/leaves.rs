@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use super::part::{Halving, Way};
+use super::part::{Cut, Halving};
 use super::tiles::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
@@ -22,7 +22,7 @@ const MOST_BYTES: usize = 5 << 18;
 /// Halving what bends by a good deal and is large in the scene is worth more memory, up to this.
 const SCENE_BYTES: usize = 5 << 20;
 
-/// From here on it is: [`Way::worth`] where lengths are parts of the scene's diagonal, so that half an angle of 0.42 is
+/// From here on it is: [`Cut::worth`] where lengths are parts of the scene's diagonal, so that half an angle of 0.42 is
 /// enough of a part a hundredth as large, and 0.1 of one that takes 0.18 of it.
 ///
 /// Measured on models of 500 to 2700 pieces: a teapot with its parts blended is traced 1.3 to 1.6 times as fast
@@ -116,7 +116,7 @@ struct Flat {
     piece: u32,
     halving: Box<Halving>,
     /// How to halve it, if that is worth anything.
-    way: Option<Way>,
+    way: Option<Cut>,
 }
 
 impl Flat {
@@ -161,7 +161,7 @@ mod tests {
     use crate::patch::tiles::Grid;
     use crate::patch::{GroupedParts, Part, PatchSet};
 
-    /// A wavy biquadratic sheet of so many pieces each way, on a square with sides of 1.
+    /// A wavy biquadratic sheet of this many pieces each way, on a square with sides of 1.
     fn sheet(pieces: usize, height: f64) -> NurbsSurface {
         let points = pieces + 2;
         let knots = KnotVector::clamped_uniform(2, points).unwrap();

@@ -19,14 +19,15 @@
 
 mod bend;
 mod certificate;
+mod chart_net;
 mod collapsed_side;
 mod field;
 mod fit;
 mod fit_error;
 mod frame;
+mod keeping;
 mod leaf;
 mod leaves;
-mod net;
 mod oriented_box;
 mod part;
 mod piece;
@@ -46,13 +47,13 @@ use glam::DVec4;
 use smallvec::SmallVec;
 
 /// The homogeneous control points of a part of a piece: those of a bicubic lie in place.
-type ControlNet = SmallVec<[DVec4; 16]>;
+type BezierNet = SmallVec<[DVec4; 16]>;
 
 /// A net made of another point by point. Copied at once and changed in place: collected from an
 /// iterator, points would come one by one, each after a look at the room that is left.
 #[inline(always)]
-fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> ControlNet {
-    let mut mapped = ControlNet::from_slice(net);
+fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> BezierNet {
+    let mut mapped = BezierNet::from_slice(net);
     for point in &mut mapped {
         *point = change(*point);
     }

@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 
 use super::bend::{Bend, MOST_HALVINGS};
 use super::tensor::euclidean;
-use super::{CollapsedSide, ControlNet, DyadicRect, LEAF_SLACK, Piece, WIDENING};
+use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
@@ -28,7 +28,7 @@ const _: () = assert!(AT_TRIMS[3] > FLATTEST, "the last is worth something");
 
 /// A part of a piece that is flat enough to become a leaf.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub(crate) struct Part {
     /// Which piece.
     pub piece: u32,
     /// The part of the piece's unit square.
@@ -43,7 +43,7 @@ pub struct Part {
 #[derive(Debug)]
 pub(super) struct Halving {
     rect: DyadicRect,
-    net: ControlNet,
+    net: BezierNet,
     /// How often it was halved for the sake of trim curves.
     cuts: u32,
     /// Whether it is known that trims have cut off nothing of it; asked of each that is handed over.
@@ -55,7 +55,7 @@ pub(super) struct Halving {
 
 /// A way to halve a part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Cut {
     /// Across which side.
     direction: usize,
     /// Whether it is for the sake of a trim curve.
@@ -111,7 +111,7 @@ impl Halving {
     }
 
     /// The best way to halve this part further, if that is worth anything.
-    pub(super) fn way(&self, piece: &Piece) -> Option<Way> {
+    pub(super) fn way(&self, piece: &Piece) -> Option<Cut> {
         let bend = self.bend?;
         let (mut direction, mut angle) = bend.most();
         let mut at_trims = false;
@@ -120,11 +120,11 @@ impl Halving {
             (direction, angle, at_trims) = (across, worth, true);
         }
         let worth = angle * bend.size().sqrt();
-        (angle > FLATTEST).then_some(Way { direction, at_trims, worth })
+        (angle > FLATTEST).then_some(Cut { direction, at_trims, worth })
     }
 
     /// Hands over the parts of both halves, as [`coarse_parts`](Self::coarse_parts) does.
-    pub(super) fn halved(&self, piece: &Piece, way: Way, done: &mut impl FnMut(Self)) {
+    pub(super) fn halved(&self, piece: &Piece, way: Cut, done: &mut impl FnMut(Self)) {
         for mut half in self.halves(piece, way.direction) {
             half.cuts += u32::from(way.at_trims);
             half.coarse_parts(piece, done);
@@ -183,7 +183,7 @@ impl Halving {
     }
 
     /// The control points over the leaf and its slack, which ends with the piece.
-    pub(super) fn answered(&self, piece: &Piece) -> ControlNet {
+    pub(super) fn answered(&self, piece: &Piece) -> BezierNet {
         let range = |[from, to]: [f64; 2]| {
             let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
             let high = if to == 1.0 { 1.0 } else { 1.0 + LEAF_SLACK };
@@ -195,7 +195,7 @@ impl Halving {
 
     /// The control points over the rectangle that the certificate speaks of: it ends at a
     /// collapsed side.
-    pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> ControlNet {
+    pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> BezierNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {
             ranges = side.ended_at_it(ranges);
@@ -204,8 +204,8 @@ impl Halving {
     }
 
     /// The control points over a rectangle given in sides of the part.
-    pub(super) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> ControlNet {
-        let mut net = ControlNet::from_slice(&self.net);
+    pub(super) fn grown(&self, piece: &Piece, s: [f64; 2], t: [f64; 2]) -> BezierNet {
+        let mut net = BezierNet::from_slice(&self.net);
         bernstein::restrict_net(&mut net, piece.patch.degree(), s, t);
         net
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use super::net::ChartNet;
+use super::chart_net::ChartNet;
 use super::pole_normal::normal_by_pole;
 use super::tensor::euclidean;
 use super::{CollapsedSide, Jet, TensorPatch};
@@ -27,7 +27,7 @@ const BESIDE_POLE: f64 = 0.1;
 const STEADY: f64 = 16.0;
 
 /// By how much the tangents' rounding may turn the normal beside a collapsed side, in radians.
-const KNOWN: f64 = 1e-6;
+const TURNED_BY_TANGENTS: f64 = 1e-6;
 
 /// What is left of a number of f64 of which half of the digits are lost: sines and angles below it
 /// may be rounding of what second derivatives decide.
@@ -126,7 +126,7 @@ impl Piece {
 
     /// The number from which on parameters belong to the next piece, in `u` or `v`, at an open
     /// end.
-    pub fn open_end(&self, k: usize) -> Option<f64> {
+    pub(crate) fn open_end(&self, k: usize) -> Option<f64> {
         (self.open_end >> k & 1 != 0).then(|| self.domain()[k][1])
     }
 
@@ -136,7 +136,7 @@ impl Piece {
     }
 
     /// Whether its chart's parameters are not the surface's own.
-    pub fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         !matches!(self.patch.net.map, ChartMap::Identity)
     }
 
@@ -159,7 +159,7 @@ impl Piece {
     /// How far, to first order, a point is from the four sides: along one parameter, times the
     /// sine of the angle to the other. Where the tangents are parallel, as in a cusp, every side
     /// would be near; there the sine is taken to be at least `LEAST_SINE`.
-    pub fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
+    pub(crate) fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
         let (ds, dt) = (jet.ds.length(), jet.dt.length());
         let sine = jet.ds.cross(jet.dt).length() / (ds * dt);
         let sine = if sine > 0.0 { sine.max(LEAST_SINE) } else { 1.0 }; // also at a pole
@@ -213,11 +213,13 @@ impl Piece {
         let unit = cross.try_normalize();
         match (limit, unit) {
             // What is known of the tangents must not speak against it.
-            (Some(limit), Some(unit)) if limit.distance(unit) <= 4.0 * turned + KNOWN => {
+            (Some(limit), Some(unit))
+                if limit.distance(unit) <= 4.0 * turned + TURNED_BY_TANGENTS =>
+            {
                 Some(limit)
             }
             (Some(limit), None) => Some(limit),
-            _ => unit.filter(|_| turned <= KNOWN),
+            _ => unit.filter(|_| turned <= TURNED_BY_TANGENTS),
         }
     }
 

@@ -6,8 +6,8 @@
 
 use glam::{DVec3, DVec4};
 
-use super::ControlNet;
-use super::net::ChartNet;
+use super::BezierNet;
+use super::chart_net::ChartNet;
 use super::powers::ToPowers;
 use crate::geometry::{Extraction, Extractions};
 
@@ -136,7 +136,7 @@ impl<'a> SplineNet<'a> {
     }
 
     /// The control points that govern the piece, row by row.
-    pub(super) fn control(&self) -> ControlNet {
+    pub(super) fn control(&self) -> BezierNet {
         (0..=self.degree()[0]).flat_map(|i| self.points.points(i)).collect()
     }
 
@@ -191,7 +191,7 @@ impl<'a> SplineNet<'a> {
     }
 
     /// The Bézier points, row by row: what every other way to make them must agree with, bit for bit.
-    pub(super) fn bezier_net(&self) -> ControlNet {
+    pub(super) fn bezier_net(&self) -> BezierNet {
         let mut net = if self.is_cubic() { self.cubic_net() } else { self.long_net() };
         if let Some(weight) = self.points.weight {
             for point in &mut net {
@@ -202,7 +202,7 @@ impl<'a> SplineNet<'a> {
     }
 
     /// The same for degree 3 or less, but for the weight of all points.
-    fn cubic_net(&self) -> ControlNet {
+    fn cubic_net(&self) -> BezierNet {
         // Degrees known in advance need no branches.
         let points = match self.degree() {
             [3, 3] => self.bezier_points_of([3, 3]),
@@ -210,7 +210,7 @@ impl<'a> SplineNet<'a> {
             degree => self.bezier_points_of(degree),
         };
         let [p, q] = self.degree();
-        let mut net = ControlNet::from_slice(points.as_flattened());
+        let mut net = BezierNet::from_slice(points.as_flattened());
         if q < 3 {
             for i in 1..=p {
                 net.copy_within(4 * i..4 * i + q + 1, i * (q + 1));
@@ -221,9 +221,9 @@ impl<'a> SplineNet<'a> {
     }
 
     /// The same for any degrees.
-    fn long_net(&self) -> ControlNet {
+    fn long_net(&self) -> BezierNet {
         let ([p, q], size) = (self.degree(), self.size());
-        let mut net = ControlNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
+        let mut net = BezierNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
         for (i, to) in net.chunks_exact_mut(q + 1).enumerate() {
             let row = self.points.row(i);
             for (j, to) in to.iter_mut().enumerate() {

@@ -12,7 +12,7 @@ use super::tensor::derivative_table;
 use super::{CollapsedSide, TensorPatch};
 
 /// By how much the rounding of tangents may turn a normal that is known, in radians.
-const KNOWN: f64 = 1e-9;
+const TURNED_AT_POLE: f64 = 1e-9;
 
 /// The unit normal of a patch at a place, by the pole at one of its sides; `None` where that
 /// knows too little of it, as where the tangents away from the pole do not turn along the side.
@@ -48,7 +48,7 @@ pub(super) fn normal_by_pole(
     // Coefficients are off by `q` times what points are, derivatives by `2 p` times as much again.
     let off = 2.0 * q as f64 * noise;
     let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
-    let normal = cross.try_normalize().filter(|_| turned <= KNOWN)?;
+    let normal = cross.try_normalize().filter(|_| turned <= TURNED_AT_POLE)?;
     // Turned as the net is.
     let backwards = mirrored != (fixed == 0);
     Some(if backwards { -normal } else { normal })

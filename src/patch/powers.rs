@@ -17,7 +17,7 @@ use std::ops::{Add, Mul, Sub};
 use glam::DVec4;
 use smallvec::SmallVec;
 
-use super::ControlNet;
+use super::BezierNet;
 use crate::geometry::{Extraction, Extractions, KnotVector};
 use crate::math::bernstein::binomials;
 
@@ -34,7 +34,7 @@ const _: () =
 const MOST_CONDITION: f64 = 8.0;
 
 /// The largest weight, over the smallest, of gentle splines.
-const MOST_WEIGHT: f64 = 2.0;
+const GENTLE_WEIGHTS: f64 = 2.0;
 
 /// Their longest span, over the shortest: where it is more, a control point may have so small a share in a piece that
 /// differences from it are all rounding.
@@ -61,7 +61,7 @@ pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
         longest <= MOST_UNEVEN * shortest
     };
     let (least, most) = control.iter().map(|point| point.w).fold(none, range);
-    knots.into_iter().all(are_even) && most <= MOST_WEIGHT * least
+    knots.into_iter().all(are_even) && most <= GENTLE_WEIGHTS * least
 }
 
 /// Whether all pieces of a gentle spline are taken to be well conditioned: to look at them takes a tenth of the time
@@ -110,7 +110,7 @@ fn sum(net: &[DVec4], columns: usize, [x, y]: [f64; 2], term: fn(DVec4) -> DVec4
 }
 
 /// The net of a piece by powers, from its Bézier points, if it is well conditioned.
-pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<ControlNet> {
+pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> {
     let columns = degree[1] + 1;
     let net = in_both_directions(degree, bezier, |k, line, step| to_powers(degree[k], line, step));
     let magnitude = magnitude(bezier);
@@ -261,13 +261,14 @@ pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares
     }
 }
 
-/// A net by powers of points: `make` is for a direction and one line of them, every so-manieth of those given.
+/// A net by powers of points: `make` is given a direction, the points from the
+/// first of a line on, and its stride.
 fn in_both_directions(
     [_, q]: [usize; 2],
     points: &[DVec4],
     make: impl Fn(usize, &mut [DVec4], usize),
-) -> ControlNet {
-    let mut net = ControlNet::from_slice(points);
+) -> BezierNet {
+    let mut net = BezierNet::from_slice(points);
     for j in 0..=q {
         make(0, &mut net[j..], q + 1);
     }

@@ -1,4 +1,4 @@
-//! Numbers in one or two bytes.
+//! Numbers in one, two or four bytes.
 
 use crate::math::rounding;
 
@@ -64,6 +64,22 @@ impl Up8 {
     }
 }
 
+/// A number not below zero, rounded up: the upper half of an f64, for its range in less room.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Up32(u32);
+
+impl Up32 {
+    pub(super) fn above(x: f64) -> Self {
+        let bits = x.to_bits();
+        let cut_off = bits & 0xffff_ffff != 0;
+        Self((bits >> 32) as u32 + u32::from(cut_off))
+    }
+
+    pub(super) fn value(self) -> f64 {
+        f64::from_bits(u64::from(self.0) << 32)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,5 +105,13 @@ mod tests {
         }
         assert_eq!(Up16::above(f64::NAN).value(), f32::INFINITY);
         assert_eq!(Up16::above(0.0).value(), 0.0);
+    }
+
+    #[test]
+    fn longer_numbers_are_not_below() {
+        for x in [0.0, 1.0, 0.1, 1.0 / 3.0, 1e70, 3e-70, 1.999_999_999, 5e-324] {
+            let up = Up32::above(x).value();
+            assert!(x <= up && up <= x * (1.0 + 2e-6) + 1e-300, "{x}: {up}");
+        }
     }
 }

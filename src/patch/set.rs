@@ -6,8 +6,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::chart_net::ChartNet;
+use super::keeping::{Keeping, piece_count};
 use super::leaves::parts;
-use super::net::{ChartNet, Keeping, piece_count};
 use super::tiles::Grid;
 use super::{GroupedParts, Piece, tips};
 use crate::geometry::{Chart, Charts, NurbsSurface};
@@ -56,7 +57,9 @@ impl PatchSet {
     /// # Errors
     /// When there are more of them, their pieces, Bézier points or leaves than are possible; but for leaves, that is
     /// known before anything is made.
-    pub fn new<S: Charts + Sync>(surfaces: &[S]) -> Result<(Self, GroupedParts), PatchSetError> {
+    pub(crate) fn new<S: Charts + Sync>(
+        surfaces: &[S],
+    ) -> Result<(Self, GroupedParts), PatchSetError> {
         check_count("surfaces", surfaces.len(), MOST_COUNTED)?;
         let charts: Vec<Vec<Chart<'_>>> = surfaces.par_iter().map(Charts::charts).collect();
         let counts = charts.iter().map(|charts| total(charts, piece_count));

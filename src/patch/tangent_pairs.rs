@@ -148,7 +148,7 @@ mod tests {
     use super::*;
     use crate::math::testing::same_cases;
     use crate::patch::TensorPatch;
-    use crate::patch::net::ChartNet;
+    use crate::patch::chart_net::ChartNet;
 
     /// Nodes and weights of Gauss's rule of four points on [0, 1].
     const GAUSS: [[f64; 2]; 4] = [

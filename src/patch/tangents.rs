@@ -11,7 +11,7 @@ use crate::math::Interval;
 use crate::math::bernstein::MAX_DEGREE;
 
 /// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
-pub(super) struct Proof {
+pub(super) struct TangentBounds {
     /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole with as much below zero as
     /// above.
     pub(super) turning: [Interval; 2],
@@ -44,7 +44,7 @@ const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 nee
 /// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
 const MOST_BEND: f64 = 1e3;
 
-impl Proof {
+impl TangentBounds {
     /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None` where
     /// the tangents turn too far, or nothing can be said.
     pub(super) fn new(
@@ -99,7 +99,7 @@ struct Tangents<'a> {
 }
 
 /// What is proved of a net in the frame of `a₀` and `b₀`.
-fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
+fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let field = net.recentred(net.middle());
     if net.rational && field.values.len() <= MOST_MULTIPLIED {
         let along = [0, 1].map(|which| field.quotients_slope(which));
@@ -112,7 +112,7 @@ fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
 }
 
 /// The same of a net whose side `t = 0` is collapsed to a point.
-fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<Proof> {
+fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let pole = euclidean(net.control[0]);
     let field = net.recentred(pole);
     let (along_s, along_t) = (field.derivative_s(), field.derivative_t());
@@ -241,7 +241,7 @@ impl<'a> Tangents<'a> {
 
     /// What is proved of `field`, whose derivatives these are, in the frame of `a₀` and `b₀`; `at_pole`
     /// says whether it ends in one.
-    fn proof(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<Proof> {
+    fn proof(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<TangentBounds> {
         let cross = a0.cross(b0);
         let area = cross.length();
         let regular = area > 0.0 && area.is_finite();
@@ -293,7 +293,7 @@ impl<'a> Tangents<'a> {
         } else {
             (longest_s.max(longest_t) * self.weights.hi / determinant, 0.0)
         };
-        let proof = Proof { turning, bend: known.bend, spread, pole_spread };
+        let proof = TangentBounds { turning, bend: known.bend, spread, pole_spread };
         let most = MARGIN * turning.map(Interval::magnitude).iter().sum::<f64>();
         (most <= MOST_TURNING && spread.is_finite()).then_some(proof)
     }
@@ -314,7 +314,7 @@ struct Turning {
     across: [Interval; 2],
     /// No more than what `|a₀ × b₀|` is to be multiplied with for the least `|n·(ā × b̄)|`.
     least: f64,
-    /// As in [`Proof`].
+    /// As in [`TangentBounds`].
     bend: [[f64; 2]; 2],
 }
 
@@ -347,7 +347,7 @@ mod tests {
     use super::*;
     use crate::math::testing::same_cases;
     use crate::patch::TensorPatch;
-    use crate::patch::net::ChartNet;
+    use crate::patch::chart_net::ChartNet;
 
     /// Nets of gently bent patches; weights differ or do not.
     fn nets() -> impl Strategy<Value = ([usize; 2], Vec<DVec4>, bool)> {
@@ -431,7 +431,7 @@ mod tests {
             let net = Net { degree, control: &control, noise, rational, spacing: [1e-16; 2] };
             let [a, b] = patch.chords([[0.0, 1.0]; 2]);
             let axes = Axes::along([a + shears[0] * b, b + shears[1] * a]);
-            let Some(proof) = Proof::new(&net, None, &axes) else { return Ok(()) };
+            let Some(proof) = TangentBounds::new(&net, None, &axes) else { return Ok(()) };
             let [a, b, _] = axes.axes;
             let normal = a.cross(b).normalize();
             let across = [a, b].map(|v| v.cross(normal).normalize());

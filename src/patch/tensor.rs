@@ -5,9 +5,10 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 
-use super::net::{ChartNet, Coarse};
+use super::chart_net::ChartNet;
 use super::piece_net::LONGEST_OF_CUBIC;
-use super::{ControlNet, NetRoom, NetSource, PieceNet};
+use super::rounded::Up32;
+use super::{BezierNet, NetRoom, NetSource, PieceNet};
 use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, prefetch};
@@ -28,8 +29,8 @@ pub struct TensorPatch {
     pub(super) net: Arc<ChartNet>,
     /// The row and the column of the piece's first point.
     pub(super) first: [u32; 2],
-    magnitude: Coarse,
-    size: Coarse,
+    magnitude: Up32,
+    size: Up32,
 }
 
 /// A point of a piece with its first derivatives.
@@ -48,12 +49,12 @@ impl TensorPatch {
     /// caller has checked the invariants: only surfaces that hold them can be built. Also returns the
     /// points that its control points stand for.
     pub(super) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
-        let zero = Coarse::above(0.0);
+        let zero = Up32::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
         let points = euclidean_net(&patch.control_net());
         let bounds = Aabb::around(points.iter().copied());
-        patch.magnitude = Coarse::above(bounds.magnitude());
-        patch.size = Coarse::above(bounds.size().max_element());
+        patch.magnitude = Up32::above(bounds.magnitude());
+        patch.size = Up32::above(bounds.size().max_element());
         (patch, points)
     }
 
@@ -73,9 +74,9 @@ impl TensorPatch {
     }
 
     /// All of them, to work on.
-    pub(super) fn control_net(&self) -> ControlNet {
+    pub(super) fn control_net(&self) -> BezierNet {
         let [p, q] = self.degree();
-        let mut net = ControlNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
+        let mut net = BezierNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
         let rows = net.chunks_exact_mut(q + 1).enumerate();
         match (self.net_source(), self.weight()) {
             (NetSource::Kept(kept), Some(weight)) => {
@@ -162,7 +163,7 @@ impl TensorPatch {
     /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). Their degrees are three at most, and
     /// weights differ.
     #[inline(always)]
-    pub fn has_quotient_leaves(&self) -> bool {
+    pub(crate) fn has_quotient_leaves(&self) -> bool {
         let [p, q] = self.degree();
         self.is_rational() && p.max(q) <= 3
     }
@@ -192,7 +193,7 @@ impl TensorPatch {
 
     /// The same for a ray; `magnitude` is the largest absolute coordinate of the ray's origin.
     #[inline(always)]
-    pub fn error_bound(&self, magnitude: f64) -> f64 {
+    pub(crate) fn error_bound(&self, magnitude: f64) -> f64 {
         self.residual_factor() * self.magnitude().max(magnitude)
     }
 

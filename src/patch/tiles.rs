@@ -16,7 +16,7 @@ use crate::math::Aabb;
 /// The parts of pieces that are to be leaves, and which of them are to be kept together: groups, one
 /// after the other, of neighbours on a surface, at least one part each, and no more than sixteen.
 #[derive(Clone, Debug, Default)]
-pub struct GroupedParts {
+pub(crate) struct GroupedParts {
     parts: Vec<Part>,
     groups: Vec<u32>,
 }
@@ -25,7 +25,7 @@ pub struct GroupedParts {
 pub(crate) const MOST_TOGETHER: usize = 16;
 const _: () = assert!(MOST_TOGETHER.is_power_of_two());
 
-/// The pieces of a chart: row by row, so many rows and columns, from one of all pieces on.
+/// The pieces of a chart: row by row, this many rows and columns, from one of all pieces on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) first: usize,
@@ -42,12 +42,12 @@ struct Tile {
 
 impl GroupedParts {
     /// All parts, group by group.
-    pub fn all(&self) -> &[Part] {
+    pub(crate) fn all(&self) -> &[Part] {
         &self.parts
     }
 
     /// The number of parts in each group.
-    pub fn groups(&self) -> &[u32] {
+    pub(crate) fn groups(&self) -> &[u32] {
         &self.groups
     }
 
@@ -134,7 +134,7 @@ impl Grid {
 }
 
 impl Tile {
-    /// Tiles of so many rows and columns, less at the ends.
+    /// Tiles of this many rows and columns, less at the ends.
     fn cut(self, [rows, columns]: [usize; 2]) -> impl Iterator<Item = Self> {
         let ranges = |range: Range<usize>, most: usize| {
             range.clone().step_by(most).map(move |start| start..(start + most).min(range.end))
@@ -178,7 +178,7 @@ mod tests {
     use crate::patch::leaves::coarse;
     use glam::DVec4;
 
-    /// A wavy sheet of so many pieces, in a box of these sides.
+    /// A wavy sheet of this many pieces, in a box of these sides.
     fn sheet(pieces: [usize; 2], sides: [f64; 2]) -> PatchSet {
         let knots = pieces.map(|count| KnotVector::clamped_uniform(2, count + 2).unwrap());
         let [rows, columns] = pieces.map(|count| count + 2);
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(many.groups().len(), many.all().len());
     }
 
-    /// A wave of so many pieces each way, each of which bends by half a turn.
+    /// A wave of this many pieces each way, each of which bends by half a turn.
     fn bent(pieces: usize) -> PatchSet {
         let points = pieces + 2;
         let knots = KnotVector::clamped_uniform(2, points).unwrap();

@@ -37,4 +37,4 @@ mod parameter_box;
 mod solver;
 
 pub(crate) use parameter_box::{Rect, holds};
-pub(super) use solver::{AT_POLE, END, ExactSolver, Proof, STRETCH, Solution, Task};
+pub(super) use solver::{AT_POLE, END, ExactSolver, Problem, Proof, STRETCH, Solution};

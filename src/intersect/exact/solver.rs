@@ -31,12 +31,12 @@ const MARGIN: f64 = 0.05;
 /// A clip that leaves more than this part of a side is followed by halving.
 const WORTHWHILE: f64 = 0.7;
 
-/// A box is not clipped to an image thinner than so many errors along one parameter while its
+/// A box is not clipped to an image thinner than this many errors along one parameter while its
 /// image is wider than [`WIDE`] errors along the other. A Jacobian is of use where the error is
 /// less than a twentieth of the image: this is some times that.
 const THIN: f64 = 256.0;
 
-/// Where a box is within so many errors along both parameters it may get as thin as it likes: it
+/// Where a box is within this many errors along both parameters it may get as thin as it likes: it
 /// is soon within rounding.
 const WIDE: f64 = 4096.0;
 
@@ -59,12 +59,12 @@ pub(crate) const END: f64 = 1e-9;
 /// 1e-8, at one of fourth order 1e-4.
 pub(crate) const STRETCH: f64 = 1e-3;
 
-/// A ray that passes the point of a collapsed side within so many errors meets it there.
+/// A ray that passes the point of a collapsed side within this many errors meets it there.
 pub(crate) const AT_POLE: f64 = 2.0;
 
 /// One leaf and one ray.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Task<'a> {
+pub(crate) struct Problem<'a> {
     /// The piece the leaf belongs to.
     pub(crate) patch: &'a TensorPatch,
     /// The rectangle to search, in the piece's parameters: the leaf and at least its slack.
@@ -123,7 +123,7 @@ pub(crate) struct ExactSolver {
     isolated: Vec<Solution>,
     /// Boxes of which only the two ends are wanted.
     spare: Vec<Rect>,
-    queue: Vec<Candidate>,
+    queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
     /// How far `w x` and `w y` may be off: half of the promise for a point, times the largest
@@ -140,7 +140,7 @@ pub(crate) struct ExactSolver {
 
 /// A box that may hold the end of a stretch.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct EndBox {
     rect: Rect,
     /// How far along the ray it begins; from its far end, if the last place is searched for.
     z: f64,
@@ -163,7 +163,7 @@ enum Verdict {
 
 impl ExactSolver {
     /// All places where the ray meets the leaf, appended to `solutions`.
-    pub(crate) fn solve(&mut self, task: &Task<'_>, solutions: &mut Vec<Solution>) {
+    pub(crate) fn solve(&mut self, task: &Problem<'_>, solutions: &mut Vec<Solution>) {
         self.load(task);
         let mut used = 0;
         while let Some(rect) = self.waiting.pop() {
@@ -189,7 +189,7 @@ impl ExactSolver {
     }
 
     /// The leaf's net in ray coordinates, and one box: all of it.
-    fn load(&mut self, task: &Task<'_>) {
+    fn load(&mut self, task: &Problem<'_>) {
         let ray = task.ray;
         self.whole.degree = task.patch.degree();
         self.whole.control.clear();
@@ -214,7 +214,7 @@ impl ExactSolver {
         self.waiting.push([[0.0, 1.0]; 2]);
     }
 
-    fn judge(&mut self, task: &Task<'_>, rect: Rect) -> Verdict {
+    fn judge(&mut self, task: &Problem<'_>, rect: Rect) -> Verdict {
         let error = self.error;
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
@@ -335,7 +335,7 @@ impl ExactSolver {
     }
 
     /// Whether nothing wanted can lie in the box.
-    fn is_empty(&self, task: &Task<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
+    fn is_empty(&self, task: &Problem<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
         let off_ray = |range: Interval| range.lo > error || range.hi < -error;
         let z_error = task.error;
         let behind = bounds.z.hi < task.z_range[0] - z_error;
@@ -356,7 +356,7 @@ impl ExactSolver {
 
     /// The proved root refined on the surface itself, in the parameters of the task's
     /// rectangle; `None` when it strays from the box or its residual stays large.
-    fn refined(&self, task: &Task<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
+    fn refined(&self, task: &Problem<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
         let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);
         let mut best = (f64::INFINITY, x);
@@ -375,7 +375,7 @@ impl ExactSolver {
         (best.0 <= task.error).then_some(best.1)
     }
 
-    fn root(&self, task: &Task<'_>, rect: Rect, x: DVec2) -> Solution {
+    fn root(&self, task: &Problem<'_>, rect: Rect, x: DVec2) -> Solution {
         let outer = |k: usize| {
             let [from, to] = task.rect[k];
             rect[k].map(|x| from + x * (to - from))
@@ -383,14 +383,14 @@ impl ExactSolver {
         Solution { st: inner(task.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
     }
 
-    fn at_collapsed_side(&self, task: &Task<'_>, rect: Rect) -> bool {
+    fn at_collapsed_side(&self, task: &Problem<'_>, rect: Rect) -> bool {
         task.collapsed.is_some_and(|side| side.is_reached_by(&rect))
     }
 }
 
 /// The Jacobian of the distances from the ray's planes by the piece's parameters, and the
 /// distances.
-fn linearised(task: &Task<'_>, st: DVec2) -> (DMat2, DVec2) {
+fn linearised(task: &Problem<'_>, st: DVec2) -> (DMat2, DVec2) {
     let jet = task.patch.jet(st);
     let at = task.ray.coordinates(jet.point).truncate();
     let project = |v: DVec3| task.ray.along_axes(v).truncate();

@@ -12,8 +12,8 @@ use fearless_simd_macros::simd;
 use super::box_ray::{BLUR, LEAST, Slabs};
 use super::load::bounds;
 use super::packet::{Lanes3f, Packet, PacketBounds};
-use super::search::{lane_bits, load3};
 use super::traverse::enter_block;
+use super::vectors::{lane_bits, load3};
 use super::{LANES, PACKET};
 use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{LeafBlock, Node};
@@ -21,7 +21,7 @@ use crate::intersect::tree::{LeafBlock, Node};
 /// All rays.
 pub(super) const ALL: u64 = u64::MAX;
 
-/// Rays that start so many widths of a leaf apart are asked one by one: what neighbours in a picture
+/// Rays that start this many widths of a leaf apart are asked one by one: what neighbours in a picture
 /// see of one body lies closer. Measured against 8: shadow rays are 0.99 to 1.1 times as fast, of a body
 /// with many small leaves 1.2 times; 2 gains on such bodies, and loses on a sheet of hills.
 const FAR_APART: f32 = 4.0;

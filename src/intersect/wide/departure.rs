@@ -52,17 +52,17 @@ mod approximation;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
-use self::approximation::{Bends, Plane, Weights, splat};
-use super::scene::Fitted;
-use super::search::lane_bits;
-use super::single_proof::LEAF;
+use self::approximation::{Bends, Plane, Weights};
+use super::proof::LEAF;
+use super::searched::Fitted;
+use super::vectors::{lane_bits, splat};
 use crate::patch::FIT_DOMAIN;
 
 /// What rounding to f32 does to places, as a part of the sides' lengths, and to what does not depend on
 /// the normal: 30 units of 2⁻²⁴. Terms add up to twice the sides at most where there is a stretch; to
 /// each happen 12 by Horner's scheme, and few to the origin, the axis and where it starts. (Of quotients there are more
 /// and larger ones: see [`Weights::terms`].)
-const ROUNDING: f32 = 2e-6;
+const PLACE_ROUNDING: f32 = 2e-6;
 
 /// What it does to slopes measured along the normal, over what the tangents' cross product is of the
 /// sides': 280 units. Each tangent errs by seven units of its terms, so the normal by 64 at most; it is
@@ -70,15 +70,15 @@ const ROUNDING: f32 = 2e-6;
 const NORMAL_ROUNDING: f32 = 1.8e-5;
 
 /// Where the ray may start, in box coordinates: the approximation's bounds hold a little farther.
-pub(super) const NEARBY: f32 = 1.19;
+pub(super) const MAY_START: f32 = 1.19;
 
 /// How far the ray's own root may be from the place it is said to start at, in box coordinates: so
 /// much farther do the approximation's bounds hold.
-const APART: f32 = 0.0099;
+const ROOT_APART: f32 = 0.0099;
 const _: () = assert!(FARTHEST < FIT_DOMAIN as f32);
 
 /// How far the bounds are to hold, in box coordinates.
-const FARTHEST: f32 = NEARBY + APART;
+const FARTHEST: f32 = MAY_START + ROOT_APART;
 
 /// Nothing is said of leaves of other sizes: squares of lengths might be no numbers of f32.
 const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
@@ -147,9 +147,9 @@ impl<S: Simd> Departure<S> {
 
         // All are false for NaN. Where the leaf bends away, that is no help to what is left.
         let flat = plane.sine.simd_gt(splat(simd, STEEPEST));
-        let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, NEARBY));
+        let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, MAY_START));
         let known = self.reach * turned;
-        let apart = splat(simd, APART * lengths[0].min(lengths[1]));
+        let apart = splat(simd, ROOT_APART * lengths[0].min(lengths[1]));
         let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
         let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
@@ -167,7 +167,7 @@ impl<S: Simd> Departure<S> {
     #[inline(always)]
     fn farthest(&self, simd: S, [length_x, length_y]: [f32; 2]) -> [f32x16<S>; 2] {
         let [x, y] = self.place;
-        let reach = splat(simd, LEAF + APART);
+        let reach = splat(simd, LEAF + ROOT_APART);
         [(x.abs() + reach) * splat(simd, length_x), (y.abs() + reach) * splat(simd, length_y)]
     }
 }
@@ -188,16 +188,16 @@ impl<S: Simd> Errors<S> {
         let leaf = fitted.leaf;
         let [length_x, length_y] = leaf.half_side_lengths();
         let per_side = (1.0 / length_x).hypot(1.0 / length_y);
-        let rounding = ROUNDING * weights.terms * (length_x + length_y);
+        let rounding = PLACE_ROUNDING * weights.terms * (length_x + length_y);
         // The point times the weight's slopes is a part of tangents that may be far shorter than the leaf is long.
         let [x, y, z] = plane.point;
         let size = x.abs() + y.abs() + z.abs();
         let by_weight = (size + splat(simd, length_x + length_y)) * splat(simd, weights.slope);
         let flattened = (by_weight + splat(simd, weights.terms)) * plane.per_length;
         let flattened = flattened * splat(simd, NORMAL_ROUNDING);
-        let by_weight = by_weight * splat(simd, ROUNDING);
+        let by_weight = by_weight * splat(simd, PLACE_ROUNDING);
         let point = leaf.fit_error() * fitted.heaviest() + rounding;
-        let slope_error = leaf.slope_error().mul_add(per_side, ROUNDING * weights.terms);
+        let slope_error = leaf.slope_error().mul_add(per_side, PLACE_ROUNDING * weights.terms);
         let slopes = splat(simd, slope_error + point * weights.slope) + by_weight + flattened;
         Self { point, slopes, flattened }
     }

@@ -5,8 +5,8 @@ use fearless_simd_macros::simd;
 
 use super::LANES;
 use super::packet::Packet;
-use super::scene::Fitted;
-use super::search::{dot_d, load3, load3d};
+use super::searched::Fitted;
+use super::vectors::{dot_d, load3, load3d};
 use crate::patch::{Leaf, WeightFit};
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the

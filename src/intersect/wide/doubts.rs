@@ -18,12 +18,12 @@ use super::lane_proof::{Errors, LaneProof, Parts};
 use super::leaf::finish_all;
 use super::load::farthest;
 use super::packet::Packet;
-use super::scene::Scene;
-use super::search::lane_bits;
-use super::single_proof::{GROWN, LARGEST, ROUNDING, START_GROWN};
+use super::proof::{DISTANCE_ROUNDING, GROWN, LARGEST, START_GROWN};
+use super::searched::Searched;
 use super::spline_net::RecentNets;
 use super::target::{Ground, Target};
 use super::traverse::Work;
+use super::vectors::lane_bits;
 use crate::intersect::Statistics;
 use crate::intersect::bits::set_bits;
 
@@ -105,7 +105,7 @@ impl Doubts {
         let weighted = error * f32x16::splat(simd, fitted.heaviest());
         // False for NaN.
         let known = lanes & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
-        let noise = terms * f32x16::splat(simd, ROUNDING);
+        let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let chosen = mask32x16::from_bitmask(simd, u64::from(known));
         let at = self.count..self.count + LANES;
         for k in 0..2 {
@@ -166,7 +166,7 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -200,7 +200,7 @@ struct Settled {
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     packet: &mut Packet,
     taken: &Taken<S>,
     (parts, nets): (&mut Parts, &mut RecentNets),

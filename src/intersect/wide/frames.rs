@@ -3,7 +3,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
 
-use super::search::dot_d;
+use super::vectors::dot_d;
 use crate::intersect::Shot;
 use crate::math::Ray;
 use crate::patch::SceneFrame;

@@ -12,10 +12,10 @@ use super::LANES;
 use super::cubic::{bernstein, moved, slope_weights};
 use super::distances::LaneDistances;
 use super::lane_parts::{LaneParts, Sixteen};
-use super::search::lane_bits;
-use super::single_proof::{
-    GROWN, MOST_INVERSE, MOST_NOISE, NEARBY, Part, ROUNDING, SMALLEST, UNDERFLOW,
+use super::proof::{
+    DISTANCE_ROUNDING, GROWN, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST, UNDERFLOW,
 };
+use super::vectors::lane_bits;
 use crate::intersect::bits::set_bits;
 
 /// How often a leaf is halved before the scalar search is called.
@@ -66,7 +66,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         parts.unique.clear();
         let mut proof = Self { simd, distances, parts, lengths, errors, undecided: 0 };
         // Of the whole leaf little more is to be learnt than its certificate says.
-        let Part { middle, half } = Part::whole();
+        let LeafPart { middle, half } = LeafPart::whole();
         proof.halve(&Sixteen::all(simd, middle, half), lengths, asked);
         proof
     }
@@ -157,7 +157,7 @@ fn mask<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
 /// The lanes with no root in the whole leaf; `error` is how far the distances may be off.
 #[simd]
 pub(super) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
-    let Part { middle, half } = Part::whole();
+    let LeafPart { middle, half } = LeafPart::whole();
     let whole = Sixteen::all(simd, middle, half);
     let local = Local::over(simd, distances, &whole, None);
     local.missed(simd, error)
@@ -240,7 +240,7 @@ impl Local {
     fn leading_away<S: Simd>(&self, simd: S) -> u32 {
         let [[a1, a2], [b1, b2]] = self.slopes(simd);
         let (f1, f2) = (self.at(simd, 0, 0), self.at(simd, 1, 0));
-        let farthest = f32x16::splat(simd, NEARBY) * (a1 * b2 - a2 * b1).abs();
+        let farthest = f32x16::splat(simd, MAY_STEP) * (a1 * b2 - a2 * b1).abs();
         lane_bits((f1 * b2 - f2 * b1).abs().simd_gt(farthest))
             | lane_bits((a1 * f2 - a2 * f1).abs().simd_gt(farthest))
     }
@@ -258,7 +258,7 @@ impl Local {
                 size += self.at(simd, k, m).abs();
             }
         }
-        let rounding = f32x16::splat(simd, ROUNDING);
+        let rounding = f32x16::splat(simd, DISTANCE_ROUNDING);
         let slope_error = (rounding + rounding).mul_add(size, slope_error);
         let mut unique = u32::MAX;
         let mut turning = [[one; 2]; 2];
@@ -379,8 +379,23 @@ mod tests {
         of
     }
 
-    /// Whether there is said to be one root at most, by sixteen lanes and by the search of one ray.
-    fn said(of: &Bicubics) -> [bool; 2] {
+    /// What is said of the whole of a leaf, each time by sixteen lanes and by the search of one ray.
+    struct Said {
+        /// That there is one root at most.
+        unique: [bool; 2],
+        /// That there is none, where distances may be off by a hundredth.
+        missed: [bool; 2],
+        /// That Newton's step leads away.
+        away: [bool; 2],
+    }
+
+    /// What all lanes say, if they agree.
+    fn of_all(lanes: u32) -> bool {
+        assert!(lanes == 0 || lanes == (1 << LANES) - 1 || lanes == u32::MAX, "{lanes:#b}");
+        lanes != 0
+    }
+
+    fn said(of: &Bicubics) -> Said {
         dispatch!(Level::new(), simd => {
             let mut lanes = LaneDistances::default();
             let mut rows = [f32x8::splat(simd, 0.0); 4];
@@ -390,12 +405,50 @@ mod tests {
                     rows[m / 4][4 * k + m % 4] = of[k][m] as f32;
                 }
             }
-            let part = Part { middle: [0.0; 2], half: [1.0; 2] };
+            let part = LeafPart { middle: [0.0; 2], half: [1.0; 2] };
             let zero = f32x16::splat(simd, 0.0);
             let local = Local::over(simd, &lanes, &Sixteen::all(simd, part.middle, part.half), None);
-            let one = Distances { rows }.over(simd, &part).is_unique(simd, 0.0, 0.0);
-            [local.unique(simd, zero, zero) == u32::MAX, one]
+            let one = Distances { rows }.over(simd, &part);
+            let off = f32x16::splat(simd, 0.01);
+            Said {
+                unique: [of_all(local.unique(simd, zero, zero)), one.is_unique(simd, 0.0, 0.0)],
+                missed: [of_all(local.missed(simd, off)), one.is_missed(simd, 0.01)],
+                away: [of_all(local.leading_away(simd)), one.leads_away()],
+            }
         })
+    }
+
+    /// Of bent bicubics; at most three in twelve thousand sayings differ, by rounding.
+    #[test]
+    fn lanes_say_what_the_search_of_one_ray_says() {
+        let coefficients = (0.0..0.3f64, 0.2..2.0f64, prop::collection::vec(-1.0..1.0f64, 32))
+            .prop_map(|(bent, far, of)| {
+                let mut two: Bicubics = [[0.0; 16]; 2];
+                for (m, x) in of.into_iter().enumerate() {
+                    let scale = match m % 16 / 4 + m % 4 {
+                        0 => far,
+                        1 => 0.5,
+                        _ => bent,
+                    };
+                    two[m / 16][m % 16] = scale * x;
+                }
+                two[0][4] += 1.0;
+                two[1][1] += 1.0;
+                two
+            });
+        let counts = Cell::new([[0; 2]; 3]);
+        proptest!(same_cases(4000), |(of in coefficients)| {
+            let Said { unique, missed, away } = said(&of);
+            let mut all = counts.get();
+            for ([yes, differ], [lanes, one]) in all.iter_mut().zip([unique, missed, away]) {
+                *yes += u32::from(one);
+                *differ += u32::from(lanes != one);
+            }
+            counts.set(all);
+        });
+        let counts = counts.get();
+        assert!(counts.iter().all(|[yes, _]| (300..3700).contains(yes)), "{counts:?}");
+        assert!(counts.iter().map(|[_, differ]| differ).sum::<u32>() <= 3, "{counts:?}");
     }
 
     /// Never of two functions with two roots; and where it is said, the inverse of the mean of the
@@ -419,9 +472,9 @@ mod tests {
         let config = same_cases(4000);
         proptest!(config, |(of in bicubics, ends in ends())| {
             let two = through(of, ends);
-            prop_assert_eq!(said(&two), [false; 2], "{:?} has roots at {:?}", two, ends);
+            prop_assert_eq!(said(&two).unique, [false; 2], "{:?} has roots at {:?}", two, ends);
             folded.set(folded.get() + 1);
-            let [lanes, one] = said(&of);
+            let [lanes, one] = said(&of).unique;
             unique.set(unique.get() + u32::from(lanes) + u32::from(one));
             if lanes || one {
                 // Gauss's rule of four points, exact for the mean.

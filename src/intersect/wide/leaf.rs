@@ -3,18 +3,19 @@
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask64x8};
 use fearless_simd_macros::simd;
 
+use super::box_crossing::{BoxCrossing, certify, cross_box};
 use super::distances::widened;
 use super::doubts::settle;
 use super::finish::{Done, away_from_pole, finish};
 use super::jets::OneNet;
 use super::load::{farthest, turn};
 use super::packet::Packet;
-use super::scene::Scene;
+use super::proof::WIDENED;
 use super::screen::{Screened, screen};
-use super::search::{BoxCrossing, certify, cross_box, lane_bits};
-use super::single_ray::WIDENED;
+use super::searched::Searched;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
+use super::vectors::lane_bits;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::intersect::read_ahead::{Ahead, Moment};
@@ -26,7 +27,7 @@ use crate::patch::OrientedBox;
 #[simd]
 pub(super) fn search_leaf<S: Simd, Q>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     (index, oriented, groups, ahead): (u32, &OrientedBox, u32, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,

@@ -8,8 +8,8 @@ use fearless_simd_macros::simd;
 use super::box_ray::BLUR;
 use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
-use super::scene::Scene;
-use super::search::{load3, load3d};
+use super::searched::Searched;
+use super::vectors::{load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
 use crate::intersect::bits::set_bits;
@@ -17,7 +17,12 @@ use crate::patch::SceneFrame;
 
 /// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
-pub(super) fn load<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], scene: &Scene<'_>) {
+pub(super) fn load<S: Simd, Q: Shot>(
+    simd: S,
+    packet: &mut Packet,
+    shots: &[Q],
+    scene: &Searched<'_>,
+) {
     let frame = scene.tree.frame();
     packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {

@@ -3,7 +3,7 @@
 //! The scalar kernel says what is computed, the certificate why it is certain. Sixteen boxes are
 //! tested at once against a packet of rays (`traverse`), or sixteen of its rays against a box where they
 //! have little in common (`apart`); sixteen rays at once against a leaf
-//! (`leaf`, `search`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
+//! (`leaf`, `box_crossing`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
 //! iteration a start from which one step on the true surface, in f64, as a rule reaches the
 //! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
 //! hit will do, that it is (`screen`).
@@ -33,17 +33,19 @@
 //! |---|---|---|---|
 //! | rays | `frames`, `load`, `packet`, `outline` | `single_ray`, `box_ray` | `frames`, `box_ray` |
 //! | the tree | `traverse`, `apart` | `single` | `stream` |
-//! | a leaf: box, certificate | `leaf`, `search` | `single` | `stream` |
+//! | a leaf: box, certificate | `leaf`, `box_crossing` | `single` | `stream` |
 //! | its start in f32 | `distances`, `screen` | `single_search` | `pairs` |
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
-//! All stand on the surface in lanes (`jets`, or `power_sums` where it is well conditioned, as the `form` of a piece
-//! says; for leaves of one patch by `target`, of many by `lane_net`, their nets made there or by
-//! `spline_net`, both by `power_lines`, if they are not kept), on bicubic polynomials (`cubic`),
-//! on what becomes of a ray that leaves a root (`start`, `departure`), and on what trims say of a hit (`trimmed`).
+//! All stand on vectors in lanes (`vectors`), on how far leaves reach and what rounding leaves (`proof`), on the
+//! surface in lanes (`jets`, or `power_sums` where it is well conditioned, as the `form` of a piece says; for leaves of
+//! one patch by `target`, of many by `lane_net`, their nets made there or by `spline_net`, both by `power_lines`, if
+//! they are not kept), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
+//! `departure`), and on what trims say of a hit (`trimmed`).
 
 mod apart;
+mod box_crossing;
 mod box_ray;
 mod cubic;
 mod departure;
@@ -66,9 +68,9 @@ mod pair_finish;
 mod pairs;
 mod power_lines;
 mod power_sums;
-mod scene;
+mod proof;
 mod screen;
-mod search;
+mod searched;
 mod single;
 mod single_finish;
 mod single_jet;
@@ -81,14 +83,17 @@ mod stream;
 mod target;
 mod traverse;
 mod trimmed;
+mod vectors;
+mod wanted;
 
 pub(super) use box_ray::BLUR;
 pub(super) use packet::{LaneHit, Packet};
-pub(super) use scene::Scene;
+pub(super) use searched::Searched;
 pub(super) use single::{SingleWork, trace_single};
-pub(super) use single_ray::{SingleHit, SingleRay, Wanted};
+pub(super) use single_ray::{SingleHit, SingleRay};
 pub(super) use stream::{FLIGHTS, Stream, trace_stream};
 pub(super) use traverse::{Work, trace};
+pub(super) use wanted::Wanted;
 
 use super::tree::LANES;
 

@@ -1,7 +1,7 @@
 //! Which of two hits counts.
 
-use super::scene::Scene;
-use super::single_ray::Place;
+use super::searched::Searched;
+use super::single_ray::HitPlace;
 use super::trimmed::trim_side;
 use crate::geometry::trim::Side;
 use crate::patch::Leaf;
@@ -21,10 +21,10 @@ pub(super) enum Kept {
 /// Of hits at the same place the piece that comes first counts, and its first part, whichever was
 /// searched first: so the order of the search does not matter.
 #[inline(always)]
-pub(super) fn keep(found: &Place, scene: &Scene<'_>, nearest: Option<&Place>) -> Kept {
+pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitPlace>) -> Kept {
     let leaf = &scene.leaves[found.leaf as usize];
     // What is not nearer than the nearest by more than it may be off need not be judged.
-    let beyond = |known: &Place| found.z > known.z + 2.0 * found.z_error;
+    let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         let piece = &scene.set.pieces()[leaf.piece as usize];
         match trim_side(piece, found.st, found.z_error) {

@@ -5,9 +5,9 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8
 use fearless_simd_macros::simd;
 
 use super::jets::Jets;
-use super::search::dot_d;
+use super::proof::WITH_SLACK;
 use super::single_finish::COARSEST;
-use super::single_ray::WITH_SLACK;
+use super::vectors::{cross_d, dot_d, sum_of_sizes};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
 /// Steps in f64: one is usual.
@@ -203,12 +203,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
 #[simd]
 fn normals<S: Simd, T: Leaves<S>>(simd: S, leaves: &T, st: &[f64x8<S>; 2]) -> [f64x8<S>; 3] {
     let Jets { first: [ds, dt], .. } = leaves.tangents(simd, st);
-    cross(ds, dt)
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    cross_d(ds, dt)
 }
 
 /// The places on the piece.
@@ -280,7 +275,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let more = solved(slopes, inverse_det, [dot_d(n1, moved), dot_d(n2, moved)]);
     let (all_s, all_t) = (step[0] + more[0], step[1] + more[1]);
     let (new_s, new_t) = (s - all_s, t - all_t);
-    let cross = cross(tangents[0], tangents[1]);
+    let cross = cross_d(tangents[0], tangents[1]);
     let Trusted { straight, known } = trusted(simd, leaves, [step, more], (tangents, cross), error);
     let domain = leaves.domain(simd);
     let inside = new_s.simd_ge(domain[0])
@@ -452,7 +447,7 @@ impl<S: Simd> Converged<S> {
     #[inline(always)]
     pub(super) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
         let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, &self.st);
-        (self.point, self.cross) = (point, cross(ds, dt));
+        (self.point, self.cross) = (point, cross_d(ds, dt));
     }
 
     /// Roots just outside the piece, and those too near the ray's ends, are judged elsewhere.
@@ -486,10 +481,4 @@ impl<S: Simd> Converged<S> {
         let acceptable = found & !judged & z.simd_gt(z_min);
         Verdict { size, z_error, judged, acceptable, near_end }
     }
-}
-
-/// The sum of the components' sizes: no less than the length.
-#[inline(always)]
-fn sum_of_sizes<S: Simd>([x, y, z]: [f64x8<S>; 3]) -> f64x8<S> {
-    x.abs() + y.abs() + z.abs()
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::box_ray::BLUR;
 use super::frames::{END_SPARE, PLAIN, shift_to_scene};
 use super::packet::PacketBounds;
-use super::scene::Scene;
+use super::searched::Searched;
 use crate::intersect::Shot;
 
 /// Where moved origins may be at most for the work in f32, in scaled coordinates.
@@ -38,7 +38,7 @@ pub(super) enum Outline {
 /// those given over a length between the shortest and the longest there may be; the origins are
 /// moved towards the scene by one distance for all.
 #[simd]
-pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Scene<'_>) -> Outline {
+pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'_>) -> Outline {
     let Some([low, high]) = hull(simd, shots) else { return Outline::Unknown };
     let (mut least, mut most) = (0.0, 0.0);
     for k in 3..6 {

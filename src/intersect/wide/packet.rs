@@ -7,12 +7,13 @@ use fearless_simd::{
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
+use super::box_crossing::BoxCrossing;
 use super::box_ray::SPARE;
-use super::departure::{Departure, Final, NEARBY};
+use super::departure::{Departure, Final, MAY_START};
 use super::frames::END_SPARE;
-use super::search::{BoxCrossing, lane_bits, load3};
-use super::single_ray::Wanted;
 use super::target::Target;
+use super::vectors::{lane_bits, load3};
+use super::wanted::Wanted;
 use super::{LANES, PACKET};
 use crate::intersect::bits::set_bits;
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
@@ -319,7 +320,7 @@ impl Packet {
         (magnitude, factor): (f32x16<S>, f64),
     ) -> u32 {
         let leaf = target.leaf;
-        let nearby = [f32x16::splat(simd, -NEARBY), f32x16::splat(simd, NEARBY)];
+        let nearby = [f32x16::splat(simd, -MAY_START), f32x16::splat(simd, MAY_START)];
         let here =
             self.starts_in(simd, base, leaf.piece, &[target.parameters(simd, &[nearby; 2], 0); 2]);
         if here == 0 {

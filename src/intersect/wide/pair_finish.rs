@@ -8,7 +8,7 @@ use super::jets::{Jets, jets};
 use super::lane_net::LaneNet;
 use super::newton::{Ends, Leaves, Rays, Step, newton};
 use super::pairs::{Outcomes, PairLanes, eight};
-use super::single_ray::WIDENED;
+use super::proof::WIDENED;
 
 impl PairLanes {
     /// Newton's steps in f64 for one half of the pairs.

@@ -13,10 +13,10 @@ use super::form::Form;
 use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::LaneNet;
 use super::lane_proof::missed;
-use super::scene::{Fitted, Scene};
-use super::search::{dot_d, lane_bits};
-use super::single_proof::{LARGEST, ROUNDING};
-use super::single_ray::{Guess, Place, SingleHit, WIDENED};
+use super::proof::{DISTANCE_ROUNDING, LARGEST, WIDENED};
+use super::searched::{Fitted, Searched};
+use super::single_ray::{Guess, HitPlace, SingleHit};
+use super::vectors::{dot_d, lane_bits};
 use crate::intersect::Shot;
 use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};
@@ -105,7 +105,7 @@ impl PairLanes {
     pub(super) fn search<S: Simd, Q: Shot>(
         &mut self,
         simd: S,
-        scene: &Scene<'_>,
+        scene: &Searched<'_>,
         shots: &[Q],
         pairs: &[Pair],
     ) -> Outcomes {
@@ -193,7 +193,7 @@ impl PairLanes {
         let high = self.error(simd, &halves[1], 1, form);
         let above = f32x16::splat(simd, (1.0 + f32::EPSILON) * leaves[0].heaviest());
         let error = simd.narrow_f64x8(low, high) * above;
-        let noise = terms * f32x16::splat(simd, ROUNDING);
+        let noise = terms * f32x16::splat(simd, DISTANCE_ROUNDING);
         let off_ray = noise + f32x16::from_slice(simd, &self.fit_error) + error;
         // False for NaN.
         let known = asked & lane_bits(terms.simd_le(f32x16::splat(simd, LARGEST)));
@@ -216,9 +216,9 @@ impl PairLanes {
 
     /// Where a lane's root is.
     #[inline(always)]
-    pub(super) fn place(&self, lane: usize, leaf: u32) -> Place {
+    pub(super) fn place(&self, lane: usize, leaf: u32) -> HitPlace {
         let st = DVec2::new(self.st[0][lane], self.st[1][lane]);
-        Place { leaf, z: self.z[lane], z_error: self.z_error[lane], st }
+        HitPlace { leaf, z: self.z[lane], z_error: self.z_error[lane], st }
     }
 
     /// Puts a lane's root into a hit, number by number: what is copied at once after it was written

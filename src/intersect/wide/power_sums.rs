@@ -91,7 +91,7 @@ fn jets_of<
     )
 }
 
-/// The next sum of a derivative in Horner's scheme, after so many steps: from that of one order less. At first it is
+/// The next sum of a derivative in Horner's scheme, after this many steps: from that of one order less. At first it is
 /// zero, so nothing is multiplied.
 #[inline(always)]
 fn next<S: Simd>(

@@ -27,11 +27,12 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
+use super::box_crossing::{BoxCrossing, upright};
 use super::distances::{LaneDistances, LastStep, Searched, sizes};
 use super::packet::Packet;
-use super::search::{BoxCrossing, lane_bits, load3, upright};
-use super::single_proof::{LARGEST, LEAF, ROUNDING};
+use super::proof::{DISTANCE_ROUNDING, LARGEST, LEAF};
 use super::target::Target;
+use super::vectors::{lane_bits, load3, splat};
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::WIDENING;
 
@@ -118,7 +119,7 @@ impl<S: Simd> Screen<'_, S> {
         // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
         // three times the size; those of the step and what it leaves are small against what it is given to
         // spare (`per_move`, `MOST_OFF`).
-        let noise = self.terms * splat(simd, ROUNDING);
+        let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
 
@@ -190,11 +191,6 @@ impl<S: Simd> Screen<'_, S> {
     }
 }
 
-#[inline(always)]
-fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
-    f32x16::splat(simd, x)
-}
-
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
@@ -206,9 +202,10 @@ mod tests {
     use super::super::weighted_hills;
     use super::*;
     use crate::geometry::shapes;
+    use crate::intersect::wide::Wanted;
+    use crate::intersect::wide::box_crossing::{certify, cross_box};
     use crate::intersect::wide::load::{load, turn};
-    use crate::intersect::wide::search::{certify, cross_box};
-    use crate::intersect::wide::single_ray::{WIDENED, Wanted};
+    use crate::intersect::wide::proof::WIDENED;
     use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::testing::same_cases;
     use crate::math::{Ray, rounding};

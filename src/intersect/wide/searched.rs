@@ -7,7 +7,7 @@ use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
 
 /// Everything that is searched.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Scene<'a> {
+pub(in crate::intersect) struct Searched<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
     /// As many, or none if no leaf is approximated by a quotient.
@@ -26,7 +26,7 @@ pub(super) struct Fitted<'a> {
 
 impl Fitted<'_> {
     /// The largest weight, or more. Where a point may be off a ray by some error, its distances times the weight may
-    /// be off by so many times that.
+    /// be off by this many times that.
     #[inline(always)]
     pub(super) fn heaviest(self) -> f32 {
         if self.weight.is_some() { MOST_WEIGHT } else { 1.0 }
@@ -36,7 +36,7 @@ impl Fitted<'_> {
 /// Scenes of more leaves than this do not fit into the memory near the processor.
 const FAR: usize = 1 << 14;
 
-impl Scene<'_> {
+impl Searched<'_> {
     /// Whether an origin with this largest coordinate is too far away for the work in f32.
     #[inline(always)]
     pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {

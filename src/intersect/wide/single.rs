@@ -23,10 +23,11 @@ use fearless_simd_macros::simd;
 use super::box_ray::{Crossings, SPARE, Stack, first_entered};
 use super::jets::OneNet;
 use super::nearest::{Kept, keep};
-use super::scene::{Fitted, Scene};
-use super::single_finish::{Outcome, Task, finish};
+use super::proof::WIDENED;
+use super::searched::{Fitted, Searched};
+use super::single_finish::{Outcome, Search, finish};
 use super::single_proof::isolate;
-use super::single_ray::{Guess, SingleHit, SingleRay, WIDENED};
+use super::single_ray::{Guess, SingleHit, SingleRay};
 use super::single_search::Distances;
 use super::spline_net::RecentNets;
 use crate::intersect::Statistics;
@@ -54,7 +55,7 @@ pub(in crate::intersect) struct SingleWork {
 #[simd]
 pub(in crate::intersect) fn trace_single<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
@@ -96,7 +97,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
 #[simd]
 fn search_block<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     index: u32,
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
@@ -126,7 +127,7 @@ fn search_block<S: Simd>(
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     index: u32,
     (crossings, k): (&Crossings, usize),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -147,7 +148,7 @@ fn search_leaf<S: Simd>(
 #[inline(always)]
 pub(super) fn search_ahead<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     index: u32,
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -167,7 +168,7 @@ pub(super) fn search_ahead<S: Simd>(
 #[inline(always)]
 fn search_net<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -180,7 +181,7 @@ fn search_net<S: Simd>(
         };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Task { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
+            let task = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
             let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
             work.steps += steps;
             match outcome {
@@ -199,7 +200,7 @@ fn search_net<S: Simd>(
 #[simd] // a function of its own: it needs far more room than the usual way
 fn search_by_proof<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
     error: f64,
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -212,7 +213,7 @@ fn search_by_proof<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let task = Task { near, domain, error, clearance: f64::INFINITY };
+        let task = Search { near, domain, error, clearance: f64::INFINITY };
         let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
         work.steps += steps;
         match outcome {
@@ -248,7 +249,7 @@ impl SingleWork {
 
     /// Takes the hit of a leaf that was put there.
     #[inline(always)]
-    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, scene: &Scene<'_>) {
+    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, scene: &Searched<'_>) {
         self.other().leaf = leaf;
         let found = self.other().place();
         let known = self.hit().map(SingleHit::place);

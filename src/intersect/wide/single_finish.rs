@@ -15,9 +15,10 @@ use super::form::Form;
 use super::jets::OneNet;
 use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
-use super::scene::Fitted;
+use super::proof::WITH_SLACK;
+use super::searched::Fitted;
 use super::single_jet::{Bernstein, Powers, Sums};
-use super::single_ray::{SingleHit, SingleRay, WITH_SLACK};
+use super::single_ray::{SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
@@ -30,7 +31,7 @@ pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
-pub(super) struct Task {
+pub(super) struct Search {
     /// What the search in f32 has found, in box coordinates.
     pub(super) near: [f32; 2],
     /// Where there is one root at most, in box coordinates.
@@ -65,7 +66,7 @@ pub(super) fn finish<S: Simd>(
     leaf: Fitted<'_>,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    task: &Task,
+    task: &Search,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
@@ -125,7 +126,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
     fitted: Fitted<'_>,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    &Task { near, domain, error, clearance }: &Task,
+    &Search { near, domain, error, clearance }: &Search,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     let leaf = fitted.leaf;
@@ -173,7 +174,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
             } else {
                 Tangents::after(fitted, [sums[0], along_x, along_y], [step_x, step_y])
             };
-            let root = Converged { st, half: [half_s, half_t], z, tangents };
+            let root = FoundRoot { st, half: [half_s, half_t], z, tangents };
             return (judge(&root, ray, (error, clearance), found), step);
         }
         // Steps stay within the domain; NaN becomes a bound.
@@ -249,7 +250,7 @@ fn sum_of_sizes(v: DVec3) -> f64 {
 }
 
 /// Where Newton's iteration has converged.
-struct Converged {
+struct FoundRoot {
     st: DVec2,
     /// Half the leaf's sides.
     half: [f64; 2],
@@ -261,12 +262,12 @@ struct Converged {
 /// Whether a root of the leaf is a hit, which then is put into `found`.
 #[inline(always)]
 fn judge(
-    root: &Converged,
+    root: &FoundRoot,
     ray: &SingleRay<'_>,
     (error, clearance): (f64, f64),
     found: &mut SingleHit,
 ) -> Outcome {
-    let &Converged { st, half, z, ref tangents } = root;
+    let &FoundRoot { st, half, z, ref tangents } = root;
     let Tangents { point, along_x, along_y, cross } = tangents;
     let size = cross.length();
     let secant = size / cross.dot(ray.frame.axis).abs();

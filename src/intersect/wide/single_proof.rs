@@ -20,47 +20,14 @@ use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f3
 use fearless_simd_macros::simd;
 
 use super::cubic::{bernstein, moved, slope_weights};
-use super::scene::Fitted;
+use super::proof::{
+    DISTANCE_ROUNDING, GROWN, LARGEST, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST,
+    START_GROWN, UNDERFLOW,
+};
+use super::searched::Fitted;
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
-use crate::patch::LEAF_SLACK;
-
-/// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
-/// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
-/// into a smaller box 5 in each direction, in combining two distances 3, in Bernstein
-/// coefficients 4 in each direction: 27 in all. To derivatives twice as much may happen: a term of
-/// third degree counts threefold there, but only part of what is above.
-pub(super) const ROUNDING: f32 = 2e-6;
-
-/// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
-pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
-
-/// Above it nothing is proved: sums of products of two lengths of a huge scene would not be
-/// numbers of f32, and their differences no numbers at all.
-pub(super) const LARGEST: f32 = 1e18;
-
-/// How far the leaf and its slack reach.
-pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
-
-/// Roots are unique in a box widened by this: so that one on its side is not lost.
-pub(super) const GROWN: f32 = 1.1;
-
-/// Where Newton's step from the middle of a box may lead that is to hold a root.
-pub(super) const NEARBY: f32 = 1.05;
-
-/// Boxes are not halved for that alone if they are smaller, in half sides of the leaf.
-pub(super) const SMALLEST: f32 = 0.1;
-
-/// A box a root starts in is widened by less.
-pub(super) const START_GROWN: f32 = 1.09;
-
-/// The largest row sum that is wanted of `P`: so that rounding moves a root by no more than its error
-/// times twenty and the inverse Jacobian.
-pub(super) const MOST_INVERSE: f32 = 20.0;
-
-/// That times twenty is half of the leaf's slack, in half sides.
-pub(super) const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
 
 /// Boxes to look at before the scalar search is called: it takes as long as some thirty.
 const MOST_BOXES: usize = 24;
@@ -68,52 +35,15 @@ const MOST_BOXES: usize = 24;
 /// Boxes with a root each: a ray that needs more is rare.
 const MOST_UNIQUE: usize = 4;
 
-/// A part of a leaf, in its box coordinates.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Part {
-    pub(super) middle: [f32; 2],
-    pub(super) half: [f32; 2],
-}
-
-impl Part {
-    /// The leaf and its slack.
-    pub(super) fn whole() -> Self {
-        Self { middle: [0.0; 2], half: [LEAF; 2] }
-    }
-
-    /// Halved across the longer side, for the lengths of the leaf's sides.
-    pub(super) fn halved(&self, lengths: [f32; 2]) -> [Self; 2] {
-        let k = usize::from(lengths[1] * self.half[1] > lengths[0] * self.half[0]);
-        [-0.5, 0.5].map(|side| {
-            let mut half = *self;
-            half.half[k] *= 0.5;
-            half.middle[k] += side * self.half[k];
-            half
-        })
-    }
-
-    fn holds(&self, place: [f32; 2], reach: f32) -> bool {
-        (0..2).all(|k| (place[k] - self.middle[k]).abs() <= reach * self.half[k])
-    }
-
-    /// Where its root is the only one.
-    pub(super) fn domain(&self) -> [[f32; 2]; 2] {
-        [0, 1].map(|k| {
-            let (middle, reach) = (self.middle[k], GROWN * self.half[k]);
-            [middle - reach, middle + reach]
-        })
-    }
-}
-
 /// Parts that hold at most one root each.
 #[derive(Debug, Default)]
 pub(super) struct UniqueParts {
-    parts: [Part; MOST_UNIQUE],
+    parts: [LeafPart; MOST_UNIQUE],
     count: usize,
 }
 
 impl UniqueParts {
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Part> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &LeafPart> {
         self.parts[..self.count].iter()
     }
 }
@@ -141,12 +71,12 @@ pub(super) fn isolate<S: Simd>(
     if !in_range {
         return None;
     }
-    let noise = ROUNDING * terms;
+    let noise = DISTANCE_ROUNDING * terms;
     // A ray that passes within the error of a border meets it: closer is not missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(weighted);
     // Of the whole leaf little more is to be learnt than its certificate says.
-    let mut waiting = [Part::default(); MOST_BOXES];
-    waiting[..2].copy_from_slice(&Part::whole().halved(lengths));
+    let mut waiting = [LeafPart::default(); MOST_BOXES];
+    waiting[..2].copy_from_slice(&LeafPart::whole().halved(lengths));
     let mut count = 2;
     for _ in 0..MOST_BOXES {
         if count == 0 {
@@ -197,7 +127,7 @@ pub(super) struct Local<S: Simd> {
 
 impl<S: Simd> Distances<S> {
     #[simd]
-    pub(super) fn over(self, simd: S, part: &Part) -> Local<S> {
+    pub(super) fn over(self, simd: S, part: &LeafPart) -> Local<S> {
         let along =
             |k: usize| (f32x8::splat(simd, part.middle[k]), f32x8::splat(simd, part.half[k]));
         let rows = moved(simd, self.rows, along(0));
@@ -216,7 +146,7 @@ impl<S: Simd> Distances<S> {
 impl<S: Simd> Local<S> {
     /// Whether there is no root in the part; `error` is how far the distances may be off.
     #[simd]
-    fn is_missed(self, simd: S, error: f32) -> bool {
+    pub(super) fn is_missed(self, simd: S, error: f32) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
         let columns = self.combined(simd, [b2, a2], [b1, a1]);
         let rows = transposed_rows(bernstein(simd, columns));
@@ -240,10 +170,10 @@ impl<S: Simd> Local<S> {
     /// Whether Newton's step from the middle leads to a place outside, where the iteration for
     /// the one root of this part could not follow: halves can be proved to be missed.
     #[inline(always)]
-    fn leads_away(&self) -> bool {
+    pub(super) fn leads_away(&self) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
         let (f1, f2) = (self.columns[0][0], self.columns[0][4]);
-        let farthest = NEARBY * (a1 * b2 - a2 * b1).abs();
+        let farthest = MAY_STEP * (a1 * b2 - a2 * b1).abs();
         (f1 * b2 - f2 * b1).abs() > farthest || (a1 * f2 - a2 * f1).abs() > farthest
     }
 
@@ -262,7 +192,7 @@ impl<S: Simd> Local<S> {
             }
         }
         let ([xx, yx], [xy, yy]) = (halves(slopes[0]), halves(slopes[1]));
-        let slope_error = slope_error + 2.0 * ROUNDING * self.size;
+        let slope_error = slope_error + 2.0 * DISTANCE_ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
         let off = [reach[0] * slope_error, reach[1] * slope_error];
         // What is wanted of g' is part of the sums: 1. All are false for NaN.

@@ -5,28 +5,10 @@ use glam::{DVec2, DVec3};
 use super::box_ray::BoxRay;
 use super::frames::{END_SPARE, shift_to_scene};
 use super::start::Start;
+use super::wanted::Wanted;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{LEAF_SLACK, Leaf, SceneFrame, WIDENING};
-
-/// What a ray asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::intersect) enum Wanted {
-    First,
-    Any,
-}
-
-impl Wanted {
-    /// As far as a ray is of interest in scaled coordinates once it has a hit, if its origin was
-    /// moved by `shift`.
-    #[inline(always)]
-    pub(super) fn far(self, z: f64, shift: f64, scale: f64) -> f32 {
-        match self {
-            Self::First => ((z - shift) * scale + f64::from(END_SPARE)) as f32,
-            Self::Any => f32::NEG_INFINITY,
-        }
-    }
-}
+use crate::patch::{Leaf, SceneFrame};
 
 /// Where to look for the one root of a ray in a leaf whose certificate speaks of it.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +37,7 @@ impl Guess {
 
 /// Where a hit is: what tells which of two is the nearer.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct HitPlace {
     pub(super) leaf: u32,
     pub(super) z: f64,
     pub(super) z_error: f64,
@@ -97,8 +79,8 @@ pub(in crate::intersect) struct SingleRay<'a> {
 
 impl SingleHit {
     #[inline(always)]
-    pub(super) fn place(&self) -> Place {
-        Place { leaf: self.leaf, z: self.z, z_error: self.z_error, st: self.st }
+    pub(super) fn place(&self) -> HitPlace {
+        HitPlace { leaf: self.leaf, z: self.z, z_error: self.z_error, st: self.st }
     }
 }
 
@@ -164,9 +146,3 @@ pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRa
     let far = (end * scale - shift + f64::from(END_SPARE)) as f32;
     (BoxRay::new(origin.to_array(), axis.to_array(), [near, far]), shift / scale)
 }
-
-/// How far certificates speak of a leaf, in half sides.
-pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
-
-/// How far outside a leaf's rectangle roots are its own, in half sides.
-pub(super) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;

@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
-use super::scene::Fitted;
+use super::searched::Fitted;
 use super::single_ray::SingleRay;
 
 /// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the

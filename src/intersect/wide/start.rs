@@ -4,8 +4,8 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use super::departure::{Departure, Final, NEARBY};
-use super::scene::Fitted;
+use super::departure::{Departure, Final, MAY_START};
+use super::searched::Fitted;
 use crate::intersect::Root;
 use crate::math::rounding;
 use crate::patch::{Leaf, TensorPatch, WIDENING};
@@ -67,7 +67,7 @@ impl Start<'_> {
     ) -> bool {
         let leaf = fitted.leaf;
         let (Some(root), Some(place)) = (self.from, self.place_in(leaf)) else { return false };
-        let nearby = place[0].abs().max(place[1].abs()) <= NEARBY;
+        let nearby = place[0].abs().max(place[1].abs()) <= MAY_START;
         if !(nearby && self.ahead) {
             return false;
         }

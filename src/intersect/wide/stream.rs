@@ -14,10 +14,11 @@ use super::form::Form;
 use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
 use super::pairs::{Pair, PairLanes};
-use super::scene::Scene;
+use super::searched::Searched;
 use super::single::{SingleWork, search_ahead};
-use super::single_ray::{Guess, Place, SingleHit, SingleRay, Wanted, boxes_in};
+use super::single_ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
 use super::start::Start;
+use super::wanted::Wanted;
 use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
 use crate::math::{Ray, RayFrame};
@@ -85,7 +86,7 @@ impl Stream {
 #[simd]
 pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
@@ -153,7 +154,7 @@ struct Seen {
 #[simd]
 fn walk<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
@@ -183,7 +184,7 @@ fn walk<S: Simd, Q: Shot>(
 }
 
 /// The rays that come to a region, in or out.
-fn enter_regions<Q: Shot>(scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
+fn enter_regions<Q: Shot>(scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     let Stream { flights, walking, regions, .. } = stream;
     for (k, (index, way)) in regions.drain(..) {
         let (region, next) = scene.tree.enter(index, way);
@@ -198,7 +199,7 @@ fn enter_regions<Q: Shot>(scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
 #[inline(always)]
 fn enter_nodes<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     stream: &mut Stream,
     seen: &mut Seen,
     statistics: &mut Statistics,
@@ -224,7 +225,7 @@ fn enter_nodes<S: Simd>(
 #[inline(always)]
 fn look_at_blocks<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     shots: &[Q],
     stream: &mut Stream,
     (seen, statistics): (&mut Seen, &mut Statistics),
@@ -240,7 +241,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
         }
         for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
-            let task = Task { scene, ray: shot.ray(), start: start_of(shot), index: k };
+            let task = StreamRay { scene, ray: shot.ray(), start: start_of(shot), index: k };
             let before = pairs.len();
             let work = (&mut *single, &mut *statistics);
             task.look_at(simd, (index, crossings), flight, pairs, work);
@@ -255,9 +256,9 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     }
 }
 
-/// Asks for the leaves whose boxes are met: see [`Scene::is_far`].
-fn prefetch(scene: &Scene<'_>, visits: &[Visit], crossings: &[Crossings]) {
-    for stage in [Scene::prefetch_leaves, Scene::prefetch_pieces, Scene::prefetch_nets] {
+/// Asks for the leaves whose boxes are met: see [`Searched::is_far`].
+fn prefetch(scene: &Searched<'_>, visits: &[Visit], crossings: &[Crossings]) {
+    for stage in [Searched::prefetch_leaves, Searched::prefetch_pieces, Searched::prefetch_nets] {
         for (&(_, block), crossings) in visits.iter().zip(crossings) {
             let (first, count) = scene.tree.leaves(block);
             stage(scene, first, crossings.met & ((1 << count) - 1));
@@ -273,7 +274,7 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
 
 /// All rays before the root.
 #[simd]
-fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut Stream) {
+fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     stream.waiting.clear();
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
     let frame = scene.tree.frame();
@@ -318,15 +319,15 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Scene<'_>, shots: &[Q], stream: &mut
 }
 
 /// One ray, and what is asked of it.
-struct Task<'a> {
-    scene: &'a Scene<'a>,
+struct StreamRay<'a> {
+    scene: &'a Searched<'a>,
     ray: &'a Ray,
     start: Start<'a>,
     /// Which ray of the batch.
     index: u32,
 }
 
-impl Task<'_> {
+impl StreamRay<'_> {
     /// The leaves of a block whose boxes the ray meets.
     #[simd]
     fn look_at<S: Simd>(
@@ -419,7 +420,7 @@ impl Flight {
 
     /// Whether a hit is the nearest so far: then the ray ends there.
     #[inline(always)]
-    fn takes(&mut self, scene: &Scene<'_>, hit: &Place) -> bool {
+    fn takes(&mut self, scene: &Searched<'_>, hit: &HitPlace) -> bool {
         let known = self.hit.place();
         match keep(hit, scene, self.met.then_some(&known)) {
             Kept::Nearer => {
@@ -438,7 +439,7 @@ impl Flight {
 #[simd]
 fn search_pairs<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
@@ -465,7 +466,7 @@ fn search_pairs<S: Simd, Q: Shot>(
             } else if told(outcomes.open) {
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
-                let task = Task { scene, ray, start: start_of(shot), index: pair.ray };
+                let task = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };
                 let piece = scene.leaves[pair.leaf as usize].piece;
                 let patch = &scene.set.pieces()[piece as usize].patch;
                 let error = patch.error_bound(flight.magnitude);

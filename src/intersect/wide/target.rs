@@ -8,9 +8,9 @@ use super::distances::widened;
 use super::form::Form;
 use super::jets::{Jets, OneNet, jets};
 use super::newton::{Leaves, Rays, Step};
-use super::scene::{Fitted, Scene};
-use super::search::dot_d;
-use super::single_ray::WITH_SLACK;
+use super::proof::WITH_SLACK;
+use super::searched::{Fitted, Searched};
+use super::vectors::dot_d;
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
@@ -20,7 +20,7 @@ pub(super) struct Target<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) piece: &'a Piece,
     pub(super) index: u32,
-    pub(super) scene: &'a Scene<'a>,
+    pub(super) scene: &'a Searched<'a>,
     oriented: &'a OrientedBox,
     rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
@@ -51,7 +51,7 @@ pub(super) struct Closer {
 
 impl<'a> Target<'a> {
     #[inline(always)] // returned, it would be copied, which stalls
-    pub(super) fn new(scene: &'a Scene<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
+    pub(super) fn new(scene: &'a Searched<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
         let leaf = &scene.leaves[index as usize];
         let piece = &scene.set.pieces()[leaf.piece as usize];
         let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));

@@ -13,9 +13,9 @@ use super::leaf::search_leaf;
 use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::packet::{Packet, PacketBounds};
-use super::scene::Scene;
-use super::search::lane_bits;
+use super::searched::Searched;
 use super::spline_net::RecentNets;
+use super::vectors::lane_bits;
 use super::{LANES, PACKET};
 use crate::intersect::bits::set_bits;
 use crate::intersect::read_ahead::{Ahead, Moment};
@@ -65,7 +65,7 @@ impl Work {
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     (shots, ahead): (&[Q], &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
@@ -124,7 +124,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
 #[simd]
 fn change_region<S: Simd>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     region: &Region,
     packet: &mut Packet,
     work: &mut Work,
@@ -139,7 +139,7 @@ fn change_region<S: Simd>(
 #[simd]
 fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     shots: &[Q],
     (work, statistics): (&mut Work, &mut Statistics),
 ) -> bool {
@@ -273,7 +273,7 @@ fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
 #[simd]
 fn search_block<S: Simd, Q>(
     simd: S,
-    scene: &Scene<'_>,
+    scene: &Searched<'_>,
     (index, rays, ahead): (u32, u64, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,

@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 
 use super::{
-    AT_POLE, Candidate, END, END_BUDGET, ExactSolver, FINEST, Proof, STRETCH, Solution, Task,
+    AT_POLE, END, END_BUDGET, EndBox, ExactSolver, FINEST, Problem, Proof, STRETCH, Solution,
 };
 use super::{halves, holds, inner, linearised};
 use crate::intersect::exact::Rect;
@@ -11,7 +11,7 @@ use crate::intersect::exact::contact::{self, Contact};
 
 impl ExactSolver {
     /// Adds one contact that stands for all the spare boxes: its first and last place.
-    pub(super) fn search_ends(&mut self, task: &Task<'_>) {
+    pub(super) fn search_ends(&mut self, task: &Problem<'_>) {
         let (first, last) = (self.search_end(task, 1.0), self.search_end(task, -1.0));
         if let (Some(first), Some(last)) = (first, last) {
             contact::merge_into(&mut self.contacts, Contact::between(first, last));
@@ -19,7 +19,7 @@ impl ExactSolver {
     }
 
     /// The two ends of a stretch, within the boxes known to hold them.
-    fn ends_of(&mut self, task: &Task<'_>, contact: &Contact) -> [DVec2; 2] {
+    fn ends_of(&mut self, task: &Problem<'_>, contact: &Contact) -> [DVec2; 2] {
         let mut places = contact.places();
         for (k, sign) in [1.0, -1.0].into_iter().enumerate() {
             self.spare.clear();
@@ -33,7 +33,7 @@ impl ExactSolver {
 
     /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
     /// boxes: of all boxes the one that may hold it is divided next.
-    fn search_end(&mut self, task: &Task<'_>, sign: f64) -> Option<(DVec2, f64)> {
+    fn search_end(&mut self, task: &Problem<'_>, sign: f64) -> Option<(DVec2, f64)> {
         let mut queue = std::mem::take(&mut self.queue);
         queue.clear();
         for k in 0..self.spare.len() {
@@ -43,7 +43,7 @@ impl ExactSolver {
         for _ in 0..END_BUDGET {
             let nearest = (0..queue.len()).min_by(|&a, &b| queue[a].z.total_cmp(&queue[b].z));
             let Some(nearest) = nearest else { break };
-            let Candidate { rect, z, short, axis } = queue.swap_remove(nearest);
+            let EndBox { rect, z, short, axis } = queue.swap_remove(nearest);
             end = Some((DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))), sign * z));
             if short {
                 break;
@@ -63,7 +63,7 @@ impl ExactSolver {
     /// Across which direction to halve the box just looked at on the way to an end. At a
     /// collapsed side that is the one that leads away from it: halves across the other would both
     /// keep the point.
-    fn end_axis(&self, task: &Task<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
+    fn end_axis(&self, task: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
             Some(side) => side.parameter(),
@@ -72,7 +72,7 @@ impl ExactSolver {
         if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
-    fn consider(&mut self, task: &Task<'_>, rect: Rect, sign: f64, queue: &mut Vec<Candidate>) {
+    fn consider(&mut self, task: &Problem<'_>, rect: Rect, sign: f64, queue: &mut Vec<EndBox>) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
         if self.is_empty(task, rect, &bounds, self.error) {
@@ -80,7 +80,7 @@ impl ExactSolver {
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
         let finest = (2.0 * task.error).max(END * self.size);
-        queue.push(Candidate {
+        queue.push(EndBox {
             rect,
             z: if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi },
             short: bounds.z.hi - bounds.z.lo <= finest || exhausted == [true; 2],
@@ -90,7 +90,7 @@ impl ExactSolver {
 
     /// Turns isolated roots and contacts into solutions; a root found in two overlapping
     /// boxes is reported once, and a contact that holds a proved root is that root.
-    pub(super) fn report(&mut self, task: &Task<'_>, solutions: &mut Vec<Solution>) {
+    pub(super) fn report(&mut self, task: &Problem<'_>, solutions: &mut Vec<Solution>) {
         let first = solutions.len();
         for &solution in &self.isolated {
             let Proof::Isolated(rect) = solution.proof else { continue };
@@ -142,7 +142,7 @@ const DAMPING: f64 = 1e-10;
 /// across the direction in which it does not touch: at a tangency the Jacobian has rank
 /// one, and only that part of the distance can be removed. Least squares, damped by what
 /// rounding leaves of the other direction (Levenberg 1944).
-fn settled(task: &Task<'_>, st: DVec2) -> DVec2 {
+fn settled(task: &Problem<'_>, st: DVec2) -> DVec2 {
     let (low, high) = (
         DVec2::new(task.rect[0][0], task.rect[1][0]),
         DVec2::new(task.rect[0][1], task.rect[1][1]),

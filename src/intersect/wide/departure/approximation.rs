@@ -6,7 +6,8 @@ use fearless_simd_macros::simd;
 
 use super::{Departure, FARTHEST};
 use crate::intersect::wide::distances::sizes;
-use crate::intersect::wide::scene::Fitted;
+use crate::intersect::wide::searched::Fitted;
+use crate::intersect::wide::vectors::{cross, dot, scaled, splat};
 
 /// The approximation's tangent plane at the starts.
 pub(super) struct Plane<S: Simd> {
@@ -259,26 +260,6 @@ impl<S: Simd> Bends<S> {
         let bent = splat(simd, 0.5) * self.aside[0].mul_add(far_x, self.aside[2] * far_y);
         self.aside[1].mul_add(far_x.min(far_y), bent)
     }
-}
-
-#[inline(always)]
-pub(super) fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
-    f32x16::splat(simd, x)
-}
-
-#[inline(always)]
-fn scaled<S: Simd>([x, y, z]: [f32x16<S>; 3], by: f32x16<S>) -> [f32x16<S>; 3] {
-    [x * by, y * by, z * by]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// A power of [`FARTHEST`].

@@ -1,10 +1,11 @@
 //! Sixteen rays against one leaf's box, and its certificate.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
 use super::box_ray::{LEAST_SLOPE, SPARE};
-use super::packet::{Lanes3, Lanes3f, Packet};
+use super::packet::Packet;
+use super::vectors::load3;
 use crate::patch::{Leaf, OrientedBox};
 
 /// Which of sixteen rays meet a leaf's box, and where they cross its middle; what the box's rows
@@ -17,24 +18,6 @@ pub(super) struct BoxCrossing<S: Simd> {
     pub(super) entry: f32x16<S>,
     pub(super) exit: f32x16<S>,
     pub(super) slopes: [f32x16<S>; 3],
-}
-
-#[simd]
-pub(super) fn load3<S: Simd>(simd: S, lanes: &Lanes3f, base: usize) -> [f32x16<S>; 3] {
-    [
-        f32x16::from_slice(simd, &lanes[0][base..base + 16]),
-        f32x16::from_slice(simd, &lanes[1][base..base + 16]),
-        f32x16::from_slice(simd, &lanes[2][base..base + 16]),
-    ]
-}
-
-#[simd]
-pub(super) fn load3d<S: Simd>(simd: S, lanes: &Lanes3, base: usize) -> [f64x8<S>; 3] {
-    [
-        f64x8::from_slice(simd, &lanes[0][base..base + 8]),
-        f64x8::from_slice(simd, &lanes[1][base..base + 8]),
-        f64x8::from_slice(simd, &lanes[2][base..base + 8]),
-    ]
 }
 
 /// The slab test of the oriented box for rays `base … base + 15`.
@@ -105,16 +88,4 @@ pub(super) fn certify<S: Simd>(
 pub(super) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
     let [lean_a, lean_b] = leaf.certificate.lean();
     b.mul_add(f32x16::splat(simd, lean_b), a.mul_add(f32x16::splat(simd, lean_a), c))
-}
-
-/// The dot product of vectors in f64, lane by lane.
-#[inline(always)]
-pub(super) fn dot_d<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> f64x8<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-/// The lanes of a mask as bits.
-#[simd]
-pub(super) fn lane_bits<S: Simd>(mask: mask32x16<S>) -> u32 {
-    mask.to_bitmask() as u32
 }

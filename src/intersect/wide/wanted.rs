@@ -1,0 +1,22 @@
+//! What rays ask for.
+
+use super::frames::END_SPARE;
+
+/// What a ray asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intersect) enum Wanted {
+    First,
+    Any,
+}
+
+impl Wanted {
+    /// As far as a ray is of interest in scaled coordinates once it has a hit, if its origin was
+    /// moved by `shift`.
+    #[inline(always)]
+    pub(super) fn far(self, z: f64, shift: f64, scale: f64) -> f32 {
+        match self {
+            Self::First => ((z - shift) * scale + f64::from(END_SPARE)) as f32,
+            Self::Any => f32::NEG_INFINITY,
+        }
+    }
+}
