@@ -31,8 +31,8 @@ impl NurbsSurface {
         Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
     }
 
-    /// The surface moved by an affine map. The parameters keep their places, so that a map
-    /// that mirrors turns the normals as seen from the surface's inside.
+    /// The surface moved by an affine map. The parameters keep their places, so that where a map
+    /// mirrors, normals that pointed out of a body point into it.
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.

@@ -325,8 +325,8 @@ impl TrianglePatch {
         Self { degree: n, control }
     }
 
-    /// The patch moved by an affine map. A map that mirrors turns the normals as seen from
-    /// the patch's inside; [`TrianglePatch::swapped`] turns them back.
+    /// The patch moved by an affine map. Where it mirrors, normals that pointed out of a body point
+    /// into it; [`TrianglePatch::swapped`] turns them back.
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.

@@ -88,9 +88,7 @@ impl Hierarchy {
             .collect();
         Self { nodes: build(&boxes, &primitives), order }
     }
-}
 
-impl Hierarchy {
     /// The sum of something over the leaves below each node; `of` is given those of nodes that have
     /// some.
     pub(super) fn totals<T: Copy + Default + std::ops::Add<Output = T>>(

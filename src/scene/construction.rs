@@ -78,6 +78,8 @@ pub enum Construction {
     Net {
         /// The object's name.
         of: Written<String>,
+        /// How often cages of subdivision surfaces are refined first; 0 draws them as they are.
+        steps: usize,
         /// How thick.
         style: NetStyle,
     },

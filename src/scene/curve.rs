@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::net::knot_vector;
+use super::transform::placed;
 use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
 use crate::geometry::{CurveError, NurbsCurve, RationalBasis, with_repeated_ends};
@@ -176,10 +177,8 @@ impl CurveSpec {
 
     /// All steps of its transform.
     fn placed(&self) -> Result<DAffine3, CurveFault> {
-        self.transform.iter().try_fold(DAffine3::IDENTITY, |placed, step| {
-            let affine = step.value.affine();
-            Ok(affine.map_err(|e| CurveFault::Transform(step.place.clone(), e))? * placed)
-        })
+        placed(&self.transform)
+            .map_err(|(place, error)| CurveFault::Transform(place.clone(), error))
     }
 
     /// The basis and the control points, in their place, of a NURBS curve with zeros among its

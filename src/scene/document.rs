@@ -57,9 +57,7 @@ impl Scene {
     /// The most control points all objects together may have: 2²⁶, or 2 GiB of them.
     /// A file with more is likelier to be damaged than meant.
     pub const MAX_POINTS: usize = 1 << 26;
-}
 
-impl Scene {
     /// The object that was given this name.
     pub fn named_object(&self, name: &str) -> Option<&Object> {
         let named = |object: &&Object| object.name.as_ref().is_some_and(|own| own.value == name);

@@ -53,6 +53,7 @@ pub use plotted::{LoopCurve, LoopCurveKind, ObjectSpec, PlottedSurface};
 pub use settings::{IntegratorKind, PictureError, RenderDefaults};
 pub use shape::NamedShape;
 pub use subdivision::{Scheme, Subdivision};
+pub(crate) use transform::placed;
 pub use transform::{Transform, TransformError};
 pub use triangle::TriangleNet;
 pub use trims::{LoopKind, LoopSense, LoopSpec, TrimCurveFault, TrimSpec};

@@ -2,20 +2,18 @@
 
 use glam::DAffine3;
 
+use super::transform::placed;
 use super::workshop::{Made, Workshop};
 use super::{Object, Part, Scene, SceneError, SceneFault, Shape, TrimSpec, Written};
-use crate::geometry::construct::ControlNet;
+use crate::geometry::construct::{ConstructError, ControlNet};
 use crate::geometry::shapes::ShapeError;
 use crate::geometry::{Surface, stretch};
 
 /// All steps of an object's transform, the first one first.
 pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError> {
-    object.transform.iter().try_fold(DAffine3::IDENTITY, |before, step| {
-        let step_affine = step.value.affine().map_err(|error| {
-            let fault = SceneFault::Transform { object: name.to_owned(), error };
-            SceneError::new(step.place.clone(), fault)
-        })?;
-        Ok(step_affine * before)
+    placed(&object.transform).map_err(|(place, error)| {
+        let fault = SceneFault::Transform { object: name.to_owned(), error };
+        SceneError::new(place.clone(), fault)
     })
 }
 
@@ -108,14 +106,19 @@ impl Placer<'_> {
         &self,
         drawn: &str,
         of: &Written<String>,
+        (steps, blamed): (usize, impl Fn(ConstructError) -> SceneError),
     ) -> Result<Vec<ControlNet>, SceneError> {
         let object = self.drawn_object(drawn, of)?;
         let world_from_object = affine(&of.value, object)?;
         let mut nets = Vec::new();
         for part in &object.parts {
             if let Shape::Subdivision(subdivision) = &part.shape {
-                nets.push(subdivision.cage.control_net().transformed(&world_from_object));
+                let cage = subdivision.cage_after(steps).map_err(&blamed)?;
+                nets.push(cage.control_net().transformed(&world_from_object));
                 continue;
+            }
+            if steps > 0 {
+                return Err(blamed(ConstructError::NoSteps));
             }
             let made = self.place(&of.value, part, (object, &world_from_object))?;
             nets.extend(made.iter().map(|made| made.surface.control_net()));

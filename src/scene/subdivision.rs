@@ -1,8 +1,10 @@
 //! Subdivision surfaces as written.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::{Place, Written};
+use crate::geometry::construct::{ConstructError, NetStyle};
 use crate::geometry::{Cage, LimitError, LimitSurface};
 
 /// A subdivision surface: a cage, the scheme that smooths it, and how exactly.
@@ -37,6 +39,25 @@ impl Scheme {
 }
 
 impl Subdivision {
+    /// The cage after so many steps of the scheme.
+    ///
+    /// # Errors
+    /// When one on the way has more vertices than can be drawn: each step has four times as many.
+    pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, ConstructError> {
+        let mut cage = Cow::Borrowed(&*self.cage);
+        for _ in 0..steps {
+            let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);
+            if count > limit {
+                return Err(ConstructError::LargeNet { count, limit });
+            }
+            cage = Cow::Owned(match self.scheme {
+                Scheme::CatmullClark => cage.refined_catmull_clark(),
+                Scheme::DooSabin => cage.refined_doo_sabin(),
+            });
+        }
+        Ok(cage)
+    }
+
     /// The surface.
     pub(super) fn surface(&self) -> Result<LimitSurface, LimitError> {
         let tolerance = self.tolerance.as_ref().map(|tolerance| tolerance.value);

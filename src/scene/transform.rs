@@ -3,13 +3,14 @@
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
+use super::{Place, Written};
 use crate::math::angle::sin_cos_degrees;
 use crate::math::{ShownVector, unit};
 
 /// One step in placing an object.
 ///
-/// A mirror (a negative scale, say) turns surfaces inside out: `(u, v)` and with it the
-/// side that S_u × S_v points to stay as authored.
+/// A mirror (a negative scale, say) turns surfaces inside out: `(u, v)` stay as authored, and
+/// S_u × S_v, which pointed out of a body, points into it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transform {
     /// Moves by a vector.
@@ -48,6 +49,16 @@ pub enum TransformError {
 /// The determinant of three unit columns is computed with an error of a few roundings: one
 /// not larger cannot be told from zero.
 const SINGULAR: f64 = 16.0 * f64::EPSILON;
+
+/// All steps of a transform, the first one first, as one.
+///
+/// # Errors
+/// The first step that is none, and where it was written.
+pub(crate) fn placed(steps: &[Written<Transform>]) -> Result<DAffine3, (&Place, TransformError)> {
+    steps.iter().try_fold(DAffine3::IDENTITY, |before, step| {
+        Ok(step.value.affine().map_err(|error| (&step.place, error))? * before)
+    })
+}
 
 impl Transform {
     /// The affine map, target from source.

@@ -112,8 +112,9 @@ impl Workshop<'_> {
                 let net = ControlNet::from(&curve);
                 numbered(self.checked(construct::control_net(&net, style))?)
             }
-            Construction::Net { of, style } => {
-                let nets = self.placer.nets_of(self.surface, of)?;
+            Construction::Net { of, steps, style } => {
+                let asked = (*steps, |error| self.blamed(error));
+                let nets = self.placer.nets_of(self.surface, of, asked)?;
                 numbered(self.checked(control_nets(&nets, style, most_points))?)
             }
             Construction::TrimCurves { of, style } => {
@@ -146,10 +147,12 @@ impl Workshop<'_> {
 
     /// What was made, or why not.
     fn checked<T>(&self, made: Result<T, ConstructError>) -> Result<T, SceneError> {
-        made.map_err(|error| {
-            let surface = self.surface.to_owned();
-            SceneError::new(self.place.clone(), SceneFault::Construction { surface, error })
-        })
+        made.map_err(|error| self.blamed(error))
+    }
+
+    fn blamed(&self, error: ConstructError) -> SceneError {
+        let surface = self.surface.to_owned();
+        SceneError::new(self.place.clone(), SceneFault::Construction { surface, error })
     }
 }
 
@@ -186,6 +189,7 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
             Direction::V => "v",
         },
         ConstructError::NoW { .. } => "w",
+        ConstructError::NoSteps => "steps",
         _ => return None,
     })
 }

@@ -354,7 +354,7 @@ mod tests {
         let points =
             World::new(&scene(vec![ball.clone()])).unwrap().surfaces[0].surface.point_count();
         let style = NetStyle { radius: 0.01, joints: 0.02 };
-        let net = Construction::Net { of: here("ball".into()), style };
+        let net = Construction::Net { of: here("ball".into()), steps: 0, style };
         let mut drawing = object(SPHERE);
         drawing.default_name = "net".into();
         drawing.parts[0].shape = Shape::Built(Arc::new(net), Vec::new());

@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::collinear::united;
 use super::places::{Places, SAME};
 use super::tube::{Caps, Component, Parts, TubeStyle, ball, cap, cylinder, parts, round_part};
-use super::{ConstructError, ControlNet, Tightest};
+use super::{ConstructError, ControlNet, NetStyle, Tightest};
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
 
 /// Things to see that are drawn together.
@@ -131,8 +131,8 @@ impl Drawing {
     /// When it has too many points, one that is not finite, or a line that ends at none of them.
     pub fn net(&mut self, net: &ControlNet, joints: f64) -> Result<(), ConstructError> {
         let count = net.points.len();
-        if count > MAX_DRAWN {
-            return Err(ConstructError::LargeNet { count, limit: MAX_DRAWN });
+        if count > NetStyle::MAX_POINTS {
+            return Err(ConstructError::LargeNet { count, limit: NetStyle::MAX_POINTS });
         }
         let usable = |point: &DVec3| point.abs().max_element() <= MAX_MAGNITUDE && !point.is_nan();
         if let Some(index) = net.points.iter().position(|point| !usable(point)) {
@@ -259,10 +259,6 @@ impl Drawing {
         known
     }
 }
-
-/// The most control points of a net that is drawn: each becomes a ball of 45 control points
-/// and two lines of 18, hundreds of leaves in all; more of them than this cannot be told apart.
-const MAX_DRAWN: usize = 1 << 16;
 
 /// Disks around one point are one if their axes differ by no more than this angle, in radians:
 /// what rounding to [`SAME`] does to the direction of a curve a thousandth as long as its

@@ -88,6 +88,9 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
+    /// Steps of subdivision are asked of what is not subdivided.
+    #[error("steps are those of subdivision, and the object is not only subdivision surfaces")]
+    NoSteps,
     /// A line of a net ends at a vertex that the net does not have.
     #[error(
         "line {line} ends at vertex {vertex}, but the net has {}; lines and vertices count from 0",

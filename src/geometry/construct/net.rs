@@ -17,6 +17,10 @@ pub struct NetStyle {
 }
 
 impl NetStyle {
+    /// The most control points of a net that is drawn: each becomes a ball of 45 control points
+    /// and two lines of 18, hundreds of leaves in all; more of them than this cannot be told apart.
+    pub const MAX_POINTS: usize = 1 << 16;
+
     /// The lines as tubes.
     pub fn lines(&self) -> TubeStyle {
         TubeStyle { radius: self.radius, caps: Caps::Open, tolerance: None }

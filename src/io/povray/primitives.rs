@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3};
 use super::vector;
 use crate::math::rounding;
 use crate::patch::SceneFrame;
-use crate::scene::{NamedShape, Shape, Transform, Written};
+use crate::scene::{NamedShape, Shape, Transform, Written, placed};
 
 /// A primitive in its place, in the coordinates of a frame; `None` of a shape POV-Ray does not
 /// know.
@@ -44,9 +44,7 @@ pub(super) fn primitive(
         NamedShape::Disk { .. } => format!("disc {{ 0, z, {:?}", unit * size),
         _ => return None,
     };
-    let placed = steps
-        .iter()
-        .try_fold(DAffine3::IDENTITY, |before, step| Some(step.value.affine().ok()? * before))?;
+    let placed = placed(steps).ok()?;
     let affine = DAffine3 {
         matrix3: frame.scale * placed.matrix3 * (1.0 / unit),
         translation: frame.scaled(placed.translation),

@@ -220,6 +220,19 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     let corner = world.surfaces.iter().find(|one| one.name == "net/point 1").unwrap();
     let middle = 0.5 * (corner.surface.point_at(DVec2::ZERO) + corner.surface.point_at(DVec2::Y));
     assert!(middle.distance(DVec3::splat(2.0)) < 1e-14, "moved with the box: {middle}");
+    // After a step of Doo and Sabin: three corners of each triangle, which moves halfway to its middle; of edges
+    // each triangle has three, and three that lead to its neighbours, of which it has half.
+    let refined = net.replace("'box'", "'box', steps = 1");
+    let world = World::new(&scene(&format!("{cage}{refined}"))).unwrap();
+    assert_eq!(world.surfaces.len(), 1 + 24 + 12);
+    let tripled = net.replace("'box'", "'ball', steps = 1");
+    let ball = cage.replace("box", "ball").replace("doo_sabin", "catmull_clark");
+    let world = World::new(&scene(&format!("{ball}{tripled}"))).unwrap();
+    assert_eq!(world.surfaces.len(), 1 + 24 + 14);
+    assert_eq!(
+        error(&format!("[[object]]\nname = 'ball'\nshape = 'sphere'\n{tripled}")),
+        "s.toml:6:34: surface \"net\": steps are those of subdivision, and the object is not only subdivision surfaces"
+    );
     let lines =
         "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'box', u = [0.5], radius = 0.1 }";
     // Every tube is as far from the cage's surface as it is thick, or a cap or a joint of one.
