@@ -1,0 +1,157 @@
+//! Rays at and beside trim edges.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use nurbray::geometry::trim::Kept;
+use nurbray::geometry::{KnotVector, NurbsSurface, TrimmedSurface, shapes};
+use nurbray::intersect::{HitFlags, Kernel, Query};
+use nurbray::math::Ray;
+
+use crate::ask::{asked, build, circle, holed, polygon, through, trimmed};
+use crate::random::Random;
+
+#[test]
+fn rays_at_the_edge_are_hits_and_say_so() {
+    for turned in [false, true] {
+        let surface = if turned { holed().reversed_u() } else { holed() };
+        let bvh = build(&[surface.into()]);
+        let mut random = Random::new(6);
+        let nudged = |x: f64, ulps: f64| x + ulps * 0.5 * f64::EPSILON;
+        let queries: Vec<Query> = (0..2000)
+            .map(|k| {
+                // Extremes and ends of segments, too.
+                let angle = match k % 4 {
+                    0 => TAU / 16.0 * (k % 16) as f64,
+                    _ => random.between(0.0, TAU),
+                };
+                let edge = 0.6 * DVec2::from_angle(angle);
+                let ulps = [0, 1].map(|_| random.below(9) as f64 - 4.0);
+                let point = DVec3::new(nudged(edge.x, ulps[0]), nudged(edge.y, ulps[1]), 0.0);
+                let direct = Ray::new(point + DVec3::Z, DVec3::NEG_Z).unwrap();
+                if k % 2 == 0 { Query::primary(direct) } else { through(point, &mut random) }
+            })
+            .collect();
+        for (who, hits) in asked(&bvh, &queries) {
+            for (query, hit) in queries.iter().zip(&hits) {
+                let flags = hit.expect("no doubt").map(|hit| hit.flags);
+                assert_eq!(flags, Some(HitFlags::TRIM_EDGE), "{who}, {turned}: {query:?}");
+            }
+        }
+    }
+}
+
+/// Rays across what is left of the plane z = 0, at all small angles, are met where they cross it, or
+/// doubtful. `way` says from where to where a line in the plane passes over that, grown by a length.
+fn check_small_angles(
+    name: &str,
+    surface: TrimmedSurface,
+    way: impl Fn(DVec2, DVec2, f64) -> Option<[f64; 2]>,
+) {
+    let bvh = build(&[surface.into()]);
+    let mut random = Random::new(15);
+    let rays = (0..8000).map(|_| {
+        let along = DVec2::from_angle(random.between(0.0, TAU));
+        let slope = random.power_of_ten(-14.0, -2.0) * random.sign();
+        let at = DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        (at, along.extend(slope))
+    });
+    let rays: Vec<(DVec2, DVec3)> = rays.collect();
+    let ray = |(at, along): &(DVec2, DVec3)| {
+        Query::primary(Ray::new(at.extend(0.0) - 3.0 * along, *along).unwrap())
+    };
+    let queries: Vec<Query> = rays.iter().map(ray).collect();
+    for (who, hits) in asked(&bvh, &queries) {
+        let mut told = [0; 2];
+        for (&(at, along), hit) in rays.iter().zip(&hits) {
+            let context = || format!("{name}, {who}: {at} {along} {hit:?}");
+            let Some(hit) = hit else {
+                // Only at angles at which rounding moves the crossing by some 1e-10 and more; the
+                // exact solver, that has nothing but boxes, may doubt some others.
+                let by_boxes = who == "exact" || who == "all hits";
+                assert!(by_boxes || along.z.abs() < 2e-5, "{}", context());
+                continue;
+            };
+            told[usize::from(hit.is_some())] += 1;
+            // The ray is known, and so is the place where it crosses the plane, to some roundings.
+            let rounding = 1e-14;
+            let reach = rounding / along.z.abs();
+            if hit.is_some() {
+                let near = way(at, along.truncate(), rounding)
+                    .is_some_and(|[from, to]| from <= reach && to >= -reach);
+                assert!(near, "{}", context());
+            } else {
+                let inside = way(at, along.truncate(), -rounding)
+                    .is_some_and(|[from, to]| from < -reach && to > reach);
+                assert!(!inside, "{}", context());
+            }
+        }
+        assert!(told.iter().all(|&count| count > 1000), "{name}, {who}: {told:?} told");
+    }
+}
+
+#[test]
+fn rays_at_small_angles_meet_no_edge_beside_their_way() {
+    let disc = [circle(0.5, 0.5, 0.25)];
+    let plane = shapes::plane(2.0, 2.0).unwrap();
+    check_small_angles("disc", trimmed(plane, Kept::Odd, &disc), |at, along, grown| {
+        let (middle, off) = (-at.dot(along), at.perp_dot(along));
+        let square = (0.5 + grown).powi(2) - off * off;
+        (square >= 0.0).then(|| [middle - square.sqrt(), middle + square.sqrt()])
+    });
+
+    // A rectangle in the parameters is one in space, however these run: evenly in one piece; in
+    // several, with edges on knots; or as the square of something.
+    let rectangle = [polygon(&[(0.25, 0.3), (0.75, 0.3), (0.75, 0.7), (0.25, 0.7)])];
+    let flat = |degree: usize, x: &[f64]| {
+        let knots = KnotVector::clamped_uniform(degree, x.len()).unwrap();
+        let points = x.iter().flat_map(|&x| x_and_each(x)).collect();
+        let linear = KnotVector::clamped_uniform(1, 2).unwrap();
+        NurbsSurface::new(knots, linear, points, None).unwrap()
+    };
+    let pieces = flat(1, &[-1.0, -0.5, 0.0, 0.5, 1.0]);
+    let smooth = flat(2, &[-1.0, -0.75, -0.25, 0.25, 0.75, 1.0]);
+    let uneven = flat(2, &[-1.0, -0.9, 1.0]);
+    let x_of_uneven = |u: f64| -(1.0 - u).powi(2) - 0.9 * 2.0 * u * (1.0 - u) + u * u;
+    let even = [-0.5, 0.5];
+    for (name, surface, [x0, x1]) in [
+        ("pieces", pieces, even),
+        ("smooth", smooth, even),
+        ("uneven", uneven, [0.25, 0.75].map(x_of_uneven)),
+    ] {
+        let (low, high) = (DVec2::new(x0, -0.4), DVec2::new(x1, 0.4));
+        let surface = trimmed(surface, Kept::Odd, &rectangle);
+        check_small_angles(name, surface, |at, along, grown| {
+            let (a, b) = ((low - grown - at) / along, (high + grown - at) / along);
+            let (from, to) = (a.min(b).max_element(), a.max(b).min_element());
+            (from <= to).then_some([from, to])
+        });
+    }
+}
+
+/// Points of the plane z = 0 at y = −1 and y = 1.
+fn x_and_each(x: f64) -> [DVec3; 2] {
+    [-1.0, 1.0].map(|y| DVec3::new(x, y, 0.0))
+}
+
+#[test]
+fn a_ray_that_leaves_an_edge_at_a_small_angle_does_not_meet_it_again() {
+    let disc = [circle(0.5, 0.5, 0.25)];
+    let bvh = build(&[trimmed(shapes::plane(2.0, 2.0).unwrap(), Kept::Odd, &disc).into()]);
+    let mut random = Random::new(16);
+    for _ in 0..2000 {
+        let out = DVec2::from_angle(random.between(0.0, TAU));
+        let down = Ray::new((0.5 * out).extend(1.0), DVec3::NEG_Z).unwrap();
+        let hit = bvh.tracer().first_hit(&Query::primary(down)).hit.expect("the edge");
+        assert!(hit.flags.contains(HitFlags::TRIM_EDGE));
+        // Outwards, so that the disc lies behind.
+        let slope = random.power_of_ten(-12.0, -1.0) * random.sign();
+        let turned = DVec2::from_angle(random.between(-1.0, 1.0)).rotate(out);
+        let away = Ray::with_range(hit.point, turned.extend(slope), 0.0, f64::INFINITY).unwrap();
+        for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
+            let mut tracer = bvh.tracer_with(kernel);
+            let answer = tracer.first_hit(&Query::leaving(away, &hit));
+            assert!(answer.hit.is_none(), "{kernel}: {away:?} {answer:?}");
+        }
+    }
+}
