@@ -13,7 +13,7 @@ const DEEPEST: u32 = 20;
 /// where it is not finite.
 ///
 /// A part becomes a chord once the points at a quarter, a half and three quarters of its
-/// parameters are within `tolerance` of it.
+/// parameters are within `tolerance` of it; it is left out if neither they nor its ends are finite.
 pub(super) fn flatten(
     at: impl Fn(f64) -> DVec2,
     pieces: &[[f64; 2]],
@@ -52,10 +52,10 @@ fn halve(
 ) {
     let t = 0.5 * (a + b);
     let middle = at(t);
-    let flat = [at(0.5 * (a + t)), middle, at(0.5 * (t + b))]
-        .into_iter()
-        .all(|point| distance(point, p, q) <= tolerance); // false for NaN
-    if flat || depth == 0 || t <= a || t >= b {
+    let between = [at(0.5 * (a + t)), middle, at(0.5 * (t + b))];
+    let flat = between.iter().all(|&point| distance(point, p, q) <= tolerance); // false for NaN
+    let blank = between.iter().chain([&p, &q]).all(|point| !point.is_finite());
+    if flat || blank || depth == 0 || t <= a || t >= b {
         line.push(q);
         return;
     }
