@@ -300,7 +300,7 @@ fn small_bodies_cost_what_they_cost_alone() {
     let mut random = Random::new(3);
     // Seen from near by, through a square of pixels.
     let eye = 4.0 * random.direction();
-    let right = eye.any_orthonormal_vector();
+    let right = eye.normalize().any_orthonormal_vector();
     let up = eye.cross(right).normalize();
     let rays = (0..1024).map(|k| {
         let (x, y) = ((k % 32) as f64 / 32.0 - 0.5, (k / 32) as f64 / 32.0 - 0.5);
