@@ -162,9 +162,7 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
     let Plot { title, plane, show } = plot;
     let panel = match show {
         PlotKind::Curves(entries) => space::curves(title, plane, &entries),
-        PlotKind::Basis { basis, support } => {
-            functions::basis(title, &basis, support).or_bad_input()?
-        }
+        PlotKind::Basis(basis) => functions::basis(title, basis),
         PlotKind::Blending(form) => functions::blending(title, form),
         PlotKind::Derivatives(curve) => functions::derivatives(title, nurbs(&curve)?),
         PlotKind::Curvature(curve) => functions::curvature(title, nurbs(&curve)?),

@@ -17,6 +17,29 @@ pub enum KnotError {
         /// The degree as given.
         degree: usize,
     },
+    /// The degree of basis functions is above [`MAX_DEGREE`].
+    #[error("degree {degree}: degrees from 0 to {MAX_DEGREE} are supported")]
+    BasisDegree {
+        /// The degree as given.
+        degree: usize,
+    },
+    /// Too few knots for even one basis function.
+    #[error(
+        "{} of degree {degree}: at least {} are needed for one function",
+        Counted(*.knots, "knot"), degree + 2
+    )]
+    NoFunction {
+        /// The number of knots given.
+        knots: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// Between the knots there is no space.
+    #[error("all knots are {}: two must differ", Shown(*knot))]
+    AllEqual {
+        /// Their value.
+        knot: f64,
+    },
     /// Fewer control points than a spline of this degree has in a single span.
     #[error(
         "{} of degree {degree}: at least {} are needed",

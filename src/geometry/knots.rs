@@ -272,18 +272,24 @@ fn check_points(degree: usize, points: usize) -> Result<(), KnotError> {
     Ok(())
 }
 
-/// Finite, in order, none repeated beyond `p + 1`, and not too far apart.
+/// In order, and none repeated beyond `p + 1`.
 fn check_values(degree: usize, values: &[f64]) -> Result<(), KnotError> {
+    check_order(values)?;
+    for run in values.chunk_by(|a, b| a == b) {
+        if run.len() > degree + 1 {
+            return Err(KnotError::Multiplicity { knot: run[0], times: run.len(), degree });
+        }
+    }
+    Ok(())
+}
+
+/// Finite, in order, and not too far apart; there is at least one.
+pub(super) fn check_order(values: &[f64]) -> Result<(), KnotError> {
     if let Some(index) = values.iter().position(|knot| !knot.is_finite()) {
         return Err(KnotError::NotFinite { index, knot: values[index] });
     }
     if let Some(index) = (1..values.len()).find(|&i| values[i] < values[i - 1]) {
         return Err(KnotError::Order { index, before: values[index - 1], knot: values[index] });
-    }
-    for run in values.chunk_by(|a, b| a == b) {
-        if run.len() > degree + 1 {
-            return Err(KnotError::Multiplicity { knot: run[0], times: run.len(), degree });
-        }
     }
     let (first, last) = (values[0], values[values.len() - 1]);
     if !(last - first).is_finite() {

@@ -25,6 +25,7 @@
 mod any_surface;
 mod arrange;
 mod basis;
+mod basis_functions;
 mod bezier;
 mod bezier_form;
 mod cage;
@@ -61,6 +62,7 @@ mod uniform;
 pub use any_surface::Surface;
 pub(crate) use arrange::stretch;
 pub use basis::{BasisDerivatives, BasisValues};
+pub use basis_functions::BasisFunctions;
 pub use bezier::{bernstein, de_casteljau, halves};
 pub(crate) use bezier_form::BezierForm;
 pub use cage::{

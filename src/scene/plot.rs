@@ -3,14 +3,12 @@
 use glam::DVec3;
 
 use super::curve::CurveFault;
-use super::net::knot_vector;
 use super::{
-    CurveKind, CurveSpec, Knots, ObjectSpec, Place, PlotError, PlottedSurface, Scene, SceneError,
-    SceneFault, Written,
+    BasisSpec, CurveKind, CurveSpec, ObjectSpec, Place, PlotError, PlottedBasis, PlottedSurface,
+    Scene, SceneError, SceneFault, Written,
 };
 use crate::geometry::{
-    CornerCutting, CurveError, KnotError, KnotVector, MAX_DEGREE, MatrixForm, NurbsCurve,
-    PolygonEnds, RationalBasis,
+    CornerCutting, CurveError, KnotVector, MatrixForm, NurbsCurve, PolygonEnds, RationalBasis,
 };
 
 /// How the plots of a scene lie in one picture, as far as the author says.
@@ -43,7 +41,7 @@ pub struct Plot {
     /// The coordinates of space that are shown; those its curves vary most in if not given.
     pub plane: Option<Plane>,
     /// What is drawn.
-    pub show: PlotKind<PlottedCurve, RationalBasis, Vec<PlottedSurface>>,
+    pub show: PlotKind<PlottedCurve, PlottedBasis, Vec<PlottedSurface>>,
 }
 
 impl Plot {
@@ -70,12 +68,7 @@ pub enum PlotKind<C, B, S> {
     /// Curves in space.
     Curves(Vec<CurveEntry<C>>),
     /// The basis functions over a knot vector.
-    Basis {
-        /// The knots and the weights.
-        basis: B,
-        /// Whether functions are drawn off the domain, too, wherever they do not vanish.
-        support: bool,
-    },
+    Basis(B),
     /// The functions that blend the four vectors of a matrix form, on `[0, 1]`.
     Blending(MatrixForm),
     /// The coordinates of a curve's first derivative, and the speed, over the parameter.
@@ -142,19 +135,6 @@ pub struct CurveEntry<C> {
     pub polygon: bool,
     /// Whether its knots are marked.
     pub knots: bool,
-}
-
-/// Basis functions as written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BasisSpec {
-    /// The degree.
-    pub degree: usize,
-    /// The knots.
-    pub knots: Written<Knots>,
-    /// The number of functions, where neither knots nor weights say it.
-    pub count: Option<usize>,
-    /// The weights; all 1 if not given.
-    pub weights: Option<Written<Vec<f64>>>,
 }
 
 /// A curve to plot, whose weights may be zero.
@@ -259,7 +239,7 @@ impl PlotSpec {
 }
 
 impl Checker<'_> {
-    fn kind(&self) -> Result<PlotKind<PlottedCurve, RationalBasis, Surfaces>, SceneError> {
+    fn kind(&self) -> Result<PlotKind<PlottedCurve, PlottedBasis, Surfaces>, SceneError> {
         let place = &self.spec.place;
         Ok(match &self.spec.show {
             PlotKind::Curves(entries) => {
@@ -273,11 +253,8 @@ impl Checker<'_> {
                 });
                 PlotKind::Curves(checked.collect::<Result<_, SceneError>>()?)
             }
-            PlotKind::Basis { basis, support } => {
-                if *support && let Some(weights) = &basis.weights {
-                    return Err(self.error(&weights.place, PlotError::WeightedSupport));
-                }
-                PlotKind::Basis { basis: self.basis(basis)?, support: *support }
+            PlotKind::Basis(basis) => {
+                PlotKind::Basis(basis.checked(|place, error| self.error(place, error))?)
             }
             PlotKind::Blending(form) => PlotKind::Blending(*form),
             PlotKind::Derivatives(curve) => PlotKind::Derivatives(self.nurbs(curve)?),
@@ -363,45 +340,6 @@ impl Checker<'_> {
     /// A curve whose weights must be positive: the only one of its plot.
     fn nurbs(&self, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {
         spec.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(&self.name, "curve", fault))
-    }
-
-    fn basis(&self, spec: &BasisSpec) -> Result<RationalBasis, SceneError> {
-        let (degree, knots) = (spec.degree, &spec.knots);
-        if let (Some(count), Some(weights)) = (spec.count, &spec.weights)
-            && weights.value.len() != count
-        {
-            let error = PlotError::Count { count, weights: weights.value.len() };
-            return Err(self.error(&weights.place, error));
-        }
-        let given = spec.weights.as_ref().map(|weights| weights.value.len()).or(spec.count);
-        let listed = match &knots.value {
-            Knots::ClampedUniform => None,
-            Knots::Values(values) => Some(values.len()),
-            Knots::Multiplicities(pairs) => {
-                Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
-            }
-        };
-        if let (None, Some(knots), 1..=MAX_DEGREE) = (given, listed, degree)
-            && knots < 2 * degree + 2
-        {
-            let error = KnotError::TooFewKnots { knots, degree };
-            return Err(self.error(&spec.knots.place, PlotError::Basis(error.into())));
-        }
-        let count = given.or(listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))));
-        let Some(count) = count else {
-            return Err(self.error(&knots.place, PlotError::NoCount));
-        };
-        if count > Plot::MAX_FUNCTIONS {
-            return Err(self.error(&knots.place, PlotError::Functions { count }));
-        }
-        let vector = knot_vector(degree, &knots.value, count)
-            .map_err(|error| self.error(&knots.place, PlotError::Basis(error.into())))?;
-        let (weights, place) = match &spec.weights {
-            Some(weights) => (weights.value.clone(), &weights.place),
-            None => (vec![1.0; count], &knots.place),
-        };
-        RationalBasis::new(vector, weights)
-            .map_err(|error| self.error(place, PlotError::Basis(error)))
     }
 }
 

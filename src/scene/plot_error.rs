@@ -54,6 +54,17 @@ pub enum PlotError {
         /// How many there are.
         count: usize,
     },
+    /// Knots that have no domain, as those of one function alone.
+    #[error(
+        "basis: {} of degree {degree}: at least {} are needed, or {} with support = true",
+        Counted(*.knots, "knot"), 2 * degree + 2, degree + 2
+    )]
+    NoDomain {
+        /// The number of knots.
+        knots: usize,
+        /// The degree.
+        degree: usize,
+    },
     /// Rational functions off the domain.
     #[error("basis: rational functions end with the domain: support = true goes without weights")]
     WeightedSupport,

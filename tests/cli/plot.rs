@@ -4,93 +4,11 @@
 use std::fs;
 use std::path::Path;
 
+use crate::figure::{
+    Axes, BLUE, CURVE, GREEN, GREY, RED, ROUNDING, SUBPIXELS, TOLERANCE, attributes, numbers,
+    plotted, polylines, scene,
+};
 use crate::sandbox::{SPHERE, SQUARE, Sandbox};
-
-/// The picture's own units in a pixel.
-const SUBPIXELS: f64 = 32.0;
-
-/// How far a vertex may be from its place: rounding to the picture's units, both ways.
-const ROUNDING: f64 = 0.71 / SUBPIXELS;
-
-/// How far a curve may be from its polyline, in pixels, as `--help` says.
-const TOLERANCE: f64 = 0.1;
-
-/// The values of an attribute in the elements of a kind.
-fn attributes<'a>(svg: &'a str, element: &str, name: &str) -> Vec<&'a str> {
-    let (open, attribute) = (format!("<{element} "), format!(" {name}=\""));
-    let elements = svg.split(open.as_str()).skip(1).map(|rest| rest.split('>').next().unwrap());
-    elements.filter_map(|text| text.split(attribute.as_str()).nth(1)?.split('"').next()).collect()
-}
-
-fn numbers(text: &str) -> Vec<f64> {
-    text.split([',', ' '])
-        .filter(|word| !word.is_empty())
-        .map(|word| word.parse().unwrap())
-        .collect()
-}
-
-/// The polylines of a colour, in pixels.
-fn polylines(svg: &str, color: &str, width: f64) -> Vec<Vec<[f64; 2]>> {
-    let points = attributes(svg, "polyline", "points");
-    let colors = attributes(svg, "polyline", "stroke");
-    let widths = attributes(svg, "polyline", "stroke-width");
-    assert!(points.len() == colors.len() && points.len() == widths.len());
-    let drawn = points.iter().zip(colors.iter().zip(&widths)).filter(|(_, (found, wide))| {
-        let wide = wide.parse::<f64>().unwrap() / SUBPIXELS;
-        **found == color && (wide - width).abs() < 0.05
-    });
-    drawn
-        .map(|(points, _)| {
-            numbers(points).chunks(2).map(|at| [at[0] / SUBPIXELS, at[1] / SUBPIXELS]).collect()
-        })
-        .collect()
-}
-
-const BLUE: &str = "#0072B2";
-const RED: &str = "#D55E00";
-const GREEN: &str = "#009E73";
-const GREY: &str = "#828282";
-const CURVE: f64 = 2.2;
-
-/// The map from pixels back to a plot's coordinates, from two points known in both.
-struct Axes {
-    pixel: [f64; 2],
-    point: [f64; 2],
-    /// Pixels a unit; upwards counts as positive.
-    unit: [f64; 2],
-}
-
-impl Axes {
-    fn new(pixels: [[f64; 2]; 2], points: [[f64; 2]; 2]) -> Self {
-        let unit = |k: usize| {
-            let sign = if k == 0 { 1.0 } else { -1.0 };
-            sign * (pixels[1][k] - pixels[0][k]) / (points[1][k] - points[0][k])
-        };
-        Self { pixel: pixels[0], point: points[0], unit: [unit(0), unit(1)] }
-    }
-
-    fn point(&self, pixel: [f64; 2]) -> [f64; 2] {
-        [
-            self.point[0] + (pixel[0] - self.pixel[0]) / self.unit[0],
-            self.point[1] - (pixel[1] - self.pixel[1]) / self.unit[1],
-        ]
-    }
-}
-
-fn scene(name: &str) -> String {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    fs::read_to_string(folder.join(name)).unwrap()
-}
-
-/// Plots a scene and reads the picture.
-fn plotted(scene: &str, options: &str) -> String {
-    let sandbox = Sandbox::with(&[("s.toml", scene)]);
-    let run = sandbox.run(&format!("plot s.toml -o p.svg {options}")).succeeded();
-    assert_eq!(run.stdout, "");
-    assert!(run.stderr.ends_with("; wrote p.svg\n") && run.stderr.lines().count() == 1);
-    assert_eq!(sandbox.files(), ["p.svg", "s.toml"]);
-    String::from_utf8(sandbox.bytes("p.svg")).unwrap()
-}
 
 /// Every vertex of each circle's polyline is on the circle, and no chord is far inside.
 #[test]
@@ -364,7 +282,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
         (
             "{ basis = { degree = 2, knots = [0, 0, 0, 1, 1] } }",
             "3:40",
-            "plot \"A\": basis: 5 knots of degree 2: at least 6 are needed",
+            "plot \"A\": basis: 5 knots of degree 2: at least 6 are needed, or 4 with support = true",
         ),
         (
             "{ basis = { degree = 2, knots = [0, 0, 1, 1], count = 2 } }",

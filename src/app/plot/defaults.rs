@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use nurbray::geometry::{KnotVector, RationalBasis, Surface};
+use nurbray::geometry::{KnotVector, Surface};
 use nurbray::scene::{
     CurveEntry, CurveSpec, ImportNote, Instance, Object, Plot, PlotKind, PlottedCurve,
     PlottedSurface, Scene, SceneError, SceneFault, Shape,
@@ -89,11 +89,9 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
     }
     let plot = |(knots, users): (&KnotVector, Vec<String>)| {
         let title = Some(format!("Degree {}: {}", knots.degree(), joint(&users)));
-        let weights = vec![1.0; knots.point_count()];
-        let basis = RationalBasis::new(knots.clone(), weights).or_bad_input()?;
-        Ok(Plot { title, plane: None, show: PlotKind::Basis { basis, support: false } })
+        Plot { title, plane: None, show: PlotKind::Basis(knots.into()) }
     };
-    bases.into_iter().map(plot).collect()
+    Ok(bases.into_iter().map(plot).collect())
 }
 
 /// There may be curves in a model file; of these nothing is imported, and so nothing is plotted.

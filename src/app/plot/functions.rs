@@ -3,7 +3,8 @@
 use std::rc::Rc;
 
 use glam::DVec2;
-use nurbray::geometry::{CurveError, KnotVector, MatrixForm, NurbsCurve, RationalBasis};
+use nurbray::geometry::{MatrixForm, NurbsCurve};
+use nurbray::scene::PlottedBasis;
 
 use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
@@ -15,76 +16,39 @@ const MOST_MULTIPLICITIES: usize = 24;
 /// More functions than this are told apart by their places, not by a legend.
 const MOST_NAMES: usize = 14;
 
-/// The functions of a basis; with `support`, off the domain, too.
-///
-/// # Errors
-/// When the knots off the domain cannot be made knots of a larger one.
-pub(super) fn basis(
-    title: Option<String>,
-    basis: &RationalBasis,
-    support: bool,
-) -> Result<Panel, CurveError> {
-    let weights = basis.weights();
-    let rational = weights.iter().any(|&weight| weight != weights[0]);
+/// The functions of a basis.
+pub(super) fn basis(title: Option<String>, basis: PlottedBasis) -> Panel {
+    let rational = basis.is_rational();
     let letter = if rational { "R" } else { "N" };
-    let count = weights.len();
     let title = title.unwrap_or_else(|| {
         let kind = if rational { "Rational basis functions" } else { "Basis functions" };
-        format!("{kind} of degree {}", basis.knots().degree())
+        format!("{kind} of degree {}", basis.degree())
     });
-
-    // Where functions are seen whole, others come in from outside: these are left out.
-    let (seen, skipped) = if support { widened(basis)? } else { (basis.clone(), 0) };
-    let (p, all) = (basis.knots().degree(), basis.knots().values());
-    let (spans, seen) = (pieces(seen.knots()), Rc::new(seen));
-    let mut panel = functions(
-        (title, letter),
-        &spans,
-        (0..count).map(|index| {
-            let seen = Rc::clone(&seen);
-            let value = move |t: f64| seen.value(skipped + index, t);
-            // Where it vanishes nothing is drawn: the others are seen there.
-            let begins = spans.partition_point(|span| span[0] < all[index]);
-            let ends = spans.partition_point(|span| span[1] <= all[index + p + 1]);
-            let lives = if weights[index] > 0.0 { begins..ends.max(begins) } else { 0..0 };
-            let name = match weights[index] {
-                0.0 => format!("{} = 0", indexed(letter, index)),
-                _ => indexed(letter, index),
-            };
-            let mut pieces = spans[lives].to_vec();
-            // Where all its knots but the first are one, it jumps to zero where it ends: there the
-            // value is that of the functions that begin.
-            let jumps = all[index + 1] == all[index + p + 1];
-            if let Some([_, end]) = pieces.last_mut().filter(|_| jumps)
-                && spans.last().is_some_and(|span| *end < span[1])
-            {
-                *end = end.next_down();
-            }
-            Function { name, value: Box::new(value), pieces }
-        }),
-    );
-    let values = basis.knots().values();
-    let marks = values.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
+    let (p, knots, [first, last]) = (basis.degree(), basis.knots().to_vec(), basis.shown());
+    let spans = knots.windows(2).map(|ends| [ends[0], ends[1]]);
+    let spans: Vec<_> = spans.filter(|&[a, b]| a < b && first <= a && b <= last).collect();
+    let basis = Rc::new(basis);
+    let named = (0..basis.count()).map(|index| {
+        // Where it vanishes nothing is drawn: the others are seen there.
+        let vanishes = basis.vanishes(index);
+        let lives = |span: &&[f64; 2]| {
+            !vanishes && knots[index] <= span[0] && span[1] <= knots[index + p + 1]
+        };
+        let mut pieces: Vec<_> = spans.iter().filter(lives).copied().collect();
+        // At its last knot it is over, perhaps by a jump: there the value is that of the
+        // functions that begin.
+        if let Some([_, end]) = pieces.last_mut().filter(|[_, end]| *end < knots[knots.len() - 1]) {
+            *end = end.next_down();
+        }
+        let name = indexed(letter, index) + if vanishes { " = 0" } else { "" };
+        let basis = Rc::clone(&basis);
+        Function { name, value: Box::new(move |t| basis.value(index, t)), pieces }
+    });
+    let mut panel = functions((title, letter), &spans, named);
+    let marks = knots.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
     panel.items.extend(knot_marks(marks, panel.scale));
     panel.legend.push((Key::Point(Mark::Diamond, GREY), "knots".to_owned()));
-    Ok(panel)
-}
-
-/// The basis over so many more knots that its functions' supports are the domain, and how many
-/// functions come before the old ones. Each old function depends on its own knots only.
-fn widened(basis: &RationalBasis) -> Result<(RationalBasis, usize), CurveError> {
-    let knots = basis.knots();
-    let (p, values) = (knots.degree(), knots.values());
-    let (first, last) = (values[0], values[values.len() - 1]);
-    let before = p + 1 - knots.multiplicity(first);
-    let after = p + 1 - knots.multiplicity(last);
-    let mut wide = vec![first; before];
-    wide.extend(values);
-    wide.extend(vec![last; after]);
-    // A basis with weights is never asked for this: what its sum is off the domain, and with it
-    // the functions, depends on points that are not there.
-    let weights = vec![1.0; wide.len() - p - 1];
-    Ok((RationalBasis::new(KnotVector::new(p, wide)?, weights)?, before))
+    panel
 }
 
 /// Knots on the axis, those on it several times with how often.

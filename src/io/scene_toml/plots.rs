@@ -233,13 +233,13 @@ impl Reader<'_, '_> {
                     None => Written::new(Knots::ClampedUniform, place),
                 };
                 let weights = |list: Vec<Number>| list.into_iter().map(|weight| weight.0).collect();
-                let basis = BasisSpec {
+                PlotKind::Basis(BasisSpec {
                     degree: keys.degree as usize,
                     knots,
                     count: keys.count.map(|count| count as usize),
                     weights: keys.weights.map(|list| self.written(list, weights)),
-                };
-                PlotKind::Basis { basis, support: keys.support }
+                    support: keys.support,
+                })
             }
             ShowKeys::Blending(form) => PlotKind::Blending(match form {
                 FormKey::Bezier => MatrixForm::Bezier,

@@ -1,0 +1,226 @@
+//! B-spline basis functions one by one, over any knots.
+
+use super::basis::BasisValues;
+use super::knots::{MAX_DEGREE, check_order};
+use super::{KnotError, KnotVector};
+
+/// The basis functions `N_{i,p}` of one degree over knots `t₀ ≤ t₁ ≤ …`, each on all of its
+/// support `[tᵢ, tᵢ₊ₚ₊₁]`.
+///
+/// Of a [`KnotVector`] curves are made; here less will do: degree 0, knots repeated more than
+/// `p + 1` times, knots for a single function. So functions of every degree up to p are those of
+/// the textbooks over the knots of degree p, with the same indices, though some vanish.
+///
+/// # Invariants, checked once on construction
+/// - `0 ≤ p ≤` [`MAX_DEGREE`], and there are `p + 2` knots or more, of which two differ;
+/// - every knot is finite, none is smaller than the one before it, and `t_last − t₀` is finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasisFunctions {
+    degree: usize,
+    knots: Vec<f64>,
+}
+
+impl From<&KnotVector> for BasisFunctions {
+    fn from(knots: &KnotVector) -> Self {
+        Self { degree: knots.degree(), knots: knots.values().to_vec() }
+    }
+}
+
+impl BasisFunctions {
+    /// The functions of this degree over these knots, equal ones repeated.
+    ///
+    /// # Errors
+    /// When one of the invariants above does not hold.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, KnotError> {
+        if degree > MAX_DEGREE {
+            return Err(KnotError::BasisDegree { degree });
+        }
+        if knots.len() < degree + 2 {
+            return Err(KnotError::NoFunction { knots: knots.len(), degree });
+        }
+        check_order(&knots)?;
+        if knots[0] == knots[knots.len() - 1] {
+            return Err(KnotError::AllEqual { knot: knots[0] });
+        }
+        Ok(Self { degree, knots })
+    }
+
+    /// The degree `p`.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots, in order.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// How many functions there are.
+    pub fn count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// Whether the function `index` is 0 everywhere, all its knots being one.
+    pub fn vanishes(&self, index: usize) -> bool {
+        index >= self.count() || self.knots[index] == self.knots[index + self.degree + 1]
+    }
+
+    /// The function `index` at `t`; 0 off its support, and for an index beyond the last.
+    ///
+    /// At a knot it has the value of the piece that begins there, at the last knot that of the
+    /// last piece, so that the functions over clamped knots add up to 1 there, too.
+    pub fn value(&self, index: usize, t: f64) -> f64 {
+        if index >= self.count() {
+            return 0.0;
+        }
+        self.span(t).map_or(0.0, |span| self.value_on(span, index, t))
+    }
+
+    /// The span `[tᵢ, tᵢ₊₁)` with `t` in it; `None` off the knots, and for NaN.
+    fn span(&self, t: f64) -> Option<usize> {
+        let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
+        let within = first <= t && t <= last; // false for NaN
+        within.then(|| self.knots.partition_point(|&knot| knot <= t && knot < last) - 1)
+    }
+
+    /// `N_{i,p}` on a span (Cox 1972, de Boor 1972), from `N_{j,0}`, which is 1 on the span j:
+    ///
+    /// `N_{i,q} = (t − tᵢ) N_{i,q−1} / (tᵢ₊q − tᵢ) + (tᵢ₊q₊₁ − t) N_{i+1,q−1} / (tᵢ₊q₊₁ − tᵢ₊₁)`,
+    ///
+    /// where a function that vanishes counts as 0 whatever it is divided by.
+    fn value_on(&self, span: usize, index: usize, t: f64) -> f64 {
+        let (p, knots) = (self.degree, &self.knots);
+        if !(index..=index + p).contains(&span) {
+            return 0.0;
+        }
+        let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
+        values[span - index] = 1.0;
+        let share = |part: f64, width: f64| if width > 0.0 { part / width } else { 0.0 };
+        for q in 1..=p {
+            for j in 0..=p - q {
+                let (start, end) = (index + j, index + j + q);
+                values[j] = values[j] * share(t - knots[start], knots[end] - knots[start])
+                    + values[j + 1] * share(knots[end + 1] - t, knots[end + 1] - knots[start + 1]);
+            }
+        }
+        values[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The deck's knots of degree 3, over which its functions of lower degrees are, too.
+    const KNOTS: [f64; 11] = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0];
+
+    fn over(degree: usize, knots: &[f64]) -> BasisFunctions {
+        BasisFunctions::new(degree, knots.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn functions_of_lower_degrees_keep_their_indices() {
+        // Degree 0: 1 on the span i, closed at the very end.
+        let boxes = over(0, &KNOTS);
+        assert_eq!(boxes.count(), 10);
+        for k in 0..=40 {
+            let t = f64::from(k) / 10.0;
+            let own = 3 + (t.floor() as usize).min(3);
+            for index in 0..10 {
+                assert_eq!(
+                    boxes.value(index, t),
+                    f64::from(u8::from(index == own)),
+                    "{index}, {t}"
+                );
+            }
+        }
+        // Degree 1: hats, of which the first and the last of those that do not vanish are halves.
+        let hats = over(1, &KNOTS);
+        assert_eq!(hats.count(), 9);
+        for k in 0..=40 {
+            let t = f64::from(k) / 10.0;
+            for index in 0..9 {
+                let expected = match index {
+                    2..=6 => (1.0 - (t - (index as f64 - 2.0)).abs()).max(0.0),
+                    _ => 0.0,
+                };
+                assert!((hats.value(index, t) - expected).abs() < 1e-15, "{index}, {t}");
+            }
+        }
+        assert_eq!((0..10).filter(|&index| boxes.vanishes(index)).count(), 6);
+        assert_eq!((0..9).filter(|&index| hats.vanishes(index)).count(), 4);
+        // Degree 2 from t = 0 on: (1 − t)², 2t − 3t²/2, t²/2.
+        let quadratics = over(2, &KNOTS);
+        for k in 0..10 {
+            let t = f64::from(k) / 10.0;
+            let expected =
+                [0.0, (1.0 - t).powi(2), 2.0 * t - 1.5 * t * t, 0.5 * t * t, 0.0, 0.0, 0.0, 0.0];
+            for (index, expected) in expected.into_iter().enumerate() {
+                assert!((quadratics.value(index, t) - expected).abs() < 1e-15, "{index}, {t}");
+            }
+        }
+    }
+
+    /// A single uniform cubic: the four pieces of the cardinal spline, and 0 off its support.
+    #[test]
+    fn one_function_over_its_own_knots() {
+        let one = over(3, &[0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(one.count(), 1);
+        let truncated = |x: f64| x.max(0.0).powi(3);
+        for k in -10..=50 {
+            let t = f64::from(k) / 10.0;
+            // The fourth difference of (t − k)³₊ / 3!.
+            let expected = (truncated(t) - 4.0 * truncated(t - 1.0) + 6.0 * truncated(t - 2.0)
+                - 4.0 * truncated(t - 3.0)
+                + truncated(t - 4.0))
+                / 6.0;
+            assert!((one.value(0, t) - expected).abs() < 1e-14, "{t}: {expected}");
+        }
+        assert_eq!((one.value(1, 2.0), one.value(0, f64::NAN)), (0.0, 0.0));
+    }
+
+    /// On the domain of a knot vector they are its own, and Bernstein's over Bézier knots.
+    #[test]
+    fn over_a_knot_vector_they_are_its_own() {
+        let mut values = [0.0; MAX_DEGREE + 1];
+        for knots in [
+            KnotVector::new(3, KNOTS.to_vec()).unwrap(),
+            KnotVector::uniform(4, 9).unwrap(),
+            KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.5, 2.0, 2.0, 2.0]).unwrap(),
+        ] {
+            let (functions, (start, end)) = (BasisFunctions::from(&knots), knots.domain());
+            for k in 0..=64 {
+                let t = start + f64::from(k) / 64.0 * (end - start);
+                let span = knots.basis(t, &mut values);
+                for index in 0..functions.count() {
+                    let local = (index + knots.degree()).checked_sub(span);
+                    let expected =
+                        local.filter(|&k| k <= knots.degree()).map_or(0.0, |k| values[k]);
+                    assert!((functions.value(index, t) - expected).abs() < 1e-15, "{index}, {t}");
+                }
+            }
+        }
+        let bernstein = over(3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+        let t: f64 = 0.3;
+        assert!((bernstein.value(1, t) - 3.0 * t * (1.0 - t).powi(2)).abs() < 1e-15);
+        assert_eq!(bernstein.value(3, 1.0), 1.0);
+    }
+
+    #[test]
+    fn what_is_no_basis_is_refused() {
+        let message = |degree, knots: &[f64]| {
+            BasisFunctions::new(degree, knots.to_vec()).unwrap_err().to_string()
+        };
+        assert_eq!(message(33, &[]), "degree 33: degrees from 0 to 32 are supported");
+        assert_eq!(
+            message(2, &[0.0, 1.0, 2.0]),
+            "3 knots of degree 2: at least 4 are needed for one function"
+        );
+        assert_eq!(message(0, &[1.0, 1.0]), "all knots are 1: two must differ");
+        assert_eq!(message(0, &[1.0, 0.5]), "knot 1 is 0.5 after 1: knots must not decrease");
+        assert_eq!(
+            message(0, &[0.0, f64::INFINITY]),
+            "knot 1 is inf: knots must be finite numbers"
+        );
+    }
+}

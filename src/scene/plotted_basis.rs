@@ -1,0 +1,208 @@
+//! Basis functions to plot, as written and checked.
+
+use super::net::knot_vector;
+use super::{Knots, Place, Plot, PlotError, SceneError, Written};
+use crate::geometry::{
+    BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis,
+};
+
+/// Basis functions as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasisSpec {
+    /// The degree.
+    pub degree: usize,
+    /// The knots.
+    pub knots: Written<Knots>,
+    /// The number of functions, where neither knots nor weights say it.
+    pub count: Option<usize>,
+    /// The weights; all 1 if not given.
+    pub weights: Option<Written<Vec<f64>>>,
+    /// Whether functions are drawn off the domain, too, wherever they do not vanish.
+    pub support: bool,
+}
+
+/// Basis functions to plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlottedBasis {
+    /// The functions.
+    pub functions: PlottedFunctions,
+    /// Whether they are drawn off the domain, too, wherever they do not vanish.
+    pub support: bool,
+}
+
+/// The functions of a basis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlottedFunctions {
+    /// Those without weights.
+    Polynomial(BasisFunctions),
+    /// Rational ones, of which some may vanish for their weights.
+    Rational(RationalBasis),
+}
+
+impl From<&KnotVector> for PlottedBasis {
+    fn from(knots: &KnotVector) -> Self {
+        Self { functions: PlottedFunctions::Polynomial(knots.into()), support: false }
+    }
+}
+
+impl PlottedBasis {
+    /// The degree.
+    pub fn degree(&self) -> usize {
+        match &self.functions {
+            PlottedFunctions::Polynomial(functions) => functions.degree(),
+            PlottedFunctions::Rational(basis) => basis.knots().degree(),
+        }
+    }
+
+    /// All knots, in order.
+    pub fn knots(&self) -> &[f64] {
+        match &self.functions {
+            PlottedFunctions::Polynomial(functions) => functions.knots(),
+            PlottedFunctions::Rational(basis) => basis.knots().values(),
+        }
+    }
+
+    /// How many functions there are.
+    pub fn count(&self) -> usize {
+        self.knots().len() - self.degree() - 1
+    }
+
+    /// Where functions are drawn: on the domain, or from the first knot to the last.
+    pub fn shown(&self) -> [f64; 2] {
+        let knots = self.knots();
+        match self.support {
+            true => [knots[0], knots[knots.len() - 1]],
+            false => [knots[self.degree()], knots[self.count()]],
+        }
+    }
+
+    /// Whether weights that differ are among the functions' factors.
+    pub fn is_rational(&self) -> bool {
+        match &self.functions {
+            PlottedFunctions::Polynomial(_) => false,
+            PlottedFunctions::Rational(basis) => {
+                basis.weights().iter().any(|&weight| weight != basis.weights()[0])
+            }
+        }
+    }
+
+    /// Whether a function is 0 everywhere: its knots are one, or its weight is 0.
+    pub fn vanishes(&self, index: usize) -> bool {
+        match &self.functions {
+            PlottedFunctions::Polynomial(functions) => functions.vanishes(index),
+            PlottedFunctions::Rational(basis) => basis.weights()[index] == 0.0,
+        }
+    }
+
+    /// A function at a parameter where it is drawn.
+    pub fn value(&self, index: usize, t: f64) -> f64 {
+        match &self.functions {
+            PlottedFunctions::Polynomial(functions) => functions.value(index, t),
+            PlottedFunctions::Rational(basis) => basis.value(index, t),
+        }
+    }
+}
+
+impl BasisSpec {
+    /// The basis; `fails` says what it is for.
+    ///
+    /// # Errors
+    /// When the numbers of functions, knots and weights do not match, or some are none.
+    pub(super) fn checked(
+        &self,
+        fails: impl Fn(&Place, PlotError) -> SceneError,
+    ) -> Result<PlottedBasis, SceneError> {
+        let functions = self.functions().map_err(|(place, error)| fails(place, error))?;
+        Ok(PlottedBasis { functions, support: self.support })
+    }
+
+    fn functions(&self) -> Result<PlottedFunctions, (&Place, PlotError)> {
+        let count = self.function_count()?;
+        let at_knots = |error: KnotError| (&self.knots.place, PlotError::Basis(error.into()));
+        let Some(weights) = &self.weights else {
+            let functions = self.polynomial(count).map_err(at_knots)?;
+            return Ok(PlottedFunctions::Polynomial(functions));
+        };
+        let knots = knot_vector(self.degree, &self.knots.value, count).map_err(at_knots)?;
+        let basis = RationalBasis::new(knots, weights.value.clone());
+        let at_weights = |error: CurveError| (&weights.place, PlotError::Basis(error));
+        Ok(PlottedFunctions::Rational(basis.map_err(at_weights)?))
+    }
+
+    /// How many functions there are to be, by what of `count`, `weights` and `knots` is given.
+    fn function_count(&self) -> Result<usize, (&Place, PlotError)> {
+        let (degree, knots) = (self.degree, &self.knots);
+        if let Some(weights) = &self.weights {
+            if self.support {
+                return Err((&weights.place, PlotError::WeightedSupport));
+            }
+            if let Some(count) = self.count.filter(|&count| count != weights.value.len()) {
+                let error = PlotError::Count { count, weights: weights.value.len() };
+                return Err((&weights.place, error));
+            }
+        }
+        let given = self.weights.as_ref().map(|weights| weights.value.len()).or(self.count);
+        let listed = self.listed();
+        if let (None, Some(found), 0..=MAX_DEGREE) = (given, listed, degree) {
+            if found < degree + 2 {
+                let error = KnotError::NoFunction { knots: found, degree };
+                return Err((&knots.place, PlotError::Basis(error.into())));
+            }
+            if found < 2 * degree + 2 && !self.support {
+                return Err((&knots.place, PlotError::NoDomain { knots: found, degree }));
+            }
+        }
+        let count = given.or(listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))));
+        let count = count.ok_or((&knots.place, PlotError::NoCount))?;
+        if count > Plot::MAX_FUNCTIONS {
+            return Err((&knots.place, PlotError::Functions { count }));
+        }
+        Ok(count)
+    }
+
+    /// The number of knots that are listed.
+    fn listed(&self) -> Option<usize> {
+        match &self.knots.value {
+            Knots::ClampedUniform => None,
+            Knots::Values(values) => Some(values.len()),
+            Knots::Multiplicities(pairs) => {
+                Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
+            }
+        }
+    }
+
+    /// So many functions without weights. Unless all of their support is drawn, there must be a
+    /// domain.
+    fn polynomial(&self, count: usize) -> Result<BasisFunctions, KnotError> {
+        let degree = self.degree;
+        if degree > MAX_DEGREE {
+            return Err(KnotError::BasisDegree { degree });
+        }
+        if count < if self.support { 1 } else { degree + 1 } {
+            return Err(KnotError::TooFewPoints { points: count, degree });
+        }
+        if let Some(knots) = self.listed().filter(|&knots| knots != count + degree + 1) {
+            return Err(KnotError::Count { knots, points: count, degree });
+        }
+        let values = match &self.knots.value {
+            Knots::ClampedUniform if degree == 0 => {
+                (0..=count).map(|index| index as f64 / count as f64).collect()
+            }
+            Knots::ClampedUniform => KnotVector::clamped_uniform(degree, count)?.values().to_vec(),
+            Knots::Values(values) => values.clone(),
+            Knots::Multiplicities(pairs) => {
+                if let Some(&(knot, _)) = pairs.iter().find(|&&(_, times)| times == 0) {
+                    return Err(KnotError::NoMultiplicity { knot });
+                }
+                let runs = pairs.iter().map(|&(knot, times)| std::iter::repeat_n(knot, times));
+                runs.flatten().collect()
+            }
+        };
+        let (start, end) = (values[degree], values[count]);
+        let functions = BasisFunctions::new(degree, values)?;
+        if start == end && !self.support {
+            return Err(KnotError::EmptyDomain { start, end, degree, last: count });
+        }
+        Ok(functions)
+    }
+}

@@ -1,0 +1,95 @@
+//! `nurbray plot`: functions of a parameter are those of the closed forms.
+
+use crate::figure::{Axes, BLUE, CURVE, GREY, RED, ROUNDING, plotted, polylines};
+use crate::sandbox::Sandbox;
+
+/// The deck's knots of degree 3.
+const DECK: &str = "[0, 0, 0, 0, 1, 2, 3, 4, 4, 4, 4]";
+
+/// The curves of a colour that are drawn, without the line of the legend.
+fn drawn(svg: &str, color: &str) -> Vec<Vec<[f64; 2]>> {
+    let mut lines = polylines(svg, color, CURVE);
+    lines.pop();
+    lines
+}
+
+/// Over the knots of degree 3, N₃,₀ to N₆,₀ are boxes one after the other, and the six others
+/// keep their names and colours.
+#[test]
+fn functions_of_degree_0_are_boxes() {
+    let text = format!("[[plot]]\nshow = {{ basis = {{ degree = 0, knots = {DECK} }} }}\n");
+    let svg = plotted(&text, "--size 640x480");
+    let zero = &polylines(&svg, GREY, 1.0)[0];
+    for color in [BLUE, RED] {
+        assert!(drawn(&svg, color).iter().all(|line| line[0][1] != zero[0][1]), "{color}");
+    }
+    let first = &drawn(&svg, "#CC79A7")[0];
+    let axes = Axes::new([zero[0], [zero[1][0], first[0][1]]], [[0.0, 0.0], [4.0, 1.0]]);
+    for (index, color) in ["#CC79A7", "#E69F00", "#56B4E9", "#3C3C3C"].into_iter().enumerate() {
+        let line = &drawn(&svg, color)[0];
+        let ends = [line[0], line[line.len() - 1]].map(|pixel| axes.point(pixel));
+        for (end, t) in ends.into_iter().zip([index as f64, index as f64 + 1.0]) {
+            assert!((end[0] - t).abs() * axes.unit[0] <= 2.0 * ROUNDING, "{color}: {end:?}");
+            assert!((end[1] - 1.0).abs() * axes.unit[1] <= 2.0 * ROUNDING, "{color}: {end:?}");
+        }
+    }
+    for word in ["N₀ = 0", "N₂ = 0", "N₃", "N₆", "N₇ = 0", "×4"] {
+        assert!(svg.contains(&format!("\n{word}\n")), "{word}");
+    }
+}
+
+/// N₀,₃ over 0, 1, 2, 3, 4: the fourth difference of (t − k)³₊ / 3!, at every vertex.
+#[test]
+fn one_function_is_drawn_on_its_support() {
+    let text = "[[plot]]\n[plot.show.basis]\ndegree = 3\nknots = [0, 1, 2, 3, 4]\nsupport = true\n";
+    let svg = plotted(text, "--size 640x480");
+    let curve = &drawn(&svg, BLUE)[0];
+    let top = curve.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    let zero = &polylines(&svg, GREY, 1.0)[0];
+    let axes = Axes::new([zero[0], [zero[1][0], top[1]]], [[0.0, 0.0], [4.0, 2.0 / 3.0]]);
+    let cube = |x: f64| x.max(0.0).powi(3);
+    let cubic =
+        |t: f64| (cube(t) - 4.0 * cube(t - 1.0) + 6.0 * cube(t - 2.0) - 4.0 * cube(t - 3.0)) / 6.0;
+    assert!(curve.len() > 20);
+    for &pixel in curve {
+        let [t, value] = axes.point(pixel);
+        let off = (value - cubic(t)).abs() * axes.unit[1];
+        // Steepest is 1/2 at t = 1 and 3.
+        let slack = 3.0 * ROUNDING * (1.0 + 0.5 * axes.unit[1] / axes.unit[0]);
+        assert!(off <= slack, "t = {t}: {value} is {off} pixels off");
+    }
+}
+
+#[test]
+fn bases_that_are_none_are_told_with_their_place() {
+    for (basis, place, message) in [
+        (
+            "degree = 3, knots = [0, 1, 2, 3, 4]",
+            "3:40",
+            "5 knots of degree 3: at least 8 are needed, or 5 with support = true",
+        ),
+        (
+            "degree = 3, knots = [0, 1, 2, 3], support = true",
+            "3:40",
+            "4 knots of degree 3: at least 5 are needed for one function",
+        ),
+        ("degree = 33, knots = [0, 1]", "3:41", "degree 33: degrees from 0 to 32 are supported"),
+        ("degree = 0, knots = [1, 1, 1]", "3:40", "all knots are 1: two must differ"),
+        (
+            "degree = 1, knots = [0, 1, 1, 1, 2, 2], count = 5",
+            "3:40",
+            "6 knots, but 5 points of degree 1 need 7",
+        ),
+        (
+            "degree = 2, knots = [0, 0, 1, 1, 1, 2]",
+            "3:40",
+            "the domain [1, 1] is empty: knots 2 and 3 (counted from 0) must differ",
+        ),
+        ("degree = 0, weights = [1, 2]", "3:18", "degree 0: degrees from 1 to 32 are supported"),
+    ] {
+        let text = format!("[[plot]]\ntitle = \"A\"\nshow = {{ basis = {{ {basis} }} }}\n");
+        Sandbox::with(&[("s.toml", &text)])
+            .run("plot s.toml -o p.svg")
+            .failed(2, &format!("s.toml:{place}: plot \"A\": basis: {message}"));
+    }
+}
