@@ -70,10 +70,17 @@ impl BasisFunctions {
     /// At a knot it has the value of the piece that begins there, at the last knot that of the
     /// last piece, so that the functions over clamped knots add up to 1 there, too.
     pub fn value(&self, index: usize, t: f64) -> f64 {
+        self.derivative(index, 0, t)
+    }
+
+    /// A derivative of the function `index` at `t`, the function itself being that of order 0.
+    /// At a knot it is that of the piece [`BasisFunctions::value`] takes there.
+    pub fn derivative(&self, index: usize, order: usize, t: f64) -> f64 {
         if index >= self.count() {
             return 0.0;
         }
-        self.span(t).map_or(0.0, |span| self.value_on(span, index, t))
+        let on = |span| on_span((self.degree, &self.knots), (index, order), (span, t));
+        self.span(t).map_or(0.0, on)
     }
 
     /// The span `[tᵢ, tᵢ₊₁)` with `t` in it; `None` off the knots, and for NaN.
@@ -82,29 +89,40 @@ impl BasisFunctions {
         let within = first <= t && t <= last; // false for NaN
         within.then(|| self.knots.partition_point(|&knot| knot <= t && knot < last) - 1)
     }
+}
 
-    /// `N_{i,p}` on a span (Cox 1972, de Boor 1972), from `N_{j,0}`, which is 1 on the span j:
-    ///
-    /// `N_{i,q} = (t − tᵢ) N_{i,q−1} / (tᵢ₊q − tᵢ) + (tᵢ₊q₊₁ − t) N_{i+1,q−1} / (tᵢ₊q₊₁ − tᵢ₊₁)`,
-    ///
-    /// where a function that vanishes counts as 0 whatever it is divided by.
-    fn value_on(&self, span: usize, index: usize, t: f64) -> f64 {
-        let (p, knots) = (self.degree, &self.knots);
-        if !(index..=index + p).contains(&span) {
-            return 0.0;
-        }
-        let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
-        values[span - index] = 1.0;
-        let share = |part: f64, width: f64| if width > 0.0 { part / width } else { 0.0 };
-        for q in 1..=p {
-            for j in 0..=p - q {
-                let (start, end) = (index + j, index + j + q);
-                values[j] = values[j] * share(t - knots[start], knots[end] - knots[start])
-                    + values[j + 1] * share(knots[end + 1] - t, knots[end + 1] - knots[start + 1]);
-            }
-        }
-        values[0]
+/// Derivative `order` of the function `index` on a span `[t_span, t_{span+1}]` with `t` in it.
+///
+/// From `N_{j,0}`, which is 1 on the span j (Cox 1972, de Boor 1972):
+///
+/// `N_{i,q} = (t − tᵢ) N_{i,q−1} / (tᵢ₊q − tᵢ) + (tᵢ₊q₊₁ − t) N_{i+1,q−1} / (tᵢ₊q₊₁ − tᵢ₊₁)`,
+///
+/// and for the last `order` degrees `N′_{i,q} = q N_{i,q−1} / (tᵢ₊q − tᵢ) − q N_{i+1,q−1} /
+/// (tᵢ₊q₊₁ − tᵢ₊₁)`. A function that vanishes counts as 0 whatever it is divided by.
+pub(super) fn on_span(
+    (degree, knots): (usize, &[f64]),
+    (index, order): (usize, usize),
+    (span, t): (usize, f64),
+) -> f64 {
+    if order > degree || !(index..=index + degree).contains(&span) {
+        return 0.0;
     }
+    let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
+    values[span - index] = 1.0;
+    let share = |part: f64, width: f64| if width > 0.0 { part / width } else { 0.0 };
+    for q in 1..=degree {
+        for j in 0..=degree - q {
+            let (start, end) = (index + j, index + j + q);
+            let widths = [knots[end] - knots[start], knots[end + 1] - knots[start + 1]];
+            let [rising, falling] = if q + order <= degree {
+                [share(t - knots[start], widths[0]), share(knots[end + 1] - t, widths[1])]
+            } else {
+                [share(q as f64, widths[0]), -share(q as f64, widths[1])]
+            };
+            values[j] = values[j] * rising + values[j + 1] * falling;
+        }
+    }
+    values[0]
 }
 
 #[cfg(test)]
@@ -204,6 +222,41 @@ mod tests {
         let t: f64 = 0.3;
         assert!((bernstein.value(1, t) - 3.0 * t * (1.0 - t).powi(2)).abs() < 1e-15);
         assert_eq!(bernstein.value(3, 1.0), 1.0);
+    }
+
+    /// Of the cubics from t = 0 on, (1 − t)³ and 3t − 9t²/2 + 7t³/4, all derivatives; of a single
+    /// uniform cubic, the differences of truncated powers.
+    #[test]
+    fn derivatives_are_those_of_the_pieces() {
+        let cubics = over(3, &KNOTS);
+        for k in 0..10 {
+            let t = f64::from(k) / 10.0;
+            let first = [(1.0 - t).powi(3), -3.0 * (1.0 - t).powi(2), 6.0 * (1.0 - t), -6.0];
+            let second = [
+                3.0 * t - 4.5 * t * t + 1.75 * t.powi(3),
+                3.0 - 9.0 * t + 5.25 * t * t,
+                -9.0 + 10.5 * t,
+                10.5,
+            ];
+            for order in 0..4 {
+                let found = [0, 1].map(|index| cubics.derivative(index, order, t));
+                let expected = [first[order], second[order]];
+                let off = |k: usize| (found[k] - expected[k]).abs();
+                assert!(off(0).max(off(1)) < 2e-14, "{order}, {t}: {found:?} for {expected:?}");
+                let sum: f64 = (0..7).map(|index| cubics.derivative(index, order, t)).sum();
+                assert!((sum - f64::from(u8::from(order == 0))).abs() < 2e-14, "{order}, {t}");
+            }
+            assert_eq!(cubics.derivative(0, 4, t), 0.0);
+        }
+        let one = over(3, &[0.0, 1.0, 2.0, 3.0, 4.0]);
+        for k in 0..40 {
+            let t = (f64::from(k) + 0.5) / 10.0;
+            let ramp = |x: f64| 0.5 * x.max(0.0).powi(2);
+            let slope = ramp(t) - 4.0 * ramp(t - 1.0) + 6.0 * ramp(t - 2.0) - 4.0 * ramp(t - 3.0);
+            assert!((one.derivative(0, 1, t) - slope).abs() < 1e-14, "{t}");
+            let third = [1.0, -3.0, 3.0, -1.0][t as usize];
+            assert!((one.derivative(0, 3, t) - third).abs() < 1e-14, "{t}");
+        }
     }
 
     #[test]

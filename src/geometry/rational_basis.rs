@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::basis::BasisValues;
+use super::basis_functions::on_span;
 use super::{CurveError, KnotVector, MAX_DEGREE};
 
 /// Rational B-spline basis functions `Rᵢ(t) = hᵢ Nᵢ(t) / S(t)`, `S = Σ hᵢ Nᵢ`.
@@ -92,6 +93,34 @@ impl RationalBasis {
         self.weights[index] * values[index - first] / self.sum(t)
     }
 
+    /// A derivative of one of the functions, that of order 0 being the function; 0 for an index
+    /// beyond the last. From `S Rᵢ = hᵢ Nᵢ` by the product rule:
+    ///
+    /// `Rᵢ⁽ᵏ⁾ = (hᵢ Nᵢ⁽ᵏ⁾ − Σⱼ (k over j) S⁽ʲ⁾ Rᵢ⁽ᵏ⁻ʲ⁾) / S`, j from 1 to k.
+    pub fn derivative(&self, index: usize, order: usize, t: f64) -> f64 {
+        let (p, span) = (self.knots.degree(), self.knots.span(t));
+        if !(span - p..=span).contains(&index) {
+            return 0.0;
+        }
+        let part = |index: usize, order: usize| {
+            let value = on_span((p, self.knots.values()), (index, order), (span, t));
+            self.weights[index] * value
+        };
+        let sums: Vec<f64> =
+            (0..=order).map(|j| (span - p..=span).map(|i| part(i, j)).sum()).collect();
+        let mut found: Vec<f64> = Vec::with_capacity(order + 1);
+        for k in 0..=order {
+            let mut rest = part(index, k);
+            let mut choose = 1.0;
+            for j in 1..=k {
+                choose *= (k - j + 1) as f64 / j as f64;
+                rest -= choose * sums[j] * found[k - j];
+            }
+            found.push(rest / sums[0]);
+        }
+        found[order]
+    }
+
     /// The derivatives `R′ᵢ = (hᵢ N′ᵢ − S′ Rᵢ) / S`.
     pub fn derivatives(&self, t: f64) -> Vec<f64> {
         let basis = self.knots.basis_derivatives(t);
@@ -177,6 +206,36 @@ mod tests {
                 assert!((basis.values(t).iter().sum::<f64>() - 1.0).abs() < 1e-15);
                 assert!(basis.derivatives(t).iter().sum::<f64>().abs() < 1e-14);
             }
+        }
+    }
+
+    /// On [0, 1] with weights 1, h: R₁ = h t / (1 + (h − 1) t), whose derivatives are known to
+    /// every order; and the first ones of Rogers' example.
+    #[test]
+    fn derivatives_of_every_order() {
+        for h in [0.25, 1.0, 5.0] {
+            let basis = RationalBasis::new(KnotVector::bezier(1).unwrap(), vec![1.0, h]).unwrap();
+            for k in 0..=10 {
+                let t = f64::from(k) / 10.0;
+                let (a, mut expected) = (h - 1.0, h * t / (1.0 + (h - 1.0) * t));
+                for order in 0..5 {
+                    if order > 0 {
+                        // h (−a)ᵏ⁻¹ k! / (1 + a t)ᵏ⁺¹
+                        let factorial: f64 = (1..=order).map(f64::from).product();
+                        expected =
+                            h * (-a).powi(order - 1) * factorial / (1.0 + a * t).powi(order + 1);
+                    }
+                    let found = basis.derivative(1, order as usize, t);
+                    let off = (found - expected).abs();
+                    assert!(off <= 1e-13 * expected.abs().max(1.0), "{h}, {t}, {order}: {off:e}");
+                }
+            }
+            let (basis, t) = (rogers(h), 1.3);
+            let first = basis.derivatives(t);
+            for (index, expected) in first.into_iter().enumerate() {
+                assert!((basis.derivative(index, 1, t) - expected).abs() < 1e-14, "{h}, {index}");
+            }
+            assert_eq!(basis.derivative(5, 1, t), 0.0);
         }
     }
 

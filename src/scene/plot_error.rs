@@ -65,6 +65,14 @@ pub enum PlotError {
         /// The degree.
         degree: usize,
     },
+    /// A derivative of so high an order that nothing is left of polynomials.
+    #[error("basis: derivative = {found}: at most {degree} is possible, the degree")]
+    Derivative {
+        /// The order that was asked for.
+        found: usize,
+        /// The degree.
+        degree: usize,
+    },
     /// Rational functions off the domain.
     #[error("basis: rational functions end with the domain: support = true goes without weights")]
     WeightedSupport,

@@ -19,6 +19,8 @@ pub struct BasisSpec {
     pub weights: Option<Written<Vec<f64>>>,
     /// Whether functions are drawn off the domain, too, wherever they do not vanish.
     pub support: bool,
+    /// Which derivative of the functions is drawn; they themselves if not given.
+    pub derivative: Option<Written<usize>>,
 }
 
 /// Basis functions to plot.
@@ -28,6 +30,8 @@ pub struct PlottedBasis {
     pub functions: PlottedFunctions,
     /// Whether they are drawn off the domain, too, wherever they do not vanish.
     pub support: bool,
+    /// Which derivative of them is drawn; 0 for the functions themselves.
+    pub derivative: usize,
 }
 
 /// The functions of a basis.
@@ -41,7 +45,11 @@ pub enum PlottedFunctions {
 
 impl From<&KnotVector> for PlottedBasis {
     fn from(knots: &KnotVector) -> Self {
-        Self { functions: PlottedFunctions::Polynomial(knots.into()), support: false }
+        Self {
+            functions: PlottedFunctions::Polynomial(knots.into()),
+            support: false,
+            derivative: 0,
+        }
     }
 }
 
@@ -94,11 +102,13 @@ impl PlottedBasis {
         }
     }
 
-    /// A function at a parameter where it is drawn.
+    /// What is drawn of a function, at a parameter where it is drawn.
     pub fn value(&self, index: usize, t: f64) -> f64 {
         match &self.functions {
-            PlottedFunctions::Polynomial(functions) => functions.value(index, t),
-            PlottedFunctions::Rational(basis) => basis.value(index, t),
+            PlottedFunctions::Polynomial(functions) => {
+                functions.derivative(index, self.derivative, t)
+            }
+            PlottedFunctions::Rational(basis) => basis.derivative(index, self.derivative, t),
         }
     }
 }
@@ -113,7 +123,12 @@ impl BasisSpec {
         fails: impl Fn(&Place, PlotError) -> SceneError,
     ) -> Result<PlottedBasis, SceneError> {
         let functions = self.functions().map_err(|(place, error)| fails(place, error))?;
-        Ok(PlottedBasis { functions, support: self.support })
+        let derivative = self.derivative.as_ref().map_or(0, |order| order.value);
+        if let Some(order) = self.derivative.as_ref().filter(|order| order.value > self.degree) {
+            let error = PlotError::Derivative { found: order.value, degree: self.degree };
+            return Err(fails(&order.place, error));
+        }
+        Ok(PlottedBasis { functions, support: self.support, derivative })
     }
 
     fn functions(&self) -> Result<PlottedFunctions, (&Place, PlotError)> {

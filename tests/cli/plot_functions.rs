@@ -60,6 +60,40 @@ fn one_function_is_drawn_on_its_support() {
     }
 }
 
+/// The deck's formula, N′ᵢ,₃ = 3 N ᵢ,₂ / (tᵢ₊₃ − tᵢ) − 3 Nᵢ₊₁,₂ / (tᵢ₊₄ − tᵢ₊₁): N′₀,₃ is −3 (1 − t)²,
+/// and Bernstein's B′₁,₃ is 3 (1 − t)² − 6 t (1 − t).
+#[test]
+fn derivatives_of_basis_functions_are_the_deck_s() {
+    let text = "[[plot]]\n[plot.show.basis]\ndegree = 3\ncount = 4\nderivative = 1\n";
+    let svg = plotted(text, "--size 640x480");
+    let zero = &polylines(&svg, GREY, 1.0)[0];
+    let first = &drawn(&svg, BLUE)[0];
+    let axes = Axes::new([first[0], zero[1]], [[0.0, -3.0], [1.0, 0.0]]);
+    let b0 = |t: f64| -3.0 * (1.0 - t).powi(2);
+    let b1 = |t: f64| 3.0 * (1.0 - t).powi(2) - 6.0 * t * (1.0 - t);
+    for (color, function) in [(BLUE, &b0 as &dyn Fn(f64) -> f64), (RED, &b1)] {
+        let curve = &drawn(&svg, color)[0];
+        assert!(curve.len() > 20);
+        for &pixel in curve {
+            let [t, value] = axes.point(pixel);
+            let off = (value - function(t)).abs() * axes.unit[1];
+            let slack = 3.0 * ROUNDING * (1.0 + 12.0 * axes.unit[1] / axes.unit[0]);
+            assert!(off <= slack, "t = {t}: {value} is {off} pixels off");
+        }
+    }
+    for word in ["N′", "N₀′", "N₃′", "Basis functions of degree 3: first derivatives"] {
+        assert!(svg.contains(&format!("\n{word}\n")), "{word}");
+    }
+    // The third is constant between the knots, and jumps there.
+    let text = text.replace("derivative = 1", "derivative = 3").replace("count = 4", "count = 5");
+    let svg = plotted(&text, "--size 640x480");
+    let pieces = drawn(&svg, RED);
+    assert_eq!(pieces.len(), 2);
+    for piece in pieces {
+        assert!(piece.iter().all(|pixel| pixel[1] == piece[0][1]), "{piece:?}");
+    }
+}
+
 #[test]
 fn bases_that_are_none_are_told_with_their_place() {
     for (basis, place, message) in [
@@ -74,6 +108,11 @@ fn bases_that_are_none_are_told_with_their_place() {
             "4 knots of degree 3: at least 5 are needed for one function",
         ),
         ("degree = 33, knots = [0, 1]", "3:41", "degree 33: degrees from 0 to 32 are supported"),
+        (
+            "degree = 2, count = 5, derivative = 3",
+            "3:56",
+            "derivative = 3: at most 2 is possible, the degree",
+        ),
         ("degree = 0, knots = [1, 1, 1]", "3:40", "all knots are 1: two must differ"),
         (
             "degree = 1, knots = [0, 1, 1, 1, 2, 2], count = 5",

@@ -20,9 +20,12 @@ const MOST_NAMES: usize = 14;
 pub(super) fn basis(title: Option<String>, basis: PlottedBasis) -> Panel {
     let rational = basis.is_rational();
     let letter = if rational { "R" } else { "N" };
+    let order = basis.derivative;
     let title = title.unwrap_or_else(|| {
         let kind = if rational { "Rational basis functions" } else { "Basis functions" };
-        format!("{kind} of degree {}", basis.degree())
+        let drawn =
+            if order > 0 { format!(": {} derivatives", ordinal(order)) } else { String::new() };
+        format!("{kind} of degree {}{drawn}", basis.degree())
     });
     let (p, knots, [first, last]) = (basis.degree(), basis.knots().to_vec(), basis.shown());
     let spans = knots.windows(2).map(|ends| [ends[0], ends[1]]);
@@ -40,15 +43,43 @@ pub(super) fn basis(title: Option<String>, basis: PlottedBasis) -> Panel {
         if let Some([_, end]) = pieces.last_mut().filter(|[_, end]| *end < knots[knots.len() - 1]) {
             *end = end.next_down();
         }
-        let name = indexed(letter, index) + if vanishes { " = 0" } else { "" };
+        let name = derived(&indexed(letter, index), order) + if vanishes { " = 0" } else { "" };
         let basis = Rc::clone(&basis);
         Function { name, value: Box::new(move |t| basis.value(index, t)), pieces }
     });
-    let mut panel = functions((title, letter), &spans, named);
+    let mut panel = functions((title, &derived(letter, order)), &spans, named);
     let marks = knots.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
     panel.items.extend(knot_marks(marks, panel.scale));
     panel.legend.push((Key::Point(Mark::Diamond, GREY), "knots".to_owned()));
     panel
+}
+
+/// `N′`, `N″`, `N⁽⁴⁾`.
+fn derived(name: &str, order: usize) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    match order {
+        0..=3 => format!("{name}{}", ["", "′", "″", "‴"][order]),
+        order => {
+            let raised = |digit: u8| RAISED[usize::from(digit - b'0')];
+            let digits: String = order.to_string().bytes().map(raised).collect();
+            format!("{name}⁽{digits}⁾")
+        }
+    }
+}
+
+/// `first`, `4th`.
+fn ordinal(number: usize) -> String {
+    match number {
+        1 => "first".to_owned(),
+        2 => "second".to_owned(),
+        3 => "third".to_owned(),
+        number => match (number % 10, number % 100) {
+            (1, hundreds) if hundreds != 11 => format!("{number}st"),
+            (2, hundreds) if hundreds != 12 => format!("{number}nd"),
+            (3, hundreds) if hundreds != 13 => format!("{number}rd"),
+            _ => format!("{number}th"),
+        },
+    }
 }
 
 /// Knots on the axis, those on it several times with how often.

@@ -96,6 +96,7 @@ struct BasisKeys {
     weights: Option<Spanned<Vec<Number>>>,
     #[serde(default)]
     support: bool,
+    derivative: Option<Spanned<u32>>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -239,6 +240,7 @@ impl Reader<'_, '_> {
                     count: keys.count.map(|count| count as usize),
                     weights: keys.weights.map(|list| self.written(list, weights)),
                     support: keys.support,
+                    derivative: keys.derivative.map(|k| self.written(k, |k| k as usize)),
                 })
             }
             ShowKeys::Blending(form) => PlotKind::Blending(match form {
