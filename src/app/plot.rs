@@ -35,8 +35,8 @@ use svg::Unable;
 pub(crate) const HELP: &str = "\
 A scene says with [[plot]] tables what to draw: curves with control polygons and
 knots, basis and blending functions, derivatives and curvature, knot insertion,
-de Casteljau's and de Boor's construction, corner cutting, the trims of a
-surface, surfaces as lines in space. It then needs no [[object]]. A scene
+degree elevation, de Casteljau's and de Boor's construction, corner cutting, the
+trims of a surface, surfaces as lines in space. It then needs no [[object]]. A scene
 without any [[plot]], or a bare model, gets the plots that suit it: the curves
 its surfaces are made from, their trims, the basis functions over their knots
 (up to 1000 of a kind), and triangular and subdivision surfaces, and those with
@@ -171,6 +171,9 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
         }
         PlotKind::Insertion { curve, knots } => {
             steps::insertion(title, plane, (nurbs(&curve)?, &knots)).or_bad_input()?
+        }
+        PlotKind::Elevation { curve, times } => {
+            steps::elevation(title, plane, (nurbs(&curve)?, times.value)).or_bad_input()?
         }
         PlotKind::DeCasteljau { curve, t } => {
             steps::de_casteljau(title, plane, (nurbs(&curve)?, t.value))

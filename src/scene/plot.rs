@@ -91,6 +91,13 @@ pub enum PlotKind<C, B, S> {
         /// The knots, one after the other.
         knots: Vec<Written<f64>>,
     },
+    /// The control polygons of a curve while its degree is raised.
+    Elevation {
+        /// The curve.
+        curve: C,
+        /// How often.
+        times: Written<usize>,
+    },
     /// The points of de Casteljau's algorithm, or of de Boor's where the curve has several
     /// pieces.
     DeCasteljau {
@@ -272,6 +279,13 @@ impl Checker<'_> {
                 }
                 PlotKind::Insertion { curve, knots: knots.clone() }
             }
+            PlotKind::Elevation { curve, times } => {
+                let curve = self.nurbs(curve)?;
+                if let PlottedCurve::Nurbs(nurbs) = &curve {
+                    self.elevate(nurbs, times)?;
+                }
+                PlotKind::Elevation { curve, times: times.clone() }
+            }
             PlotKind::DeCasteljau { curve, t } => {
                 let curve = self.nurbs(curve)?;
                 let (start, end) = curve.knots().domain();
@@ -323,6 +337,15 @@ impl Checker<'_> {
             curve = inserted.map_err(|error| self.error(&knot.place, PlotError::At(error)))?;
         }
         Ok(())
+    }
+
+    /// Raises the degree for trial.
+    fn elevate(&self, curve: &NurbsCurve, times: &Written<usize>) -> Result<(), SceneError> {
+        if times.value == 0 {
+            return Err(self.error(&times.place, PlotError::NotElevated));
+        }
+        let elevated = curve.elevated(times.value);
+        elevated.map(drop).map_err(|error| self.error(&times.place, PlotError::At(error)))
     }
 
     fn curve(&self, which: &str, spec: &CurveSpec) -> Result<PlottedCurve, SceneError> {

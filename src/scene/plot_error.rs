@@ -82,6 +82,9 @@ pub enum PlotError {
     /// There is no knot to insert.
     #[error("insertion: there are no knots to insert: give at least one")]
     NoKnots,
+    /// A degree that is not raised.
+    #[error("elevation: times = 0: the degree is to be raised once at least")]
+    NotElevated,
     /// Too many teeth, or none.
     #[error("comb: {found} teeth a span: needed are 1 to {MAX_TEETH}")]
     Teeth {

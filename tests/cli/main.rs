@@ -8,6 +8,7 @@ mod compare;
 mod figure;
 mod info;
 mod plot;
+mod plot_constructions;
 mod plot_functions;
 mod render;
 mod sandbox;

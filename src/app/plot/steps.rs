@@ -1,4 +1,4 @@
-//! Constructions step by step: de Casteljau, knot insertion, corner cutting, curvature combs.
+//! Constructions step by step: de Casteljau, knot insertion, elevation, corner cutting, curvature combs.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 
 use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
-use super::space::{Projection, bare_polygon, entry, path, pieces, polygon, short};
+use super::space::{Projection, bare_polygon, described, entry, path, pieces, polygon, short};
 
 /// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
 /// does not say how long a tooth is.
@@ -115,6 +115,39 @@ pub(super) fn insertion(
         legend.push(entry(shade, &format!("{} inserted {}", short(knot.value), times(before + 1))));
     }
     let title = title.unwrap_or_else(|| "Knot insertion".to_owned());
+    Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
+}
+
+/// The control polygons of a curve while its degree is raised: they come closer to it.
+///
+/// # Errors
+/// When the degree cannot be so high.
+pub(super) fn elevation(
+    title: Option<String>,
+    plane: Option<Plane>,
+    (curve, times): (&NurbsCurve, usize),
+) -> Result<Panel, CurveError> {
+    let (projection, points, weights) = projected(curve, plane);
+    let mut items = polygon(&points, &weights, "P");
+    let mut rounds = Vec::new();
+    let mut elevated = curve.clone();
+    for round in 0..times {
+        elevated = elevated.elevated(1)?;
+        let points: Vec<DVec2> =
+            (0..elevated.control().len()).map(|k| projection.of(elevated.point(k))).collect();
+        let shade = color(round);
+        let stroke = Stroke { color: shade, width: 1.5 };
+        items.push(Item::Line { points: points.clone(), stroke });
+        items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
+        rounds.push(entry(shade, &format!("of degree {}", elevated.knots().degree())));
+    }
+    // Behind the curve, which all of them come closer to.
+    let drawn = Stroke::curve(CURVE);
+    let curve = PlottedCurve::from(curve.clone());
+    items.push(Item::Curve { path: path(&curve, projection), stroke: drawn });
+    let mut legend = vec![(Key::Line(drawn), described(&curve))];
+    legend.append(&mut rounds);
+    let title = title.unwrap_or_else(|| "Degree elevation".to_owned());
     Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
 }
 

@@ -47,6 +47,7 @@ enum ShowKeys {
     Curvature(Keyed<OneCurveKeys>),
     Comb(Keyed<CombKeys>),
     Insertion(Keyed<InsertionKeys>),
+    Elevation(Spanned<Keyed<ElevationKeys>>),
     DeCasteljau(Keyed<DeCasteljauKeys>),
     CornerCutting(Keyed<CornerCuttingKeys>),
     Trims(Keyed<ObjectKeys>),
@@ -127,6 +128,13 @@ struct CombKeys {
 struct InsertionKeys {
     curve: Spanned<CurveKeys>,
     knots: Vec<Spanned<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ElevationKeys {
+    curve: Spanned<CurveKeys>,
+    times: Option<Spanned<u32>>,
 }
 
 #[derive(Deserialize)]
@@ -260,6 +268,15 @@ impl Reader<'_, '_> {
                 let knots = keys.knots.into_iter();
                 let knots = knots.map(|knot| self.written(knot, |knot| knot.0)).collect();
                 PlotKind::Insertion { curve: self.curve(keys.curve)?, knots }
+            }
+            ShowKeys::Elevation(keys) => {
+                let place = self.source.place(keys.span().start);
+                let Keyed(keys) = keys.into_inner();
+                let times = match keys.times {
+                    Some(times) => self.written(times, |times| times as usize),
+                    None => Written::new(1, place),
+                };
+                PlotKind::Elevation { curve: self.curve(keys.curve)?, times }
             }
             ShowKeys::DeCasteljau(Keyed(keys)) => PlotKind::DeCasteljau {
                 curve: self.curve(keys.curve)?,
