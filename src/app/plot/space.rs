@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::KnotVector;
+use nurbray::math::Measured;
 use nurbray::scene::{CurveEntry, Plane, PlottedCurve};
 use plotters::style::RGBColor;
 
@@ -74,6 +75,11 @@ pub(super) fn short(value: f64) -> String {
         }
     };
     text.replace('-', "−")
+}
+
+/// A number that a figure tells: its first six digits.
+pub(super) fn measured(value: f64) -> String {
+    Measured(value).to_string().replace('-', "−")
 }
 
 /// `P₁₂`.

@@ -7,7 +7,9 @@ use plotters::style::RGBColor;
 
 use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
-use super::space::{Projection, bare_polygon, described, entry, path, pieces, polygon, short};
+use super::space::{
+    Projection, bare_polygon, described, entry, measured, path, pieces, polygon, short,
+};
 
 /// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
 /// does not say how long a tooth is.
@@ -44,6 +46,20 @@ fn rounds(curve: &NurbsCurve, t: f64) -> Vec<Vec<DVec4>> {
     rounds
 }
 
+/// A point constructed from a curve's: `(1.25, 0.5)`; with z, unless the curve lies in z = 0.
+fn coordinates(curve: &NurbsCurve, point: DVec4) -> String {
+    // What rounding leaves of a coordinate that is 0.
+    const ROUNDING: f64 = 1e-15;
+    let points = (0..curve.control().len()).map(|index| curve.point(index).abs());
+    let reach = points.fold(DVec3::ZERO, DVec3::max);
+    let shown = if reach.z > 0.0 { 3 } else { 2 };
+    let point = (point.xyz() / point.w).to_array();
+    let words = point[..shown]
+        .iter()
+        .map(|&x| measured(if x.abs() <= ROUNDING * reach.max_element() { 0.0 } else { x }));
+    format!("({})", words.collect::<Vec<_>>().join(", "))
+}
+
 /// The construction of a point.
 pub(super) fn de_casteljau(
     title: Option<String>,
@@ -62,7 +78,7 @@ pub(super) fn de_casteljau(
             control.iter().map(|point| projection.of(point.xyz() / point.w)).collect();
         let last = round + 1 == rounds.len();
         let name = match (last, points.len()) {
-            (true, _) => format!("C({})", short(t)),
+            (true, _) => format!("C({}) = {}", measured(t), coordinates(curve, control[0])),
             (false, 1..) => format!("round {round}"),
             _ => String::new(),
         };
@@ -256,6 +272,7 @@ pub(super) fn comb(
 mod tests {
     use super::super::space::indexed;
     use super::*;
+    use nurbray::geometry::KnotVector;
     use nurbray::geometry::shapes::{circle_cubic, half_circle_cubic};
 
     #[test]
@@ -271,6 +288,25 @@ mod tests {
                 assert!((last.xyz() / last.w).distance(curve.point_at(t)) < 1e-15, "{t}");
             }
         }
+    }
+
+    /// Rogers' example 4.1 at t = 3/2 for the weights he gives.
+    #[test]
+    fn points_are_told_in_numbers() {
+        let knots = KnotVector::new(2, vec![0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0]).unwrap();
+        let points = [[0.0, 0.0], [1.0, 2.0], [2.5, 0.0], [4.0, 2.0], [5.0, 0.0]];
+        let told = |h3: f64, z: f64| {
+            let points = points.map(|[x, y]| DVec3::new(x, y, z)).to_vec();
+            let weights = vec![1.0, 1.0, h3, 1.0, 1.0];
+            let curve = NurbsCurve::new(knots.clone(), points, Some(weights)).unwrap();
+            let panel = de_casteljau(None, Some(Plane::Xy), (&curve, 1.5));
+            panel.legend[panel.legend.len() - 1].1.clone()
+        };
+        assert_eq!(told(0.25, 0.0), "C(1.5) = (2.5, 1.14286)"); // 8/7
+        assert_eq!(told(1.0, 0.0), "C(1.5) = (2.5, 0.5)");
+        assert_eq!(told(5.0, -2.0), "C(1.5) = (2.5, 0.125, −2)");
+        let end = de_casteljau(None, None, (&half_circle_cubic(), 1.0)).legend;
+        assert_eq!(end[end.len() - 1].1, "C(1) = (0, −1)");
     }
 
     #[test]
