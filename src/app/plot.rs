@@ -2,6 +2,7 @@
 
 mod area;
 mod bending;
+mod dashes;
 mod defaults;
 mod flatten;
 mod functions;

@@ -94,6 +94,31 @@ fn derivatives_of_basis_functions_are_the_deck_s() {
     }
 }
 
+/// N₇ has the colour of N₀, and dashes: half of it and more is drawn, in parts.
+#[test]
+fn functions_whose_colours_come_again_are_dashed() {
+    let text = "[[plot]]\nshow = { basis = { degree = 3, count = 12 } }\n";
+    let svg = plotted(text, "--size 640x480");
+    let length = |lines: &[Vec<[f64; 2]>]| -> f64 {
+        let parts = lines.iter().flat_map(|line| line.windows(2));
+        parts.map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum()
+    };
+    // N₂ and N₉ are each other's mirror image.
+    let green = polylines(&svg, "#009E73", CURVE);
+    let whole: Vec<_> = green.iter().filter(|line| line.len() > 30).cloned().collect();
+    assert_eq!(whole.len(), 1);
+    let legend =
+        |line: &&Vec<[f64; 2]>| line[0][1] == line[line.len() - 1][1] && line[0][1] > 400.0;
+    let dashes: Vec<_> =
+        green.iter().filter(|line| line.len() <= 30 && !legend(line)).cloned().collect();
+    assert!(dashes.len() > 30, "{} dashes", dashes.len());
+    for dash in &dashes[..dashes.len() - 1] {
+        assert!((length(std::slice::from_ref(dash)) - 7.0).abs() < 0.1, "{dash:?}");
+    }
+    let share = length(&dashes) / length(&whole);
+    assert!((share - 7.0 / 10.5).abs() < 0.02, "{share}");
+}
+
 #[test]
 fn bases_that_are_none_are_told_with_their_place() {
     for (basis, place, message) in [

@@ -7,7 +7,7 @@ use nurbray::geometry::{MatrixForm, NurbsCurve};
 use nurbray::scene::PlottedBasis;
 
 use super::bending::Bending;
-use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
+use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
 use super::space::{indexed, pieces};
 
 /// Of more knots than this only the outermost say how often they are there.
@@ -134,7 +134,7 @@ fn functions(
     let mut items = vec![Item::Line { points: zero, stroke: Stroke::thin(GREY) }];
     let mut legend = Vec::new();
     for (index, Function { name, value, pieces }) in named.enumerate() {
-        let stroke = Stroke::curve(color(index));
+        let stroke = Stroke::numbered(index);
         let at = Box::new(move |t: f64| DVec2::new(t, value(t)));
         items.push(Item::Curve { path: Path { at, pieces }, stroke });
         legend.push((Key::Line(stroke), name));

@@ -15,6 +15,9 @@ pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(60, 60, 60),
 ];
 
+/// How lines are dashed whose colours come again, and again: so many more can be told apart.
+const DASHES: [&[f64]; 4] = [&[], &[7.0, 3.5], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]];
+
 /// Control polygons and points: there, but behind the curves.
 pub(super) const GREY: RGBColor = RGBColor(130, 130, 130);
 
@@ -79,6 +82,9 @@ pub(super) struct Stroke {
     pub(super) color: RGBColor,
     /// Its width in pixels.
     pub(super) width: f64,
+    /// The lengths of its dashes and of the gaps behind them in pixels; a line without any is
+    /// whole.
+    pub(super) dashes: &'static [f64],
 }
 
 /// How a point is drawn.
@@ -104,13 +110,29 @@ pub(super) enum Key {
 }
 
 impl Stroke {
+    /// A whole line.
+    pub(super) fn new(color: RGBColor, width: f64) -> Self {
+        Self { color, width, dashes: &[] }
+    }
+
     /// That of a curve: what the plot is about.
     pub(super) fn curve(color: RGBColor) -> Self {
-        Self { color, width: 2.2 }
+        Self::new(color, 2.2)
+    }
+
+    /// That of the curve of this number: of as many as there are colours and kinds of dashes, no
+    /// two are drawn alike.
+    pub(super) fn numbered(index: usize) -> Self {
+        Self { dashes: DASHES[index / COLORS.len() % DASHES.len()], ..Self::curve(color(index)) }
+    }
+
+    /// The same, so wide.
+    pub(super) fn wide(self, width: f64) -> Self {
+        Self { width, ..self }
     }
 
     /// That of a polygon and other lines to be guided by.
     pub(super) fn thin(color: RGBColor) -> Self {
-        Self { color, width: 1.0 }
+        Self::new(color, 1.0)
     }
 }

@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3};
 use nurbray::geometry::KnotVector;
 use nurbray::math::Measured;
 use nurbray::scene::{CurveEntry, Plane, PlottedCurve};
-use plotters::style::RGBColor;
 
 use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 
@@ -189,7 +188,7 @@ pub(super) fn curves(
     let mut legend = Vec::new();
     let mut marks = Vec::new();
     for (index, entry) in entries.iter().enumerate() {
-        let stroke = Stroke::curve(color(index));
+        let stroke = Stroke::numbered(index);
         items.push(Item::Curve { path: path(&entry.curve, projection), stroke });
         let label = match &entry.label {
             Some(label) => label.clone(),
@@ -247,7 +246,7 @@ pub(super) fn described(curve: &PlottedCurve) -> String {
     format!("{kind} of degree {}", curve.knots().degree())
 }
 
-/// A path in the colour of what it leads to.
-pub(super) fn entry(color: RGBColor, text: &str) -> (Key, String) {
-    (Key::Line(Stroke::curve(color)), text.to_owned())
+/// The line of the curve of this number in a legend.
+pub(super) fn entry(index: usize, text: &str) -> (Key, String) {
+    (Key::Line(Stroke::numbered(index)), text.to_owned())
 }

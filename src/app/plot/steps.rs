@@ -83,9 +83,9 @@ pub(super) fn de_casteljau(
             _ => String::new(),
         };
         if points.len() > 1 {
-            let stroke = Stroke { color: shade, width: 1.5 };
+            let stroke = Stroke::numbered(round - 1).wide(1.5);
             items.push(Item::Line { points: points.clone(), stroke });
-            legend.push(entry(shade, &name));
+            legend.push(entry(round - 1, &name));
         } else {
             legend.push((Key::Point(Mark::Dot, shade), name));
         }
@@ -120,15 +120,13 @@ pub(super) fn insertion(
 
         // Most of the polygon stays: drawn is what changes.
         for edge in all.windows(2).filter(|edge| edge.iter().any(is_new)) {
-            items.push(Item::Line {
-                points: seen(edge),
-                stroke: Stroke { color: shade, width: 1.5 },
-            });
+            items
+                .push(Item::Line { points: seen(edge), stroke: Stroke::numbered(index).wide(1.5) });
         }
         let new: Vec<DVec3> = all.iter().copied().filter(|point| is_new(point)).collect();
         items.push(Item::Marks { points: seen(&new), mark: Mark::Dot, color: shade });
         let before = knots[..index].iter().filter(|other| other.value == knot.value).count();
-        legend.push(entry(shade, &format!("{} inserted {}", short(knot.value), times(before + 1))));
+        legend.push(entry(index, &format!("{} inserted {}", short(knot.value), times(before + 1))));
     }
     let title = title.unwrap_or_else(|| "Knot insertion".to_owned());
     Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
@@ -152,10 +150,10 @@ pub(super) fn elevation(
         let points: Vec<DVec2> =
             (0..elevated.control().len()).map(|k| projection.of(elevated.point(k))).collect();
         let shade = color(round);
-        let stroke = Stroke { color: shade, width: 1.5 };
+        let stroke = Stroke::numbered(round).wide(1.5);
         items.push(Item::Line { points: points.clone(), stroke });
         items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
-        rounds.push(entry(shade, &format!("of degree {}", elevated.knots().degree())));
+        rounds.push(entry(round, &format!("of degree {}", elevated.knots().degree())));
     }
     // Behind the curve, which all of them come closer to.
     let drawn = Stroke::curve(CURVE);
@@ -191,11 +189,11 @@ pub(super) fn corner_cutting(
     for round in 0..rounds {
         polygon = scheme.cut(&polygon, ends)?;
         let shade = color(round);
-        let stroke = Stroke { color: shade, width: 1.4 };
+        let stroke = Stroke::numbered(round).wide(1.4);
         items.push(Item::Line { points: outline(&polygon), stroke });
         let points = polygon.iter().map(|&corner| projection.of(corner)).collect();
         items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
-        legend.push(entry(shade, &format!("cut {}", times(round + 1))));
+        legend.push(entry(round, &format!("cut {}", times(round + 1))));
     }
     let stroke = Stroke::curve(CURVE);
     items.push(Item::Curve { path: path(&limit.into(), projection), stroke });
@@ -252,16 +250,16 @@ pub(super) fn comb(
         let tip = |&(foot, bend): &(DVec3, DVec3)| projection.of(foot + scale * bend);
         for tooth in span {
             let points = vec![projection.of(tooth.0), tip(tooth)];
-            items.push(Item::Line { points, stroke: Stroke { color: shade, width: 0.7 } });
+            items.push(Item::Line { points, stroke: Stroke::new(shade, 0.7) });
         }
         let points = span.iter().map(tip).collect();
-        items.push(Item::Line { points, stroke: Stroke { color: shade, width: 1.3 } });
+        items.push(Item::Line { points, stroke: Stroke::new(shade, 1.3) });
     }
     let stroke = Stroke::curve(color(0));
     items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke });
     let legend = vec![
-        entry(color(0), "curve"),
-        entry(shade, &format!("curvature × {}", short(scale))),
+        entry(0, "curve"),
+        entry(1, &format!("curvature × {}", short(scale))),
         (Key::Point(Mark::Ring, GREY), "control points".to_owned()),
     ];
     let title = title.unwrap_or_else(|| "Curvature comb".to_owned());

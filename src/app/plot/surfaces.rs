@@ -83,8 +83,8 @@ pub(super) fn surfaces(
     }
     let groups = [
         (drawn.inner, Stroke::thin(LINES), "curves of constant parameter"),
-        (drawn.borders, Stroke { color: BORDERS, width: 1.6 }, "borders"),
-        (drawn.edges, Stroke { color: EDGES, width: 1.6 }, "trim edges"),
+        (drawn.borders, Stroke::new(BORDERS, 1.6), "borders"),
+        (drawn.edges, Stroke::new(EDGES, 1.6), "trim edges"),
     ];
     for (lines, stroke, name) in groups {
         if !lines.is_empty() {

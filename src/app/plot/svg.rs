@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::area::keyhole;
+use super::dashes::dashed;
 use super::flatten::flatten;
 use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
@@ -30,6 +31,9 @@ const NUMBERS: f64 = 24.0;
 const AXIS_NAME: f64 = 16.0;
 const LEGEND_LINE: f64 = 18.0;
 const BOTTOM: f64 = 10.0;
+
+/// How long the line in a legend is, in pixels.
+const KEY_LENGTH: f64 = 18.0;
 
 /// Sizes of letters in pixels.
 const TITLE_SIZE: f64 = 15.0;
@@ -226,14 +230,24 @@ impl Drawing<'_, '_> {
             Item::Curve { path, stroke } => {
                 let pixels = |t| self.view.to_pixels((path.at)(t));
                 for line in flatten(pixels, &path.pieces, TOLERANCE) {
-                    let line: Vec<(f64, f64)> =
-                        line.into_iter().map(|at| self.view.point_at(at).into()).collect();
-                    chart.draw_series([PathElement::new(line, style(*stroke))])?;
+                    for dash in dashed(&line, stroke.dashes) {
+                        let dash = dash.into_iter().map(|at| self.view.point_at(at).into());
+                        let dash: Vec<(f64, f64)> = dash.collect();
+                        chart.draw_series([PathElement::new(dash, style(*stroke))])?;
+                    }
                 }
             }
-            Item::Line { points, stroke } => {
+            Item::Line { points, stroke } if stroke.dashes.is_empty() => {
                 let line: Vec<(f64, f64)> = points.iter().map(|&point| point.into()).collect();
                 chart.draw_series([PathElement::new(line, style(*stroke))])?;
+            }
+            Item::Line { points, stroke } => {
+                let line: Vec<DVec2> = points.iter().map(|&p| self.view.to_pixels(p)).collect();
+                for dash in dashed(&line, stroke.dashes) {
+                    let dash = dash.into_iter().map(|at| self.view.point_at(at).into());
+                    let dash: Vec<(f64, f64)> = dash.collect();
+                    chart.draw_series([PathElement::new(dash, style(*stroke))])?;
+                }
             }
             Item::Marks { points, mark, color } => {
                 for &point in points {
@@ -311,11 +325,14 @@ impl Drawing<'_, '_> {
         let middle = (sub(x + 9.0), sub(y));
         match key {
             Key::Line(stroke) => {
-                let ends = [(sub(x), sub(y)), (sub(x + 18.0), sub(y))];
-                self.area.draw(&PathElement::new(ends, style(stroke)))?;
+                let ends = [0.0, KEY_LENGTH].map(|along| DVec2::new(x + along, y));
+                for dash in dashed(&ends, stroke.dashes) {
+                    let ends: Vec<_> = dash.into_iter().map(|at| (sub(at.x), sub(at.y))).collect();
+                    self.area.draw(&PathElement::new(ends, style(stroke)))?;
+                }
             }
             Key::Area(color) => {
-                let corners = [(sub(x), sub(y - 6.0)), (sub(x + 18.0), sub(y + 6.0))];
+                let corners = [(sub(x), sub(y - 6.0)), (sub(x + KEY_LENGTH), sub(y + 6.0))];
                 self.area.draw(&Rectangle::new(corners, color.filled()))?;
             }
             Key::Point(Mark::Ring, color) => {

@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 
 use super::area::clipped;
 use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
-use super::space::{entry, pieces};
+use super::space::pieces;
 
 /// What is kept: pale, so that loops and the grid's numbers show.
 const KEPT: RGBColor = RGBColor(222, 236, 246);
@@ -59,7 +59,9 @@ pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<P
         plotted.loops.iter().flatten().map(|one| one.kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    legend.extend(kinds.iter().map(|&kind| entry(color(kind), name(kind))));
+    let drawn =
+        |&kind: &LoopCurveKind| (Key::Line(Stroke::curve(color(kind))), name(kind).to_owned());
+    legend.extend(kinds.iter().map(drawn));
     items.extend(controls(&plotted.loops, &mut legend));
     for one in plotted.loops.iter().flatten() {
         let curve = one.curve.clone();
