@@ -13,6 +13,7 @@ mod space;
 mod steps;
 mod surfaces;
 mod svg;
+mod ticks;
 mod trims;
 mod view;
 

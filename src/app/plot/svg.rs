@@ -14,7 +14,8 @@ use super::dashes::dashed;
 use super::flatten::flatten;
 use super::labels::placed;
 use super::panel::{Item, Key, Mark, Panel, Stroke};
-use super::view::{Ticks, View};
+use super::ticks::{NUMBER_SIZE, Ticks, width};
+use super::view::View;
 
 /// Plotters counts in whole pixels. It is given a picture this many times as large, which the
 /// first line of the file makes small again.
@@ -24,13 +25,16 @@ pub(crate) const SUBPIXELS: u32 = 32;
 pub(super) const TOLERANCE: f64 = 0.1;
 
 /// What stands around a plot, in pixels.
-const LEFT: f64 = 54.0;
-const RIGHT: f64 = 18.0;
+pub(super) const LEFT: f64 = 54.0;
+pub(super) const RIGHT: f64 = 18.0;
 const TITLE: f64 = 34.0;
 const NUMBERS: f64 = 24.0;
 const AXIS_NAME: f64 = 16.0;
 const LEGEND_LINE: f64 = 18.0;
 const BOTTOM: f64 = 10.0;
+
+/// What is left free beside words that begin at the picture's border.
+const MARGIN: f64 = 3.0;
 
 /// How long the line in a legend is, in pixels.
 const KEY_LENGTH: f64 = 18.0;
@@ -188,7 +192,7 @@ impl Drawing<'_, '_> {
                 Axis { low: low.x, high: high.x, ticks: &x_ticks },
                 Axis { low: low.y, high: high.y, ticks: &y_ticks },
             )?;
-        let numbers = font(LABEL_SIZE, INK, Pos::new(HPos::Center, VPos::Top));
+        let numbers = font(NUMBER_SIZE, INK, Pos::new(HPos::Center, VPos::Top));
         chart
             .configure_mesh()
             .bold_line_style(GRID.stroke_width(SUBPIXELS))
@@ -203,7 +207,8 @@ impl Drawing<'_, '_> {
             self.item(&mut chart, item)?;
         }
         self.labels()?;
-        self.words()
+        let [across, up] = &panel.axes;
+        self.words([x_ticks.name(across), y_ticks.name(up)])
     }
 
     fn labels(&self) -> Result<(), Unable> {
@@ -292,22 +297,25 @@ impl Drawing<'_, '_> {
     }
 
     /// Title, names of the axes, legend.
-    fn words(&self) -> Result<(), Unable> {
+    fn words(&self, [across, up]: [String; 2]) -> Result<(), Unable> {
         let (panel, plot) = (self.panel, self.view.pixels);
         let middle = LEFT + 0.5 * plot.x;
         let write = |text: &str, at: [f64; 2], style: TextStyle<'_>| {
             self.area.draw(&Text::new(text.to_owned(), (sub(at[0]), sub(at[1])), style))
         };
-        let bottom = Pos::new(HPos::Center, VPos::Bottom);
+        // A long name of the upward axis begins at the picture's border, and the title behind it.
+        let end = LEFT - 8.0;
+        let long = width(&up, TEXT_SIZE);
+        let (at, side) = if long <= end { (end, HPos::Right) } else { (MARGIN, HPos::Left) };
+        let free = plot.x - 2.0 * (MARGIN + long + 8.0 - LEFT).max(0.0);
         let letters = panel.title.chars().count().max(1) as f64;
-        let fitting = TITLE_SIZE.min(plot.x / (LETTER * letters));
+        let fitting = TITLE_SIZE.min(free.max(0.2 * plot.x) / (LETTER * letters));
+        let bottom = Pos::new(HPos::Center, VPos::Bottom);
         write(&panel.title, [middle, TITLE - 9.0], font(fitting, INK, bottom))?;
-        let right = Pos::new(HPos::Right, VPos::Bottom);
-        let [across, up] = &panel.axes;
-        write(up, [LEFT - 8.0, TITLE - 7.0], font(TEXT_SIZE, INK, right))?;
+        write(&up, [at, TITLE - 7.0], font(TEXT_SIZE, INK, Pos::new(side, VPos::Bottom)))?;
         let below = TITLE + plot.y + NUMBERS;
         let top = Pos::new(HPos::Center, VPos::Top);
-        write(across, [middle, below], font(TEXT_SIZE, INK, top))?;
+        write(&across, [middle, below], font(TEXT_SIZE, INK, top))?;
 
         for (row, line) in legend_lines(panel, plot.x).into_iter().enumerate() {
             let y = below + AXIS_NAME + (row as f64 + 0.6) * LEGEND_LINE;

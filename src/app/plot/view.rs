@@ -3,6 +3,8 @@
 use glam::DVec2;
 
 use super::panel::{Item, Panel, Scale};
+use super::svg::{LEFT, RIGHT};
+use super::ticks::{Ticks, round_step};
 
 /// What is left free around the things shown: this share of the plot's width and height.
 const ROOM: f64 = 0.07;
@@ -18,6 +20,10 @@ const LOOKS: u32 = 64;
 
 /// About the distance of numbers along an axis in pixels: none touches the next.
 const NUMBERS_APART: f64 = 62.0;
+
+/// What must be free between numbers side by side, and beside those on the left, in pixels.
+const BETWEEN_NUMBERS: f64 = 6.0;
+const BESIDE_NUMBERS: f64 = 9.0;
 
 /// From where to where the axes go, and the size of the plot in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +117,19 @@ impl View {
                 [round_step(unit.x), round_step(0.7 * unit.y)]
             }
         };
-        [Ticks::new(self.low.x, self.high.x, step[0]), Ticks::new(self.low.y, self.high.y, step[1])]
+        let across = |ticks: &Ticks| {
+            let pixel = |value: f64| self.to_pixels(DVec2::new(value, 0.0)).x;
+            let apart = step[0] / (self.high.x - self.low.x) * self.pixels.x;
+            ticks.labels().all(|(value, width)| {
+                let end = pixel(value) + 0.5 * width;
+                width + BETWEEN_NUMBERS <= apart && end <= self.pixels.x + RIGHT
+            })
+        };
+        let up = |ticks: &Ticks| ticks.labels().all(|(_, width)| width <= LEFT - BESIDE_NUMBERS);
+        [
+            Ticks::fitting([self.low.x, self.high.x], step[0], across),
+            Ticks::fitting([self.low.y, self.high.y], step[1], up),
+        ]
     }
 }
 
@@ -123,45 +141,6 @@ fn room(panel: &Panel, pixels: DVec2) -> DVec2 {
             (LABEL_ROOM / pixels).clamp(DVec2::splat(ROOM), DVec2::splat(MOST_LABEL_ROOM))
         }
         _ => DVec2::splat(ROOM),
-    }
-}
-
-/// The least of 1, 2, 5 times a power of ten that is no smaller.
-fn round_step(least: f64) -> f64 {
-    let power = 10_f64.powi(least.log10().floor() as i32);
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    step.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)
-}
-
-/// The numbers beside an axis.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ticks {
-    pub(super) values: Vec<f64>,
-    step: f64,
-}
-
-impl Ticks {
-    fn new(low: f64, high: f64, step: f64) -> Self {
-        // A hair beyond the ends belongs to them.
-        let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
-        let count = (last - first).clamp(0.0, 1e4) as u32;
-        let values = (0..=count).map(|k| (first + f64::from(k)) * step);
-        Self { values: values.collect(), step }
-    }
-
-    /// A number with as many digits as the step has.
-    pub(super) fn text(&self, value: f64) -> String {
-        let decimals = -self.step.log10().floor();
-        let zero = if value.abs() < 0.5 * self.step { 0.0 } else { value };
-        let text = match decimals {
-            d if d.abs() > 5.0 => {
-                let digits = (zero.abs().log10().floor() + decimals).clamp(0.0, 15.0);
-                if zero == 0.0 { "0".into() } else { format!("{zero:.0$e}", digits as usize) }
-            }
-            d if d > 0.0 => format!("{zero:.0$}", d as usize),
-            _ => format!("{zero:.0}"),
-        };
-        text.replace('-', "−")
     }
 }
 
@@ -193,8 +172,8 @@ mod tests {
                 assert!(at.cmpge(DVec2::ZERO).all() && at.cmple(pixels).all(), "{at}");
                 assert!(view.point_at(at).distance(point.into()) <= 1e-13 * view.high.length());
             }
-            let [x, y] = view.ticks(Scale::Space);
-            assert_eq!(x.step, y.step);
+            let apart = view.ticks(Scale::Space).map(|ticks| ticks.values[1] - ticks.values[0]);
+            assert!((apart[0] / apart[1] - 1.0).abs() < 1e-12, "{apart:?}");
         }
         assert_eq!(View::of(&panel(Scale::Space, &[]), pixels), None);
         assert_eq!(View::of(&panel(Scale::Space, &[[-1e308, 0.0], [1e308, 0.0]]), pixels), None);
@@ -218,17 +197,30 @@ mod tests {
         assert!((flat.low.y.abs() + (flat.high.y - 2.0).abs()) < 1e-12, "{flat:?}");
     }
 
+    /// Numbers near 1e8, near −1e6, far above their steps: none touches the next, or the
+    /// picture's border, and each says with its axis how large it is.
     #[test]
-    fn numbers_beside_axes_are_round() {
-        assert_eq!([0.3, 1.0, 11.0, 0.051].map(round_step), [0.5, 1.0, 20.0, 0.1]);
-        let ticks = Ticks::new(-0.13, 0.31, 0.1);
-        let texts: Vec<_> = ticks.values.iter().map(|&value| ticks.text(value)).collect();
-        assert_eq!(texts, ["−0.1", "0.0", "0.1", "0.2", "0.3"]);
-        let ticks = Ticks::new(0.0, 3.1e-8, 1e-8);
-        let texts: Vec<_> = ticks.values.iter().map(|&value| ticks.text(value)).collect();
-        assert_eq!(texts, ["0", "1e−8", "2e−8", "3e−8"]);
-        let ticks = Ticks::new(0.0, 45.0, 20.0);
-        assert_eq!(ticks.values, [0.0, 20.0, 40.0]);
-        assert_eq!(ticks.text(40.0), "40");
+    fn large_numbers_have_room() {
+        let pixels = DVec2::new(408.0, 300.0);
+        for (scale, [low, high]) in [
+            (Scale::Space, [[1e8, 1.0], [1e8 + 1.0, 1.5]]),
+            (Scale::Space, [[-3e-7, 1e8], [4e-7, 1e8 + 1e-6]]),
+            (Scale::Function([-1_000_003.0, -999_998.0]), [[0.0, 0.0], [0.0, 1.0]]),
+            (Scale::Function([0.0, 1e-4]), [[0.0, -123_457.0], [0.0, 123_457.0]]),
+            (Scale::Function([1e-300, 2e-300]), [[0.0, -1e300], [0.0, 3e300]]),
+            (Scale::Function([999.0, 1001.0]), [[0.0, 12_345.67], [0.0, 12_345.68]]),
+        ] {
+            let view = View::of(&panel(scale, &[low, high]), pixels).unwrap();
+            let [x, y] = view.ticks(scale);
+            let mut before = f64::NEG_INFINITY;
+            for (value, width) in x.labels() {
+                let middle = view.to_pixels(DVec2::new(value, 0.0)).x;
+                let ends = [middle - 0.5 * width, middle + 0.5 * width];
+                assert!(before < ends[0] && ends[0] > -LEFT, "{x:?}");
+                assert!(ends[1] <= pixels.x + RIGHT, "{x:?}");
+                before = ends[1];
+            }
+            assert!(y.labels().all(|(_, width)| width < LEFT - 8.0), "{y:?}");
+        }
     }
 }
