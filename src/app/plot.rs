@@ -8,6 +8,7 @@ mod flatten;
 mod functions;
 mod labels;
 mod panel;
+mod peaks;
 mod png;
 mod space;
 mod steps;

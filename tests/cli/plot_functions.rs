@@ -1,6 +1,6 @@
 //! `nurbray plot`: functions of a parameter are those of the closed forms.
 
-use crate::figure::{Axes, BLUE, CURVE, GREY, RED, ROUNDING, plotted, polylines};
+use crate::figure::{Axes, BLUE, CURVE, GREY, RED, ROUNDING, attributes, plotted, polylines};
 use crate::sandbox::Sandbox;
 
 /// The deck's knots of degree 3.
@@ -117,6 +117,29 @@ fn functions_whose_colours_come_again_are_dashed() {
     }
     let share = length(&dashes) / length(&whole);
     assert!((share - 7.0 / 10.5).abs() < 0.02, "{share}");
+}
+
+/// At a cusp the curvature has no bound: the plot says where it is cut off, and marks the place.
+#[test]
+fn curvature_without_bound_is_cut_off_and_says_so() {
+    let plot = |points: &str| {
+        let text =
+            format!("[[plot]]\nshow = {{ curvature = {{ curve = {{ bezier = {points} }} }} }}\n");
+        plotted(&text, "--size 640x480")
+    };
+    // x′ = 12 τ², y′ = −6 τ for τ = t − 1/2: the curvature is (1 + 4τ²)^(−3/2) / (3 |τ|), which is
+    // 10.6 where τ is two of the 64 parts of the domain.
+    let svg = plot("[[0, 0], [1, 1], [0, 1], [1, 0]]");
+    assert!(svg.contains("\ncut off at 11\n"));
+    let branches = drawn(&svg, BLUE);
+    assert_eq!(branches.len(), 2);
+    let top = |line: &Vec<[f64; 2]>| line.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+    assert!((top(&branches[0]) - top(&branches[1])).abs() < 1.0, "both end at the limit");
+    let arrows = attributes(&svg, "polygon", "fill").into_iter().filter(|fill| *fill == BLUE);
+    assert_eq!(arrows.count(), 1);
+    // Nearly a cusp, and finite.
+    let svg = plot("[[0, 0], [1, 1], [0.4, 1], [1.4, 0]]");
+    assert!(!svg.contains("cut off") && drawn(&svg, BLUE).len() == 1);
 }
 
 #[test]

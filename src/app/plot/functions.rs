@@ -7,8 +7,9 @@ use nurbray::geometry::{MatrixForm, NurbsCurve};
 use nurbray::scene::PlottedBasis;
 
 use super::bending::Bending;
-use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
-use super::space::{indexed, pieces};
+use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
+use super::peaks::{Cut, Shown, shown};
+use super::space::{indexed, measured, pieces};
 
 /// Of more knots than this only the outermost say how often they are there.
 const MOST_MULTIPLICITIES: usize = 24;
@@ -186,14 +187,32 @@ pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
     with_knots(functions((title, "C′"), &spans, values.chain([speed])), curve)
 }
 
-/// The curvature.
+/// The curvature; where it has no bound, or a spike far above the rest, cut off and marked.
 pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
     let (bending, spans) = (Bending::of(curve), pieces(curve.knots()));
-    let curvature = Function::new("curvature", &spans, move |t| {
-        bending.at(t).map_or(f64::NAN, |(_, bend)| bend.length())
-    });
+    let value = move |t: f64| bending.at(t).map_or(f64::NAN, |(_, bend)| bend.length());
+    let Shown { pieces, cut } = shown(&value, &spans);
+    let most = cut.as_ref().map_or(f64::INFINITY, |cut| cut.limit);
+    let below = move |t| Some(value(t)).filter(|&value| value <= most).unwrap_or(f64::NAN);
+    let curvature = Function::new("curvature", &pieces, below);
     let title = title.unwrap_or_else(|| "Curvature".to_owned());
-    with_knots(functions((title, "κ"), &spans, [curvature].into_iter()), curve)
+    let mut panel = functions((title, "κ"), &spans, [curvature].into_iter());
+    if let Some(cut) = cut {
+        mark_cut(&mut panel, &cut);
+    }
+    with_knots(panel, curve)
+}
+
+/// A line where a function is cut off, and on it arrows where it is higher.
+fn mark_cut(panel: &mut Panel, cut: &Cut) {
+    let Scale::Function(domain) = panel.scale else { return };
+    let stroke = Stroke { dashes: &[4.0, 3.0], ..Stroke::thin(GREY) };
+    let points = domain.map(|t| DVec2::new(t, cut.limit)).to_vec();
+    panel.items.push(Item::Line { points, stroke });
+    let arrow = |&t: &f64| [0.98, 1.02].map(|share| DVec2::new(t, share * cut.limit));
+    let steps = cut.peaks.iter().map(arrow).collect();
+    panel.items.push(Item::Arrows { steps, color: color(0) });
+    panel.legend.push((Key::Line(stroke), format!("cut off at {}", measured(cut.limit))));
 }
 
 /// The panel with the curve's inner knots as marks on the axis.
