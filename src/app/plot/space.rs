@@ -91,12 +91,17 @@ pub(super) fn indexed(letter: &str, index: usize) -> String {
     letter.chars().chain(below).collect()
 }
 
-/// The labels of points that lie in one place, joined: each place once.
+/// The labels of points that lie in one place, joined: each place once. One place is what no
+/// picture shows as two, or what rounding makes two of one.
 fn joined(points: &[DVec2], texts: impl Iterator<Item = String>) -> Vec<(DVec2, String)> {
+    let (low, high) = points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |around, &p| {
+        (around.0.min(p), around.1.max(p))
+    });
+    let extent = (high - low).max_element();
     let mut labels: Vec<(DVec2, String)> = Vec::new();
     for (&point, text) in points.iter().zip(texts) {
-        let size = point.abs().max_element();
-        match labels.iter_mut().find(|(at, _)| at.distance(point) <= 1e-9 * size) {
+        let near = (1e-9 * extent).max(8.0 * f64::EPSILON * point.abs().max_element());
+        match labels.iter_mut().find(|(at, _)| at.distance(point) <= near) {
             Some((_, before)) => *before += &format!(", {text}"),
             None => labels.push((point, text)),
         }
@@ -249,4 +254,21 @@ pub(super) fn described(curve: &PlottedCurve) -> String {
 /// The line of the curve of this number in a legend.
 pub(super) fn entry(index: usize, text: &str) -> (Key, String) {
     (Key::Line(Stroke::numbered(index)), text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far from the origin, too, points that a picture tells apart have labels of their own.
+    #[test]
+    fn labels_of_one_place_are_joined() {
+        for far in [0.0, 1.0, 1e8] {
+            let points = [[0.0, 0.0], [1e-3, 0.0], [1e-14, 0.0]];
+            let points = points.map(|point| DVec2::splat(far) + DVec2::from(point));
+            let labels = joined(&points, ["a", "b", "c"].map(str::to_owned).into_iter());
+            assert_eq!(labels, [(points[0], "a, c".to_owned()), (points[1], "b".to_owned())]);
+        }
+        assert_eq!(joined(&[DVec2::ONE; 2], ["a", "b"].map(str::to_owned).into_iter()).len(), 1);
+    }
 }
