@@ -178,9 +178,7 @@ fn panel(plot: Plot) -> Result<Panel, Failure> {
         PlotKind::Elevation { curve, times } => {
             steps::elevation(title, plane, (nurbs(&curve)?, times.value)).or_bad_input()?
         }
-        PlotKind::DeCasteljau { curve, t } => {
-            steps::de_casteljau(title, plane, (nurbs(&curve)?, t.value))
-        }
+        PlotKind::DeCasteljau { curve, t } => steps::de_casteljau(title, plane, (&curve, t.value)),
         PlotKind::CornerCutting { polygon, scheme, ends, rounds } => {
             steps::corner_cutting(title, plane, (scheme, ends), (&polygon, rounds))
                 .or_bad_input()?

@@ -287,7 +287,7 @@ impl Checker<'_> {
                 PlotKind::Elevation { curve, times: times.clone() }
             }
             PlotKind::DeCasteljau { curve, t } => {
-                let curve = self.nurbs(curve)?;
+                let curve = self.curve("curve", curve)?;
                 let (start, end) = curve.knots().domain();
                 if !(start..=end).contains(&t.value) {
                     let error = CurveError::Parameter { t: t.value, start, end };

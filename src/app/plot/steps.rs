@@ -18,20 +18,26 @@ const COMB_REACH: f64 = 0.3;
 /// The curve that is constructed; what constructs it is coloured.
 const CURVE: RGBColor = RGBColor(60, 60, 60);
 
-fn projected(curve: &NurbsCurve, plane: Option<Plane>) -> (Projection, Vec<DVec2>, Vec<f64>) {
-    let curve = PlottedCurve::from(curve.clone());
+fn projected(curve: &PlottedCurve, plane: Option<Plane>) -> (Projection, Vec<DVec2>, Vec<f64>) {
     let projection = Projection::new(plane, curve.points().into_iter());
     let points = curve.points().into_iter().map(|point| projection.of(point)).collect();
     (projection, points, curve.weights())
 }
 
-/// The rounds of de Boor's algorithm at `t`, the control points of its span first: on a Bézier
-/// curve they are de Casteljau's. In each, neighbours are mixed in the ratio in which `t`
-/// divides the knots they share (de Boor 1972).
-fn rounds(curve: &NurbsCurve, t: f64) -> Vec<Vec<DVec4>> {
+/// The rounds of de Boor's algorithm at `t`, the control points of its span first, all in
+/// homogeneous coordinates: on a Bézier curve they are de Casteljau's. In each, neighbours are
+/// mixed in the ratio in which `t` divides the knots they share (de Boor 1972).
+fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     let (p, knots) = (curve.knots().degree(), curve.knots().values());
     let span = curve.knots().span(t);
-    let mut rounds = vec![curve.control()[span - p..=span].to_vec()];
+    let control: Vec<DVec4> = match curve {
+        PlottedCurve::Nurbs(curve) => curve.control().to_vec(),
+        PlottedCurve::Weighted { basis, points } => {
+            let weighted = points.iter().zip(basis.weights());
+            weighted.map(|(&point, &weight)| (weight * point).extend(weight)).collect()
+        }
+    };
+    let mut rounds = vec![control[span - p..=span].to_vec()];
     for round in 1..=p {
         let before = &rounds[round - 1];
         let mixed = (0..=p - round).map(|k| {
@@ -47,10 +53,10 @@ fn rounds(curve: &NurbsCurve, t: f64) -> Vec<Vec<DVec4>> {
 }
 
 /// A point constructed from a curve's: `(1.25, 0.5)`; with z, unless the curve lies in z = 0.
-fn coordinates(curve: &NurbsCurve, point: DVec4) -> String {
-    // What rounding leaves of a coordinate that is 0.
-    const ROUNDING: f64 = 1e-15;
-    let points = (0..curve.control().len()).map(|index| curve.point(index).abs());
+fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
+    // What the rounds' rounding may leave of a coordinate that is 0, as a share of the largest.
+    const ROUNDING: f64 = 1e-14;
+    let points = curve.points().into_iter().map(DVec3::abs);
     let reach = points.fold(DVec3::ZERO, DVec3::max);
     let shown = if reach.z > 0.0 { 3 } else { 2 };
     let point = (point.xyz() / point.w).to_array();
@@ -64,18 +70,20 @@ fn coordinates(curve: &NurbsCurve, point: DVec4) -> String {
 pub(super) fn de_casteljau(
     title: Option<String>,
     plane: Option<Plane>,
-    (curve, t): (&NurbsCurve, f64),
+    (curve, t): (&PlottedCurve, f64),
 ) -> Panel {
     let (projection, points, weights) = projected(curve, plane);
     let mut items = polygon(&points, &weights, "P");
     let drawn = Stroke::curve(CURVE);
-    items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
+    items.push(Item::Curve { path: path(curve, projection), stroke: drawn });
     let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let rounds = rounds(curve, t);
     for (round, control) in rounds.iter().enumerate().skip(1) {
         let shade = color(round - 1);
+        // Without weight a point has no place.
+        let weighty = control.iter().filter(|point| point.w > 0.0);
         let points: Vec<DVec2> =
-            control.iter().map(|point| projection.of(point.xyz() / point.w)).collect();
+            weighty.map(|point| projection.of(point.xyz() / point.w)).collect();
         let last = round + 1 == rounds.len();
         let name = match (last, points.len()) {
             (true, _) => format!("C({}) = {}", measured(t), coordinates(curve, control[0])),
@@ -105,7 +113,7 @@ pub(super) fn insertion(
     plane: Option<Plane>,
     (curve, knots): (&NurbsCurve, &[Written<f64>]),
 ) -> Result<Panel, CurveError> {
-    let (projection, points, weights) = projected(curve, plane);
+    let (projection, points, weights) = projected(&curve.clone().into(), plane);
     let mut items = polygon(&points, &weights, "P");
     let drawn = Stroke::curve(CURVE);
     items.push(Item::Curve { path: path(&curve.clone().into(), projection), stroke: drawn });
@@ -141,7 +149,7 @@ pub(super) fn elevation(
     plane: Option<Plane>,
     (curve, times): (&NurbsCurve, usize),
 ) -> Result<Panel, CurveError> {
-    let (projection, points, weights) = projected(curve, plane);
+    let (projection, points, weights) = projected(&curve.clone().into(), plane);
     let mut items = polygon(&points, &weights, "P");
     let mut rounds = Vec::new();
     let mut elevated = curve.clone();
@@ -220,7 +228,7 @@ pub(super) fn comb(
     curve: &NurbsCurve,
     (teeth, scale): (usize, Option<f64>),
 ) -> Panel {
-    let (projection, points, _) = projected(curve, plane);
+    let (projection, points, _) = projected(&curve.clone().into(), plane);
     let mut items = bare_polygon(&points);
 
     // The feet of the teeth, and how far each tip is from its foot at scale 1.
@@ -270,14 +278,14 @@ pub(super) fn comb(
 mod tests {
     use super::super::space::indexed;
     use super::*;
-    use nurbray::geometry::KnotVector;
     use nurbray::geometry::shapes::{circle_cubic, half_circle_cubic};
+    use nurbray::geometry::{KnotVector, RationalBasis};
 
     #[test]
     fn the_last_round_is_the_point_and_the_first_the_control_points() {
         for curve in [half_circle_cubic(), circle_cubic()] {
             for t in [0.0, 0.2, 0.5, 0.8, 1.0] {
-                let rounds = rounds(&curve, t);
+                let rounds = rounds(&curve.clone().into(), t);
                 assert_eq!(rounds.len(), 4);
                 for (round, points) in rounds.iter().enumerate() {
                     assert_eq!(points.len(), 4 - round);
@@ -296,14 +304,20 @@ mod tests {
         let told = |h3: f64, z: f64| {
             let points = points.map(|[x, y]| DVec3::new(x, y, z)).to_vec();
             let weights = vec![1.0, 1.0, h3, 1.0, 1.0];
-            let curve = NurbsCurve::new(knots.clone(), points, Some(weights)).unwrap();
+            let curve = if h3 > 0.0 {
+                NurbsCurve::new(knots.clone(), points, Some(weights)).unwrap().into()
+            } else {
+                let basis = RationalBasis::new(knots.clone(), weights).unwrap();
+                PlottedCurve::Weighted { basis, points }
+            };
             let panel = de_casteljau(None, Some(Plane::Xy), (&curve, 1.5));
             panel.legend[panel.legend.len() - 1].1.clone()
         };
+        assert_eq!(told(0.0, 0.0), "C(1.5) = (2.5, 2)");
         assert_eq!(told(0.25, 0.0), "C(1.5) = (2.5, 1.14286)"); // 8/7
         assert_eq!(told(1.0, 0.0), "C(1.5) = (2.5, 0.5)");
         assert_eq!(told(5.0, -2.0), "C(1.5) = (2.5, 0.125, −2)");
-        let end = de_casteljau(None, None, (&half_circle_cubic(), 1.0)).legend;
+        let end = de_casteljau(None, None, (&half_circle_cubic().into(), 1.0)).legend;
         assert_eq!(end[end.len() - 1].1, "C(1) = (0, −1)");
     }
 
