@@ -7,9 +7,11 @@ use std::path::{Path, PathBuf};
 /// What stands before code that only tests see.
 const TESTS_ONLY: &str = "#[cfg(test)]";
 
-/// One file below `src/`.
+/// One file below `src/`, or another folder.
 pub(crate) struct SourceFile {
-    /// Its path below `src/`, with `/` between folders.
+    /// The folder.
+    pub(crate) folder: String,
+    /// Its path below that, with `/` between folders.
     pub(crate) path: String,
     /// Its text; comments and the insides of literals are blanked, lines kept.
     pub(crate) code: String,
@@ -19,7 +21,12 @@ pub(crate) struct SourceFile {
 
 impl SourceFile {
     pub(crate) fn new(path: &str, text: &str) -> Self {
-        Self { path: path.to_owned(), code: blanked(text), is_test: false }
+        Self {
+            folder: "src".to_owned(),
+            path: path.to_owned(),
+            code: blanked(text),
+            is_test: false,
+        }
     }
 
     /// The code without what only tests see, line by line, counted from 1.
@@ -61,19 +68,20 @@ impl SourceFile {
     }
 
     pub(crate) fn at(&self, line: usize, what: &str) -> String {
-        format!("src/{}:{line}: {}", self.path, what.trim())
+        format!("{}/{}:{line}: {}", self.folder, self.path, what.trim())
     }
 }
 
-/// Every Rust file below `src/`, by name.
-pub(crate) fn library_files() -> Vec<SourceFile> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+/// Every Rust file below a folder of the project, by name.
+pub(crate) fn files_below(folder: &str) -> Vec<SourceFile> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut paths = Vec::new();
     collect(&src, &mut paths);
     paths.sort();
     let read = |path: &PathBuf| {
         let below = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
-        SourceFile::new(&below, &fs::read_to_string(path).unwrap())
+        let file = SourceFile::new(&below, &fs::read_to_string(path).unwrap());
+        SourceFile { folder: folder.to_owned(), ..file }
     };
     let mut files: Vec<_> = paths.iter().map(read).collect();
     mark_tests(&mut files);

@@ -10,6 +10,7 @@ mod info;
 mod plot;
 mod plot_constructions;
 mod plot_functions;
+mod plot_surfaces;
 mod render;
 mod sandbox;
 mod usage;

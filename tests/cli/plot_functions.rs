@@ -1,6 +1,8 @@
 //! `nurbray plot`: functions of a parameter are those of the closed forms.
 
-use crate::figure::{Axes, BLUE, CURVE, GREY, RED, ROUNDING, attributes, plotted, polylines};
+use crate::figure::{
+    Axes, BLUE, CURVE, GREEN, GREY, RED, ROUNDING, attributes, plotted, polylines,
+};
 use crate::sandbox::Sandbox;
 
 /// The deck's knots of degree 3.
@@ -178,5 +180,112 @@ fn bases_that_are_none_are_told_with_their_place() {
         Sandbox::with(&[("s.toml", &text)])
             .run("plot s.toml -o p.svg")
             .failed(2, &format!("s.toml:{place}: plot \"A\": basis: {message}"));
+    }
+}
+
+/// Rogers' figure 4.1: his formulas on 1 ≤ t < 2, at every vertex of R₂ and R₃ (ours R₁ and R₂).
+#[test]
+fn rogers_basis_functions_are_his() {
+    for (h3, weight) in [(0.0, "0"), (0.25, "0.25"), (5.0, "5")] {
+        let text = format!(
+            "[[plot]]\n[plot.show.basis]\ndegree = 2\nknots = [0, 0, 0, 1, 2, 3, 3, 3]\n\
+             weights = [1, 1, {weight}, 1, 1]\n"
+        );
+        let svg = plotted(&text, "--size 640x480");
+        let zero = &polylines(&svg, GREY, 1.0)[0];
+        let first = &polylines(&svg, BLUE, CURVE)[0]; // R₀ begins at (0, 1)
+        let axes = Axes::new([first[0], zero[1]], [[0.0, 1.0], [3.0, 0.0]]);
+        let unit = axes.unit[1];
+
+        let n2 = |t: f64| t * (2.0 - t) / 2.0 + (3.0 - t) * (t - 1.0) / 2.0;
+        let sum = |t: f64| (2.0 - t).powi(2) / 2.0 + h3 * n2(t) + (t - 1.0).powi(2) / 2.0;
+        let r1 = |t: f64| (2.0 - t).powi(2) / 2.0 / sum(t);
+        let r2 = |t: f64| h3 * n2(t) / sum(t);
+        let mut seen = 0;
+        for (color, function) in [(RED, &r1 as &dyn Fn(f64) -> f64), (GREEN, &r2)] {
+            // The legend has a line of the colour, too: it comes last.
+            let drawn = polylines(&svg, color, CURVE);
+            assert_eq!(drawn.len(), if h3 == 0.0 && color == GREEN { 1 } else { 2 }, "{h3}");
+            for &pixel in drawn[..drawn.len() - 1].iter().flatten() {
+                let [t, value] = axes.point(pixel);
+                if (1.0..2.0).contains(&t) {
+                    // A vertex is off sideways, too, and the function has a slope.
+                    let slope = (function(t + 1e-6) - function(t - 1e-6)) / 2e-6;
+                    let slack = 3.0 * ROUNDING * (1.0 + slope.abs() * unit / axes.unit[0]);
+                    let off = (value - function(t)).abs() * unit;
+                    assert!(off <= slack, "{h3}, t = {t}: {value} is {off} pixels off");
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 15, "{h3}: only {seen} vertices");
+    }
+}
+
+/// The lecture's polynomials, B₁ = (3t³ − 6t² + 4)/6 and B₀ = (1 − t)³/6.
+#[test]
+fn blending_functions_are_the_lecture_s() {
+    let svg = plotted("[[plot]]\nshow = { blending = \"bspline\" }\n", "--size 500x500");
+    let zero = &polylines(&svg, GREY, 1.0)[0];
+    let b0 = &polylines(&svg, BLUE, CURVE)[0];
+    let axes = Axes::new([b0[0], zero[1]], [[0.0, 1.0 / 6.0], [1.0, 0.0]]);
+    let polynomials = [(BLUE, [-1.0, 3.0, -3.0, 1.0]), (RED, [3.0, -6.0, 0.0, 4.0])];
+    for (color, [a, b, c, d]) in polynomials {
+        let curve = &polylines(&svg, color, CURVE)[0];
+        assert!(curve.len() > 8);
+        for &pixel in curve {
+            let [t, value] = axes.point(pixel);
+            let expected = (((a * t + b) * t + c) * t + d) / 6.0;
+            let off = (value - expected).abs() * axes.unit[1];
+            assert!(off < 0.25, "{color} at {t}: {off} pixels off");
+        }
+    }
+}
+
+#[test]
+fn bases_of_too_many_functions_are_left_out_with_a_warning() {
+    let model = |count: usize| {
+        let knots: Vec<f64> = (0..count).map(|k| k as f64).collect();
+        let points: Vec<[usize; 3]> =
+            (0..count).flat_map(|x| [0, 1].map(|y| [x, y, x % 2])).collect();
+        let (first, last) = (knots[0], knots[count - 1]);
+        format!(
+            "{{\"degree_u\": 1, \"degree_v\": 1, \"size_u\": {count}, \"size_v\": 2,\n\
+             \"knotvector_u\": {:?}, \"knotvector_v\": [0, 0, 1, 1],\n\
+             \"control_points\": {{\"points\": {points:?}}}}}",
+            [&[first], &knots[..], &[last]].concat()
+        )
+    };
+    let sandbox = Sandbox::with(&[("few.json", &model(1000)), ("many.json", &model(1001))]);
+    let few = sandbox.run("plot few.json -o few.svg").succeeded();
+    assert!(!few.stderr.contains("not plotted"), "{}", few.stderr);
+    let many = sandbox.run("plot many.json -o many.svg").succeeded();
+    let warning = "basis functions of many, u are not plotted: more than 1000 functions";
+    assert!(many.stderr.contains(warning), "{}", many.stderr);
+    let panels = |file: &str| {
+        let svg = String::from_utf8(sandbox.bytes(file)).unwrap();
+        [svg.contains("many, u") || svg.contains("few, u"), svg.contains(", v")]
+    };
+    assert_eq!([panels("few.svg"), panels("many.svg")], [[true, true], [false, true]]);
+}
+
+/// At a knot of multiplicity p + 1 functions end as high as others begin: they jump, and no line
+/// is drawn down to zero.
+#[test]
+fn basis_functions_that_jump_are_broken_there() {
+    for weights in ["", "weights = [1, 2, 1, 3, 1, 1]\n"] {
+        let text = format!(
+            "[[plot]]\n[plot.show.basis]\ndegree = 2\nknots = [0, 0, 0, 1, 1, 1, 2, 2, 2]\n{weights}"
+        );
+        let svg = plotted(&text, "--size 640x480");
+        // The axis at zero, from t = 0 to t = 2.
+        let axis = polylines(&svg, GREY, 1.0);
+        let axis = axis.iter().find(|line| line.len() == 2 && line[0][1] == line[1][1]).unwrap();
+        let jumps = polylines(&svg, GREEN, CURVE); // the third function, and its legend
+        let line = jumps.iter().find(|line| line.len() > 4).unwrap();
+        let [first, last] = [line[0], line[line.len() - 1]];
+        assert!((first[1] - axis[0][1]).abs() < 0.1, "it begins at zero: {first:?}");
+        assert!((last[0] - 0.5 * (axis[0][0] + axis[1][0])).abs() < 0.1, "and ends at t = 1");
+        assert!(last[1] < axis[0][1] - 100.0, "high up: {last:?}");
     }
 }

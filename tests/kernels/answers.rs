@@ -87,8 +87,10 @@ pub(crate) fn compare(
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
-            // In a pole hits may be off by twice the promise, and there the control points count: a sphere's reach to 4.
-            let error = if to_tip <= twice { 4.0 * twice } else { twice };
+            // Beside a pole hits may be off by twice the promise, and control points count: a sphere's reach to 4.
+            let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
+            let farthest = control.fold(magnitude, f64::max) / magnitude;
+            let error = if to_tip <= 1e-2 * scale { 2.0 * farthest * twice } else { twice };
             let cosine = a.normal.dot(direction).abs().min(b.normal.dot(direction).abs());
             // Without a normal, as at a tip, nothing is known of the angle.
             let cosine = if cosine.is_nan() { 0.1 } else { cosine };
