@@ -16,19 +16,30 @@ pub(super) struct Keyed<T>(pub(super) T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keyed<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visit<T>(PhantomData<T>);
-
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Visit<T> {
-            type Value = Keyed<T>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Keyed<T>, A::Error> {
-                T::deserialize(MapAccessDeserializer::new(map)).map(Keyed)
-            }
-        }
-        deserializer.deserialize_map(Visit(PhantomData))
+        keyed(deserializer, "a table").map(Keyed)
     }
+}
+
+/// The keys of a table, which errors call so.
+pub(super) fn keyed<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+    table: &'static str,
+) -> Result<T, D::Error> {
+    struct Visit<T> {
+        table: &'static str,
+        keys: PhantomData<T>,
+    }
+
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Visit<T> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str(self.table)
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+            T::deserialize(MapAccessDeserializer::new(map))
+        }
+    }
+    deserializer.deserialize_map(Visit { table, keys: PhantomData })
 }

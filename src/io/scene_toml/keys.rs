@@ -1,9 +1,9 @@
 //! The tables and keys of a scene file, as [`super`] shows them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use super::super::keyed::Keyed;
+use super::super::keyed::{Keyed, keyed};
 use super::cages::SubdivisionKeys;
 use super::constructions::{
     ConstructionKeys, CoonsKeys, ExtrusionKeys, IsoCurvesKeys, LoftKeys, NetKeys, PolygonKeys,
@@ -170,9 +170,18 @@ pub(super) struct ObjectKeys {
 #[serde(rename_all = "snake_case")]
 pub(super) enum TransformKeys {
     Translate(Spanned<Vector>),
-    Rotate(Keyed<RotateKeys>),
+    Rotate(Rotation),
     Scale(Spanned<Factors>),
     Matrix(Spanned<Exactly<Exactly<Number, 4>, 3>>),
+}
+
+/// The keys of a rotation.
+pub(super) struct Rotation(pub(super) RotateKeys);
+
+impl<'de> Deserialize<'de> for Rotation {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        keyed(deserializer, "a table, as in rotate = { axis = \"z\", degrees = 90 }").map(Self)
+    }
 }
 
 impl Kinds for TransformKeys {

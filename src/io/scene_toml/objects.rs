@@ -6,7 +6,8 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::keys::{
-    Grid, Measures, NurbsKeys, ObjectKeys, ShapeKeys, ShapeSource, TransformKeys, TriangleKeys,
+    Grid, Measures, NurbsKeys, ObjectKeys, Rotation, ShapeKeys, ShapeSource, TransformKeys,
+    TriangleKeys,
 };
 use super::kinds::OneOf;
 use super::{LoadError, Reader};
@@ -34,7 +35,7 @@ impl Reader<'_, '_> {
     pub(super) fn transform(&self, OneOf(step): OneOf<TransformKeys>) -> Written<Transform> {
         match step {
             TransformKeys::Translate(by) => self.written(by, |by| Transform::Translate(by.0)),
-            TransformKeys::Rotate(Keyed(keys)) => {
+            TransformKeys::Rotate(Rotation(keys)) => {
                 let degrees = keys.degrees.0;
                 self.written(keys.axis, |axis| Transform::Rotate { axis: axis.0, degrees })
             }

@@ -234,7 +234,6 @@ fn lists_are_no_tables() {
         ("[[object]]\nshape = { sphere = [] }", "4:20"),
         ("[[object]]\nshape = { deck_patch = [] }", "4:24"),
         ("[[object]]\nshape = { nurbs = [[1, 1]] }", "4:19"),
-        ("transform = [{ rotate = ['z', 10] }]", "3:25"),
         ("[[light]]\nambient = [1]", "4:11"),
         ("[[material]]\nname = 'm'\nlines = [8]", "5:9"),
         ("[[material]]\nname = 'm'\nchecker = [8]", "5:11"),
@@ -244,6 +243,10 @@ fn lists_are_no_tables() {
         let message = format!("s.toml:{place}: found a list, needed a table");
         assert_eq!(error(&with_sphere(lines)), message, "{lines}");
     }
+    assert_eq!(
+        error(&with_sphere("transform = [{ rotate = [0, 0, 90] }]")),
+        "s.toml:3:25: found a list, needed a table, as in rotate = { axis = \"z\", degrees = 90 }"
+    );
     for text in ["camera = [1]", "render = [1]", "object = [[1]]", "material = [[1]]"] {
         assert!(error(text).ends_with(": found a list, needed a table"), "{text}: {}", error(text));
     }
