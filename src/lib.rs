@@ -98,8 +98,8 @@
 //!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change; pictures on
 //!   the scene and its settings only: not on threads, tiles or crops.
 //! - The library never prints, exits or panics on what it is given: bad input is an error
-//!   that says what was found, what is needed and where. (Asked for a control point that is not there it
-//!   panics, as slices do; functions that can say so.)
+//!   that says what was found, what is needed and where. (Asked for a control point that is not there, or given
+//!   coefficients of another number than the degrees need, it panics, as slices do; functions that can say so.)
 
 pub mod geometry;
 pub mod intersect;

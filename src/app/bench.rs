@@ -163,7 +163,7 @@ impl Bout<'_> {
         let arguments = self.arguments;
         let seconds = arguments.seconds;
         let budget = Duration::from_secs_f64(seconds);
-        let model = Model::load(input, budget)?;
+        let model = Model::load(input, Some([arguments.size; 2]), budget)?;
         let mut rivals = Vec::new();
         if let Some(embree) = self.embree {
             for tolerance in arguments.tolerances() {

@@ -75,12 +75,14 @@ fn warn_if_empty(model: &Model, hits: usize, doubtful: usize) {
     }
 }
 
+/// Width and height of the pictures, where the command line says.
+fn wanted_size(arguments: &CompareArguments) -> Option<[u32; 2]> {
+    arguments.size.map(|size| [size.width, size.height])
+}
+
 /// Width and height of the pictures.
-fn size(arguments: &CompareArguments, world: &World) -> Result<[u32; 2], Failure> {
-    let size = match arguments.size {
-        Some(size) => [size.width, size.height],
-        None => world.settings.size.into(),
-    };
+fn size(world: &World) -> Result<[u32; 2], Failure> {
+    let size: [u32; 2] = world.settings.size.into();
     match size {
         [..=MAX_SIDE, ..=MAX_SIDE] => Ok(size),
         [width, height] => Err(Failure::input(format!(

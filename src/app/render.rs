@@ -38,9 +38,9 @@ All but direct are black where nothing is hit (iterations: where nothing was
 done).
 
 R, G, B and A of an EXR: linear light, a mean over all samples; A is the share of
-those that hit something. Of the rest the background (nurbray:background in the
-header) is part of R, G, B already: subtract (1 - A) times that before you put
-the picture over another one.
+those that hit something. Of the rest, with direct, the background
+(nurbray:background in the header) is part of R, G, B already: subtract (1 - A)
+times that before you put the picture over another one.
 
 What an EXR holds besides, the AOVs (--aov chooses):
   Z       distance from the camera (of an orthographic one: from its film) to the

@@ -82,7 +82,7 @@ pub(super) fn search_exactly(
     }
     let (rect, is_all) = searched(leaf, piece, error);
     let [z_min, z_max] = question.ray.z_range;
-    let task = Problem {
+    let problem = Problem {
         patch: &piece.patch,
         rect,
         wanted: leaf.rect(),
@@ -94,7 +94,7 @@ pub(super) fn search_exactly(
     let mut solutions = std::mem::take(&mut findings.solutions);
     solutions.clear();
     let before = findings.solver.boxes;
-    findings.solver.solve(&task, &mut solutions);
+    findings.solver.solve(&problem, &mut solutions);
     findings.statistics.exact_calls += 1;
     let boxes = findings.solver.boxes - before;
     findings.effort += boxes * cost_of_box(piece.patch.degree());
@@ -104,7 +104,7 @@ pub(super) fn search_exactly(
         // In the slack weights may vanish, and the surface be anywhere.
         solutions.retain(is_proved);
     }
-    let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &task));
+    let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &problem));
     let earliest = earliest.fold(f64::INFINITY, f64::min);
     clip_stretches(piece, question.ray, &mut solutions);
     let known = findings.meetings.len();
@@ -189,8 +189,8 @@ const FARTHEST_BEYOND: f64 = 0.125;
 
 /// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is
 /// proved, or beyond the range of interest.
-fn open_from(proof: Proof, task: &Problem<'_>) -> Option<f64> {
-    let ([from, to], [z_min, z_max]) = (proof.stretch()?, task.z_range);
+fn open_from(proof: Proof, problem: &Problem<'_>) -> Option<f64> {
+    let ([from, to], [z_min, z_max]) = (proof.stretch()?, problem.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
 

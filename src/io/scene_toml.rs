@@ -101,8 +101,8 @@
 //! Their u and v run from 0 to 1: on `sphere` and `hemisphere` u from the pole `+z` to `−z`, v around, from `+x`
 //! over `+y`; on `sphere_biquadratic`, `octant`, cylinder and cone u around, v up; on the torus u around the
 //! axis, v around the tube; on the disk u from the centre out, v around; on the plane u along x, v along y.
-//! Normals, `S_u × S_v`, point outward and up; where a `transform` mirrors, inward and down: `reverse = true`
-//! turns them back.
+//! Normals, `S_u × S_v`, point outward, and up. Where a `transform` mirrors, those of bodies point inward:
+//! `reverse = true` turns them back.
 //!
 //! From a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says what
 //! of it is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its

@@ -116,7 +116,7 @@ pub(super) struct Control {
 }
 
 impl Control {
-    /// So many rows of this many points, and `more` numbers.
+    /// This many rows of this many points, and `more` numbers.
     fn new<R>(
         weight: Option<f64>,
         [rows, stride]: [usize; 2],

@@ -37,8 +37,8 @@ const MAX_COORDINATE: f64 = 1e100;
 
 impl Projection {
     /// The smallest field of view in degrees, that of a coin a thousand kilometres away. A
-    /// camera that shows all of a model so stands 10⁸ sizes off, and rounding is 10⁻⁸ of a
-    /// size there.
+    /// camera that shows all of a model so stands 10⁸ sizes off (farther for pictures higher than
+    /// wide), and rounding is 10⁻⁸ of a size there.
     pub const MIN_FOV: f64 = 1e-6;
 }
 
@@ -60,6 +60,9 @@ pub enum CameraError {
     /// The view has no direction.
     #[error("look_from and look_at are the same point {}", ShownVector(*.0))]
     NoDirection(DVec3),
+    /// The view has a direction that rounding has made.
+    #[error("look_from and look_at are the same point {} to within rounding", ShownVector(*.0))]
+    RoundedDirection(DVec3),
     /// Up is zero.
     #[error("up {} is no direction: it must not be zero", ShownVector(*.0))]
     NoUp(DVec3),
@@ -137,8 +140,8 @@ impl Camera {
         let way = view.look_at - view.look_from;
         let largest = view.look_from.abs().max(view.look_at.abs()).max_element();
         // What rounding leaves of a difference has no direction of its own.
-        if way.abs().max_element() <= 8.0 * f64::EPSILON * largest {
-            return Err(CameraError::NoDirection(view.look_from));
+        if way != DVec3::ZERO && way.abs().max_element() <= 8.0 * f64::EPSILON * largest {
+            return Err(CameraError::RoundedDirection(view.look_from));
         }
         let forward = unit(way).ok_or(CameraError::NoDirection(view.look_from))?;
         let up = unit(view.up).ok_or(CameraError::NoUp(view.up))?;
@@ -281,7 +284,10 @@ mod tests {
             "look_from and look_at are the same point (0, -4, 0)"
         );
         let beside = DVec3::new(0.0, (-4.0f64).next_up(), 0.0);
-        assert!(message(View { look_at: beside, ..VIEW }, perspective).contains("same point"));
+        assert_eq!(
+            message(View { look_at: beside, ..VIEW }, perspective),
+            "look_from and look_at are the same point (0, -4, 0) to within rounding"
+        );
         assert_eq!(
             message(View { up: DVec3::Y, ..VIEW }, perspective),
             "up (0, 1, 0) runs along the view (0, 1, 0): it must point another way"

@@ -107,7 +107,7 @@ impl CameraSpec {
             (CameraError::Coordinate { name: "look_at", .. }, _) => at,
             (CameraError::Coordinate { .. } | CameraError::NoUp(_), _)
             | (CameraError::UpAlongView { .. }, _) => place(&self.up),
-            (CameraError::NoDirection(_), _) => at.or(from),
+            (CameraError::NoDirection(_) | CameraError::RoundedDirection(_), _) => at.or(from),
             (CameraError::Fov(_), Lens::Perspective { fov }) => place(fov),
             (CameraError::Height(_), Lens::Orthographic { height }) => place(height),
             (CameraError::Fov(_) | CameraError::Height(_), _) => None,
@@ -140,6 +140,7 @@ impl CameraSpec {
         let look_from = value(&self.look_from).unwrap_or_else(|| {
             let reach = radius + MARGIN * look_at.distance(sphere.center);
             let distance = match projection {
+                // The same for `narrow` 1, but for rounding.
                 Projection::Perspective { fov } if narrow < 1.0 => {
                     reach / (narrow * (0.5 * fov.to_radians()).tan()).atan().sin()
                 }

@@ -287,20 +287,10 @@ impl Checker<'_> {
                 PlotKind::Elevation { curve, times: times.clone() }
             }
             PlotKind::DeCasteljau { curve, t } => {
-                let curve = self.curve("curve", curve)?;
-                let (start, end) = curve.knots().domain();
-                if !(start..=end).contains(&t.value) {
-                    let error = CurveError::Parameter { t: t.value, start, end };
-                    return Err(self.error(&t.place, PlotError::At(error)));
-                }
-                PlotKind::DeCasteljau { curve, t: t.clone() }
+                PlotKind::DeCasteljau { curve: self.curve_with(curve, t)?, t: t.clone() }
             }
             PlotKind::CornerCutting { polygon, scheme, ends, rounds } => {
-                if *rounds > MAX_ROUNDS {
-                    return Err(self.error(place, PlotError::Rounds { found: *rounds }));
-                }
-                let limit = scheme.limit(polygon, *ends);
-                limit.map_err(|error| self.error(place, PlotError::Polygon(error)))?;
+                self.check_cutting(polygon, (*scheme, *ends), *rounds)?;
                 PlotKind::CornerCutting {
                     polygon: polygon.clone(),
                     scheme: *scheme,
@@ -320,6 +310,31 @@ impl Checker<'_> {
                 PlotKind::Surfaces { of, lines: *lines, net: *net }
             }
         })
+    }
+
+    /// A curve whose domain holds `t`.
+    fn curve_with(&self, curve: &CurveSpec, t: &Written<f64>) -> Result<PlottedCurve, SceneError> {
+        let curve = self.curve("curve", curve)?;
+        let (start, end) = curve.knots().domain();
+        if (start..=end).contains(&t.value) {
+            return Ok(curve);
+        }
+        let error = CurveError::Parameter { t: t.value, start, end };
+        Err(self.error(&t.place, PlotError::At(error)))
+    }
+
+    fn check_cutting(
+        &self,
+        polygon: &[DVec3],
+        (scheme, ends): (CornerCutting, PolygonEnds),
+        rounds: usize,
+    ) -> Result<(), SceneError> {
+        let place = &self.spec.place;
+        if rounds > MAX_ROUNDS {
+            return Err(self.error(place, PlotError::Rounds { found: rounds }));
+        }
+        let limit = scheme.limit(polygon, ends);
+        limit.map(drop).map_err(|error| self.error(place, PlotError::Polygon(error)))
     }
 
     fn error(&self, place: &Place, error: PlotError) -> SceneError {

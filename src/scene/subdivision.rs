@@ -38,12 +38,19 @@ impl Scheme {
     }
 }
 
+/// More steps than these bring any cage beyond what can be drawn, if it grows at all.
+const MOST_STEPS: usize = 16;
+
 impl Subdivision {
     /// The cage after so many steps of the scheme.
     ///
     /// # Errors
-    /// When one on the way has more vertices than can be drawn: each step has four times as many.
+    /// When there are more steps than any cage that grows can take, or one on the way has more vertices than can
+    /// be drawn: after some steps each has about four times as many.
     pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, ConstructError> {
+        if steps > MOST_STEPS {
+            return Err(ConstructError::Steps { steps, most: MOST_STEPS });
+        }
         let mut cage = Cow::Borrowed(&*self.cage);
         for _ in 0..steps {
             let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);

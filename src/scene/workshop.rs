@@ -189,7 +189,7 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
             Direction::V => "v",
         },
         ConstructError::NoW { .. } => "w",
-        ConstructError::NoSteps => "steps",
+        ConstructError::NoSteps | ConstructError::Steps { .. } => "steps",
         _ => return None,
     })
 }

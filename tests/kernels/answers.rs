@@ -87,7 +87,7 @@ pub(crate) fn compare(
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
-            // Beside a pole hits may be off by twice the promise, and control points count: a sphere's reach to 4.
+            // Beside a pole either may be off by twice the promise, and control points count: a sphere's reach to 4.
             let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
             let farthest = control.fold(magnitude, f64::max) / magnitude;
             let error = if to_tip <= 1e-2 * scale { 2.0 * farthest * twice } else { twice };
@@ -102,16 +102,13 @@ pub(crate) fn compare(
             let turned = if turned.is_nan() { 0.0 } else { turned };
             // Where surfaces, or all sides of a tip, or those of a crease meet either may be named.
             let has_creases = name.starts_with("creased") || has_creases(bvh, a.surface);
-            // Patches of a limit surface meet smoothly to within its tolerance only.
-            let between_patches = name.ends_with("body") && on_patch_border(a.uv);
-            let same = a.surface == b.surface
-                && a.uv.distance(b.uv) < 1e-3
-                && !has_creases
-                && !between_patches;
+            let same = a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !has_creases;
             // Towards the tip of a cone normals turn as fast as it comes nearer.
             let is_cone = p.min(q) == 1 && to_tip > twice;
             let at_tip = if is_cone { 2.0 * a.point.distance(b.point) / to_tip } else { 0.0 };
-            let turn = 1e2 * error / scale + at_tip;
+            // Patches of a limit surface meet smoothly to within its tolerance only: 1.7e-3 was seen.
+            let between = if name.ends_with("body") && on_patch_border(a.uv) { 5e-3 } else { 0.0 };
+            let turn = 1e2 * error / scale + at_tip + between;
             assert!(
                 !same || turned <= 1e-12 + turn || cosine < 1e-3,
                 "normals differ by {turned}: {}",

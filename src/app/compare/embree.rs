@@ -120,8 +120,8 @@ impl Race {
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let budget = Duration::from_secs_f64(arguments.seconds);
-        let model = Model::load(&arguments.input, budget)?;
-        let size = super::size(arguments, &model.world)?;
+        let model = Model::load(&arguments.input, super::wanted_size(arguments), budget)?;
+        let size = super::size(&model.world)?;
         let rays = Rays::new(RaySet::Primary, &model, size);
         let mut rivals = Vec::new();
         let mut meshes = Vec::new();

@@ -57,8 +57,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
     let pool = threads::pool(Some(arguments.threads))?;
     let budget = Duration::from_secs_f64(arguments.seconds);
-    let model = pool.install(|| Model::load(&arguments.input, budget))?;
-    let size = super::size(arguments, &model.world)?;
+    let wanted = super::wanted_size(arguments);
+    let model = pool.install(|| Model::load(&arguments.input, wanted, budget))?;
+    let size = super::size(&model.world)?;
 
     let scenes = scenes(&model, size, &tolerances)?;
     let (skipped, written) =

@@ -48,13 +48,13 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
         }
     }
     plots.extend(in_space(scene, &surfaces)?);
-    plots.extend(bases(scene, &surfaces)?);
+    plots.extend(bases(scene, &surfaces));
     Ok(plots)
 }
 
 /// The basis functions over the knots of surfaces, each kind once. Where there are more of them than can be drawn,
 /// a warning says so.
-fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
+fn bases(scene: &Scene, surfaces: &[Instance]) -> Vec<Plot> {
     let mut bases: Vec<(&KnotVector, Vec<String>)> = Vec::new();
     let mut known: HashMap<(usize, Vec<u64>), usize> = HashMap::new();
     let mut too_many: Vec<String> = Vec::new();
@@ -91,7 +91,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
         let title = Some(format!("Degree {}: {}", knots.degree(), joint(&users)));
         Plot { title, plane: None, show: PlotKind::Basis(knots.into()) }
     };
-    Ok(bases.into_iter().map(plot).collect())
+    bases.into_iter().map(plot).collect()
 }
 
 /// There may be curves in a model file; of these nothing is imported, and so nothing is plotted.

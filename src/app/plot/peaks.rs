@@ -13,6 +13,9 @@ const MISSED: f64 = 0.01;
 /// A look that is no more than this share above its neighbours is no peak: rounding makes such.
 const RIPPLE: f64 = 1e-4;
 
+/// Peaks of neighbouring looks are one if they are no farther apart than this share of their piece.
+const ONE: f64 = 1e-6;
+
 /// A third of what is left is taken away so often: what is left then is 1e-7 of it.
 const THIRDS: usize = 40;
 
@@ -73,15 +76,21 @@ pub(super) fn shown(value: &dyn Fn(f64) -> f64, pieces: &[[f64; 2]]) -> Shown {
 
 /// The peaks among the looks, each with its highest place.
 fn found(high: &dyn Fn(f64) -> f64, pieces: &[[f64; 2]], looks: &[Vec<f64>]) -> Vec<Peak> {
-    (0..pieces.len())
+    let all = (0..pieces.len())
         .flat_map(|piece| (0..=LOOKS).map(move |look| (piece, look)))
         .filter(|&(piece, look)| is_peak(&looks[piece], look))
         .map(|(piece, look)| {
             let ends = [look.saturating_sub(1), (look + 1).min(LOOKS)];
             let [t, height] = highest(high, ends.map(|look| parameter(pieces[piece], look)));
             Peak { piece, look, t, height: height.max(finite(looks[piece][look])) }
-        })
-        .collect()
+        });
+    let mut peaks: Vec<Peak> = all.collect();
+    // One in the middle between two looks is found from both.
+    peaks.dedup_by(|next, peak| {
+        let [start, end] = pieces[peak.piece];
+        next.piece == peak.piece && (next.t - peak.t).abs() <= ONE * (end - start)
+    });
+    peaks
 }
 
 /// Whether a peak is far above what is two looks beside it.
@@ -153,7 +162,7 @@ mod tests {
     #[test]
     fn what_has_no_bound_is_cut_off_beside_it() {
         // A pole between two looks, on one, and at an end: two looks off it is 64 / 2, one is 64.
-        for pole in [0.3001, 0.5, 0.0] {
+        for pole in [0.3001, 0.5, 0.5 + 1.0 / 128.0, 0.0] {
             let value = |t: f64| if t == pole { f64::NAN } else { 1.0 / (t - pole).abs() };
             let shown = shown(&value, &[[0.0, 1.0]]);
             let cut = shown.cut.unwrap();

@@ -235,11 +235,7 @@ impl Drawing<'_, '_> {
             Item::Curve { path, stroke } => {
                 let pixels = |t| self.view.to_pixels((path.at)(t));
                 for line in flatten(pixels, &path.pieces, TOLERANCE) {
-                    for dash in dashed(&line, stroke.dashes) {
-                        let dash = dash.into_iter().map(|at| self.view.point_at(at).into());
-                        let dash: Vec<(f64, f64)> = dash.collect();
-                        chart.draw_series([PathElement::new(dash, style(*stroke))])?;
-                    }
+                    self.dashes(chart, &line, *stroke)?;
                 }
             }
             Item::Line { points, stroke } if stroke.dashes.is_empty() => {
@@ -248,11 +244,7 @@ impl Drawing<'_, '_> {
             }
             Item::Line { points, stroke } => {
                 let line: Vec<DVec2> = points.iter().map(|&p| self.view.to_pixels(p)).collect();
-                for dash in dashed(&line, stroke.dashes) {
-                    let dash = dash.into_iter().map(|at| self.view.point_at(at).into());
-                    let dash: Vec<(f64, f64)> = dash.collect();
-                    chart.draw_series([PathElement::new(dash, style(*stroke))])?;
-                }
+                self.dashes(chart, &line, *stroke)?;
             }
             Item::Marks { points, mark, color } => {
                 for &point in points {
@@ -292,6 +284,21 @@ impl Drawing<'_, '_> {
                 }
             }
             Item::Label { .. } => {} // placed when all else is drawn
+        }
+        Ok(())
+    }
+
+    /// A line of pixels, dashed as its stroke is.
+    fn dashes(
+        &self,
+        chart: &mut Chart<'_, '_>,
+        line: &[DVec2],
+        stroke: Stroke,
+    ) -> Result<(), Unable> {
+        for dash in dashed(line, stroke.dashes) {
+            let dash = dash.into_iter().map(|at| self.view.point_at(at).into());
+            let dash: Vec<(f64, f64)> = dash.collect();
+            chart.draw_series([PathElement::new(dash, style(stroke))])?;
         }
         Ok(())
     }

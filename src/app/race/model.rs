@@ -64,14 +64,20 @@ impl Model {
         Ok(self)
     }
 
-    /// Reads an input and prepares it, again and again for about as long as the budget says.
+    /// Reads an input and prepares it, again and again for about as long as the budget says. A camera that nobody
+    /// placed shows all in pictures of this size; of the scene's, if there is none.
     ///
     /// # Errors
     /// When the input is missing, damaged or wrong.
-    pub(crate) fn load(path: &Path, budget: Duration) -> Result<Self, Failure> {
+    pub(crate) fn load(
+        path: &Path,
+        size: Option<[u32; 2]>,
+        budget: Duration,
+    ) -> Result<Self, Failure> {
         let ((scene, world), preparation) = repeat_preparing(budget, || {
             let start = Instant::now();
-            let scene = input::read(path)?;
+            let mut scene = input::read(path)?;
+            scene.settings.size = size.map_or(scene.settings.size, Into::into);
             let placed = Placed::new(&scene).or_bad_input()?;
             let read = start.elapsed();
             let world = placed.build().or_bad_input()?;

@@ -157,7 +157,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sphere.toml");
         fs::write(&path, "[[object]]\nshape = { sphere = { radius = 2 } }\n").unwrap();
-        Model::load(&path, Duration::ZERO).unwrap()
+        Model::load(&path, None, Duration::ZERO).unwrap()
     }
 
     #[test]

@@ -88,6 +88,14 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
+    /// There are more steps of subdivision than lead anywhere.
+    #[error("{steps} steps: a cage is drawn after up to {most}")]
+    Steps {
+        /// How many are asked for.
+        steps: usize,
+        /// How many there can be.
+        most: usize,
+    },
     /// Steps of subdivision are asked of what is not subdivided.
     #[error("steps are those of subdivision, and the object is not only subdivision surfaces")]
     NoSteps,

@@ -163,17 +163,17 @@ enum Verdict {
 
 impl ExactSolver {
     /// All places where the ray meets the leaf, appended to `solutions`.
-    pub(crate) fn solve(&mut self, task: &Problem<'_>, solutions: &mut Vec<Solution>) {
-        self.load(task);
+    pub(crate) fn solve(&mut self, problem: &Problem<'_>, solutions: &mut Vec<Solution>) {
+        self.load(problem);
         let mut used = 0;
         while let Some(rect) = self.waiting.pop() {
             used += 1;
             self.boxes += 1;
-            match self.judge(task, rect) {
+            match self.judge(problem, rect) {
                 Verdict::Empty => {}
-                Verdict::Root(st) => self.isolated.push(self.root(task, rect, st)),
+                Verdict::Root(st) => self.isolated.push(self.root(problem, rect, st)),
                 Verdict::Contact(z) => {
-                    let contact = Contact::new(rect, z, self.at_collapsed_side(task, rect));
+                    let contact = Contact::new(rect, z, self.at_collapsed_side(problem, rect));
                     contact::merge_into(&mut self.contacts, contact);
                 }
                 Verdict::Inside => self.spare.push(rect),
@@ -184,29 +184,31 @@ impl ExactSolver {
                 self.spare.append(&mut self.waiting);
             }
         }
-        self.search_ends(task);
-        self.report(task, solutions);
+        self.search_ends(problem);
+        self.report(problem, solutions);
     }
 
     /// The leaf's net in ray coordinates, and one box: all of it.
-    fn load(&mut self, task: &Problem<'_>) {
-        let ray = task.ray;
-        self.whole.degree = task.patch.degree();
+    fn load(&mut self, problem: &Problem<'_>) {
+        let ray = problem.ray;
+        self.whole.degree = problem.patch.degree();
         self.whole.control.clear();
         self.whole.control.extend(
-            task.patch
+            problem
+                .patch
                 .control()
                 .map(|c| ray.along_axes(c.truncate() - c.w * ray.origin).extend(c.w)),
         );
         let degree = self.whole.degree;
-        restrict_net(&mut self.whole.control, degree, task.rect[0], task.rect[1]);
+        restrict_net(&mut self.whole.control, degree, problem.rect[0], problem.rect[1]);
         // Bounds of what is no number would be those of nothing, and prove a miss. Limits on coordinates and weights keep
         // all of this far from overflow.
         debug_assert!(self.whole.control.iter().all(|c| c.is_finite()), "{:?}", self.whole);
         let bounds = self.whole.bounds();
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
         self.size = extents.into_iter().fold(0.0, f64::max);
-        self.error = 0.5 * task.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max);
+        self.error =
+            0.5 * problem.error * self.whole.control.iter().map(|c| c.w).fold(0.0, f64::max);
         self.waiting.clear();
         self.spare.clear();
         self.contacts.clear();
@@ -214,11 +216,11 @@ impl ExactSolver {
         self.waiting.push([[0.0, 1.0]; 2]);
     }
 
-    fn judge(&mut self, task: &Problem<'_>, rect: Rect) -> Verdict {
+    fn judge(&mut self, problem: &Problem<'_>, rect: Rect) -> Verdict {
         let error = self.error;
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if self.is_empty(task, rect, &bounds, error) {
+        if self.is_empty(problem, rect, &bounds, error) {
             return Verdict::Empty;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
@@ -260,7 +262,7 @@ impl ExactSolver {
             let inside = low.min_element() > 0.0 && high.max_element() < 1.0;
             if inside
                 && unique
-                && let Some(st) = self.refined(task, rect, center)
+                && let Some(st) = self.refined(problem, rect, center)
             {
                 return Verdict::Root(st);
             }
@@ -335,36 +337,36 @@ impl ExactSolver {
     }
 
     /// Whether nothing wanted can lie in the box.
-    fn is_empty(&self, task: &Problem<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
+    fn is_empty(&self, problem: &Problem<'_>, rect: Rect, bounds: &Bounds, error: f64) -> bool {
         let off_ray = |range: Interval| range.lo > error || range.hi < -error;
-        let z_error = task.error;
-        let behind = bounds.z.hi < task.z_range[0] - z_error;
-        let beyond = bounds.z.lo > task.z_range[1] + z_error;
+        let z_error = problem.error;
+        let behind = bounds.z.hi < problem.z_range[0] - z_error;
+        let beyond = bounds.z.lo > problem.z_range[1] + z_error;
         // Boxes in the outer half of the slack belong to other leaves, or to none.
         let in_task = |k: usize, x: f64| {
-            let [from, to] = task.rect[k];
+            let [from, to] = problem.rect[k];
             from + x * (to - from)
         };
         let unwanted = (0..2).any(|k| {
-            let low_slack = 0.5 * (task.wanted[k][0] - task.rect[k][0]);
-            let high_slack = 0.5 * (task.rect[k][1] - task.wanted[k][1]);
-            in_task(k, rect[k][1]) < task.wanted[k][0] - low_slack
-                || in_task(k, rect[k][0]) > task.wanted[k][1] + high_slack
+            let low_slack = 0.5 * (problem.wanted[k][0] - problem.rect[k][0]);
+            let high_slack = 0.5 * (problem.rect[k][1] - problem.wanted[k][1]);
+            in_task(k, rect[k][1]) < problem.wanted[k][0] - low_slack
+                || in_task(k, rect[k][0]) > problem.wanted[k][1] + high_slack
         });
         off_ray(bounds.x) || off_ray(bounds.y) || behind || beyond || unwanted
     }
 
-    /// The proved root refined on the surface itself, in the parameters of the task's
+    /// The proved root refined on the surface itself, in the parameters of the problem's
     /// rectangle; `None` when it strays from the box or its residual stays large.
-    fn refined(&self, task: &Problem<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
-        let sides = DVec2::from_array(task.rect.map(|[from, to]| to - from));
+    fn refined(&self, problem: &Problem<'_>, rect: Rect, start: DVec2) -> Option<DVec2> {
+        let sides = DVec2::from_array(problem.rect.map(|[from, to]| to - from));
         let mut x = inner(rect, start);
         let mut best = (f64::INFINITY, x);
         for _ in 0..8 {
-            let (jacobian, at) = linearised(task, inner(task.rect, x));
+            let (jacobian, at) = linearised(problem, inner(problem.rect, x));
             if at.length() < best.0 {
                 best = (at.length(), x);
-            } else if best.0 <= task.error {
+            } else if best.0 <= problem.error {
                 break; // rounding leaves nothing to gain
             }
             x -= jacobian.inverse() * at / sides;
@@ -372,28 +374,28 @@ impl ExactSolver {
                 break; // also when the step is not a number
             }
         }
-        (best.0 <= task.error).then_some(best.1)
+        (best.0 <= problem.error).then_some(best.1)
     }
 
-    fn root(&self, task: &Problem<'_>, rect: Rect, x: DVec2) -> Solution {
+    fn root(&self, problem: &Problem<'_>, rect: Rect, x: DVec2) -> Solution {
         let outer = |k: usize| {
-            let [from, to] = task.rect[k];
+            let [from, to] = problem.rect[k];
             rect[k].map(|x| from + x * (to - from))
         };
-        Solution { st: inner(task.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
+        Solution { st: inner(problem.rect, x), proof: Proof::Isolated([outer(0), outer(1)]) }
     }
 
-    fn at_collapsed_side(&self, task: &Problem<'_>, rect: Rect) -> bool {
-        task.collapsed.is_some_and(|side| side.is_reached_by(&rect))
+    fn at_collapsed_side(&self, problem: &Problem<'_>, rect: Rect) -> bool {
+        problem.collapsed.is_some_and(|side| side.is_reached_by(&rect))
     }
 }
 
 /// The Jacobian of the distances from the ray's planes by the piece's parameters, and the
 /// distances.
-fn linearised(task: &Problem<'_>, st: DVec2) -> (DMat2, DVec2) {
-    let jet = task.patch.jet(st);
-    let at = task.ray.coordinates(jet.point).truncate();
-    let project = |v: DVec3| task.ray.along_axes(v).truncate();
+fn linearised(problem: &Problem<'_>, st: DVec2) -> (DMat2, DVec2) {
+    let jet = problem.patch.jet(st);
+    let at = problem.ray.coordinates(jet.point).truncate();
+    let project = |v: DVec3| problem.ray.along_axes(v).truncate();
     (DMat2::from_cols(project(jet.ds), project(jet.dt)), at)
 }
 

@@ -33,7 +33,7 @@ impl Default for LaneDistances {
 
 /// What the search in f32 has found, and its last step.
 #[derive(Clone, Copy)]
-pub(super) struct Searched<S: Simd> {
+pub(super) struct NearRoots<S: Simd> {
     /// The place, in box coordinates.
     pub(super) near: [f32x16<S>; 2],
     pub(super) last: LastStep<S>,
@@ -128,7 +128,7 @@ impl LaneDistances {
         simd: S,
         start: [f32x16<S>; 2],
         [[low_x, high_x], [low_y, high_y]]: [[f32x16<S>; 2]; 2],
-    ) -> Searched<S> {
+    ) -> NearRoots<S> {
         let [mut x, mut y] = start;
         let both = [start; 2];
         let mut last =
@@ -146,14 +146,14 @@ impl LaneDistances {
             x = to[0].max(low_x).min(high_x);
             y = to[1].max(low_y).min(high_y);
         }
-        Searched { near: [x, y], last }
+        NearRoots { near: [x, y], last }
     }
 
     /// Places still nearer to the roots that were found, by a step with the matrix of the last: it leaves a
     /// hundredth of what that left, for a third of what it took. Short last steps leave less than is worth it.
     #[simd]
-    pub(super) fn refine<S: Simd>(&self, simd: S, searched: &Searched<S>) -> [f32x16<S>; 2] {
-        let Searched { near: [x, y], last } = *searched;
+    pub(super) fn refine<S: Simd>(&self, simd: S, searched: &NearRoots<S>) -> [f32x16<S>; 2] {
+        let NearRoots { near: [x, y], last } = *searched;
         let [last_x, last_y] = [last.to[0] - last.from[0], last.to[1] - last.from[1]];
         let longest = last_x.abs().max(last_y.abs());
         // False for NaN.

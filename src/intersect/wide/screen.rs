@@ -28,7 +28,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
 use super::box_crossing::{BoxCrossing, upright};
-use super::distances::{LaneDistances, LastStep, Searched, sizes};
+use super::distances::{LaneDistances, LastStep, NearRoots, sizes};
 use super::packet::Packet;
 use super::proof::{DISTANCE_ROUNDING, LARGEST, LEAF};
 use super::target::Target;
@@ -69,7 +69,7 @@ pub(super) fn screen<S: Simd>(
     simd: S,
     target: &Target<'_>,
     (packet, base): (&Packet, usize),
-    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &Searched<S>),
+    (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &NearRoots<S>),
     (asked, error): (u32, f32x16<S>),
 ) -> Screened {
     // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
@@ -111,7 +111,7 @@ struct Screen<'a, S: Simd> {
 impl<S: Simd> Screen<'_, S> {
     /// What the last step of the search says of them, whatever the part of the rays that counts.
     #[inline(always)]
-    fn ask(&self, simd: S, searched: &Searched<S>) -> Screened {
+    fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
         let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.target.leaf;

@@ -181,8 +181,8 @@ fn search_net<S: Simd>(
         };
         // A start outside leads to a root outside, as a rule: the proof knows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
-            let task = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
-            let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
+            let wanted = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
+            let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
@@ -213,8 +213,8 @@ fn search_by_proof<S: Simd>(
     for part in parts.iter() {
         let near = distances.newton(simd, part.middle);
         let domain = part.domain().map(|range| range.map(f64::from));
-        let task = Search { near, domain, error, clearance: f64::INFINITY };
-        let (outcome, steps) = finish(simd, fitted, surface, ray, &task, work.other());
+        let wanted = Search { near, domain, error, clearance: f64::INFINITY };
+        let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}

@@ -66,7 +66,7 @@ pub(super) fn finish<S: Simd>(
     leaf: Fitted<'_>,
     surface: &OneNet<'_>,
     ray: &SingleRay<'_>,
-    task: &Search,
+    wanted: &Search,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
     // Told apart here, not in the sums: what the general degrees need for them would be worked
@@ -75,47 +75,47 @@ pub(super) fn finish<S: Simd>(
     let [p, q] = form.degree();
     match (form.by_powers, [p, q], form.rational) {
         (true, [3, 3], true) => {
-            finish_of::<S, Powers<3, 3, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<3, 3, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, [3, 3], false) => {
-            finish_of::<S, Powers<3, 3, 3>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<3, 3, 3>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, [2, 2], true) => {
-            finish_of::<S, Powers<2, 2, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<2, 2, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, [2, 1], true) => {
-            finish_of::<S, Powers<2, 1, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<2, 1, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, [1, 2], true) => {
-            finish_of::<S, Powers<1, 2, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<1, 2, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, [1, 1], false) => {
-            finish_of::<S, Powers<1, 1, 3>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<1, 1, 3>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, _, true) if p.max(q) < 4 => {
-            finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, _, false) if p.max(q) < 4 => {
-            finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, _, true) => {
-            finish_of::<S, Powers<0, 0, 4, LONG>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 4, LONG>>(simd, leaf, surface, ray, wanted, found)
         }
         (true, _, false) => {
-            finish_of::<S, Powers<0, 0, 3, LONG>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Powers<0, 0, 3, LONG>>(simd, leaf, surface, ray, wanted, found)
         }
         (false, _, true) if p.max(q) < 8 => {
-            finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, wanted, found)
         }
         (false, _, false) if p.max(q) < 8 => {
-            finish_of::<S, Bernstein<8, 3>>(simd, leaf, surface, ray, task, found)
+            finish_of::<S, Bernstein<8, 3>>(simd, leaf, surface, ray, wanted, found)
         }
-        (false, _, true) => {
-            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 4>>(simd, leaf, surface, ray, task, found)
-        }
-        (false, _, false) => {
-            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 3>>(simd, leaf, surface, ray, task, found)
-        }
+        (false, _, true) => finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 4>>(
+            simd, leaf, surface, ray, wanted, found,
+        ),
+        (false, _, false) => finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 3>>(
+            simd, leaf, surface, ray, wanted, found,
+        ),
     }
 }
 

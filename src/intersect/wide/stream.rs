@@ -241,10 +241,10 @@ fn look_at_blocks<S: Simd, Q: Shot>(
         }
         for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
-            let task = StreamRay { scene, ray: shot.ray(), start: start_of(shot), index: k };
+            let asked = StreamRay { scene, ray: shot.ray(), start: start_of(shot), index: k };
             let before = pairs.len();
             let work = (&mut *single, &mut *statistics);
-            task.look_at(simd, (index, crossings), flight, pairs, work);
+            asked.look_at(simd, (index, crossings), flight, pairs, work);
             if flight.alone {
                 pairs.truncate(before);
             } else if pairs.len() > before {
@@ -466,12 +466,12 @@ fn search_pairs<S: Simd, Q: Shot>(
             } else if told(outcomes.open) {
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
-                let task = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };
+                let asked = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };
                 let piece = scene.leaves[pair.leaf as usize].piece;
                 let patch = &scene.set.pieces()[piece as usize].patch;
                 let error = patch.error_bound(flight.magnitude);
                 let work = (&mut *single, &mut *statistics);
-                task.search(simd, pair.leaf, (None, error), flight, work);
+                asked.search(simd, pair.leaf, (None, error), flight, work);
             }
             if flight.alone {
                 flight.stack.clear();

@@ -231,7 +231,12 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     assert_eq!(world.surfaces.len(), 1 + 24 + 14);
     assert_eq!(
         error(&format!("[[object]]\nname = 'ball'\nshape = 'sphere'\n{tripled}")),
-        "s.toml:6:34: surface \"net\": steps are those of subdivision, and the object is not only subdivision surfaces"
+        "s.toml:6:36: surface \"net\": steps are those of subdivision, and the object is not only subdivision surfaces"
+    );
+    let many = net.replace("'box'", "'box', steps = 17");
+    assert_eq!(
+        error(&format!("{cage}{many}")),
+        "s.toml:7:35: surface \"net\": 17 steps: a cage is drawn after up to 16"
     );
     let lines =
         "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'box', u = [0.5], radius = 0.1 }";

@@ -234,23 +234,7 @@ impl Reader<'_, '_> {
                 let entries = entries.into_iter().map(|Keyed(keys)| self.entry(keys));
                 PlotKind::Curves(entries.collect::<Result<_, _>>()?)
             }
-            ShowKeys::Basis(keys) => {
-                let place = self.source.place(keys.span().start);
-                let Keyed(keys) = keys.into_inner();
-                let knots = match keys.knots {
-                    Some(knots) => self.written(knots, |knots| knots.0),
-                    None => Written::new(Knots::ClampedUniform, place),
-                };
-                let weights = |list: Vec<Number>| list.into_iter().map(|weight| weight.0).collect();
-                PlotKind::Basis(BasisSpec {
-                    degree: keys.degree as usize,
-                    knots,
-                    count: keys.count.map(|count| count as usize),
-                    weights: keys.weights.map(|list| self.written(list, weights)),
-                    support: keys.support,
-                    derivative: keys.derivative.map(|k| self.written(k, |k| k as usize)),
-                })
-            }
+            ShowKeys::Basis(keys) => PlotKind::Basis(self.basis(keys)),
             ShowKeys::Blending(form) => PlotKind::Blending(match form {
                 FormKey::Bezier => MatrixForm::Bezier,
                 FormKey::Bspline => MatrixForm::BSpline,
@@ -298,6 +282,24 @@ impl Reader<'_, '_> {
                 net: keys.net,
             },
         })
+    }
+
+    fn basis(&self, keys: Spanned<Keyed<BasisKeys>>) -> BasisSpec {
+        let place = self.source.place(keys.span().start);
+        let Keyed(keys) = keys.into_inner();
+        let knots = match keys.knots {
+            Some(knots) => self.written(knots, |knots| knots.0),
+            None => Written::new(Knots::ClampedUniform, place),
+        };
+        let weights = |list: Vec<Number>| list.into_iter().map(|weight| weight.0).collect();
+        BasisSpec {
+            degree: keys.degree as usize,
+            knots,
+            count: keys.count.map(|count| count as usize),
+            weights: keys.weights.map(|list| self.written(list, weights)),
+            support: keys.support,
+            derivative: keys.derivative.map(|k| self.written(k, |k| k as usize)),
+        }
     }
 
     fn object_spec(&self, keys: ObjectKeys) -> ObjectSpec {

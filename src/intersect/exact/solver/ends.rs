@@ -11,33 +11,33 @@ use crate::intersect::exact::contact::{self, Contact};
 
 impl ExactSolver {
     /// Adds one contact that stands for all the spare boxes: its first and last place.
-    pub(super) fn search_ends(&mut self, task: &Problem<'_>) {
-        let (first, last) = (self.search_end(task, 1.0), self.search_end(task, -1.0));
+    pub(super) fn search_ends(&mut self, problem: &Problem<'_>) {
+        let (first, last) = (self.search_end(problem, 1.0), self.search_end(problem, -1.0));
         if let (Some(first), Some(last)) = (first, last) {
             contact::merge_into(&mut self.contacts, Contact::between(first, last));
         }
     }
 
     /// The two ends of a stretch, within the boxes known to hold them.
-    fn ends_of(&mut self, task: &Problem<'_>, contact: &Contact) -> [DVec2; 2] {
+    fn ends_of(&mut self, problem: &Problem<'_>, contact: &Contact) -> [DVec2; 2] {
         let mut places = contact.places();
         for (k, sign) in [1.0, -1.0].into_iter().enumerate() {
             self.spare.clear();
             self.spare.push(contact.ends[k]);
-            if let Some((place, _)) = self.search_end(task, sign) {
+            if let Some((place, _)) = self.search_end(problem, sign) {
                 places[k] = place;
             }
         }
-        places.map(|x| settled(task, inner(task.rect, x)))
+        places.map(|x| settled(problem, inner(problem.rect, x)))
     }
 
     /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
     /// boxes: of all boxes the one that may hold it is divided next.
-    fn search_end(&mut self, task: &Problem<'_>, sign: f64) -> Option<(DVec2, f64)> {
+    fn search_end(&mut self, problem: &Problem<'_>, sign: f64) -> Option<(DVec2, f64)> {
         let mut queue = std::mem::take(&mut self.queue);
         queue.clear();
         for k in 0..self.spare.len() {
-            self.consider(task, self.spare[k], sign, &mut queue);
+            self.consider(problem, self.spare[k], sign, &mut queue);
         }
         let mut end = None;
         for _ in 0..END_BUDGET {
@@ -50,7 +50,7 @@ impl ExactSolver {
             }
             for part in halves(rect, axis, 0.0) {
                 self.boxes += 1;
-                self.consider(task, part, sign, &mut queue);
+                self.consider(problem, part, sign, &mut queue);
             }
             if queue.is_empty() {
                 end = None; // nothing was there after all
@@ -63,34 +63,34 @@ impl ExactSolver {
     /// Across which direction to halve the box just looked at on the way to an end. At a
     /// collapsed side that is the one that leads away from it: halves across the other would both
     /// keep the point.
-    fn end_axis(&self, task: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
+    fn end_axis(&self, problem: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
-        let wanted = match task.collapsed.filter(|_| self.at_collapsed_side(task, rect)) {
+        let wanted = match problem.collapsed.filter(|_| self.at_collapsed_side(problem, rect)) {
             Some(side) => side.parameter(),
             None => usize::from(spread.y > spread.x),
         };
         if exhausted[wanted] { 1 - wanted } else { wanted }
     }
 
-    fn consider(&mut self, task: &Problem<'_>, rect: Rect, sign: f64, queue: &mut Vec<EndBox>) {
+    fn consider(&mut self, problem: &Problem<'_>, rect: Rect, sign: f64, queue: &mut Vec<EndBox>) {
         self.net.restrict_from(&self.whole, rect);
         let bounds = self.net.bounds();
-        if self.is_empty(task, rect, &bounds, self.error) {
+        if self.is_empty(problem, rect, &bounds, self.error) {
             return;
         }
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
-        let finest = (2.0 * task.error).max(END * self.size);
+        let finest = (2.0 * problem.error).max(END * self.size);
         queue.push(EndBox {
             rect,
             z: if sign > 0.0 { bounds.z.lo } else { -bounds.z.hi },
             short: bounds.z.hi - bounds.z.lo <= finest || exhausted == [true; 2],
-            axis: self.end_axis(task, rect, exhausted),
+            axis: self.end_axis(problem, rect, exhausted),
         });
     }
 
     /// Turns isolated roots and contacts into solutions; a root found in two overlapping
     /// boxes is reported once, and a contact that holds a proved root is that root.
-    pub(super) fn report(&mut self, task: &Problem<'_>, solutions: &mut Vec<Solution>) {
+    pub(super) fn report(&mut self, problem: &Problem<'_>, solutions: &mut Vec<Solution>) {
         let first = solutions.len();
         for &solution in &self.isolated {
             let Proof::Isolated(rect) = solution.proof else { continue };
@@ -105,7 +105,7 @@ impl ExactSolver {
         }
         let contacts = std::mem::take(&mut self.contacts);
         for contact in &contacts {
-            let ends = contact.places().map(|x| inner(task.rect, x));
+            let ends = contact.places().map(|x| inner(problem.rect, x));
             let proved = self.isolated.iter().any(|root| match root.proof {
                 Proof::Isolated(rect) => ends.iter().all(|&st| holds(rect, st)),
                 _ => false,
@@ -116,18 +116,19 @@ impl ExactSolver {
             }
             if length > STRETCH * self.size {
                 let proof = Proof::Stretch(contact.z);
-                solutions.extend(self.ends_of(task, contact).map(|st| Solution { st, proof }));
+                solutions.extend(self.ends_of(problem, contact).map(|st| Solution { st, proof }));
                 continue;
             }
             let middle = 0.5 * (ends[0] + ends[1]);
             // Boxes beside a pole reach it where all they hold is one line through it, to within
             // rounding: the ray may still pass the line farther along.
-            let side = task.collapsed.filter(|_| contact.collapsed);
+            let side = problem.collapsed.filter(|_| contact.collapsed);
             let pole = side.map(|side| side.beside(middle));
-            let pole = pole.filter(|&st| linearised(task, st).1.length() <= AT_POLE * task.error);
+            let pole =
+                pole.filter(|&st| linearised(problem, st).1.length() <= AT_POLE * problem.error);
             solutions.push(match pole {
                 Some(st) => Solution { st, proof: Proof::Collapsed },
-                None => Solution { st: settled(task, middle), proof: Proof::Contact(contact.z) },
+                None => Solution { st: settled(problem, middle), proof: Proof::Contact(contact.z) },
             });
         }
         self.contacts = contacts;
@@ -138,19 +139,19 @@ impl ExactSolver {
 /// more than the root of this, 1e-5, of what the other does.
 const DAMPING: f64 = 1e-10;
 
-/// A place near `st`, within the task's rectangle, where the surface is closest to the ray
+/// A place near `st`, within the problem's rectangle, where the surface is closest to the ray
 /// across the direction in which it does not touch: at a tangency the Jacobian has rank
 /// one, and only that part of the distance can be removed. Least squares, damped by what
 /// rounding leaves of the other direction (Levenberg 1944).
-fn settled(task: &Problem<'_>, st: DVec2) -> DVec2 {
+fn settled(problem: &Problem<'_>, st: DVec2) -> DVec2 {
     let (low, high) = (
-        DVec2::new(task.rect[0][0], task.rect[1][0]),
-        DVec2::new(task.rect[0][1], task.rect[1][1]),
+        DVec2::new(problem.rect[0][0], problem.rect[1][0]),
+        DVec2::new(problem.rect[0][1], problem.rect[1][1]),
     );
     let mut best = (f64::INFINITY, st);
     let mut st = st;
     for _ in 0..4 {
-        let (jacobian, at) = linearised(task, st);
+        let (jacobian, at) = linearised(problem, st);
         let better = at.length() < best.0; // false for NaN
         if !better {
             break;
