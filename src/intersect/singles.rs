@@ -217,8 +217,9 @@ impl<'a> Certain<'a> {
         if !within {
             return Answer::default();
         }
-        let cosine = self.normal.dot(ray.direction()) * t_from_z;
-        let cosine = if cosine.is_nan() { 0.0 } else { Root::kept_cosine(cosine) };
+        // 0 without a normal: of a number and NaN the number is the larger.
+        let cosine = (self.normal.dot(ray.direction()) * t_from_z).abs().max(0.0);
+        let cosine = Root::kept_cosine(cosine);
         let root = Root { piece: self.index, cosine, st, error: z_error };
         let (surface, uv) = (self.piece.surface, self.piece.uv(st));
         let (normal, flags) = (self.normal, self.flags);
