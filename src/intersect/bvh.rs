@@ -43,7 +43,8 @@ impl SurfaceBvh {
     /// Prepares surfaces for tracing; hits name them by their place in the slice.
     ///
     /// # Errors
-    /// When there is more than 32-bit indices can count, or than memory is likely to hold: see [`PatchSet::new`].
+    /// When there is more than 32-bit indices can count, or than memory is likely to hold: of
+    /// surfaces, pieces, Bézier points or leaves.
     pub fn build<S: Charts + Sync>(surfaces: &[S]) -> Result<Self, BuildError> {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
