@@ -34,7 +34,7 @@ pub(crate) fn short(number: f64) -> String {
 }
 
 /// A number with up to this many significant digits, without trailing zeros.
-fn digits(number: f64, most: i32) -> String {
+pub(crate) fn digits(number: f64, most: i32) -> String {
     let exponent = number.abs().log10().floor();
     if number == 0.0 || !number.is_finite() {
         return format!("{number}").replace("-0", "0");

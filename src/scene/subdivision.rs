@@ -52,10 +52,10 @@ impl Subdivision {
             return Err(ConstructError::Steps { steps, most: MOST_STEPS });
         }
         let mut cage = Cow::Borrowed(&*self.cage);
-        for _ in 0..steps {
+        for after in 0..steps {
             let (count, limit) = (cage.positions().len(), NetStyle::MAX_POINTS);
             if count > limit {
-                return Err(ConstructError::LargeNet { count, limit });
+                return Err(ConstructError::LargeCage { after, steps, count, limit });
             }
             cage = Cow::Owned(match self.scheme {
                 Scheme::CatmullClark => cage.refined_catmull_clark(),

@@ -189,7 +189,9 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
             Direction::V => "v",
         },
         ConstructError::NoW { .. } => "w",
-        ConstructError::NoSteps | ConstructError::Steps { .. } => "steps",
+        ConstructError::NoSteps
+        | ConstructError::Steps { .. }
+        | ConstructError::LargeCage { .. } => "steps",
         _ => return None,
     })
 }

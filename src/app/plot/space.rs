@@ -5,6 +5,7 @@ use nurbray::geometry::KnotVector;
 use nurbray::math::Measured;
 use nurbray::scene::{CurveEntry, Plane, PlottedCurve};
 
+use super::super::table::digits;
 use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 
 /// More control points or knots than this are not labelled: labels would cover them.
@@ -79,6 +80,13 @@ pub(super) fn short(value: f64) -> String {
 /// A number that a figure tells: its first six digits.
 pub(super) fn measured(value: f64) -> String {
     Measured(value).to_string().replace('-', "−")
+}
+
+/// One of numbers that are spread over so much: as many digits as tell a millionth of that, six or more.
+pub(super) fn told(value: f64, spread: f64) -> String {
+    let before = (value.abs() / spread).log10().floor();
+    let before = if before.is_finite() { before.clamp(0.0, 9.0) } else { 0.0 };
+    digits(value, 6 + before as i32).replace('-', "−")
 }
 
 /// `P₁₂`.

@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 use super::bending::Bending;
 use super::panel::{GREY, Item, Key, Mark, Panel, Scale, Stroke, color};
 use super::space::{
-    Projection, bare_polygon, described, entry, measured, path, pieces, polygon, short,
+    Projection, bare_polygon, described, entry, path, pieces, polygon, short, told,
 };
 
 /// How far the longest tooth of a comb reaches, in shares of the curve's size, if the author
@@ -56,13 +56,16 @@ fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
 fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
     // What the rounds' rounding may leave of a coordinate that is 0, as a share of the largest.
     const ROUNDING: f64 = 1e-14;
-    let points = curve.points().into_iter().map(DVec3::abs);
-    let reach = points.fold(DVec3::ZERO, DVec3::max);
+    let points = curve.points();
+    let reach = points.iter().map(|point| point.abs()).fold(DVec3::ZERO, DVec3::max);
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let spread = (high - low).max_element();
     let shown = if reach.z > 0.0 { 3 } else { 2 };
     let point = (point.xyz() / point.w).to_array();
     let words = point[..shown]
         .iter()
-        .map(|&x| measured(if x.abs() <= ROUNDING * reach.max_element() { 0.0 } else { x }));
+        .map(|&x| told(if x.abs() <= ROUNDING * reach.max_element() { 0.0 } else { x }, spread));
     format!("({})", words.collect::<Vec<_>>().join(", "))
 }
 
@@ -78,6 +81,7 @@ pub(super) fn de_casteljau(
     items.push(Item::Curve { path: path(curve, projection), stroke: drawn });
     let mut legend = vec![(Key::Line(drawn), "curve".to_owned())];
     let rounds = rounds(curve, t);
+    let (start, end) = curve.knots().domain();
     for (round, control) in rounds.iter().enumerate().skip(1) {
         let shade = color(round - 1);
         // Without weight a point has no place.
@@ -86,7 +90,9 @@ pub(super) fn de_casteljau(
             weighty.map(|point| projection.of(point.xyz() / point.w)).collect();
         let last = round + 1 == rounds.len();
         let name = match (last, points.len()) {
-            (true, _) => format!("C({}) = {}", measured(t), coordinates(curve, control[0])),
+            (true, _) => {
+                format!("C({}) = {}", told(t, end - start), coordinates(curve, control[0]))
+            }
             (false, 1..) => format!("round {round}"),
             _ => String::new(),
         };
@@ -100,7 +106,8 @@ pub(super) fn de_casteljau(
         items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
     }
     let name = if curve.knots().spans().count() > 1 { "De Boor" } else { "De Casteljau" };
-    let title = title.unwrap_or_else(|| format!("{name}’s algorithm at t = {}", short(t)));
+    let title =
+        title.unwrap_or_else(|| format!("{name}’s algorithm at t = {}", told(t, end - start)));
     Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
 }
 

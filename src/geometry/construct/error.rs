@@ -96,6 +96,18 @@ pub enum ConstructError {
         /// How many there can be.
         most: usize,
     },
+    /// A cage has more vertices than can be drawn before all steps are done.
+    #[error("{count} vertices after {after} of {steps} steps: nets of up to {limit} can be drawn")]
+    LargeCage {
+        /// After how many steps.
+        after: usize,
+        /// Of how many.
+        steps: usize,
+        /// How many vertices it has by then.
+        count: usize,
+        /// How many it may have.
+        limit: usize,
+    },
     /// Steps of subdivision are asked of what is not subdivided.
     #[error("steps are those of subdivision, and the object is not only subdivision surfaces")]
     NoSteps,

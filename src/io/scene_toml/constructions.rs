@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
 use super::keys::Measures;
-use super::values::{Axis, Count, Number, Vector};
+use super::values::{Axis, Number, Vector};
 use super::{LoadError, Reader};
 use crate::geometry::construct::{Caps, NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 use crate::scene::{Construction, Written};
@@ -215,13 +215,13 @@ pub(super) struct NetKeys {
     of: Spanned<String>,
     radius: Spanned<Number>,
     joints: Option<Spanned<Number>>,
-    steps: Option<Spanned<Count>>,
+    steps: Option<Spanned<u32>>,
 }
 
 impl ConstructionKeys for NetKeys {
     fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built {
         let style = net_style(self.radius, self.joints, measures);
-        let steps = noted("steps", self.steps, measures).map_or(0, |count| count.0 as usize);
+        let steps = noted("steps", self.steps, measures).map_or(0, |steps| steps as usize);
         Ok(Construction::Net { of: reader.text(self.of), steps, style })
     }
 }
