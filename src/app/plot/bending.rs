@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use nurbray::geometry::NurbsCurve;
+use nurbray::math::Aabb;
 
 /// A curve, and how well it must be known how it bends.
 #[derive(Clone, Debug)]
@@ -17,10 +18,7 @@ const COARSEST: f64 = 1e-3;
 impl Bending {
     pub(super) fn of(curve: &NurbsCurve) -> Self {
         let points = (0..curve.control().len()).map(|index| curve.point(index));
-        let [low, high] = points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
-            [low.min(p), high.max(p)]
-        });
-        let coarsest = COARSEST / (high - low).length();
+        let coarsest = COARSEST / Aabb::around(points).size().length();
         Self { curve: curve.clone(), coarsest }
     }
 

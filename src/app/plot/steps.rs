@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};
+use nurbray::math::Aabb;
 use nurbray::scene::{Plane, PlottedCurve, Written};
 use plotters::style::RGBColor;
 
@@ -56,16 +57,14 @@ fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
 fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
     // What the rounds' rounding may leave of a coordinate that is 0, as a share of the largest.
     const ROUNDING: f64 = 1e-14;
-    let points = curve.points();
-    let reach = points.iter().map(|point| point.abs()).fold(DVec3::ZERO, DVec3::max);
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let spread = (high - low).max_element();
-    let shown = if reach.z > 0.0 { 3 } else { 2 };
+    let bounds = Aabb::around(curve.points());
+    let (reach, spread) = (bounds.magnitude(), bounds.size().max_element());
+    let lies_flat = bounds.min.z == 0.0 && bounds.max.z == 0.0;
+    let shown = if lies_flat { 2 } else { 3 };
     let point = (point.xyz() / point.w).to_array();
     let words = point[..shown]
         .iter()
-        .map(|&x| told(if x.abs() <= ROUNDING * reach.max_element() { 0.0 } else { x }, spread));
+        .map(|&x| told(if x.abs() <= ROUNDING * reach { 0.0 } else { x }, spread));
     format!("({})", words.collect::<Vec<_>>().join(", "))
 }
 

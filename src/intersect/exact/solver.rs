@@ -343,15 +343,15 @@ impl ExactSolver {
         let behind = bounds.z.hi < problem.z_range[0] - z_error;
         let beyond = bounds.z.lo > problem.z_range[1] + z_error;
         // Boxes in the outer half of the slack belong to other leaves, or to none.
-        let in_task = |k: usize, x: f64| {
+        let in_problem = |k: usize, x: f64| {
             let [from, to] = problem.rect[k];
             from + x * (to - from)
         };
         let unwanted = (0..2).any(|k| {
             let low_slack = 0.5 * (problem.wanted[k][0] - problem.rect[k][0]);
             let high_slack = 0.5 * (problem.rect[k][1] - problem.wanted[k][1]);
-            in_task(k, rect[k][1]) < problem.wanted[k][0] - low_slack
-                || in_task(k, rect[k][0]) > problem.wanted[k][1] + high_slack
+            in_problem(k, rect[k][1]) < problem.wanted[k][0] - low_slack
+                || in_problem(k, rect[k][0]) > problem.wanted[k][1] + high_slack
         });
         off_ray(bounds.x) || off_ray(bounds.y) || behind || beyond || unwanted
     }
