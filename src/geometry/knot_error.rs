@@ -1,13 +1,13 @@
-//! Why numbers cannot be the knots of a spline.
+//! The error of knot vectors: numbers that cannot be the knots of a spline.
 
 use thiserror::Error;
 
 use super::knots::{MAX_DEGREE, MAX_POINTS};
 use crate::math::{Counted, Shown};
 
-/// Why numbers cannot be the knots of a spline: what was found and what is needed.
+/// The reason why numbers cannot be the knots of a spline: what was found and what is needed.
 ///
-/// A reader that catches one adds the file, the line, the surface's name and the direction.
+/// A file reader adds the file, the line, the surface's name and the direction.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum KnotError {
@@ -34,19 +34,19 @@ pub enum KnotError {
         /// The degree.
         degree: usize,
     },
-    /// Between the knots there is no space.
+    /// All knots are equal.
     #[error("all knots are {}: two must differ", Shown(*knot))]
     AllEqual {
         /// Their value.
         knot: f64,
     },
-    /// Fewer control points than a spline of this degree has in a single span.
+    /// Fewer control points than a single span of a spline of this degree needs.
     #[error(
         "{} of degree {degree}: at least {} are needed",
         Counted(*.points, "point"), degree + 1
     )]
     TooFewPoints {
-        /// The number of control points given, or left by the number of knots.
+        /// The number of control points given, or implied by the number of knots.
         points: usize,
         /// The degree.
         degree: usize,
@@ -58,6 +58,22 @@ pub enum KnotError {
         knots: usize,
         /// The degree.
         degree: usize,
+    },
+    /// Too few control points for a closed spline.
+    #[error("a closed spline of {}: at least {needed} are needed", Counted(*.points, "point"))]
+    ShortPeriod {
+        /// The number of different control points: one less than the knots of a period.
+        points: usize,
+        /// The smallest number that makes a closed spline.
+        needed: usize,
+    },
+    /// The number of a period's knots does not match the control points.
+    #[error("{} for one period, but {} need {}", Counted(*.knots, "knot"), Counted(*.points, "point"), points + 1)]
+    PeriodCount {
+        /// The number of knots given.
+        knots: usize,
+        /// The number of different control points.
+        points: usize,
     },
     /// More control points in one direction than [`MAX_POINTS`]; nothing was allocated.
     #[error("{points} points: at most {MAX_POINTS} in one direction are supported")]
@@ -136,7 +152,7 @@ pub enum KnotError {
         /// The last knot.
         last: f64,
     },
-    /// Knots that differ would become one on another domain.
+    /// Two different knots would become equal on another domain.
     #[error(
         "the knots {first} and {second} would become one on the domain from {start} to {end}: \
          it must be longer"
@@ -153,8 +169,8 @@ pub enum KnotError {
     },
 }
 
-/// What to do about knots as openNURBS counts them: without the first and the last, which no point of
-/// the domain depends on.
+/// A hint for knots as openNURBS counts them: without the first and the last, on which no point of
+/// the domain depends.
 fn ends_left_out(knots: usize, needed: usize) -> &'static str {
     if knots + 2 == needed { " (Rhino leaves out the first and the last: add them)" } else { "" }
 }

@@ -9,8 +9,8 @@ use crate::math::bernstein;
 /// nothing allocates per point. See [`bernstein::MAX_DEGREE`].
 pub const MAX_DEGREE: usize = bernstein::MAX_DEGREE;
 
-/// The largest number of control points in one direction: more is taken for a mistake and
-/// refused before memory is asked for. 2²⁴ points of 32 bytes are half a gigabyte.
+/// The largest number of control points in one direction. More is taken for a mistake and
+/// refused before memory is allocated. 2²⁴ points of 32 bytes are half a gigabyte.
 pub const MAX_POINTS: usize = 1 << 24;
 
 /// The knots of a B-spline: the parameter values at which its pieces meet.
@@ -30,11 +30,11 @@ pub const MAX_POINTS: usize = 1 << 24;
 ///
 /// # Where the course deck and the lecture differ
 /// For control points 0 to n (here there are `n` of them, 0 to `n − 1`) the deck prints `u_{n+k+1}`
-/// as the last knot: with the degree p it is `u_{n+p+1}`, the deck's k elsewhere being the order
-/// `p + 1`. And the domain is not all of `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`, which differs unless
-/// the ends are clamped. The lecture says that every control point has a t-value, the knot vector being
-/// their list: there are `p + 1` more knots than control points. By "uniform" it means evenly
-/// spaced knots, not points; and knots without space between them make a jump only if `p + 1` of
+/// as the last knot. With the degree p it is `u_{n+p+1}`; elsewhere the deck's k is the order
+/// `p + 1`. The domain is not all of `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`, which differs unless
+/// the ends are clamped. The lecture says that every control point has a t-value and that the knot
+/// vector lists these: in fact there are `p + 1` more knots than control points. By "uniform" it means
+/// evenly spaced knots, not points. Knots without space between them make a jump only if `p + 1` of
 /// them coincide (p of them make a corner).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector {
@@ -54,7 +54,7 @@ pub struct Span {
 }
 
 impl KnotVector {
-    /// The knots `values` of a spline of this degree, equal values repeated.
+    /// The knots `values` of a spline of this degree, multiple knots listed repeatedly.
     ///
     /// # Errors
     /// When one of the invariants above does not hold.
@@ -74,7 +74,7 @@ impl KnotVector {
         Ok(Self { degree, values })
     }
 
-    /// The knots `values` for a known number of control points, as a file gives them.
+    /// The knots `values` for a known number of control points, as a file states both.
     ///
     /// # Errors
     /// When the numbers of knots and points do not match, and as [`KnotVector::new`].
@@ -146,6 +146,20 @@ impl KnotVector {
         Self::new(degree, (0..points + degree + 1).map(|i| i as f64).collect())
     }
 
+    /// The knots of a closed spline, repeated with its period.
+    ///
+    /// `period` lists the knots `k₀ ≤ … ≤ kₙ` of one period, the domain `[k₀, kₙ]`, for `n` different control
+    /// points. The spline has `n + p` control points, the first `p` again after the last, and is as
+    /// smooth at its seam as a knot of that multiplicity lets it be (`kₙ` is `k₀` again, and counted once).
+    ///
+    /// # Errors
+    /// When the degree is not supported, there are fewer than four knots, they are not finite numbers in order, all
+    /// are equal, or one occurs more than `p + 1` times.
+    pub fn periodic(degree: usize, period: &[f64]) -> Result<Self, KnotError> {
+        check_degree(degree)?;
+        Self::new(degree, periodic_values(degree, period)?)
+    }
+
     /// Knots made from valid ones by an operation that keeps the invariants.
     pub(crate) fn derived(degree: usize, values: Vec<f64>) -> Self {
         debug_assert!(Self::new(degree, values.clone()).is_ok(), "{degree}: {values:?}");
@@ -191,7 +205,8 @@ impl KnotVector {
     }
 
     /// Index `i` of the non-empty span that holds `t`: `tᵢ ≤ t < tᵢ₊₁`, the last span closed.
-    /// (The source note's (2) prints half-open spans only, whose functions all vanish at the end.)
+    /// (Equation (2) of the source note has half-open spans only, so that all functions vanish at
+    /// the end.)
     ///
     /// Parameters off the domain get its end spans, NaN the first.
     pub fn span(&self, t: f64) -> usize {
@@ -221,7 +236,7 @@ impl KnotVector {
         self.values[0] == start && self.values[self.values.len() - 1] == end
     }
 
-    /// The knots a clamped vector lacks for a spline made of Bézier pieces: every knot
+    /// The knots to insert into a clamped vector to get a spline of Bézier pieces: every knot
     /// inside the domain as often as it takes to reach multiplicity `p`, in order.
     pub fn missing_for_bezier(&self) -> Vec<f64> {
         let mut missing = Vec::new();
@@ -234,7 +249,7 @@ impl KnotVector {
 
     /// The knots of the same spline run backwards.
     ///
-    /// The domain stays `[a, b]`, `t` becoming `a + b − t`. Where the rounding of that sum
+    /// The domain stays `[a, b]`: `t` becomes `a + b − t`. Where the rounding of that sum
     /// would merge knots that differ (spans far shorter than the ulp of the ends), the
     /// knots are mirrored at 0 instead, which is exact: the domain becomes `[−b, −a]`.
     #[must_use]
@@ -255,6 +270,34 @@ impl KnotVector {
     }
 }
 
+/// The fewest different control points of a closed spline: two would make it double back on itself.
+const LEAST_AROUND: usize = 3;
+
+/// The knots of one period, and as many as the degree before and after it.
+pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>, KnotError> {
+    let count = period.len().saturating_sub(1);
+    if count < LEAST_AROUND {
+        return Err(KnotError::ShortPeriod { points: count, needed: LEAST_AROUND });
+    }
+    check_points(degree, count.saturating_add(degree))?;
+    check_order(period)?;
+    let (first, last) = (period[0], period[count]);
+    let length = last - first;
+    if length == 0.0 {
+        return Err(KnotError::AllEqual { knot: first });
+    }
+    // Equal knots stay equal: both ends are what they were, and others differ from them as in the period.
+    let before = (1..=degree).rev().map(|k| {
+        let (rounds, at) = ((k - 1) / count, count - 1 - (k - 1) % count);
+        first - (last - period[at]) - rounds as f64 * length
+    });
+    let after = (1..=degree).map(|k| {
+        let (rounds, at) = ((k - 1) / count, (k - 1) % count + 1);
+        last + (period[at] - first) + rounds as f64 * length
+    });
+    Ok(before.chain(period.iter().copied()).chain(after).collect())
+}
+
 fn check_degree(degree: usize) -> Result<(), KnotError> {
     match degree {
         1..=MAX_DEGREE => Ok(()),
@@ -272,7 +315,7 @@ fn check_points(degree: usize, points: usize) -> Result<(), KnotError> {
     Ok(())
 }
 
-/// In order, and none repeated beyond `p + 1`.
+/// Checks that the knots pass [`check_order`] and that none is repeated more than `p + 1` times.
 fn check_values(degree: usize, values: &[f64]) -> Result<(), KnotError> {
     check_order(values)?;
     for run in values.chunk_by(|a, b| a == b) {
@@ -283,7 +326,7 @@ fn check_values(degree: usize, values: &[f64]) -> Result<(), KnotError> {
     Ok(())
 }
 
-/// Finite, in order, and not too far apart; there is at least one.
+/// Checks that the knots, at least one, are finite, in order, and not too far apart.
 pub(super) fn check_order(values: &[f64]) -> Result<(), KnotError> {
     if let Some(index) = values.iter().position(|knot| !knot.is_finite()) {
         return Err(KnotError::NotFinite { index, knot: values[index] });

@@ -1,5 +1,6 @@
-//! Knot vectors: what is refused, what spans hold, what the basis functions add up to.
+//! Knot vectors: refused input, the spans of parameters, and the sums of basis functions.
 
+use glam::DVec2;
 use proptest::prelude::*;
 
 use super::*;
@@ -78,7 +79,7 @@ fn constructors_give_the_textbook_vectors() {
     assert_eq!(KnotVector::bezier(2).unwrap().values(), [0., 0., 0., 1., 1., 1.]);
 }
 
-/// Clamped, unclamped, periodic, with jumps, and with the domain's end inside a knot.
+/// Clamped, unclamped, periodic, with jumps, and with the domain's end inside a multiple knot.
 fn examples() -> Vec<KnotVector> {
     let new = |p, values: &[f64]| KnotVector::new(p, values.to_vec()).unwrap();
     vec![
@@ -231,4 +232,40 @@ proptest! {
         prop_assert!(values.iter().all(|&value| value >= 0.0));
         prop_assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
     }
+}
+
+/// A closed spline over uneven knots is as smooth at its seam as at its other knots: the same curve, begun
+/// elsewhere, is the same.
+#[test]
+fn periodic_knots_close() {
+    let period = [-1.0, 0.5, 1.0, 1.0, 4.0];
+    let points = [[2.0, 0.0], [1.0, 3.0], [-2.0, 1.0], [0.0, -2.0]];
+    let weights = [1.0, 0.5, 2.0, 1.5];
+    for degree in [1, 2, 3, 7] {
+        let curve = |period: &[f64], first: usize| {
+            let knots = KnotVector::periodic(degree, period).unwrap();
+            let around = (0..knots.point_count()).map(|k| (k + first) % 4);
+            let (points, weights) =
+                around.map(|k| (DVec2::from(points[k]).extend(0.0), weights[k])).unzip();
+            NurbsCurve::new(knots, points, Some(weights)).unwrap()
+        };
+        let whole = curve(&period, 0);
+        assert_eq!(whole.domain(), (-1.0, 4.0));
+        // Begun a knot later: its first span is the other's second.
+        let later = curve(&[0.5, 1.0, 1.0, 4.0, 5.5], 1);
+        for k in 0..=20 {
+            let t = 0.5 + 3.5 * f64::from(k) / 20.0;
+            assert!(whole.point_at(t).distance(later.point_at(t)) < 1e-14, "degree {degree}, {t}");
+            let t = -1.0 + 1.4 * f64::from(k) / 20.0;
+            assert!(whole.point_at(t).distance(later.point_at(t + 5.0)) < 1e-14);
+        }
+        let [start, end] = whole.ends();
+        assert!(start.distance(end) < 1e-14);
+    }
+    assert_eq!(KnotVector::periodic(2, &[0.0, 1.0, 2.0, 3.0]).unwrap().values().len(), 8);
+    let message = |period: &[f64]| KnotVector::periodic(2, period).unwrap_err().to_string();
+    assert_eq!(message(&[0.0, 1.0, 2.0]), "a closed spline of 2 points: at least 3 are needed");
+    assert_eq!(message(&[1.0; 4]), "all knots are 1: two must differ");
+    assert_eq!(message(&[0.0, 2.0, 1.0, 3.0]), "knot 2 is 1 after 2: knots must not decrease");
+    assert!(KnotVector::periodic(usize::MAX, &[0.0, 1.0, 2.0, 3.0]).is_err());
 }

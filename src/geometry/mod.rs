@@ -1,8 +1,8 @@
 //! Curves and surfaces as authored: knot vectors, control nets, weights.
 //!
-//! A surface is made from two knot vectors and a net of control points, checked once; all
-//! that is made from it (refined, split, elevated, turned, moved) is valid again. What is
-//! already known by name is in [`shapes`], what is made from curves in [`construct`].
+//! A surface is made from two knot vectors and a net of control points, which are checked once.
+//! Every surface derived from it (refined, split, elevated, reversed, moved) is valid again. Shapes
+//! known by name are in [`shapes`], surfaces made from curves in [`construct`].
 //!
 //! ```
 //! use glam::DVec3;
@@ -76,6 +76,7 @@ pub use curve_error::CurveError;
 pub use derivatives::SurfaceDerivatives;
 pub(crate) use extraction::{Extraction, Extractions};
 pub use knot_error::KnotError;
+pub(crate) use knots::periodic_values;
 pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
 pub use matrix_form::{MatrixForm, matrix_patch};
 pub use rational_basis::RationalBasis;

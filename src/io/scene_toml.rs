@@ -1,7 +1,7 @@
 //! Scenes as TOML.
 //!
-//! Every table may be left out but the objects; what is not said is chosen so that a
-//! picture comes out. A whole scene:
+//! Every table except the objects may be left out; whatever is not given is chosen so that a
+//! picture comes out. A complete scene:
 //!
 //! ```toml
 //! # A sphere on a checkered floor, with a torus lying behind it.
@@ -61,13 +61,13 @@
 //!
 //! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS surfaces
 //! run backwards in u; in triangular patches, and in each unit square of subdivision surfaces, u and v
-//! are exchanged. The `trims` of the object are written in the (u, v) of its shape as it is without
-//! `reverse`; all else counts in the (u, v) after it: textures, `iso_curves`, plots, hits.
+//! are exchanged. The `trims` of the object are written in the (u, v) that its shape has without
+//! `reverse`; everything else (textures, `iso_curves`, plots, hits) refers to the (u, v) after it.
 //!
 //! # Shapes
 //!
-//! By name, in their own coordinates. All measures may be left out, and with them the table:
-//! `shape = "sphere"`. What is left out is as shown here.
+//! Shapes known by name, in their own coordinates. All measures may be left out, and with them the
+//! table: `shape = "sphere"`. The values shown here are the defaults.
 //!
 //! ```toml
 //! [[object]]
@@ -101,11 +101,11 @@
 //! Their u and v run from 0 to 1: on `sphere` and `hemisphere` u from the pole `+z` to `−z`, v around, from `+x`
 //! over `+y`; on `sphere_biquadratic`, `octant`, cylinder and cone u around, v up; on the torus u around the
 //! axis, v around the tube; on the disk u from the centre out, v around; on the plane u along x, v along y.
-//! Normals, `S_u × S_v`, point outward, and up. Where a `transform` mirrors, those of bodies point inward:
-//! `reverse = true` turns them back.
+//! Normals, `S_u × S_v`, point outward, and up. Where a `transform` mirrors, the normals of bodies point
+//! inward: `reverse = true` turns them back.
 //!
-//! From a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says what
-//! of it is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its
+//! A shape from a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says
+//! what is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its
 //! Catmull–Clark surface:
 //!
 //! ```toml
@@ -113,8 +113,8 @@
 //! shape = { file = "teapot.json" }
 //! ```
 //!
-//! Or with a control net of its own. Points and weights are listed by rows: one row for
-//! each u, along which v runs.
+//! A NURBS surface with a control net of its own. Points and weights are listed by rows: one row
+//! for each u, along which v runs.
 //!
 //! ```toml
 //! [[object]]
@@ -122,7 +122,8 @@
 //! [object.shape.nurbs]
 //! degree = [2, 1]                        # or one number for both
 //! knots_u = [0, 0, 0, 1, 1, 1]           # each knot; or [knot, times]: [[0, 3], [1, 3]]
-//! knots_v = [[0, 2], [1, 2]]             # clamped and uniform on [0, 1] if not given
+//! knots_v = [[0, 2], [1, 2]]             # clamped and uniform on [0, 1] if not given; or a
+//!                                        # name: "clamped", "uniform", or "periodic" (closed)
 //! points = [
 //!     [[0, 0, 0], [0, 1, 0]],
 //!     [[1, 0, 1], [1, 1, 1]],
@@ -131,7 +132,7 @@
 //! weights = [[1, 1], [0.7, 0.7], [1, 1]] # all 1 if not given
 //! ```
 //!
-//! Or a triangular Bézier patch. The control points of degree n are named by exponents
+//! A triangular Bézier patch. The control points of degree n are named by exponents
 //! (i, j, k) with i + j + k = n, and listed with i slowest, then j: from the corner w = 1 to
 //! v = 1, then the rows beside that, up to the corner u = 1 alone.
 //! [`TrianglePatch`](crate::geometry::TrianglePatch) says more.
@@ -149,7 +150,7 @@
 //! weights = [1, 0.7, 1, 0.7, 0.7, 1]     # all 1 if not given
 //! ```
 //!
-//! Or the limit surface of a cage by one of two schemes, `catmull_clark` and `doo_sabin`:
+//! The limit surface of a cage by one of two schemes, `catmull_clark` and `doo_sabin`:
 //!
 //! ```toml
 //! [[object]]
@@ -175,13 +176,12 @@
 //! end in the middle of the faces along it, as uniform B-splines do, so that an open cage loses half
 //! a face all around, and one without any inner vertex leaves nothing and is refused.
 //!
-//! A surface is within `tolerance` of the scheme's limit surface, a length in the object's own
-//! units, before `transform`; if none is given, that is 1e-4 of the longest side of the box around
-//! the cage's points. Faces that are regular are exact; `nurbray info` lists the rest as off by what
-//! is proved.
+//! A surface is within `tolerance` of the scheme's limit surface: a length in the object's own
+//! units, before `transform`. If not given, it is 1e-4 of the longest side of the box around the
+//! cage's points. Regular faces are exact; for the rest `nurbray info` lists a proved error bound.
 //!
-//! Instead of all these but `tolerance`, `file = "body.obj"` takes the cage from a file, with its own
-//! tags of creases and corners: that is how an OBJ file becomes a Doo–Sabin surface,
+//! Instead of all these keys except `tolerance`, `file = "body.obj"` takes the cage from a file, with
+//! the file's own tags of creases and corners. That is how an OBJ file becomes a Doo–Sabin surface:
 //! `shape = { doo_sabin = { file = "body.obj" } }`.
 //! Textures are spread over each unit square: a quad, or a corner of another face.
 //!
@@ -195,6 +195,7 @@ mod constructions;
 mod curves;
 mod keys;
 mod kinds;
+mod knot_list;
 mod objects;
 mod plots;
 mod slips;
@@ -220,15 +221,15 @@ use crate::scene::{
     SceneFault, Texture, UnknownName, Written,
 };
 
-/// How a scene gets at the model files it mentions: the file as written, what the object it
-/// is for is called, and where it was written.
+/// Reads a model file that a scene mentions. The arguments are the path as written, the name of the
+/// object it is for, and the place where the path was written.
 pub type ReadModel<'a> = dyn FnMut(&Path, &str, &Place) -> Result<Model, LoadError> + 'a;
 
 /// Reads a scene; errors call its file `label`, and model files come from `read_model`.
 /// (To read both from disk, use [`load_input`](super::load_input).)
 ///
 /// # Errors
-/// When the text is no TOML, has a key that means nothing, or a value that cannot be.
+/// When the text is not TOML, or has an unknown key or an impossible value.
 pub fn read_scene(
     text: &str,
     label: &str,
@@ -308,7 +309,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// What a value means, with its place.
+    /// Returns the meaning of a value, with its place.
     fn written<V, T>(&self, value: Spanned<V>, meant: impl FnOnce(V) -> T) -> Written<T> {
         let place = self.source.place(value.span().start);
         Written::new(meant(value.into_inner()), place)
@@ -356,7 +357,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A name, which must be one.
+    /// Returns a name, which must be a single line of one character or more.
     fn name(&self, name: Spanned<String>) -> Result<Written<String>, LoadError> {
         let name = self.written(name, |name| name);
         if name.value.is_empty() {

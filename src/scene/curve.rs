@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::net::knot_vector;
+use super::net::{knot_vector, wrapped};
 use super::transform::placed;
 use super::{Knots, NoteCircle, Place, Transform, TransformError, Written};
 use crate::geometry::shapes::{QuarticArc, QuarticConstants, circle_arc, quarter_circle_weighted};
@@ -92,7 +92,7 @@ pub enum CurveKind {
         /// Both coordinates of control point 2.
         x2: f64,
     },
-    /// A quarter of the unit circle of degree 4, the weights next to its ends chosen.
+    /// A quarter of the unit circle of degree 4, by the weights next to its ends.
     QuarticArc {
         /// Which solution of the constraint.
         arc: QuarticArc,
@@ -104,13 +104,13 @@ pub enum CurveKind {
 /// How a uniform B-spline begins and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BSplineEnds {
-    /// Open, the first and the last control point there this many times.
+    /// Open, with the first and the last control point occurring this many times.
     Repeated([usize; 2]),
     /// It closes.
     Closed,
 }
 
-/// Why a curve as written is none.
+/// Why a curve as written is not a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum CurveFault {
     Curve(Place, CurveError),
@@ -136,14 +136,16 @@ impl CurveSpec {
         }
     }
 
-    /// The curve these numbers are, if they are one, in its place.
+    /// Returns the curve that these numbers describe, if they describe one, in its place.
     pub(super) fn curve(&self) -> Result<NurbsCurve, CurveFault> {
         let blame = |error| CurveFault::Curve(self.place.clone(), error);
         let curve = match &self.kind {
             CurveKind::Nurbs { degree, knots, points, weights } => {
                 let vector = knot_vector(*degree, &knots.value, points.len())
                     .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
-                NurbsCurve::new(vector, points.clone(), weights.clone())
+                let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
+                let weights = weights.as_ref().map(|weights| wrapped(weights, given, needed));
+                NurbsCurve::new(vector, wrapped(points, given, needed), weights)
             }
             CurveKind::Polyline(points) => NurbsCurve::polyline(points),
             CurveKind::Bezier(points) => NurbsCurve::bezier(points),
@@ -194,8 +196,10 @@ impl CurveSpec {
             return Err(blame(CurveError::Point { index, point: points[index] }));
         }
         let placed = self.placed()?;
-        let mut points: Vec<_> = points.iter().map(|&p| placed.transform_point3(p)).collect();
-        let mut weights = weights.clone();
+        let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
+        let mut weights = wrapped(weights, given, needed);
+        let mut points = wrapped(points, given, needed);
+        points.iter_mut().for_each(|point| *point = placed.transform_point3(*point));
         let mut vector = vector;
         if self.reverse {
             points.reverse();

@@ -15,6 +15,12 @@ pub enum Knots {
     Values(Vec<f64>),
     /// Each knot once, with its multiplicity.
     Multiplicities(Vec<(f64, usize)>),
+    /// Evenly spaced, without repeated ends: `0, 1, 2, …`.
+    Uniform,
+    /// Those of a closed spline, `0, 1, 2, …`: the control points are there once, and are followed by the first again.
+    PeriodicUniform,
+    /// The same, listed: the knots of one period, one more than control points.
+    Periodic(Vec<f64>),
 }
 
 /// A NURBS surface as written: numbers with their places, not yet known to be a surface.
@@ -32,7 +38,7 @@ pub struct Net {
     pub weights: Option<Written<Vec<f64>>>,
 }
 
-/// Why a net is no surface, and the number to blame.
+/// Why a net is not a surface, and the part to blame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NetFault {
     pub(super) error: SurfaceError,
@@ -48,12 +54,15 @@ pub(super) enum Blame {
 }
 
 impl Net {
-    /// The surface these numbers are, if they are one.
+    /// Returns the surface that these numbers describe, if they describe one.
     pub(super) fn surface(&self) -> Result<NurbsSurface, NetFault> {
         let knots_u = self.knot_vector(Direction::U)?;
         let knots_v = self.knot_vector(Direction::V)?;
-        let weights = self.weights.as_ref().map(|weights| weights.value.clone());
-        NurbsSurface::new(knots_u, knots_v, self.points.value.clone(), weights).map_err(|error| {
+        let around = [knots_u.point_count(), knots_v.point_count()];
+        let points = wrapped(&self.points.value, self.size, around);
+        let weights =
+            self.weights.as_ref().map(|weights| wrapped(&weights.value, self.size, around));
+        NurbsSurface::new(knots_u, knots_v, points, weights).map_err(|error| {
             let blame = match error {
                 SurfaceError::Weight { .. } | SurfaceError::WeightCount { .. } => Blame::Weights,
                 SurfaceError::Domain { direction, .. } => Blame::Knots(direction),
@@ -85,6 +94,32 @@ impl Net {
     }
 }
 
+impl Knots {
+    /// Whether they are those of a closed spline, so that the first control points are repeated.
+    pub(super) fn close(&self) -> bool {
+        matches!(self, Self::PeriodicUniform | Self::Periodic(_))
+    }
+}
+
+/// The knots of a period of this many spans.
+pub(super) fn evenly_spaced(spans: usize) -> Vec<f64> {
+    (0..=spans).map(|knot| knot as f64).collect()
+}
+
+/// The entries of a grid, those of the second direction fastest, with the first rows and columns again after the last
+/// until there are as many as knots of closed directions need.
+///
+/// A grid of another size is left as it is, for the surface to refuse.
+pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 2]) -> Vec<T> {
+    if wanted == size || entries.len() != size[0] * size[1] {
+        return entries.to_vec();
+    }
+    let row = |i: usize| (0..wanted[1]).map(move |j| entries[i % size[0] * size[1] + j % size[1]]);
+    (0..wanted[0]).flat_map(row).collect()
+}
+
+/// The knot vector of so many control points, as written. It has more points where it closes: the first ones again, as
+/// [`wrapped`] repeats them.
 pub(super) fn knot_vector(
     degree: usize,
     knots: &Knots,
@@ -97,5 +132,11 @@ pub(super) fn knot_vector(
             let knots = KnotVector::with_multiplicities(degree, pairs)?;
             KnotVector::for_points(degree, knots.values().to_vec(), points)
         }
+        Knots::Uniform => KnotVector::uniform(degree, points),
+        Knots::PeriodicUniform => KnotVector::periodic(degree, &evenly_spaced(points)),
+        Knots::Periodic(period) if period.len() != points + 1 => {
+            Err(KnotError::PeriodCount { knots: period.len(), points })
+        }
+        Knots::Periodic(period) => KnotVector::periodic(degree, period),
     }
 }

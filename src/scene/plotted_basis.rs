@@ -1,9 +1,9 @@
 //! Basis functions to plot, as written and checked.
 
-use super::net::knot_vector;
+use super::net::{evenly_spaced, knot_vector, wrapped};
 use super::{Knots, Place, Plot, PlotError, SceneError, Written};
 use crate::geometry::{
-    BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis,
+    BasisFunctions, CurveError, KnotError, KnotVector, MAX_DEGREE, RationalBasis, periodic_values,
 };
 
 /// Basis functions as written.
@@ -13,13 +13,13 @@ pub struct BasisSpec {
     pub degree: usize,
     /// The knots.
     pub knots: Written<Knots>,
-    /// The number of functions, where neither knots nor weights say it.
+    /// The number of functions, where neither knots nor weights give it.
     pub count: Option<usize>,
     /// The weights; all 1 if not given.
     pub weights: Option<Written<Vec<f64>>>,
     /// Whether functions are drawn off the domain, too, wherever they do not vanish.
     pub support: bool,
-    /// Which derivative of the functions is drawn; they themselves if not given.
+    /// Which derivative of the functions is drawn; the functions themselves if not given.
     pub derivative: Option<Written<usize>>,
 }
 
@@ -37,9 +37,9 @@ pub struct PlottedBasis {
 /// The functions of a basis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlottedFunctions {
-    /// Those without weights.
+    /// Functions without weights.
     Polynomial(BasisFunctions),
-    /// Rational ones, of which some may vanish for their weights.
+    /// Rational functions, of which some may vanish because of their weights.
     Rational(RationalBasis),
 }
 
@@ -84,7 +84,7 @@ impl PlottedBasis {
         }
     }
 
-    /// Whether weights that differ are among the functions' factors.
+    /// Whether the functions have weights that differ.
     pub fn is_rational(&self) -> bool {
         match &self.functions {
             PlottedFunctions::Polynomial(_) => false,
@@ -94,7 +94,7 @@ impl PlottedBasis {
         }
     }
 
-    /// Whether a function is 0 everywhere: its knots are one, or its weight is 0.
+    /// Whether a function is 0 everywhere: its knots are all equal, or its weight is 0.
     pub fn vanishes(&self, index: usize) -> bool {
         match &self.functions {
             PlottedFunctions::Polynomial(functions) => functions.vanishes(index),
@@ -102,7 +102,7 @@ impl PlottedBasis {
         }
     }
 
-    /// What is drawn of a function, at a parameter where it is drawn.
+    /// The value or derivative of a function that is drawn, at a parameter where it is drawn.
     pub fn value(&self, index: usize, t: f64) -> f64 {
         match &self.functions {
             PlottedFunctions::Polynomial(functions) => {
@@ -114,10 +114,10 @@ impl PlottedBasis {
 }
 
 impl BasisSpec {
-    /// The basis; `fails` says what it is for.
+    /// Returns the basis; `fails` makes the error about the plot.
     ///
     /// # Errors
-    /// When the numbers of functions, knots and weights do not match, or some are none.
+    /// When the numbers of functions, knots and weights do not match, or some are not valid.
     pub(super) fn checked(
         &self,
         fails: impl Fn(&Place, PlotError) -> SceneError,
@@ -139,12 +139,13 @@ impl BasisSpec {
             return Ok(PlottedFunctions::Polynomial(functions));
         };
         let knots = knot_vector(self.degree, &self.knots.value, count).map_err(at_knots)?;
-        let basis = RationalBasis::new(knots, weights.value.clone());
+        let sizes = [count, knots.point_count()].map(|count| [1, count]);
+        let basis = RationalBasis::new(knots, wrapped(&weights.value, sizes[0], sizes[1]));
         let at_weights = |error: CurveError| (&weights.place, PlotError::Basis(error));
         Ok(PlottedFunctions::Rational(basis.map_err(at_weights)?))
     }
 
-    /// How many functions there are to be, by what of `count`, `weights` and `knots` is given.
+    /// The number of functions, from those of `count`, `weights` and `knots` that are given.
     fn function_count(&self) -> Result<usize, (&Place, PlotError)> {
         let (degree, knots) = (self.degree, &self.knots);
         if let Some(weights) = &self.weights {
@@ -178,7 +179,9 @@ impl BasisSpec {
     /// The number of knots that are listed.
     fn listed(&self) -> Option<usize> {
         match &self.knots.value {
-            Knots::ClampedUniform => None,
+            Knots::ClampedUniform | Knots::Uniform | Knots::PeriodicUniform => None,
+            // As many as so many different functions would need, if they did not close.
+            Knots::Periodic(period) => Some(period.len().saturating_add(self.degree)),
             Knots::Values(values) => Some(values.len()),
             Knots::Multiplicities(pairs) => {
                 Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
@@ -186,14 +189,15 @@ impl BasisSpec {
         }
     }
 
-    /// So many functions without weights. Unless all of their support is drawn, there must be a
+    /// `count` functions without weights. Unless all of their support is drawn, there must be a
     /// domain.
     fn polynomial(&self, count: usize) -> Result<BasisFunctions, KnotError> {
         let degree = self.degree;
         if degree > MAX_DEGREE {
             return Err(KnotError::BasisDegree { degree });
         }
-        if count < if self.support { 1 } else { degree + 1 } {
+        let closes = self.knots.value.close();
+        if !closes && count < if self.support { 1 } else { degree + 1 } {
             return Err(KnotError::TooFewPoints { points: count, degree });
         }
         if let Some(knots) = self.listed().filter(|&knots| knots != count + degree + 1) {
@@ -204,6 +208,9 @@ impl BasisSpec {
                 (0..=count).map(|index| index as f64 / count as f64).collect()
             }
             Knots::ClampedUniform => KnotVector::clamped_uniform(degree, count)?.values().to_vec(),
+            Knots::Uniform => (0..=count + degree).map(|index| index as f64).collect(),
+            Knots::PeriodicUniform => periodic_values(degree, &evenly_spaced(count))?,
+            Knots::Periodic(period) => periodic_values(degree, period)?,
             Knots::Values(values) => values.clone(),
             Knots::Multiplicities(pairs) => {
                 if let Some(&(knot, _)) = pairs.iter().find(|&&(_, times)| times == 0) {
@@ -213,7 +220,7 @@ impl BasisSpec {
                 runs.flatten().collect()
             }
         };
-        let (start, end) = (values[degree], values[count]);
+        let (start, end) = (values[degree], values[values.len() - 1 - degree]);
         let functions = BasisFunctions::new(degree, values)?;
         if start == end && !self.support {
             return Err(KnotError::EmptyDomain { start, end, degree, last: count });

@@ -6,7 +6,8 @@ use toml::Spanned;
 use super::super::keyed::Keyed;
 use super::keys::TransformKeys;
 use super::kinds::OneOf;
-use super::values::{Exactly, KnotList, Number, Point};
+use super::knot_list::KnotList;
+use super::values::{Exactly, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::shapes::QuarticArc;
 use crate::scene::{BSplineEnds, CurveKind, CurveSpec, Knots, Place, UnknownName, Written};
@@ -117,7 +118,7 @@ struct QuarticKeys {
     x2: Option<Number>,
 }
 
-/// What a curve can be, for messages.
+/// The kinds of curves, for messages.
 const KINDS: &str = "nurbs, polyline, bezier, through, bspline, catmull_rom, hermite, circle, arc, \
                      note_circle, quarter_circle_2, quarter_circle_4";
 

@@ -10,11 +10,10 @@ use super::constructions::{
     RevolutionKeys, RibbonKeys, RuledKeys, SweepKeys, TrimCurvesKeys, TubeKeys,
 };
 use super::kinds::{Kinds, OneOf};
+use super::knot_list::KnotList;
 use super::plots::{FigureKeys, PlotKeys};
 use super::trims::TrimKeys;
-use super::values::{
-    Axis, Color, Count, Emission, Exactly, Factors, KnotList, Number, PerDirection, Vector,
-};
+use super::values::{Axis, Color, Count, Emission, Exactly, Factors, Number, PerDirection, Vector};
 use crate::geometry::shapes::OctantConstants;
 use crate::scene::{NamedShape, Scheme};
 
@@ -303,7 +302,7 @@ fn third() -> Spanned<Number> {
     Spanned::new(0..0, Number(1.0 / 3.0))
 }
 
-/// A control net: a list for each u of what lies along v there.
+/// A control net: for each u, a list of the entries along v.
 pub(super) type Grid<T> = Vec<Spanned<Vec<T>>>;
 
 #[derive(Deserialize)]
@@ -334,11 +333,11 @@ pub(super) enum ShapeSource {
     File(Spanned<String>),
 }
 
-/// The measures that are written, by their names in errors, and where.
+/// The measures that are written: their names in errors, and their offsets.
 pub(super) type Measures = Vec<(&'static str, usize)>;
 
-/// The constants of an octant, those that are not written being the source note's; and where
-/// they are written.
+/// Returns the constants of an octant, if any are written; the others are the source note's. Adds
+/// the offsets to `measures`.
 fn octant_constants(
     a: Option<Spanned<Exactly<Number, 3>>>,
     b: Option<Spanned<Exactly<Number, 4>>>,

@@ -1,4 +1,4 @@
-//! What is said of nets, and of surfaces made from curves or drawn of others.
+//! Nets, surfaces made from curves or drawn from others, and the errors about them.
 
 use glam::{DVec2, DVec3};
 
@@ -118,6 +118,62 @@ fn an_inline_net() {
     assert_eq!(surface.point(1, 1), DVec3::ONE);
     assert_eq!(surface.weight(1, 0), 0.5);
     assert_eq!(surface.knots_u().values(), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+}
+
+/// A closed net is the one in which the first rows are written again after the last.
+#[test]
+fn knots_by_name() {
+    let tube = |knots: &str, rows: &str, weights: &str| {
+        let text = format!(
+            "[[object]]\n[object.shape.nurbs]\ndegree = [2, 1]\n{knots}\n\
+             points = [{rows}]\nweights = [{weights}]"
+        );
+        World::new(&scene(&text)).unwrap().surfaces[0].surface.nurbs().unwrap().clone()
+    };
+    let [a, b, c] = ["[[1,0,0],[1,0,2]]", "[[0,1,0],[0,1,2]]", "[[-1,-1,0],[-1,-1,2]]"];
+    let (once, again) = (format!("{a},{b},{c}"), format!("{a},{b},{c},{a},{b}"));
+    let (weights, twice) = ("[1,1],[2,2],[1,3]", "[1,1],[2,2],[1,3],[1,1],[2,2]");
+    let written = tube("knots_u = [-2, -1, 0, 1, 2, 3, 4, 5]", &again, twice);
+    assert_eq!(tube("knots_u = 'periodic'", &once, weights), written);
+    assert_eq!(tube("knots_u = { periodic = [0, 1, 2, 3] }", &once, weights), written);
+    let uneven = tube("knots_u = { periodic = [0, 1, 3, 7] }", &once, weights);
+    assert_eq!(uneven.knots_u().values(), [-6.0, -4.0, 0.0, 1.0, 3.0, 7.0, 8.0, 10.0]);
+    assert_eq!(
+        tube("knots_v = 'uniform'", &once, weights).knots_v().values(),
+        [0.0, 1.0, 2.0, 3.0]
+    );
+    assert_eq!(tube("knots_u = 'clamped'", &once, weights), tube("", &once, weights));
+
+    let curve = |curve: &str| {
+        format!("[[object]]\nshape = {{ tube = {{ curve = {{ {curve} }}, radius = 0.1 }} }}")
+    };
+    let points = "degree = 3, points = [[1, 0], [0, 1], [-1, 0], [0, -1]]";
+    let tube =
+        |knots: &str| World::new(&scene(&curve(&format!("nurbs = {{ {points}, {knots} }}"))));
+    assert!(tube("knots = 'periodic', weights = [1, 2, 1, 2]").is_ok());
+    let closed = "bspline = { points = [[1, 0], [0, 1], [-1, 0], [0, -1]], closed = true }";
+    assert_eq!(
+        tube("knots = 'periodic'").unwrap().surfaces.len(),
+        World::new(&scene(&curve(closed))).unwrap().surfaces.len()
+    );
+    for (knots, message) in [
+        (
+            "'open'",
+            "2:105: found \"open\", needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
+        ),
+        (
+            "{ periodic = [0, 1, 2] }",
+            "2:105: surface \"tube\": curve: 3 knots for one period, but 4 points need 5",
+        ),
+        ("{ period = [0, 1, 2] }", "2:107: unknown key \"period\"; did you mean \"periodic\"?"),
+        (
+            "3",
+            "2:105: found 3, needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
+        ),
+    ] {
+        let text = curve(&format!("nurbs = {{ {points}, knots = {knots} }}"));
+        assert_eq!(error(&text), format!("s.toml:{message}"));
+    }
 }
 
 #[test]

@@ -6,7 +6,8 @@ use toml::Spanned;
 use super::super::keyed::Keyed;
 use super::curves::CurveKeys;
 use super::kinds::{Kinds, OneOf};
-use super::values::{Count, Exactly, KnotList, Number, Point};
+use super::knot_list::KnotList;
+use super::values::{Count, Exactly, Number, Point};
 use super::{LoadError, Reader};
 use crate::geometry::{CornerCutting, MatrixForm, PolygonEnds};
 use crate::scene::{
@@ -55,7 +56,7 @@ enum ShowKeys {
 }
 
 impl ShowKeys {
-    /// A plot that does not show space: its name, and what it is drawn over instead.
+    /// For a plot that does not show space: its name, and what it is drawn over instead.
     fn over(&self) -> Option<(&'static str, &'static str)> {
         match self {
             Self::Basis(_) => Some(("basis", "the parameter")),
@@ -178,10 +179,10 @@ struct SurfacesKeys {
     net: bool,
 }
 
-/// How many teeth a span's comb has, if nothing else is said: enough to read as a surface.
+/// The teeth of a span's comb if not given: enough to read as a surface.
 const TEETH: usize = 24;
 
-/// How often corners are cut, if nothing else is said: the polygon then looks like its limit.
+/// The rounds of corner cutting if not given: the polygon then looks like its limit.
 const ROUNDS: usize = 3;
 
 impl Reader<'_, '_> {

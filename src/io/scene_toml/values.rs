@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 use crate::math::{Counted, Shown};
-use crate::scene::{Knots, Rgb};
+use crate::scene::Rgb;
 
 /// A finite number, whole or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub(super) struct Color(pub(super) Rgb);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Emission(pub(super) Rgb);
 
-/// A whole number from 1 on. Zero is read, too: who counts with it says what must not be nothing.
+/// A whole number from 1 on. Zero is read, too: the code that uses it says what must not be 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Count(pub(super) u32);
 
@@ -51,13 +51,9 @@ pub(super) struct Count(pub(super) u32);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PerDirection(pub(super) [u32; 2]);
 
-/// `[0, 0, 1, 1]`, or `[[0, 2], [1, 2]]` as value and multiplicity.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct KnotList(pub(super) Knots);
-
 /// Values that come in lists of a given length.
 pub(super) trait Listed {
-    /// What several of them are called.
+    /// The name of several such values.
     const PLURAL: &'static str;
 }
 
@@ -66,7 +62,7 @@ impl Listed for Number {
 }
 
 impl Listed for Count {
-    /// Sizes are all that is counted in lists.
+    /// Sizes are the only counts that are lists.
     const PLURAL: &'static str = "whole numbers, [width, height]";
 }
 
@@ -78,8 +74,8 @@ impl Listed for Exactly<Number, 4> {
     const PLURAL: &'static str = "rows of 4 numbers";
 }
 
-/// A list of exactly `N` values. (An array of Rust is read from longer lists, too, and what is
-/// too much is dropped.)
+/// A list of exactly `N` values. (A Rust array is read from longer lists, too, and the rest is
+/// dropped.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
 
@@ -130,20 +126,20 @@ impl<'de> Deserialize<'de> for Count {
     }
 }
 
-/// What can stand for a value: finite numbers, text, or a list of numbers.
+/// The ways to write a value: a finite number, text, or a list of numbers.
 #[derive(Debug)]
-enum Loose {
+pub(super) enum Loose {
     Number(f64),
     Text(String),
     List(Vec<f64>),
 }
 
-/// Longer lists are kept only so far: no value has this many numbers.
+/// Longer lists are cut to this length: no value has this many numbers.
 const LONGEST: usize = 8;
 
-/// Reads a value from whatever [`Loose`] can be. The value is made within the visitor, so
+/// Reads a value written in any way of [`Loose`]. The value is made within the visitor, so
 /// that the parser adds the place of this very value to an error.
-fn loosely<'de, T, D>(deserializer: D) -> Result<T, D::Error>
+pub(super) fn loosely<'de, T, D>(deserializer: D) -> Result<T, D::Error>
 where
     T: TryFrom<Loose, Error = String>,
     D: Deserializer<'de>,
@@ -196,11 +192,11 @@ macro_rules! read_loosely {
     )*};
 }
 
-read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, Emission, PerDirection, KnotEntry);
+read_loosely!(Number, Vector, Point, Pair, Factors, Axis, Color, Emission, PerDirection);
 
 impl Loose {
-    /// What was found instead of what is needed.
-    fn but_needed(&self, needed: &str) -> String {
+    /// The message that this was found instead of what is needed.
+    pub(super) fn but_needed(&self, needed: &str) -> String {
         match self {
             Self::Number(number) => format!("found {}, needed {needed}", Shown(*number)),
             Self::Text(text) => format!("found \"{}\", needed {needed}", text.escape_debug()),
@@ -213,7 +209,7 @@ impl Loose {
         }
     }
 
-    /// Linear light, none of it below zero: `needed` says what of.
+    /// Returns linear light, no share of it below zero; messages name what it is by `needed`.
     fn light(&self, needed: &str) -> Result<Rgb, String> {
         let light = match self {
             Self::Number(grey) => Some([*grey; 3]),
@@ -353,68 +349,6 @@ impl TryFrom<Loose> for PerDirection {
         match pair.map(|pair| pair.map(whole)) {
             Some([Some(u), Some(v)]) => Ok(Self([u, v])),
             _ => Err(value.but_needed("a whole number from 0 on, or two as [u, v]")),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for KnotList {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let entries = Vec::<KnotEntry>::deserialize(deserializer)?;
-        if entries.iter().all(|entry| matches!(entry, KnotEntry::Pair(..))) && !entries.is_empty() {
-            let pairs = entries.iter().map(|entry| entry.pair()).collect();
-            return Ok(Self(Knots::Multiplicities(pairs)));
-        }
-        let values: Option<_> = entries.iter().map(KnotEntry::single).collect();
-        values.map(Knots::Values).map(Self).ok_or_else(|| {
-            D::Error::custom("knots are listed either all as numbers or all as [knot, times]")
-        })
-    }
-}
-
-/// An entry of a list of knots.
-#[derive(Clone, Copy, Debug)]
-enum KnotEntry {
-    Single(f64),
-    Pair(f64, usize),
-}
-
-impl KnotEntry {
-    fn single(&self) -> Option<f64> {
-        match *self {
-            Self::Single(knot) => Some(knot),
-            Self::Pair(..) => None,
-        }
-    }
-
-    fn pair(&self) -> (f64, usize) {
-        match *self {
-            Self::Single(knot) => (knot, 1),
-            Self::Pair(knot, times) => (knot, times),
-        }
-    }
-}
-
-impl TryFrom<Loose> for KnotEntry {
-    type Error = String;
-
-    fn try_from(value: Loose) -> Result<Self, String> {
-        match &value {
-            Loose::Number(knot) => Ok(Self::Single(*knot)),
-            Loose::List(list) => match *list.as_slice() {
-                // `as` saturates: an absurd multiplicity stays absurd and is refused later.
-                [knot, times] if times.fract() == 0.0 && times >= 0.0 => {
-                    Ok(Self::Pair(knot, times as usize))
-                }
-                [_, times] => {
-                    let times = Shown(times);
-                    Err(format!(
-                        "found {times} as the times of a knot, needed [knot, times] with a whole \
-                         number from 1 on"
-                    ))
-                }
-                _ => Err(value.but_needed("a knot, or [knot, times]")),
-            },
-            Loose::Text(_) => Err(value.but_needed("a knot, or [knot, times]")),
         }
     }
 }
