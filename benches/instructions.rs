@@ -1,5 +1,5 @@
-//! How many instructions the kernels take, counted by valgrind: the same to a thousandth every
-//! time, so a step of some per cent is seen that a clock would hide.
+//! Counts the instructions of the kernels with valgrind. Counts repeat to a thousandth, so a step
+//! of a few per cent is seen that a clock would hide.
 //!
 //! ```sh
 //! cargo install gungraun-runner --version 0.20.0      # once; and valgrind, of your distribution
@@ -8,10 +8,10 @@
 //! cargo bench --bench instructions -- --baseline=before
 //! ```
 //!
-//! The last command fails where a part takes over 5 % more instructions than before. Counts are
-//! of one compiler on one kind of processor: they are compared on the machine that made them,
-//! and none are kept in the repository. Without valgrind or the runner it says so, and counts
-//! nothing. AVX-512 is left out, for valgrind does not know it.
+//! The last command fails where a part takes over 5 % more instructions than before. Counts hold
+//! for one compiler on one kind of processor: they are compared on the machine that made them, and
+//! none are kept in the repository. Without valgrind or the runner, the benchmark says so and
+//! counts nothing. AVX-512 is left out, as valgrind does not know it.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stderr,
@@ -33,7 +33,7 @@ const TEAPOT: &str = "teapot.json";
 
 fn main() {
     let given = |argument: &str| std::env::args().any(|one| one == argument);
-    // What valgrind runs is this program again.
+    // Valgrind runs this program again.
     if given("--gungraun-run") {
         return counts::run();
     }
@@ -58,7 +58,7 @@ fn answers(program: &str) -> bool {
     command.status().is_ok()
 }
 
-/// The parts that are counted. A module, for gungraun makes a `main` of its own.
+/// The parts that are counted. A module, since gungraun makes a `main` of its own.
 mod counts {
     use std::hint::black_box;
 
@@ -70,7 +70,7 @@ mod counts {
     use super::subject::Subject;
     use super::{SPHERE, TEAPOT};
 
-    /// How much more a part may take than before, in per cent.
+    /// The increase allowed for a part, in per cent.
     const LIMIT: f64 = 5.0;
 
     /// A tracer and its rays, ready to go: making them is not counted.

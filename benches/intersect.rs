@@ -12,8 +12,8 @@
 //! | `all` | all hits: `exact` and `crossings` |
 //! | `build` | `bvh` and `tree`, and the leaves of `patch` |
 //!
-//! How many instructions the kernels take says `cargo bench --bench instructions`; for
-//! comparisons with others, over whole pictures, there is `nurbray bench`.
+//! `cargo bench --bench instructions` says how many instructions the kernels take; `nurbray bench`
+//! compares them with others, over whole pictures.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

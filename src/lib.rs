@@ -1,5 +1,5 @@
-//! Rays meet NURBS surfaces directly: no tessellation, and each hit is exact to f64 rounding
-//! or says that it is not sure.
+//! Ray tracing of NURBS surfaces without tessellation: each hit is exact to f64 rounding, or is
+//! flagged doubtful.
 //!
 //! ```text
 //! file ─▶ Scene ─▶ World ───────────────────────▶ Film ─▶ EXR, PNG
@@ -13,12 +13,12 @@
 //!
 //! # The tour
 //!
-//! The modules are floors of a house: each uses only those below it, and a test says so.
+//! The modules are floors of a house: each uses only those below it, and a test enforces this.
 //! From the ground up:
 //!
 //! | floor | what it holds |
 //! |---|---|
-//! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, what rounding costs |
+//! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, bounds of rounding errors |
 //! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), what is made from curves ([`construct`](geometry::construct)), and what is cut from surfaces ([`trim`](geometry::trim)) |
 //! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
 //! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once, a [`Tracer`](intersect::Tracer) a thread asks it for the first [`Hit`](intersect::Hit), any hit, or all of them |
@@ -26,8 +26,8 @@
 //! | [`render`] | light: integrators turn rays into a [`Film`](render::Film), the same for any number of threads |
 //! | [`io`] | files: scenes, models and rays in, pictures and hits out |
 //!
-//! The program `nurbray` stands on top and is no part of this library; without the default
-//! feature `program` nothing only it needs is built.
+//! The program `nurbray` stands on top and is not part of this library. Without the default
+//! feature `program`, nothing is built that only the program needs.
 //!
 //! # One example, from a surface to a picture
 //!
@@ -88,18 +88,19 @@
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged
 //!   [doubtful](intersect::Answer::doubtful).
-//! - A hit without doubt lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that in a pole,
-//!   where what passes it so near meets it.
-//! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep one as a rule
-//!   within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
-//! - What trims keep of a surface is closed, too: a root that may lie on a trim edge, as far as
-//!   rounding lets one know, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
-//! - Answers depend on the ray and the surfaces only, but for last digits, which the
-//!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change; pictures on
-//!   the scene and its settings only: not on threads, tiles or crops.
-//! - The library never prints, exits or panics on what it is given: bad input is an error
-//!   that says what was found, what is needed and where. (Asked for a control point that is not there, or given
-//!   coefficients of another number than the degrees need, it panics, as slices do; functions that can say so.)
+//! - A hit that is not doubtful lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that at a
+//!   pole: a ray that passes the pole within that distance meets it.
+//! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray as a
+//!   rule within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
+//! - The kept part of a trimmed surface is closed, too: a root that may lie on a trim edge, given
+//!   rounding, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
+//! - Answers depend only on the ray and the surfaces, except for the last digits, which the
+//!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change. Pictures
+//!   depend only on the scene and its settings: not on threads, tiles or crops.
+//! - The library never prints or exits, and does not panic on bad input: that is an error which says
+//!   what was found, what is needed and where. (The exceptions, like indexing of slices: functions panic if
+//!   asked for a control point that does not exist, or given a number of coefficients that does not fit
+//!   the degrees; their documentation says so.)
 
 pub mod geometry;
 pub mod intersect;

@@ -1,4 +1,4 @@
-//! The program `nurbray`: parse, run, print one error, say how it went.
+//! The program `nurbray`: parse, run, print one error, return the exit code.
 
 mod app;
 

@@ -10,15 +10,15 @@ use nurbray::io::{load_input, write_png};
 use nurbray::render::{AovSet, PixelRect, RenderSettings, render};
 use nurbray::scene::World;
 
-/// A clone should not be heavy for its pictures.
+/// The largest size of a picture in bytes: a clone should not be heavy for its pictures.
 const LARGEST_PICTURE: u64 = 200_000;
 
-/// Strips across each picture are rendered again, as crops, which are the same pixels: at
-/// these shares of its height, this many rows each. All pictures whole would take minutes.
+/// Strips across each picture are rendered again as crops, whose pixels are the same: at these
+/// shares of its height, with this many rows each. Whole pictures would take minutes.
 const STRIPS: [f64; 3] = [0.3, 0.5, 0.7];
 const ROWS: u32 = 3;
 
-/// How many pixels may differ by more than 1/255, one in so many.
+/// One pixel in this many may differ by more than 1/255.
 ///
 /// On one machine none does. But cameras and sRGB need `tan` and `pow`, whose last bit is
 /// the system library's, and a sample on the edge of a line may fall to its other side.

@@ -1,4 +1,4 @@
-//! Every kernel gives the answers of the scalar one, whatever the company of a ray.
+//! Every kernel gives the answers of the scalar one, whatever other rays a batch holds.
 
 #![allow(
     clippy::expect_used,
@@ -70,8 +70,9 @@ fn single_rays_are_answered_as_by_the_scalar_kernel() {
     });
 }
 
-/// Takes over normals near a pole: the derivative along a parallel is as short as the parallel, so towards the pole the
-/// rounding of its coordinates turns the normal by that much more.
+/// Replaces normals near a pole by those of the scalar kernel, if they differ by rounding only. The
+/// derivative along a parallel is as short as the parallel, so towards the pole the rounding of its
+/// coordinates turns the normal by that much more.
 fn forgive_normals(pole: DVec3, wide: &mut [Answer], scalar: &[Answer]) {
     for (a, b) in wide.iter_mut().zip(scalar) {
         let (Some(a), Some(b)) = (&mut a.hit, &b.hit) else { continue };
@@ -156,8 +157,9 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
     }
 }
 
-/// Of dense surfaces the Bézier points are not kept; of the same surfaces given in Bézier form they are. The
-/// scalar kernel has the same numbers of both, up to degree three; else they are the same but for rounding.
+/// The Bézier points of dense surfaces are not kept; those of the same surfaces given in Bézier
+/// form are. Up to degree three, the scalar kernel has the same numbers for both; otherwise they
+/// are the same except for rounding.
 #[test]
 fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     let mut random = Random::new(17);
@@ -216,7 +218,8 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     }
 }
 
-/// Sides that are nearly parallel say little of where across them a step leads: its rounding must not be left in a hit.
+/// Nearly parallel sides leave a step across them poorly determined: the step's rounding must not
+/// be left in a hit.
 #[test]
 fn parallelograms_of_nearly_parallel_sides_are_met_on_the_rays() {
     let mut random = Random::new(11);
@@ -277,7 +280,7 @@ fn incoherent_rays_get_the_normals_of_the_sphere_to_the_last_digits() {
     }
 }
 
-/// Leaves looked at by all kernels for rays that are aimed at a body.
+/// The leaf tests of each wide kernel, one by one and in batches, for rays aimed at a body.
 fn leaf_tests(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<u64> {
     let count = |kernel: Kernel, coherence: Option<Coherence>| {
         let (mut tracer, mut answers) = (bvh.tracer_with(kernel), Vec::new());
@@ -313,15 +316,15 @@ fn small_bodies_cost_what_they_cost_alone() {
         let below = DAffine3::from_translation(DVec3::new(0.3 * size, 0.2 * size, -20.0));
         let scene = built(&[ball.clone(), floor.transformed(&below).unwrap()]);
         for (with, alone) in leaf_tests(&scene, &queries).iter().zip(&alone) {
-            // The floor is looked at, too.
+            // The floor is tested, too.
             let most = 2 * alone + queries.len() as u64;
             assert!(with <= &most, "{size}: {with} leaf tests instead of {alone}");
         }
     }
 }
 
-/// Most of a picture may be background, and what is seen small in it: rays that pass the whole scene by are told in
-/// packets from what they have in common.
+/// Most of a picture may be background, and what is seen in it small: bounds shared by all rays of
+/// a packet tell which rays pass the whole scene by.
 #[test]
 fn packets_meet_a_ball_that_is_small_in_the_picture_where_its_lines_do() {
     let bvh = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();

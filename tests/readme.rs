@@ -1,4 +1,4 @@
-//! The README does not rot: what it shows is run, as a reader would who pastes it.
+//! The README does not rot: its commands are run as a reader who pastes them would run them.
 #![cfg(feature = "program")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests, and what they share")]
 
@@ -14,7 +14,7 @@ const README: &str = include_str!("../README.md");
 /// The program as the README calls it: built from a clone, or installed.
 const CALLS: [&str; 2] = ["cargo run --release -- ", "nurbray "];
 
-/// What is put in place of what a command says, to be quick; added where it says nothing.
+/// Options that make a command quick: they replace the command's own, or are added to it.
 const SMALLER: [(&str, &[(&str, &str)]); 7] = [
     ("render", &[("--size", "16x12"), ("--spp", "1")]),
     ("bench", &[("--size", "16"), ("--seconds", "0.01")]),
@@ -25,7 +25,7 @@ const SMALLER: [(&str, &[(&str, &str)]); 7] = [
     ("plot", &[]),
 ];
 
-/// What is left out of `bench`: not everybody has the rival, and other tests measure with it.
+/// Options left out of `bench`: not everybody has the rival, and other tests measure with it.
 const NEEDS_EMBREE: [&str; 2] = ["--against", "--tolerance"];
 
 /// The README's longest scene: one screen.
@@ -78,7 +78,7 @@ fn commands() -> Vec<Vec<String>> {
         .filter_map(|line| {
             let words = CALLS.iter().find_map(|call| line.strip_prefix(call))?;
             let words: Vec<_> = words.split_whitespace().map(str::to_owned).collect();
-            (words.len() > 1).then_some(words) // `nurbray audit` alone is but its name
+            (words.len() > 1).then_some(words) // `nurbray audit` alone is only its name
         })
         .collect()
 }
@@ -101,13 +101,13 @@ fn smaller(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
-/// Whether a command works here: `compare` needs someone to compare with.
+/// Whether a command works here: `compare` needs a rival.
 fn works_here(words: &[String]) -> bool {
     let without = std::env::var_os("NURBRAY_WITHOUT_EMBREE").is_some_and(|value| value == "1");
     words[0] != "compare" || (words.contains(&"embree".to_owned()) && !without)
 }
 
-/// A folder as the reader's: scenes, a place for pictures, the README's scene, some rays.
+/// A folder like the reader's: scenes, a place for pictures, the README's scene, some rays.
 fn readers_folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -164,7 +164,7 @@ fn every_subcommand_is_in_the_table() {
     }
 }
 
-/// The cells of a table's rows but for the first, row by row.
+/// The cells of a table, row by row, without the first cell of each row.
 fn cells(text: &str) -> Vec<&str> {
     let rows = text.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" | "));
     rows.map(|(_, cells)| cells).collect()

@@ -198,7 +198,7 @@ fn complementary_trims_make_a_closed_body() {
             assert!(hits[1].normal.dot(query.ray().direction()) > 0.0);
         }
         assert!(edges > 1000, "{edges} of the rays at edges met them");
-        // Out of the body there is no way, whoever looks for it: from inside all rays hit.
+        // No ray gets out of the body, however it is traced: from inside all rays hit.
         let out: Vec<Query> = queries
             .iter()
             .map(|query| {
@@ -389,8 +389,8 @@ fn trims_are_mirrored_with_their_surface() {
     assert_eq!(mirrored.trims().loop_count(), part.trims().loop_count());
 }
 
-/// At a pole all parameters of a side are one point: it is there if any of them is kept, and is
-/// met at one that is.
+/// At a pole all parameters of a side are one point. The point is there if any of them is kept,
+/// and is met at a kept one.
 #[test]
 fn a_pole_partly_cut_off_is_met_at_kept_parameters() {
     let notch = circle(0.0, 0.3, 0.1);

@@ -38,7 +38,7 @@ const BODY: ([f64; 2], [Stretch; 11]) = (
 const BOLT: ([f64; 2], [Stretch; 2]) =
     ([0.12, 0.2], [Line(0.12, 0.28), Corner([0.12, 0.36], [0.0, 0.36])]);
 
-/// Bolts on a circle of this radius.
+/// The number of bolts, and the radius of the circle they stand on.
 const BOLTS: u32 = 8;
 const BOLT_CIRCLE: f64 = 1.1;
 
@@ -92,7 +92,7 @@ fn turned(start: [f64; 2], stretches: &[Stretch]) -> Result<NurbsSurface, Surfac
     NurbsSurface::new(quarters, quadratic(stretches.len(), Direction::V)?, points, Some(weights))
 }
 
-/// The knots of so many quadratic pieces, one after the other.
+/// The knots of `pieces` quadratic pieces, one after the other.
 fn quadratic(pieces: usize, direction: Direction) -> Result<KnotVector, SurfaceError> {
     let knots: Vec<(f64, usize)> =
         (0..=pieces).map(|k| (k as f64, if k == 0 || k == pieces { 3 } else { 2 })).collect();

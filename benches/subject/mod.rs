@@ -1,4 +1,4 @@
-//! What the benchmarks trace: models, and rays at them that ask each part of `intersect`.
+//! What the benchmarks trace: models, and rays at them that exercise each part of `intersect`.
 
 use std::path::Path;
 
@@ -10,17 +10,17 @@ use nurbray::scene::{Camera, Projection, View, World};
 
 use crate::models;
 
-/// Pixels along the side of the picture that the rays are of.
+/// Pixels along the side of the picture that the rays belong to.
 const PIXELS: u32 = 1024;
 
-/// Squares along the side of the picture of which rays are taken, each of 8 × 8 pixels: as
+/// Squares of 8 × 8 pixels along the side of the picture from which rays are taken: as
 /// coherent as those of a whole picture, but few enough to stay in the caches.
 const SQUARES: u32 = 4;
 
 /// Rows and columns along which outlines are searched.
 const LINES: u32 = 32;
 
-/// Places on outlines of which rays are taken.
+/// Places on outlines from which rays are taken.
 const OUTLINES: usize = 64;
 
 /// A model, and rays of a picture of it.
@@ -46,9 +46,9 @@ impl Subject {
         rays.filter(|ray| tracer.first_hit(ray).hit.is_some() == hit).collect()
     }
 
-    /// Rays of the pixels on both sides of outlines, 8 × 2 at a place: there the certificates of
-    /// whole leaves no longer hold, and proofs for single rays, Newton's iteration without any,
-    /// and the exact solver have their turn.
+    /// Rays of the pixels on both sides of outlines, 8 × 2 at a place. There the certificates of
+    /// whole leaves no longer hold, so that proofs for single rays, Newton's iteration without any
+    /// proof, and the exact solver have their turn.
     pub(crate) fn silhouette(&self) -> Vec<Query> {
         let places = self.outlines();
         let few = places.iter().step_by(places.len().div_ceil(OUTLINES).max(1));
@@ -96,7 +96,7 @@ impl Subject {
     }
 }
 
-/// Those of one of [`models::MODELS`], else of a scene of the repository.
+/// The surfaces of one of [`models::MODELS`], or else of a scene of the repository.
 pub(crate) fn surfaces(name: &str) -> Vec<Surface> {
     if let Some(surfaces) = models::surfaces(name) {
         return surfaces.unwrap().into_iter().map(Surface::from).collect();
@@ -124,7 +124,7 @@ fn pixel(k: u32) -> DVec2 {
     middle + shift(DVec2::splat(3.5), [within % 8, within / 8])
 }
 
-/// How far a pixel is from the middle of its block, given the middle, in pixels.
+/// The offset of a pixel from the middle of its block, in a picture of 1 × 1; both in pixels.
 fn shift(middle: DVec2, [x, y]: [u32; 2]) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) - middle) / f64::from(PIXELS)
 }

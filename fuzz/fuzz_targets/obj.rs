@@ -7,8 +7,8 @@ use nurbray::io::read_obj_cage;
 fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };
     match read_obj_cage(text, "fuzz.obj") {
-        // One step of refinement asks all there is to know of the connections. Large cages would
-        // only take time.
+        // One step of refinement exercises all of the connections. Large cages would only take
+        // time.
         Ok(model) if data.len() < 1 << 12 => drop(model.cage.refined_catmull_clark()),
         Ok(_) => {}
         Err(error) => assert!(error.to_string().starts_with("fuzz.obj")),

@@ -1,11 +1,11 @@
-//! What the fuzz targets share.
+//! Functions that the fuzz targets share.
 
 use nurbray::intersect::{Coherence, Kernel, Query, Tracer};
 use nurbray::math::Ray;
 use nurbray::scene::{Scene, World};
 
-/// Makes a world of a scene and looks at a few of its pixels in several ways: what was read without an error must
-/// trace without a panic.
+/// Makes a world of a scene and traces a few of its pixels in several ways: a scene that was read
+/// without an error must trace without a panic.
 pub fn look_at(scene: &Scene) {
     let world = match World::new(scene) {
         Ok(world) => world,
@@ -23,7 +23,7 @@ pub fn look_at(scene: &Scene) {
     }
 }
 
-/// The first hit of a ray, all of them, and what a ray meets that leaves the first.
+/// Asks for the first hit of a ray, all its hits, and the occlusion of a ray that leaves the first.
 fn look_along(ray: &Ray, tracer: &mut Tracer<'_>, surfaces: usize) {
     let mut hits = Vec::new();
     tracer.all_hits(&Query::primary(*ray), &mut hits);

@@ -1,4 +1,4 @@
-//! What the user may type.
+//! The command-line arguments.
 
 mod bench;
 mod compare;
@@ -156,8 +156,8 @@ pub(crate) struct KernelArguments {
 impl Arguments {
     /// Parses the words of a command line, the program's own name first.
     ///
-    /// No option is a number. What looks like a negative one is the value of the option
-    /// before it, and told so, lest it be taken for an option itself.
+    /// No option is a number. A word that looks like a negative number is the value of the option
+    /// before it; `=` joins the two, so that the number is not taken for an option.
     pub(crate) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut joined: Vec<OsString> = Vec::new();
         for word in words {

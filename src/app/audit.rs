@@ -25,10 +25,11 @@ use super::{console, input, output, threads};
 use check::Audit;
 use report::Report;
 
-/// The most rays of one audit: a day's work and more. What is kept of them does not grow.
+/// The largest number of rays of one audit: at least a day's work. What an audit keeps of its rays
+/// does not grow with their number.
 pub(crate) const MAX_RAYS: u64 = 1_000_000_000;
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 Rays are made from the model's own surfaces, by class:
   random       from around the model to points of its bounding box
@@ -155,7 +156,7 @@ pub(crate) fn run(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
         let settings = format!("{rays}, seed {}, kernel {kernel}, {workers}", arguments.seed);
         console::print(&format!("{settings}\n\n{}\n{}", report.table(), report.verdict()))
     };
-    // What was found out is not lost where one of the two cannot be written.
+    // If one of the two outputs cannot be written, the other one still is.
     if let Some(path) = &arguments.offenders {
         let rows: Vec<[f64; 8]> = offenders.iter().map(row).collect();
         write_rows(path, &rows).or_failed()?;

@@ -18,7 +18,7 @@ use super::race::{Measurement, Model, Rays, Rival};
 use super::{console, input, output, threads};
 use report::Report;
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 Ray sets; N is --size:
   primary            the camera's rays through the middles of N x N pixels, in
@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     outputs.iter().try_for_each(|path| output::check_svg(path))?;
     outputs.iter().try_for_each(|path| output::check_not_stdout(path))?;
     output::check(&outputs, &inputs)?;
-    // What is wrong with the last of them is told before the first is measured.
+    // Errors even in the last input are reported before the first is measured.
     for input in &inputs {
         Placed::new(&input::read(input)?).or_bad_input()?;
     }
@@ -139,13 +139,13 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What was measured of one model on one number of threads.
+/// The results of one model on one number of threads.
 struct Fought {
     /// What to print.
     text: String,
     /// What to draw.
     panels: Vec<Panel>,
-    /// What a table of several says of it.
+    /// Its row in a table of several.
     row: Vec<String>,
 }
 

@@ -7,7 +7,7 @@ use nurbray::geometry::trim::{Coverage, UvBox};
 use nurbray::geometry::{Chart, KnotVector, NurbsSurface};
 use nurbray::math::rounding::residual_factor;
 
-/// How many points of a border are looked at to find whether it is one point.
+/// The number of intervals between the points of a border that are compared to find a pole.
 const POLE_SAMPLES: usize = 16;
 
 /// One border of a surface's domain: one parameter is fixed, the other runs.
@@ -17,7 +17,8 @@ pub(crate) struct Border {
     fixed: usize,
     /// What it is fixed at: an end of the domain, or a knot where the surface jumps.
     at: f64,
-    /// Whether the surface ends there, just before such a knot, and does not begin.
+    /// Whether the border lies just before such a knot, where the surface ends, and not at the
+    /// knot, where it begins.
     before: bool,
 }
 
@@ -38,7 +39,8 @@ impl Border {
         sides.filter_map(|(side, is_border)| is_border.then_some(side))
     }
 
-    /// The borders of a chart at knots of full multiplicity within its domain, two at each: there the surface may jump.
+    /// The borders of a chart at knots of full multiplicity within its domain, two at each, as the
+    /// surface may jump there.
     pub(crate) fn inner(chart: &Chart<'_>) -> Vec<Self> {
         let mut inner = Vec::new();
         for (fixed, knots) in [chart.surface.knots_u(), chart.surface.knots_v()].iter().enumerate()
@@ -51,7 +53,7 @@ impl Border {
         inner
     }
 
-    /// Whether trims leave some of it, as far as is known.
+    /// Whether trims keep some of the border, as far as is known.
     pub(crate) fn is_kept(&self, chart: &Chart<'_>) -> bool {
         let (start, end) = self.knots(&chart.surface).domain();
         let ends = [start, end].map(|t| {
@@ -79,14 +81,14 @@ impl Border {
         surface.point_at(u, v)
     }
 
-    /// The point at `t`, and how fast it moves with `t`.
+    /// The point at `t`, and its derivative.
     pub(crate) fn tangent(&self, surface: &NurbsSurface, t: f64) -> (DVec3, DVec3) {
         let (u, v) = self.uv(t);
         let at = surface.derivatives(u, v);
         (at.point, if self.fixed == 0 { at.dv } else { at.du })
     }
 
-    /// The point the border is collapsed to: its points agree to within rounding.
+    /// The point that the border is collapsed to, if all its points agree to within rounding.
     pub(crate) fn pole(&self, surface: &NurbsSurface) -> Option<DVec3> {
         let (start, end) = self.knots(surface).domain();
         let at =
@@ -110,7 +112,7 @@ pub(crate) fn magnitude(surface: &NurbsSurface) -> f64 {
     surface.control().iter().map(|c| largest(c.truncate() / c.w)).fold(0.0, f64::max)
 }
 
-/// How far a computed point of a surface may be from the true one.
+/// The error bound of a computed point of a surface.
 pub(crate) fn rounding(surface: &NurbsSurface) -> f64 {
     let [p, q] = [surface.knots_u(), surface.knots_v()].map(KnotVector::degree);
     residual_factor(p, q) * magnitude(surface)

@@ -34,11 +34,11 @@ const BEYOND: f64 = 2.0;
 /// One panel: positive numbers over tolerances.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel {
-    /// What stands above it.
+    /// The text above it.
     pub(crate) title: String,
     /// What is drawn, with its unit. Panels of one quantity share a scale.
     pub(crate) quantity: &'static str,
-    /// What knows no tolerance: a flat line each.
+    /// Values that do not depend on a tolerance: a flat line each.
     pub(crate) levels: Vec<(String, f64)>,
     /// Names, and points `(tolerance, value)` in any order. Values that are not positive
     /// are not drawn.
@@ -72,7 +72,7 @@ impl Panel {
         (cycle(&LEVELS, self.levels.len()), cycle(&CURVES, self.curves.len()))
     }
 
-    /// What each line and curve is called, one below the other.
+    /// Draws the names of the lines and curves, one below the other.
     fn draw_legend(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Error> {
         let (levels, curves) = self.colors();
         let left = (MARGIN + LEFT) as i32;
@@ -92,8 +92,8 @@ impl Panel {
         Ok(())
     }
 
-    /// The title, a legend with room for this many lines, and the axes below it: they hold
-    /// what is drawn and nothing else.
+    /// Draws the title, a legend with room for this many lines, and below it the axes, which hold
+    /// the lines and curves and nothing else.
     fn draw(
         &self,
         area: &DrawingArea<SVGBackend<'_>, Shift>,
@@ -180,13 +180,13 @@ fn label(value: f64) -> String {
     if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// What a number beside an axis is meant to be: those of a logarithmic scale are products of
-/// many factors, and off by a few roundings.
+/// The number that is meant beside an axis: numbers of a logarithmic scale are products of many
+/// factors, and off by a few roundings.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// Plotters' errors are of as many types as it has backends.
+/// Converts an error of plotters, which has as many types of them as backends.
 fn failed(error: impl std::fmt::Display) -> Error {
     anyhow!("cannot draw: {error}")
 }

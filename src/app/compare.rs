@@ -1,4 +1,4 @@
-//! `nurbray compare`: the same camera another way, and what differs.
+//! `nurbray compare`: traces the same camera's rays another way and reports what differs.
 
 mod embree;
 mod errors;
@@ -21,7 +21,7 @@ use super::failure::Failure;
 use super::input;
 use super::race::{MAX_SIDE, Model};
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 One ray through the middle of each pixel, the same rays both ways, in the same
 run.
@@ -68,14 +68,14 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Says that there is nothing to compare.
+/// Warns if there is nothing to compare.
 fn warn_if_empty(model: &Model, hits: usize, doubtful: usize) {
     if hits + doubtful == 0 {
         input::warn_of_nothing_seen(&model.name);
     }
 }
 
-/// Width and height of the pictures, where the command line says.
+/// Width and height of the pictures, if the command line gives them.
 fn wanted_size(arguments: &CompareArguments) -> Option<[u32; 2]> {
     arguments.size.map(|size| [size.width, size.height])
 }

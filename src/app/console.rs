@@ -36,7 +36,7 @@ pub(crate) fn error(reason: &Error) {
     say(&format!("error: {}", with_causes(reason)));
 }
 
-/// An error with its causes after colons, but for those it ends with itself.
+/// An error with its causes after colons, except those that it ends with itself.
 fn with_causes(reason: &Error) -> String {
     reason.chain().fold(String::new(), |told, cause| match cause.to_string() {
         cause if told.is_empty() => cause,
@@ -66,7 +66,7 @@ mod tests {
         assert_eq!(with_causes(&silent), "cannot write a.exr: the disk is full");
         let telling = cause().context("cannot write a.exr: the disk is full");
         assert_eq!(with_causes(&telling), "cannot write a.exr: the disk is full");
-        // What only occurs in the name of a file was not told.
+        // A cause that only occurs in the name of a file has not been reported.
         let named = Error::msg("no").context("cannot write notes.exr");
         assert_eq!(with_causes(&named), "cannot write notes.exr: no");
         let deep = cause().context("cannot write a.exr: the disk is full").context("no picture");

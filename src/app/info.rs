@@ -22,7 +22,7 @@ use super::{console, input};
 use facts::{Facts, SurfaceFacts};
 use gaps::Gap;
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 Gaps: each border of each surface is sampled at 33 points or more, no farther
 apart than about 1/32 of its length, and each point's nearest point on every
@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Of each surface the diagonal of the box around the object that it belongs to.
+/// Returns for each surface the diagonal of the box around the object that it belongs to.
 fn object_sizes(world: &World, facts: &Facts) -> Vec<f64> {
     let object = |instance: &Instance| instance.part[0];
     let count = world.surfaces().last().map_or(0, |last| object(last) + 1);

@@ -17,7 +17,7 @@ pub(crate) fn read(path: &Path) -> Result<Scene, Failure> {
     load_input(path).or_bad_input()
 }
 
-/// Says of a scene whose surfaces are about to be traced how much of its files is not shown.
+/// Warns of what a scene, about to be traced, does not show of its files.
 pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
     if let [first, others @ ..] = scene.notes.as_slice() {
         let more = match others.len() {
@@ -28,12 +28,12 @@ pub(crate) fn warn_of_what_is_not_shown(path: &Path, scene: &Scene) {
     }
 }
 
-/// Says that no ray of the camera has hit anything.
+/// Warns that no ray of the camera has hit anything.
 pub(crate) fn warn_of_nothing_seen(name: &str) {
     console::warning(&format!("{name}: the camera sees nothing of the model"));
 }
 
-/// Makes a scene ready to trace and says how long that took.
+/// Makes a scene ready to trace and returns how long that took.
 ///
 /// # Errors
 /// When the scene cannot be built as its author wrote it: bad input.

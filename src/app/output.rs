@@ -1,4 +1,4 @@
-//! Files to write: told from one another and found writable before the work begins.
+//! Files to write: found to be distinct and writable before the work begins.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub(crate) fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Which of these extensions an output has, in upper or lower case: it says how to write it.
+/// Returns which of these extensions an output has, in upper or lower case: its format.
 ///
 /// # Errors
 /// When it has none of them: wrong use.
@@ -57,7 +57,7 @@ pub(crate) fn check_npy(path: &Path) -> Result<(), Failure> {
     check_only(path, "npy")
 }
 
-/// The same of drawings.
+/// The same check for drawings.
 ///
 /// # Errors
 /// When the extension is not `.svg`: wrong use.
@@ -70,8 +70,8 @@ fn check_only(path: &Path, known: &'static str) -> Result<(), Failure> {
     if is_stream { Ok(()) } else { format(path, &[known]).map(drop) }
 }
 
-/// Whether a path leads into the pipe that standard output is: what else is printed there would end
-/// up among the hits or rays.
+/// Whether standard output is a pipe and a path leads into it: anything else printed there would
+/// end up among the hits or rays.
 pub(crate) fn is_stdout(path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -94,7 +94,7 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
 /// Refuses to write a file into the pipe that the results are printed into.
 ///
 /// # Errors
-/// When it is one: wrong use.
+/// When the path leads there: wrong use.
 pub(crate) fn check_not_stdout(path: &Path) -> Result<(), Failure> {
     if is_stdout(path) {
         return Err(Failure::input(format!(

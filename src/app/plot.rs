@@ -34,7 +34,7 @@ use super::{console, input, output};
 use panel::Panel;
 use svg::Unable;
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 A scene says with [[plot]] tables what to draw: curves with control polygons and
 knots, basis and blending functions, derivatives and curvature, knot insertion,
@@ -58,7 +58,7 @@ const MAX_SIDE: u32 = 8192;
 /// The most plots that are chosen for a scene which asks for none.
 const MOST_CHOSEN: usize = 24;
 
-/// The size of one plot, if nothing is said.
+/// The size of one plot in pixels, if neither the command line nor the scene gives a size.
 const PLOT_SIZE: [u32; 2] = [480, 400];
 
 /// Runs the subcommand.
@@ -112,8 +112,8 @@ fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     numbered.map(|(index, plot)| plot.checked(index, scene).or_bad_input()).collect()
 }
 
-/// The size of the picture: the command line's, else the scene's, else so much a plot. Also what to
-/// put before a message about it: where the scene gives it.
+/// Returns the size of the picture: the command line's, else the scene's, else a fixed size for
+/// each plot. Also returns what to put before a message about it: where the scene gives it.
 fn size(
     arguments: &PlotArguments,
     scene: &Scene,
@@ -160,7 +160,7 @@ fn refused(
     }
 }
 
-/// What is drawn of a plot.
+/// Makes the panel that draws a plot.
 fn panel(plot: Plot) -> Result<Panel, Failure> {
     let Plot { title, plane, show } = plot;
     let panel = match show {

@@ -1,4 +1,4 @@
-//! How far the work is: a bar on a terminal, a few plain lines elsewhere.
+//! The progress of the work: a bar on a terminal, a few plain lines elsewhere.
 
 use std::io::{self, IsTerminal};
 use std::sync::Arc;
@@ -10,12 +10,12 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::console;
 
-/// Plain lines appear at each of this many equal parts of the work, and no oftener than this:
-/// work of seconds needs none, work of hours has ten.
+/// Plain lines appear at each of `PARTS` equal parts of the work, but no more often than every
+/// `PLAIN_INTERVAL`: work of seconds needs none, work of hours has ten.
 const PARTS: u64 = 10;
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
-/// How far the work is; may be told from any thread.
+/// The progress of the work; any thread may report it.
 #[derive(Debug)]
 pub(crate) struct Progress {
     what: &'static str,
@@ -53,15 +53,15 @@ impl Progress {
         Self { what: "", total: 0, done, rays, start, display }
     }
 
-    /// `count` more rays are traced, and rays are what the work is counted in.
+    /// Reports that `count` more rays are traced, for work that is counted in rays.
     pub(crate) fn add_rays(&self, count: u64) {
         self.rays.fetch_add(count, Ordering::Relaxed);
         let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
         self.show(done);
     }
 
-    /// `done` units of the work are finished, and this many rays are traced in all; 0 if that
-    /// is not what the work is about.
+    /// Reports that `done` units of the work are finished and this many rays traced in total; 0 if
+    /// the work is not about rays.
     pub(crate) fn set(&self, done: u64, rays: u64) {
         self.rays.store(rays, Ordering::Relaxed);
         self.done.store(done, Ordering::Relaxed);
@@ -85,7 +85,7 @@ impl Progress {
 
     fn maybe_line(&self, last: &Mutex<(Instant, u64)>, done: u64) {
         let part = done.saturating_mul(PARTS) / self.total.max(1);
-        // While another thread writes a line, this one is not needed.
+        // While another thread writes a line, this thread need not.
         let Ok(mut last) = last.try_lock() else { return };
         let finished = done >= self.total; // the summary says so
         if part > last.1 && last.0.elapsed() >= PLAIN_INTERVAL && !finished {

@@ -1,4 +1,4 @@
-//! Random numbers that depend on what they are for, not on who asks first.
+//! Random numbers that depend on what they are for, not on the order in which they are drawn.
 
 use std::f64::consts::TAU;
 
@@ -62,7 +62,7 @@ impl Random {
     }
 }
 
-/// The finaliser of SplitMix64: each bit of the answer depends on each of the question.
+/// The finaliser of SplitMix64: each bit of the result depends on each bit of the argument.
 fn mix(z: u64) -> u64 {
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

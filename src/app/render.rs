@@ -21,7 +21,7 @@ use super::table::count;
 use super::{console, input, output, threads};
 use picture::{Format, Picture};
 
-/// What `--help` says behind the options.
+/// The text that `--help` prints after the options.
 pub(crate) const HELP: &str = "\
 A bare model is framed and lit by default: the camera stands in front, to the
 right and above, a key, a fill and a little ambient light go with it. Give
@@ -69,8 +69,8 @@ does so without rounding.)
 Example:
   nurbray render scenes/teapot.toml -o teapot.exr -o teapot.png --size 1024x768 --spp 64";
 
-/// Progress is counted in thousandths, for the number of tiles is known to the renderer only;
-/// no bar is wider.
+/// Progress is counted in thousandths, since only the renderer knows the number of tiles; no bar
+/// is wider.
 const PROGRESS_STEPS: u64 = 1000;
 
 /// Runs the subcommand.
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     output::check(&paths, &[&arguments.input])?;
     let mut scene = input::read(&arguments.input)?;
     let settings = settings(arguments, &scene.settings, &pictures)?;
-    scene.settings.size = settings.size; // a camera that nobody placed shows all in that
+    scene.settings.size = settings.size; // a camera that nobody placed shows the model in this size
     override_camera(arguments, &mut scene.camera)?;
     warn_of_what_is_lost(arguments, &pictures);
 
@@ -114,7 +114,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the command line says, and where it says nothing, the scene.
+/// The settings of the command line and, where it gives none, of the scene.
 fn settings(
     arguments: &RenderArguments,
     scene: &RenderDefaults,
@@ -138,7 +138,7 @@ fn settings(
         settings.samples = range.first..range.end;
     }
     settings.crop = arguments.crop;
-    // An EXR holds everything unless told otherwise; a PNG can hold none of it.
+    // An EXR holds all AOVs unless --aov says otherwise; a PNG can hold none of them.
     settings.aovs = match arguments.aov {
         Some(aovs) => aovs,
         None if picture::all(pictures, Format::Png) => AovSet::NONE,
@@ -152,7 +152,7 @@ fn settings(
     Ok(settings)
 }
 
-/// Moves the camera as the command line says. What it says has no place in the scene, and
+/// Moves the camera as the command line says. The new values have no place in the scene, so
 /// errors will name none.
 fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Result<(), Failure> {
     if let Some(look_from) = arguments.look_from {
@@ -178,7 +178,7 @@ fn override_camera(arguments: &RenderArguments, camera: &mut CameraSpec) -> Resu
     }
 }
 
-/// What was asked for and ends up nowhere.
+/// Warns of options that change nothing in any file.
 fn warn_of_what_is_lost(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
     let Some(first) = pictures.first().map(|picture| picture.path.display()) else { return };
     if let Some(aovs) = arguments.aov.filter(|aovs| !aovs.is_empty())
@@ -196,7 +196,7 @@ fn warn_of_what_is_lost(arguments: &RenderArguments, pictures: &[Picture<'_>]) {
     }
 }
 
-/// Materials that send back more light than falls on them: likely meant to be 0 to 1.
+/// Warns of materials that send back more light than falls on them: likely meant to be 0 to 1.
 fn warn_of_bright_materials(scene: &Scene) {
     for Written { value: material, place } in &scene.materials {
         let largest = material.largest_albedo();
@@ -212,7 +212,7 @@ fn warn_of_bright_materials(scene: &Scene) {
     }
 }
 
-/// Writes a picture, but for putting it in its place.
+/// Writes a picture to a file that is not yet put in its place.
 fn stage(
     picture: &Picture<'_>,
     film: &Film,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nurbray::math::Counted;
 
-/// Lines of cells under one another: words to the left, all else to the right. The first row
+/// Aligns cells in columns: words to the left, everything else to the right. The first row
 /// is the heading; its first cell and those of `words` hold words.
 pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);

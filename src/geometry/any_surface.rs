@@ -16,7 +16,7 @@ use super::{
 pub enum Surface {
     /// A whole NURBS surface.
     Nurbs(NurbsSurface),
-    /// A part of a NURBS surface.
+    /// The part of a NURBS surface that its trims keep.
     Trimmed(TrimmedSurface),
     /// A triangular patch; its (u, v) are barycentric.
     Triangle(TrianglePatch),
@@ -60,7 +60,7 @@ impl Charts for Surface {
 }
 
 impl Surface {
-    /// The NURBS surface, if it is one or a part of one.
+    /// The underlying NURBS surface, whole or trimmed; `None` for other kinds.
     pub fn nurbs(&self) -> Option<&NurbsSurface> {
         match self {
             Self::Nurbs(surface) => Some(surface),
@@ -77,7 +77,7 @@ impl Surface {
         }
     }
 
-    /// What kind of surface it is, for messages.
+    /// The kind of surface, as messages name it.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Nurbs(_) => "a NURBS surface",
@@ -87,7 +87,7 @@ impl Surface {
         }
     }
 
-    /// Its control points, and lines between neighbours.
+    /// The control points, and the lines between neighbouring ones.
     pub fn control_net(&self) -> ControlNet {
         match self {
             Self::Nurbs(surface) => surface.into(),
@@ -110,7 +110,7 @@ impl Surface {
         }
     }
 
-    /// The number of control points, those of all patches of a limit surface.
+    /// The number of control points; for a limit surface, of all its patches together.
     pub fn point_count(&self) -> usize {
         match self {
             Self::Nurbs(surface) => surface.control().len(),
@@ -132,7 +132,7 @@ impl Surface {
         }
     }
 
-    /// The smallest rectangle of parameters that holds the domain: from and to in u, then in v.
+    /// The smallest parameter rectangle that holds the domain: `(start, end)` in u, then in v.
     pub fn domain(&self) -> [(f64, f64); 2] {
         match self {
             Self::Nurbs(surface) => surface.domain(),
@@ -142,8 +142,8 @@ impl Surface {
         }
     }
 
-    /// The rectangle of parameters around a place that a texture is spread over: the domain,
-    /// of a limit surface the unit square.
+    /// The parameter rectangle around `uv` over which a texture is spread: the domain, or for a
+    /// limit surface the unit square.
     pub fn tile(&self, uv: DVec2) -> [(f64, f64); 2] {
         match self {
             Self::Limit(surface) => {
@@ -155,7 +155,7 @@ impl Surface {
         }
     }
 
-    /// Whether a place is on a border, but for the rounding of its parameters.
+    /// Whether `uv` is on a border, up to the rounding of its parameters.
     pub fn on_border(&self, uv: DVec2) -> bool {
         match self {
             Self::Nurbs(_) | Self::Trimmed(_) => {
@@ -180,7 +180,7 @@ impl Surface {
         }
     }
 
-    /// The point.
+    /// The point at `uv`.
     pub fn point_at(&self, uv: DVec2) -> DVec3 {
         match self {
             Self::Nurbs(surface) => surface.point_at(uv.x, uv.y),
@@ -200,7 +200,7 @@ impl Surface {
         }
     }
 
-    /// The surface with its normals turned.
+    /// The surface with its normals reversed.
     #[must_use]
     pub fn reversed(&self) -> Self {
         match self {
@@ -211,7 +211,7 @@ impl Surface {
         }
     }
 
-    /// The surface moved by an affine map, parameters in their places.
+    /// The surface moved by an affine map; the parameters stay as they are.
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point too far.

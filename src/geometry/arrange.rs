@@ -1,11 +1,11 @@
-//! The same surface seen otherwise: turned around, exchanged, moved.
+//! The same surface with a direction reversed, its parameters exchanged, or moved by a map.
 
 use glam::{DAffine3, DVec4, Vec4Swizzles};
 
 use super::{NurbsSurface, SurfaceError};
 
 impl NurbsSurface {
-    /// The surface run backwards in u, which turns its normals; the domain stays (see
+    /// The surface run backwards in u, which reverses its normals; the domain stays (see
     /// [`KnotVector::reversed`](super::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_u(&self) -> Self {
@@ -14,7 +14,7 @@ impl NurbsSurface {
         Self::assembled([self.knots_u().reversed(), self.knots_v().clone()], control)
     }
 
-    /// The surface run backwards in v, which turns its normals; the domain stays (see
+    /// The surface run backwards in v, which reverses its normals; the domain stays (see
     /// [`KnotVector::reversed`](super::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_v(&self) -> Self {
@@ -23,7 +23,7 @@ impl NurbsSurface {
         Self::assembled([self.knots_u().clone(), self.knots_v().reversed()], control)
     }
 
-    /// The surface with its parameters exchanged, `S(v, u)`, which turns its normals.
+    /// The surface with its parameters exchanged, `S(v, u)`, which reverses its normals.
     #[must_use]
     pub fn swapped(&self) -> Self {
         let (nu, nv) = self.size();
@@ -31,7 +31,7 @@ impl NurbsSurface {
         Self::assembled([self.knots_v().clone(), self.knots_u().clone()], control)
     }
 
-    /// The surface moved by an affine map. The parameters keep their places, so that where a map
+    /// The surface moved by an affine map. The parameters stay as they are, so that if the map
     /// mirrors, normals that pointed out of a body point into it.
     ///
     /// # Errors
@@ -51,7 +51,8 @@ pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
     flattening(map).map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
 }
 
-/// The determinant of a finite map that flattens space, or enlarges it beyond numbers.
+/// The determinant of a finite map, if the map flattens space or enlarges it beyond the range of
+/// f64; else `None`.
 pub(super) fn flattening(map: &DAffine3) -> Option<f64> {
     let determinant = map.matrix3.determinant();
     (!determinant.is_normal()).then_some(determinant)
@@ -62,9 +63,9 @@ pub(super) fn moved(map: &DAffine3, point: &DVec4) -> DVec4 {
     (map.matrix3 * point.xyz() + point.w * map.translation).extend(point.w)
 }
 
-/// By how much a map lengthens distances at most: the square of its largest singular value is the
-/// largest eigenvalue of `MᵀM`, which is no larger than the sum of the sizes in any row of that. For
-/// rotations and scalings that is the value itself.
+/// An upper bound of the factor by which a map lengthens distances. The square of the largest
+/// singular value of `M` is the largest eigenvalue of `MᵀM`, which is no larger than the largest
+/// row sum of magnitudes of that matrix. For rotations and scalings the bound is the factor itself.
 pub(crate) fn stretch(map: &DAffine3) -> f64 {
     let squares = map.matrix3.transpose() * map.matrix3; // symmetric
     let sums = squares.to_cols_array_2d().map(|column| column.iter().map(|x| x.abs()).sum::<f64>());

@@ -7,9 +7,9 @@ use super::{KnotError, KnotVector};
 /// The basis functions `N_{i,p}` of one degree over knots `t₀ ≤ t₁ ≤ …`, each on all of its
 /// support `[tᵢ, tᵢ₊ₚ₊₁]`.
 ///
-/// Of a [`KnotVector`] curves are made; here less will do: degree 0, knots repeated more than
-/// `p + 1` times, knots for a single function. So functions of every degree up to p are those of
-/// the textbooks over the knots of degree p, with the same indices, though some vanish.
+/// The knots need not make curves, as a [`KnotVector`] must: degree 0, knots repeated more than
+/// `p + 1` times, and knots for a single function are allowed. So the functions of every degree up
+/// to p over the knots of degree p are the textbooks', with the same indices, though some vanish.
 ///
 /// # Invariants, checked once on construction
 /// - `0 ≤ p ≤` [`MAX_DEGREE`], and there are `p + 2` knots or more, of which two differ;
@@ -27,7 +27,7 @@ impl From<&KnotVector> for BasisFunctions {
 }
 
 impl BasisFunctions {
-    /// The functions of this degree over these knots, equal ones repeated.
+    /// The functions of this degree over these knots, where multiple knots are listed repeatedly.
     ///
     /// # Errors
     /// When one of the invariants above does not hold.
@@ -55,26 +55,26 @@ impl BasisFunctions {
         &self.knots
     }
 
-    /// How many functions there are.
+    /// The number of functions.
     pub fn count(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
-    /// Whether the function `index` is 0 everywhere, all its knots being one.
+    /// Whether the function `index` is 0 everywhere: all its knots are equal, or it does not exist.
     pub fn vanishes(&self, index: usize) -> bool {
         index >= self.count() || self.knots[index] == self.knots[index + self.degree + 1]
     }
 
     /// The function `index` at `t`; 0 off its support, and for an index beyond the last.
     ///
-    /// At a knot it has the value of the piece that begins there, at the last knot that of the
-    /// last piece, so that the functions over clamped knots add up to 1 there, too.
+    /// At a knot the value is that of the piece that begins there. At the last knot it is that of
+    /// the last piece, so that the functions over clamped knots add up to 1 there, too.
     pub fn value(&self, index: usize, t: f64) -> f64 {
         self.derivative(index, 0, t)
     }
 
-    /// A derivative of the function `index` at `t`, the function itself being that of order 0.
-    /// At a knot it is that of the piece [`BasisFunctions::value`] takes there.
+    /// Derivative `order` of the function `index` at `t`; order 0 is the function itself.
+    /// At a knot it belongs to the same piece as [`BasisFunctions::value`].
     pub fn derivative(&self, index: usize, order: usize, t: f64) -> f64 {
         if index >= self.count() {
             return 0.0;
@@ -83,7 +83,7 @@ impl BasisFunctions {
         self.span(t).map_or(0.0, on)
     }
 
-    /// The span `[tᵢ, tᵢ₊₁)` with `t` in it; `None` off the knots, and for NaN.
+    /// Index `i` of the span `[tᵢ, tᵢ₊₁)` that holds `t`; `None` outside the knots and for NaN.
     fn span(&self, t: f64) -> Option<usize> {
         let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
         let within = first <= t && t <= last; // false for NaN
@@ -91,14 +91,14 @@ impl BasisFunctions {
     }
 }
 
-/// Derivative `order` of the function `index` on a span `[t_span, t_{span+1}]` with `t` in it.
+/// Derivative `order` of the function `index` at `t`, which is in the span `[t_span, t_{span+1}]`.
 ///
-/// From `N_{j,0}`, which is 1 on the span j (Cox 1972, de Boor 1972):
+/// The recurrence starts from `N_{j,0}`, which is 1 on the span j (Cox 1972, de Boor 1972):
 ///
 /// `N_{i,q} = (t − tᵢ) N_{i,q−1} / (tᵢ₊q − tᵢ) + (tᵢ₊q₊₁ − t) N_{i+1,q−1} / (tᵢ₊q₊₁ − tᵢ₊₁)`,
 ///
 /// and for the last `order` degrees `N′_{i,q} = q N_{i,q−1} / (tᵢ₊q − tᵢ) − q N_{i+1,q−1} /
-/// (tᵢ₊q₊₁ − tᵢ₊₁)`. A function that vanishes counts as 0 whatever it is divided by.
+/// (tᵢ₊q₊₁ − tᵢ₊₁)`. A function that vanishes adds 0, even where its denominator is 0.
 pub(super) fn on_span(
     (degree, knots): (usize, &[f64]),
     (index, order): (usize, usize),
@@ -129,7 +129,7 @@ pub(super) fn on_span(
 mod tests {
     use super::*;
 
-    /// The deck's knots of degree 3, over which its functions of lower degrees are, too.
+    /// The deck's knots of degree 3; it defines functions of lower degrees over them, too.
     const KNOTS: [f64; 11] = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0];
 
     fn over(degree: usize, knots: &[f64]) -> BasisFunctions {
@@ -152,7 +152,7 @@ mod tests {
                 );
             }
         }
-        // Degree 1: hats, of which the first and the last of those that do not vanish are halves.
+        // Degree 1: hats; the first and the last that do not vanish are half hats.
         let hats = over(1, &KNOTS);
         assert_eq!(hats.count(), 9);
         for k in 0..=40 {
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!((one.value(1, 2.0), one.value(0, f64::NAN)), (0.0, 0.0));
     }
 
-    /// On the domain of a knot vector they are its own, and Bernstein's over Bézier knots.
+    /// On the domain of a knot vector the functions are its own; over Bézier knots, Bernstein's.
     #[test]
     fn over_a_knot_vector_they_are_its_own() {
         let mut values = [0.0; MAX_DEGREE + 1];
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(bernstein.value(3, 1.0), 1.0);
     }
 
-    /// Of the cubics from t = 0 on, (1 − t)³ and 3t − 9t²/2 + 7t³/4, all derivatives; of a single
+    /// All derivatives of the cubics from t = 0 on, (1 − t)³ and 3t − 9t²/2 + 7t³/4; for a single
     /// uniform cubic, the differences of truncated powers.
     #[test]
     fn derivatives_are_those_of_the_pieces() {

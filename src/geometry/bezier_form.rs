@@ -9,9 +9,9 @@ use super::{Direction, KnotVector, NurbsSurface};
 
 /// A surface cut into Bézier pieces: clamped, with every inner knot at least `p` times.
 ///
-/// It is refined along u only; what it is along v is made when a row is asked for. The net of a dense
-/// bicubic surface is nine times as large as the surface, and whoever keeps it in a form of their own
-/// need not have it twice.
+/// Only the refinement along u is stored; the one along v is computed for each requested row. The
+/// Bézier net of a dense bicubic surface is nine times as large as the surface, and a caller that
+/// stores it in another form need not hold it twice.
 pub(crate) struct BezierForm<'a> {
     along_u: Cow<'a, NurbsSurface>,
     insertions_v: Insertions,
@@ -38,13 +38,13 @@ impl<'a> BezierForm<'a> {
         [self.along_u.knots_u(), &self.knots_v]
     }
 
-    /// The weight of all control points; `None` where they differ. Refining along v keeps equal weights
-    /// equal, so what is refined along u tells.
+    /// The common weight of all control points; `None` if weights differ. Refining along v keeps equal
+    /// weights equal, so the net refined along u decides.
     pub(crate) fn weight(&self) -> Option<f64> {
         self.along_u.common_weight()
     }
 
-    /// The homogeneous control points of a row, v growing.
+    /// The homogeneous control points of row `i`, in increasing v.
     pub(crate) fn row(&self, i: usize) -> Vec<DVec4> {
         let length = self.along_u.knots_v().point_count();
         self.insertions_v.apply(&self.along_u.control()[i * length..(i + 1) * length])

@@ -1,4 +1,4 @@
-//! What is traced, as one or several NURBS surfaces in their places.
+//! Surfaces of any kind as charts: one or several NURBS surfaces, each with its place in the whole.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use super::trim::Trims;
 
 /// A part of a surface that is a NURBS surface itself, and its place in the whole.
 ///
-/// Kinds of surface other than NURBS become charts, so that what bounds, meets and draws
-/// surfaces knows of NURBS only.
+/// Other kinds of surface are divided into charts, so that the code that bounds, intersects and
+/// draws surfaces handles NURBS only.
 #[derive(Clone, Debug)]
 pub struct Chart<'a> {
     /// The part, on its own domain.
     pub surface: Cow<'a, NurbsSurface>,
-    /// Where that lies in the whole's (u, v).
+    /// The map from the chart's parameters to the whole surface's (u, v).
     pub map: ChartMap,
     /// Which sides are borders of the whole surface: first u, last u, first v, last v.
     pub border: [bool; 4],
-    /// Whether the last u, and the last v, belong to another chart, that begins there with
-    /// something else: (u, v) of points there are the last numbers before it.
+    /// Whether the last u, and the last v, belong to another chart, which begins there with
+    /// other values. Points at such an end get the last number below it as their u or v.
     pub open_end: [bool; 2],
-    /// Which part of it is there, on its own domain; all of it without trims.
+    /// The trims that keep a part of the chart, on its own domain; `None` keeps all of it.
     pub trims: Option<Arc<Trims>>,
 }
 
@@ -32,13 +32,13 @@ pub struct Chart<'a> {
 pub enum ChartMap {
     /// The chart's parameters are the whole surface's.
     Identity,
-    /// The chart's unit square is mapped bilinearly, to these places of (0, 0), (1, 0),
-    /// (0, 1) and (1, 1); it keeps its orientation.
+    /// The chart's unit square is mapped bilinearly: its corners (0, 0), (1, 0), (0, 1) and
+    /// (1, 1) go to these places. The orientation is kept.
     Bilinear([DVec2; 4]),
 }
 
 impl ChartMap {
-    /// The whole's parameters of a place on the chart.
+    /// The parameters, on the whole surface, of a place on the chart.
     #[inline]
     pub fn uv(&self, at: DVec2) -> DVec2 {
         match self {
@@ -52,8 +52,8 @@ impl ChartMap {
 }
 
 impl<'a> Chart<'a> {
-    /// The whole's parameters of a place on the chart; at an [open end](Self::open_end) the
-    /// last numbers before it.
+    /// The parameters, on the whole surface, of a place on the chart; at an
+    /// [open end](Self::open_end) the last number below it.
     pub fn uv(&self, at: DVec2) -> DVec2 {
         let [u, v] = self.surface.domain();
         let inside = |t: f64, end: f64, open| if open && t >= end { end.next_down() } else { t };
@@ -73,9 +73,9 @@ impl<'a> Chart<'a> {
     }
 }
 
-/// What can be traced: it has charts.
+/// A surface that can be traced: it consists of charts.
 pub trait Charts {
-    /// The parts, which together are the surface.
+    /// The charts, which together are the surface.
     fn charts(&self) -> Vec<Chart<'_>>;
 }
 

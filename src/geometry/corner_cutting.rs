@@ -13,22 +13,22 @@ pub enum CornerCutting {
     /// Chaikin 1974: each edge keeps its points at 1/4 and 3/4. The limit is the uniform
     /// quadratic B-spline.
     Chaikin,
-    /// Each edge its midpoint, each corner moved to (1, 6, 1)/8 of it and its neighbours. The
-    /// limit is the uniform cubic B-spline (Lane & Riesenfeld 1980).
+    /// Each edge adds its midpoint; each corner moves to the mean of it and its neighbours with
+    /// the weights (1, 6, 1)/8. The limit is the uniform cubic B-spline (Lane & Riesenfeld 1980).
     Cubic,
 }
 
 /// Whether the last corner of a polygon is joined to the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PolygonEnds {
-    /// It is not. The curve then ends where the rule, which needs neighbours, ends.
+    /// Not joined. The curve then ends where the rule, which needs neighbours, ends.
     Open,
-    /// It is; the first corner is not repeated.
+    /// Joined; the first corner is not listed again.
     Closed,
 }
 
 impl CornerCutting {
-    /// The degree of the limit.
+    /// The degree of the limit curve.
     pub fn degree(self) -> usize {
         match self {
             Self::Chaikin => 2,
@@ -36,11 +36,11 @@ impl CornerCutting {
         }
     }
 
-    /// The polygon with its corners cut once: `2n` corners of a closed one, `2n − 2`
-    /// (Chaikin) or `2n − 3` (cubic) of an open one.
+    /// The polygon with its corners cut once. A closed polygon of `n` corners gets `2n`, an open
+    /// one `2n − 2` (Chaikin) or `2n − 3` (cubic).
     ///
     /// # Errors
-    /// When there are fewer than `degree + 1` corners, or 3 of a closed polygon.
+    /// When an open polygon has fewer than `degree + 1` corners, or a closed one fewer than 3.
     pub fn cut(self, polygon: &[DVec3], ends: PolygonEnds) -> Result<Vec<DVec3>, CurveError> {
         self.check(polygon, ends)?;
         let n = polygon.len();
@@ -65,7 +65,7 @@ impl CornerCutting {
         Ok(cut)
     }
 
-    /// The curve that polygons come to when their corners are cut for ever.
+    /// The limit curve of the polygon when its corners are cut again and again.
     ///
     /// # Errors
     /// As [`CornerCutting::cut`], and when a corner is not finite.
@@ -98,7 +98,7 @@ mod tests {
         corners.map(|corner| size * DVec3::from(corner)).to_vec()
     }
 
-    /// A cut polygon is the same spline's, knots inserted halfway between all others.
+    /// A cut polygon controls the same spline, with a knot inserted halfway in every span.
     #[test]
     fn a_cut_is_an_insertion_of_knots() {
         for scheme in BOTH {
@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// The deck: the limit meets the midpoints of Chaikin's edges, and runs along them there.
+    /// The deck: the limit meets the midpoints of Chaikin's edges, and is tangent to them there.
     #[test]
     fn chaikin_s_limit_touches_every_edge_at_its_middle() {
         let polygon = polygon(1.0);
@@ -145,7 +145,7 @@ mod tests {
                 let mut errors = Vec::new();
                 for _ in 0..4 {
                     polygon = scheme.cut(&polygon, ends).unwrap();
-                    // Corners between the ends; those are off by half an edge.
+                    // Inner corners only: the ends are off by half an edge.
                     let inner = &polygon[2..polygon.len() - 2];
                     let off = |corner: &DVec3| {
                         samples.iter().map(|s| s.distance(*corner)).fold(f64::INFINITY, f64::min)

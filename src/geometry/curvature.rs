@@ -4,12 +4,13 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{CurveDerivatives, NurbsCurve};
 
-/// What rounding of the control points, of the basis and of the sums does to derivatives, as a share of the terms' sizes.
+/// The rounding error of derivatives (from the control points, the basis and the sums), relative to the sizes of the
+/// terms.
 const ROUNDING_OF_TERMS: f64 = 16.0 * f64::EPSILON;
 
 impl NurbsCurve {
-    /// How far [`CurveDerivatives::curvature_vector`] may be off at `t`, by rounding of the control points and of
-    /// the sums over them, in one over length; NaN or infinite where the curve stands still.
+    /// The error bound of [`CurveDerivatives::curvature_vector`] at `t`, in one over length, for rounding of the
+    /// control points and of the sums over them; NaN or infinite where the curve stands still.
     pub fn curvature_error(&self, t: f64) -> f64 {
         let basis = self.knots().basis_derivatives(t);
         let active = &self.control()[basis.span - self.knots().degree()..=basis.span];
@@ -33,14 +34,14 @@ impl NurbsCurve {
 impl CurveDerivatives {
     /// The curvature `κ = |C′ × C″| / |C′|³`, in one over length; 0 where the curve is straight.
     ///
-    /// `None` where the curve stands still, `C′ = 0`. Lengths are divided one by one, so that
-    /// models of any size are measured alike.
+    /// `None` where the curve stands still, `C′ = 0`. The code divides by one length at a time, so
+    /// that models of any size are measured alike.
     pub fn curvature(&self) -> Option<f64> {
         self.curvature_vector().map(DVec3::length)
     }
 
-    /// The curvature vector: the part of `C″ / |C′|²` across the curve. It points to the
-    /// centre of curvature, its length is the curvature.
+    /// The curvature vector: the part of `C″ / |C′|²` perpendicular to the curve. It points to the
+    /// centre of curvature, and its length is the curvature.
     ///
     /// `None` where the curve stands still.
     pub fn curvature_vector(&self) -> Option<DVec3> {
@@ -85,7 +86,7 @@ mod tests {
 
     #[test]
     fn straight_curves_bend_by_no_more_than_rounding() {
-        // Coordinates that no f64 has, and one that is far from the origin.
+        // Coordinates that f64 cannot hold exactly, near the origin and far from it.
         for (far, at) in [(0.0, 1e-12), (1e6, 1e-6)] {
             let points =
                 [0.0, 1.0, 3.0, 4.0, 4.5, 6.0].map(|x| DVec3::new(far + x, 0.3 * x, -0.7 * x));

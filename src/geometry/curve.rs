@@ -185,7 +185,7 @@ impl NurbsCurve {
         Ok(self.refined(&vec![t; times]))
     }
 
-    /// The same curve with valid new knots, in increasing order.
+    /// The same curve with the knots `new` inserted, which are valid and in increasing order.
     fn refined(&self, new: &[f64]) -> Self {
         let values = merged(self.knots.values(), new);
         let control = refine(&self.knots, &self.control, new);

@@ -1,4 +1,4 @@
-//! The same curve placed or parametrised otherwise, and curves of straight pieces.
+//! The same curve in another place or with another parameter, and curves of straight pieces.
 
 use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 
@@ -18,7 +18,7 @@ impl NurbsCurve {
         Self::from_homogeneous(self.knots().clone(), control)
     }
 
-    /// The same curve on another domain, run through at a proportional speed.
+    /// The same curve on another domain, its parameter mapped linearly.
     ///
     /// # Errors
     /// When the domain is empty or not finite, or too short for the knots to stay apart.
@@ -27,7 +27,7 @@ impl NurbsCurve {
         Ok(Self::assembled(knots, self.control().to_vec()))
     }
 
-    /// The polygon through these points, of degree 1; its parameter is the length of the way.
+    /// The polygon through these points, of degree 1; its parameter is the arc length.
     ///
     /// # Errors
     /// When there are fewer than two points, one is not finite, or two in a row coincide.
@@ -72,7 +72,7 @@ impl NurbsCurve {
         (1..self.control().len()).all(|index| self.point(index).distance(self.point(0)) <= close)
     }
 
-    /// The largest coordinate magnitude of the control points: what rounding is measured by.
+    /// The largest coordinate magnitude of the control points, to which rounding errors are relative.
     pub(crate) fn magnitude(&self) -> f64 {
         let largest = |point: &DVec4| (point.xyz() / point.w).abs().max_element();
         self.control().iter().map(largest).fold(0.0, f64::max)
@@ -80,7 +80,7 @@ impl NurbsCurve {
 }
 
 impl KnotVector {
-    /// These knots moved to another domain, proportionally; equal knots stay equal.
+    /// These knots mapped linearly to another domain; equal knots stay equal.
     ///
     /// # Errors
     /// When the domain is empty or not finite, or too short for the knots to stay apart.

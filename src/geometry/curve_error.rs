@@ -1,4 +1,4 @@
-//! Why numbers cannot be a curve, or an operation not be done on one.
+//! The error of curves: numbers that make no curve, or an operation that a curve does not allow.
 
 use glam::DVec3;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{KnotError, MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::math::{Counted, Measured, Shown, ShownVector};
 
-/// Why numbers cannot be a curve, or an operation not be done on one.
+/// The reason why numbers make no curve, or why an operation cannot be done on a curve.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CurveError {
@@ -61,9 +61,9 @@ pub enum CurveError {
     /// Two points that must differ coincide.
     #[error("points {first} and {second} coincide: neighbours must differ")]
     Coincide {
-        /// Which point, counted from 0.
+        /// The first of the two points, counted from 0.
         first: usize,
-        /// Which other one.
+        /// The second of the two points.
         second: usize,
     },
     /// A radius is not a usable length.
@@ -81,18 +81,18 @@ pub enum CurveError {
         /// The radius.
         radius: f64,
     },
-    /// An arc of a circle begins nowhere.
+    /// The start angle of an arc of a circle is not finite.
     #[error("an arc from {}°: it must begin at a finite angle", Shown(*.from))]
     ArcStart {
-        /// Where it begins.
+        /// The start angle, in degrees.
         from: f64,
     },
-    /// An arc of a circle turns by nothing, or by more than the circle has.
+    /// An arc of a circle turns by 0°, or by more than 360°.
     #[error("an arc from {from}° by {degrees}°: it must turn by -360° to 360°, and not by 0°")]
     Arc {
-        /// Where it begins.
+        /// The start angle, in degrees.
         from: f64,
-        /// How far it turns.
+        /// The turn, in degrees.
         degrees: f64,
     },
     /// A weight of a basis function is negative or not finite.
@@ -103,21 +103,21 @@ pub enum CurveError {
         /// Its weight.
         weight: f64,
     },
-    /// Basis functions whose weights are all zero somewhere.
+    /// At some parameter, all basis functions that matter there have the weight zero.
     #[error("the weights of all control points that matter at t = {t} are 0: one must be positive")]
     NoWeight {
         /// The parameter.
         t: f64,
     },
-    /// Too few points for what is to be made of them.
+    /// There are too few points for the curve that is to be made of them.
     #[error(
         "{}: at least {needed} {} needed",
         Counted(*.found, "point"), if *.needed == 1 { "is" } else { "are" }
     )]
     TooFewPoints {
-        /// How many there are.
+        /// The number of points given.
         found: usize,
-        /// How many are needed.
+        /// The number needed.
         needed: usize,
     },
     /// The number of derivatives does not match the points.
@@ -131,12 +131,12 @@ pub enum CurveError {
         /// The number of points.
         points: usize,
     },
-    /// A control point is repeated more often than is of use, or not there at all.
+    /// An end point is to occur more often than makes a difference, or zero times.
     #[error("an end point {times} times: from 1 to {most} times are possible")]
     Repeated {
-        /// How often it was to be there.
+        /// How often it was to occur.
         times: usize,
-        /// How often it may be.
+        /// How often it may occur at most.
         most: usize,
     },
     /// A curve is not a single cubic polynomial.
@@ -163,7 +163,7 @@ pub enum CurveError {
         /// Its coordinates.
         point: DVec3,
     },
-    /// The weight that a quarter circle of degree 4 is to have is none it can have.
+    /// No quarter circle of degree 4 has the weight `w₁` asked for.
     #[error(
         "w1 is {}: solution {solution} needs a weight above {}{}, up to {MAX_MAGNITUDE:e}",
         Shown(*.w1), Measured(*.above),
@@ -174,13 +174,13 @@ pub enum CurveError {
         solution: u8,
         /// The weight.
         w1: f64,
-        /// What it must be greater than.
+        /// The bound that the weight must exceed.
         above: f64,
     },
     /// Weights or constants do not make a circle.
     #[error("{what} is {}: a circle needs {needed}", Measured(*.found))]
     NotRound {
-        /// What is wrong.
+        /// The expression whose value is wrong.
         what: &'static str,
         /// Its value.
         found: f64,

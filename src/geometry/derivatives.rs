@@ -19,17 +19,17 @@ pub struct SurfaceDerivatives {
     pub dvv: DVec3,
 }
 
-/// How many units of rounding a first derivative may be off, where they come from sums of a
-/// few dozen terms as large as the coordinates.
+/// The error bound of a first derivative, relative to the coordinates: derivatives come from sums
+/// of a few dozen terms as large as the coordinates.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A limit found from second derivatives counts if the sine of the angle between the
-/// vectors it is the product of exceeds this: half of the digits are then right.
+/// A limit found from second derivatives counts if the sine of the angle between the two factors
+/// of its cross product exceeds this: half of the digits are then right.
 const CLEAR: f64 = 1.5e-8;
 
 impl SurfaceDerivatives {
-    /// The same without the derivatives that are but rounding: those not longer than differences
-    /// of control points of a Bézier patch of these degrees that are each known to `error`.
+    /// The same without the derivatives that are only rounding errors: those no longer than errors
+    /// of up to `error` in the control points of a Bézier patch of degrees p and q can cause.
     pub fn beyond_rounding(self, [p, q]: [usize; 2], error: f64) -> Self {
         let [p, q] = [p, q].map(|degree| degree as f64);
         let kept = |derivative: DVec3, times: f64| {
@@ -45,23 +45,23 @@ impl SurfaceDerivatives {
         }
     }
 
-    /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes, its limit on the
-    /// way out of the domain's inside.
+    /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes, the limit of the normal
+    /// from inside the domain.
     ///
-    /// `inward = (h, k)` points from here into the domain: signs will do, ±1 at a border, 0
-    /// away from it. Along it the product is, to second order in `s`,
+    /// `inward = (h, k)` points from here into the domain. Signs suffice: ±1 at a border, 0
+    /// away from it. Along this direction the product is, to second order in `s`,
     ///
     /// `N(s) = (Sᵤ + s (h Sᵤᵤ + k Sᵤᵥ)) × (Sᵥ + s (h Sᵤᵥ + k Sᵥᵥ)) = N₀ + s N₁ + s² N₂`,
     ///
     /// and the first coefficient that does not vanish has the limit's direction. At a
     /// collapsed edge or a pole `u = 0`, `Sᵥ` is zero and `N₁ = Sᵤ × h Sᵤᵥ`; at a corner
     /// with parallel tangents, `N₁` has all its terms; `N₂` decides where both first
-    /// derivatives vanish (otherwise third derivatives would have a say in it, too).
+    /// derivatives vanish (otherwise `N₂` would need third derivatives, too).
     ///
-    /// What vanishes is told from rounding, not from a length: a first derivative is known
-    /// to about `ε M / Δ`, with `M` the largest coordinate of the point, and `Δ` a
-    /// parameter length, for which `|Sᵤ| / |Sᵤᵤ|` and the like stand. So neither the
-    /// model's nor the parameters' scale matters.
+    /// Whether a derivative vanishes is decided by its rounding error, not by a fixed length: a
+    /// first derivative is known to about `ε M / Δ`. Here `M` is the largest coordinate of the
+    /// point and `Δ` a parameter length, for which `|Sᵤ| / |Sᵤᵤ|` and the like are taken. So
+    /// neither the model's scale nor the parameters' scale matters.
     ///
     /// `None` where no limit is found: within the domain, at the tip of a cusp, for NaN.
     pub fn unit_normal(&self, inward: DVec2) -> Option<DVec3> {
@@ -73,10 +73,10 @@ impl SurfaceDerivatives {
         let error = noise * (luu / lu / lu + 2.0 * luv / lu / lv + lvv / lv / lv);
         let sine = (du / lu).cross(dv / lv);
         if sine.length() > ROUNDING + error {
-            return normalized(sine); // not for NaN, as where a length is zero
+            return normalized(sine); // not reached for NaN, which a zero length gives
         }
 
-        // Derivatives lost in their rounding errors count as zero, lest noise gain a direction.
+        // Derivatives lost in their rounding errors count as zero, so that noise gets no direction.
         let u_vanishes = lu * lu <= noise * luu;
         let v_vanishes = lv * lv <= noise * lvv;
         let kept = |derivative: DVec3, lost: bool| if lost { DVec3::ZERO } else { derivative };
@@ -88,7 +88,7 @@ impl SurfaceDerivatives {
         let (du, turn_u) = shrunk(du, h * duu + k * duv);
         let (dv, turn_v) = shrunk(dv, h * duv + k * dvv);
 
-        // N₂ counts alone where both vanish, else N₁.
+        // Where both first derivatives vanish, only N₂ counts; else N₁.
         let (product, size) = if u_vanishes && v_vanishes {
             (turn_u.cross(turn_v), turn_u.length() * turn_v.length())
         } else {
@@ -99,14 +99,14 @@ impl SurfaceDerivatives {
     }
 }
 
-/// Two vectors divided by their largest coordinate, so that products neither overflow nor
-/// vanish; zeros stay zero.
+/// Two vectors divided by their largest coordinate magnitude, so that products neither overflow
+/// nor underflow; zeros stay zero.
 fn shrunk(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     let size = a.abs().max(b.abs()).max_element();
     if size > 0.0 { (a / size, b / size) } else { (a, b) }
 }
 
-/// The unit vector of one that is neither tiny nor huge, exact along the axes; `None` where it is not a number.
+/// The unit vector of a vector that is neither tiny nor huge, exact along the axes; `None` if it is not finite.
 fn normalized(vector: DVec3) -> Option<DVec3> {
     let unit = vector / vector.length();
     unit.is_finite().then_some(unit)

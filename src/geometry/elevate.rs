@@ -10,8 +10,8 @@ use super::line::refine;
 /// Control point `i` of a spline of degree `p` is its blossom `f` at the `p` knots that
 /// follow knot `i`, and the blossom of the elevated spline is the mean of `f` over all ways
 /// to leave one of its `p + 1` arguments out. Leaving out every `(p + 1)`-th of the new
-/// knots, starting at the `k`-th, leaves one out of each `p + 1` consecutive ones, and a
-/// refinement of the old knots. So the new control points are means of `p + 1` knot
+/// knots, starting at the `k`-th, omits one of each `p + 1` consecutive ones; the remaining knots
+/// are a refinement of the old ones. So the new control points are means of `p + 1` knot
 /// insertions (Prautzsch 1984): convex combinations, unlike elevation piece by piece with
 /// the removal of knots afterwards.
 ///
@@ -34,8 +34,8 @@ pub(crate) fn elevate(knots: &KnotVector, points: &[DVec4]) -> (KnotVector, Vec<
     (KnotVector::derived(p + 1, new_values), new_points)
 }
 
-/// The indices, above 0, of the first of `p + 1` equal knots: where the spline may jump,
-/// and where it ends.
+/// The indices above 0 at which `p + 1` equal knots begin: where the spline may jump, and where
+/// it ends.
 fn jumps(knots: &KnotVector) -> impl Iterator<Item = usize> + '_ {
     let (p, values) = (knots.degree(), knots.values());
     (1..=knots.point_count()).filter(move |&i| values[i] == values[i + p])
@@ -44,7 +44,7 @@ fn jumps(knots: &KnotVector) -> impl Iterator<Item = usize> + '_ {
 /// [`elevate`] for a spline without jumps.
 fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DVec4>) {
     // The first and the last knot have no influence; without them no knot occurs more than
-    // p times, and leaving out every (p + 1)-th of the new ones takes at most one of each.
+    // p times, and leaving out every (p + 1)-th of the new ones takes at most one copy of each.
     let p = knots.degree();
     let values = knots.values();
     let old = &values[1..values.len() - 1];
@@ -54,15 +54,15 @@ fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DV
         new.push(run[0]);
     }
 
-    // The means of all splines in which every (p + 1)-th knot is left out, one after the other: together they would
-    // take p times the memory of what is made.
+    // Takes the mean of all splines in which every (p + 1)-th knot is left out, one spline after the other: all at once
+    // would take p times the memory of the result.
     let mut first: Vec<DVec4> = Vec::new();
     let mut differences = vec![DVec4::ZERO; new.len() - p];
     for k in 0..=p {
         let left = |&(i, _): &(usize, &f64)| i % (p + 1) != k;
         let kept: Vec<f64> = new.iter().enumerate().filter(left).map(|(_, &t)| t).collect();
         let refinement = refine(knots, points, &without(&kept, old));
-        let point = |j: usize| refinement[j - (j + p - k) / (p + 1)]; // so many were left out before
+        let point = |j: usize| refinement[j - (j + p - k) / (p + 1)]; // minus those left out before
         if k == 0 {
             first = (0..new.len() - p).map(point).collect();
             continue;
@@ -71,7 +71,7 @@ fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DV
             *sum += point(j) - *first;
         }
     }
-    // Coordinates that are equal in all of them stay as they are.
+    // Coordinates that are equal in all these splines stay as they are.
     let count = (p + 1) as f64;
     let elevated = first.iter().zip(&differences).map(|(&first, &sum)| first + sum / count);
     let elevated = elevated.collect();

@@ -28,13 +28,13 @@ impl NurbsSurface {
         sum.xyz() / sum.w
     }
 
-    /// The points `S(u, v)` for all pairs of a `u` and a `v`, those of the first `u` first: the
-    /// same as [`point_at`](Self::point_at) gives, bit for bit, with less work for each.
+    /// The points `S(u, v)` for all pairs of a `u` and a `v`, u slowest. They equal those of
+    /// [`point_at`](Self::point_at) bit for bit, with less work for each.
     pub fn points_at(&self, us: &[f64], vs: &[f64]) -> Vec<DVec3> {
         let mut values: BasisValues = [0.0; MAX_DEGREE + 1];
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let rows = self.size().0;
-        // For each v the control points of the curve over it.
+        // For each v, the control points of the curve `u ↦ S(u, v)`.
         let mut curves = vec![DVec4::ZERO; rows * vs.len()];
         for (curve, &v) in curves.chunks_exact_mut(rows).zip(vs) {
             let first = self.knots_v().basis(v, &mut values) - q;
@@ -64,10 +64,10 @@ impl NurbsSurface {
     ///
     /// With `A = Σ N N w P` and `w = Σ N N w`, `S = A / w` is differentiated as a quotient
     /// (Piegl & Tiller 1997, eq. 4.20): `Sᵤ = (Aᵤ − wᵤ S) / w`,
-    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on. All of it is done in
-    /// coordinates around the point `S` found first. There the control points of an edge
-    /// that collapses near by are nearly zero and add nearly no rounding error to the small
-    /// derivative along it, so that normals are right up to the pole.
+    /// `Sᵤᵥ = (Aᵤᵥ − wᵤ Sᵥ − wᵥ Sᵤ − wᵤᵥ S) / w`, and so on. The point `S` is computed first, and
+    /// all coordinates are then taken relative to it. So the control points of a collapsed edge
+    /// near by are nearly zero and add nearly no rounding error to the small derivative along
+    /// that edge, and normals are right up to the pole.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
         let (nu, nv) = (self.knots_u().basis_derivatives(u), self.knots_v().basis_derivatives(v));
         let origin = {
@@ -75,7 +75,7 @@ impl NurbsSurface {
             sum.xyz() / sum.w
         };
         let around = |point: DVec4| {
-            // One rounding, of the small result: w x may agree with w times the origin.
+            // Rounds only once, the small result: w x may nearly equal w times the origin.
             let shifted = |wx: f64, x: f64| (-point.w).mul_add(x, wx);
             let x = shifted(point.x, origin.x);
             DVec4::new(x, shifted(point.y, origin.y), shifted(point.z, origin.z), point.w)
@@ -98,8 +98,8 @@ impl NurbsSurface {
         SurfaceDerivatives { point: origin + rest, du, dv, duu, duv, dvv }
     }
 
-    /// The sums `Σ N N P` over a map of the homogeneous control points: the value, and its
-    /// derivatives in the order u, v, uu, uv, vv.
+    /// The sums `Σ N N P` over the homogeneous control points, each mapped by `map`: the value,
+    /// and its derivatives in the order u, v, uu, uv, vv.
     fn combined(
         &self,
         nu: &BasisDerivatives,
@@ -130,11 +130,10 @@ impl NurbsSurface {
     /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`, at collapsed edges and poles its limit from
     /// inside the domain; `None` where there is none.
     ///
-    /// A point so close to a border that no rounding tells it from the border, and whose own
-    /// derivatives are lost in rounding, as near a pole, gets the border's normal. The derivatives of
-    /// a rational surface are by the quotient rule (the course deck prints `N = S_u × S_v` with the
-    /// derivatives of a polynomial patch only). See
-    /// [`SurfaceDerivatives::unit_normal`].
+    /// A point that rounding cannot tell from a border point, and whose own derivatives are lost in
+    /// rounding (as near a pole), gets the border's normal. The derivatives of a rational surface
+    /// follow the quotient rule (the course deck prints `N = S_u × S_v` with the derivatives of a
+    /// polynomial patch only). See [`SurfaceDerivatives::unit_normal`].
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         let [domain_u, domain_v] = self.domain();
         let inward = |u, v| DVec2::new(side(u, domain_u), side(v, domain_v));
@@ -151,16 +150,16 @@ impl NurbsSurface {
     }
 }
 
-/// Points closer together than this, relative to their largest coordinate, may be one
-/// point: a few hundred roundings, more than [`SurfaceDerivatives::unit_normal`] distrusts.
+/// Points closer together than this, relative to their largest coordinate, may be one point: a few
+/// hundred roundings, more than [`SurfaceDerivatives::unit_normal`] treats as rounding error.
 const UNSEEN: f64 = 1024.0 * f64::EPSILON;
 
-/// How near to an end of its domain a parameter must be, relative to the domain's length,
-/// to be moved there in search of a normal. It keeps the point from sliding along a
-/// collapsed edge, and suffices for models up to 10⁶ of their sizes away from the origin.
+/// The distance from an end of the domain, relative to the domain's length, within which a
+/// parameter is moved to that end in search of a normal. It keeps the point from sliding along a
+/// collapsed edge, and suffices for models up to 10⁶ times their size away from the origin.
 const NEAR: f64 = 1e-6;
 
-/// Which way leads into a domain from `t`: ±1 at its ends, 0 inside.
+/// The direction from `t` into a domain: ±1 at its ends, 0 inside.
 fn side(t: f64, (start, end): (f64, f64)) -> f64 {
     if t <= start {
         1.0
@@ -171,7 +170,7 @@ fn side(t: f64, (start, end): (f64, f64)) -> f64 {
     }
 }
 
-/// The end of a domain that is close to `t`, or `t` itself.
+/// The end of the domain that is within `NEAR` of `t`, or `t` itself if neither is.
 fn near_end(t: f64, (start, end): (f64, f64)) -> f64 {
     let near = NEAR * (end - start);
     if t - start <= near {

@@ -1,43 +1,43 @@
-//! Bézier points of one span, straight from the control points that govern it: Bézier extraction (Borden, Scott,
-//! Evans and Hughes 2011).
+//! Bézier extraction (Borden, Scott, Evans and Hughes 2011): the Bézier points of one span, directly from the control
+//! points that govern the span.
 
 use glam::{BVec4, DVec4};
 
 use super::KnotVector;
 use super::line::{mix_by, shares as of_both};
 
-/// How the Bézier points of all spans of a clamped spline come from its control points; by the first of those that
-/// govern a span.
+/// For every span of a clamped spline, how its Bézier points follow from the control points. The index of a span is
+/// that of the first control point that governs it.
 #[derive(Debug)]
 pub(crate) enum Extractions {
-    /// Of degree 3 or less.
+    /// For degree 3 or less.
     Steps(Vec<Steps>),
-    /// Of a higher degree: operators, `(p + 1)²` numbers each.
+    /// For higher degrees: operators (matrices) of `(p + 1)²` numbers each.
     Operators {
         /// The degree.
         degree: usize,
-        /// Row by row, one for each Bézier point: how much of each control point there is in it.
+        /// The operators row by row. A row belongs to a Bézier point and holds the share of each control point in it.
         shares: Vec<f64>,
     },
 }
 
-/// The same of one span.
+/// How the Bézier points of one span follow from the control points: one item of [`Extractions`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extraction<'a> {
-    /// Of degree 3 or less.
+    /// For degree 3 or less.
     Steps(&'a Steps),
-    /// Of a higher degree.
+    /// For higher degrees.
     Operator(&'a [f64]),
 }
 
 impl Extractions {
-    /// The highest degree.
+    /// The highest degree supported.
     pub(crate) const MOST_DEGREE: usize = 7;
 
-    /// The most control points of a span.
+    /// The largest number of control points that govern a span.
     pub(crate) const MOST_POINTS: usize = Self::MOST_DEGREE + 1;
 
-    /// How much memory each span takes, in numbers of f64.
+    /// The memory of each span, as a number of f64 values.
     pub(crate) fn numbers_a_span(degree: usize) -> usize {
         if degree <= Steps::MOST_DEGREE {
             size_of::<Steps>() / size_of::<f64>()
@@ -46,7 +46,7 @@ impl Extractions {
         }
     }
 
-    /// Those of a clamped knot vector.
+    /// The extractions of all spans of a clamped knot vector.
     pub(crate) fn of(knots: &KnotVector) -> Self {
         let degree = knots.degree();
         let count = knots.point_count();
@@ -65,8 +65,8 @@ impl Extractions {
             let (done, rest) = shares.split_at_mut(size * first);
             let own = &mut rest[..size];
             fill_operator(knots, span.index, own);
-            // Neighbours share the point between them: by the same operations on the same points. There are as
-            // many knots there as control points that govern the one before only.
+            // Neighbouring spans share the point between them, by the same operations on the same points. The knot
+            // there is repeated as often as there are control points that govern only the span before.
             if let Some(before) = before.filter(|before| before + degree >= first) {
                 let last_row: &[f64] = &done[size * (before + 1) - (degree + 1)..][..degree + 1];
                 let (common, others) = own[..degree + 1].split_at_mut(before + degree + 1 - first);
@@ -78,7 +78,7 @@ impl Extractions {
         Self::Operators { degree, shares }
     }
 
-    /// That of the span that begins with a control point.
+    /// The extraction of the span whose first control point is `first`.
     #[inline(always)]
     pub(crate) fn at(&self, first: usize) -> Extraction<'_> {
         match self {
@@ -100,8 +100,9 @@ impl Extractions {
     }
 }
 
-/// The operator of a span: Bézier points are values of its polar form (Ramshaw 1989), with the start of the span as
-/// some arguments and its end as the others, which de Boor's scheme makes of the control points by convex combinations.
+/// Fills in the operator of span `index`. Bézier points are values of the span's polar form (Ramshaw 1989), with its
+/// start as some arguments and its end as the others. De Boor's scheme computes these values from the control points
+/// by convex combinations.
 fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
     const MOST: usize = Extractions::MOST_POINTS;
     let (p, values) = (knots.degree(), knots.values());
@@ -127,7 +128,7 @@ fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
 }
 
 impl Extraction<'_> {
-    /// From the control points to the Bézier points, in place: of every `step`-th of some points, from the first on.
+    /// Replaces control points by Bézier points, in place: every `step`-th of `points`, from the first on.
     pub(crate) fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
         let mut from = [DVec4::ZERO; Extractions::MOST_POINTS];
         for (k, point) in from[..=degree].iter_mut().enumerate() {
@@ -149,7 +150,7 @@ impl Extraction<'_> {
         }
     }
 
-    /// How much of control point `j` there is in each Bézier point.
+    /// The share of control point `j` in each Bézier point.
     pub(crate) fn shares_of(&self, degree: usize, j: usize) -> [f64; Extractions::MOST_POINTS] {
         let mut shares = [0.0; Extractions::MOST_POINTS];
         match self {
@@ -168,7 +169,7 @@ impl Extraction<'_> {
     }
 }
 
-/// A convex combination; coordinates that are equal in all points that have a share in it are kept as they are.
+/// A convex combination; coordinates that are equal in all points with a nonzero share are kept as they are.
 fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
     let mut sum = DVec4::ZERO;
     let (mut one, mut alike) = (None, BVec4::TRUE);
@@ -181,18 +182,18 @@ fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
     DVec4::select(alike, one.unwrap_or(sum), sum)
 }
 
-/// How the Bézier points of a span come from the `p + 1` control points of a spline of degree 3 or
-/// less that govern it.
+/// How the Bézier points of a span follow from the `p + 1` control points that govern it, in a
+/// spline of degree 3 or less.
 ///
-/// Not by a matrix but by the steps of knot insertion: every point comes from the same numbers by the same
+/// This is not a matrix but the steps of knot insertion: every point is computed from the same numbers by the same
 /// operations as if all knots of the clamped spline were inserted from left to right, as
-/// [`Insertions`](super::line::Insertions) does. So it is the same to the last bit, but for the sign of zeros, and
+/// [`Insertions`](super::line::Insertions) does. So it is the same to the last bit, except for the sign of zeros, and
 /// neighbouring spans share the point between them.
 ///
 /// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄` about
 /// its span `t₁ … t₂`, the control points are `f(t₋₁,t₀,t₁)`, `f(t₀,t₁,t₂)`, `f(t₁,t₂,t₃)` and
-/// `f(t₂,t₃,t₄)`. Each step mixes two points that differ in one argument, `a` and `b`, to one that has
-/// `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α is 0 or 1.
+/// `f(t₂,t₃,t₄)`. Each step mixes two points that differ in one argument, `a` and `b`, into the one with
+/// the argument `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α is 0 or 1.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Steps {
     /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁` between
@@ -201,12 +202,12 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// The highest degree.
+    /// The highest degree for which steps are used.
     const MOST_DEGREE: usize = 3;
 
-    /// Those of the span that begins with the knot of an index, in a clamped knot vector.
+    /// The steps of the span that begins at knot `index` of a clamped knot vector.
     fn of(knots: &KnotVector, index: usize) -> Self {
-        // Of lower degrees a clamped vector may end sooner; what is made of other knots then has no use.
+        // For lower degrees a clamped vector may end sooner; the steps made from other knots are then not used.
         let values = knots.values();
         let knot = |k: isize| values[index.saturating_add_signed(k).min(values.len() - 1)];
         let [before, t0, t1, t2, t3, t4] = [-2, -1, 0, 1, 2, 3].map(knot);
@@ -214,7 +215,7 @@ impl Steps {
         Self { by: by.map(|(t, left, right)| of_both(t, left, right)) }
     }
 
-    /// The Bézier points, from the control points; only `p + 1` of either count.
+    /// The Bézier points, computed from the control points; only the first `p + 1` of either count.
     #[inline(always)] // degrees known in advance need no branches
     pub(crate) fn apply(&self, degree: usize, [a, b, c, d]: [DVec4; 4]) -> [DVec4; 4] {
         let [first, near, left, right, last] = self.by;

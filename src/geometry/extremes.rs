@@ -1,31 +1,31 @@
-//! Where a coordinate of a rational Bézier piece turns around, or changes its sign.
+//! Extremes of a coordinate of a rational Bézier piece, and sign changes of a polynomial.
 
 use crate::math::bernstein::{binomial, restrict};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// Extremes are isolated to this length of the parameter: the spacing of numbers below 1.
+/// Extremes are isolated to parameter intervals of this length: the spacing of numbers below 1.
 pub(crate) const FINEST: f64 = UNIT_ROUNDOFF;
 
-/// Adds the parameters in (0, 1), in no order, where a coordinate of a rational Bézier piece may
-/// turn around: all places where the sign of its derivative changes, to [`FINEST`], and perhaps
-/// some where it only might.
+/// Adds to `found`, in no order, the parameters in (0, 1) where a coordinate of a rational Bézier
+/// piece may have an extreme: all places where the sign of its derivative changes, to within
+/// [`FINEST`], and perhaps some where a change could not be excluded.
 ///
 /// The coordinate is given as its homogeneous Bernstein coefficients (products with the
-/// weights). It is measured from `center`: that changes no extreme, but far from 0 it saves the
-/// digits in which the points differ.
+/// weights). It is measured from `center`: this changes no extreme, but for coordinates far from 0
+/// it saves the digits in which the points differ.
 pub(crate) fn add_extremes(coordinate: &[f64], weights: &[f64], center: f64, found: &mut Vec<f64>) {
     Polynomial::derivative(coordinate, weights, center).roots(found);
 }
 
-/// Adds the parameters in (0, 1), in no order, where the sign of a polynomial changes, to [`FINEST`], and
-/// perhaps some where it only might. It is given as its Bernstein coefficients, each with a
-/// bound on what rounding may have done to it.
+/// Adds to `found`, in no order, the parameters in (0, 1) where a polynomial changes its sign, to within
+/// [`FINEST`], and perhaps some where a change could not be excluded. The polynomial is given as its
+/// Bernstein coefficients, each with a bound on its rounding error.
 pub(crate) fn add_sign_changes(coefficients: Vec<f64>, noise: Vec<f64>, found: &mut Vec<f64>) {
     Polynomial { coefficients, noise }.roots(found);
 }
 
-/// A polynomial: the numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor, as
-/// Bernstein coefficients, with a bound on what rounding may have done to each.
+/// A polynomial as Bernstein coefficients, each with a bound on its rounding error. For extremes it is
+/// the numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor.
 #[derive(Clone)]
 struct Polynomial {
     coefficients: Vec<f64>,
@@ -33,7 +33,7 @@ struct Polynomial {
 }
 
 impl Polynomial {
-    /// That of a coordinate measured from `center`.
+    /// The numerator of the derivative of a coordinate measured from `center`.
     fn derivative(coordinate: &[f64], weights: &[f64], center: f64) -> Self {
         let p = weights.len() - 1;
         let pairs = || coordinate.iter().zip(weights);
@@ -43,7 +43,7 @@ impl Polynomial {
 
         if weights.iter().all(|w| *w == weights[0]) {
             let coefficients = centered.windows(2).map(|x| x[1] - x[0]).collect();
-            // Equal weights take part in no product, and control points are as given.
+            // Equal weights enter no product, and control points are as given.
             let noise = size.windows(2).map(|m| UNIT_ROUNDOFF * (m[0] + m[1])).collect();
             return Self { coefficients, noise };
         }
@@ -53,7 +53,7 @@ impl Polynomial {
             let (dx, dw) = (centered[i + 1] - centered[i], weights[i + 1] - weights[i]);
             let (sx, sw) = (size[i + 1] + size[i], weights[i + 1] + weights[i]);
             for j in 0..=p {
-                // B_i of degree p − 1 times B_j of degree p is this much of B_{i+j}.
+                // B_i of degree p − 1 times B_j of degree p is `share` times B_{i+j}.
                 let share = binomial(p - 1, i) * binomial(p, j) / binomial(2 * p - 1, i + j);
                 coefficients[i + j] += share * (dx * weights[j] - centered[j] * dw);
                 noise[i + j] += share * unit * (sx * weights[j] + size[j] * sw);
@@ -62,10 +62,11 @@ impl Polynomial {
         Self { coefficients, noise }
     }
 
-    /// Adds the places in (0, 1) where the sign changes, and perhaps some where it only might.
+    /// Adds the places in (0, 1) where the sign changes, and perhaps some where a change could not
+    /// be excluded.
     ///
-    /// Halving shrinks the coefficients to the polynomial's values; a part whose coefficients
-    /// have one sign is left alone. By Descartes' rule no more parts stay than there are
+    /// Halving brings the coefficients closer to the polynomial's values; a part whose coefficients
+    /// have one sign is dropped. By Descartes' rule no more parts remain than there are
     /// coefficients, and they are halved at most 53 times.
     fn roots(self, found: &mut Vec<f64>) {
         let mut waiting = vec![(self, [0.0, 1.0])];
@@ -79,7 +80,7 @@ impl Polynomial {
                 continue;
             }
             let [below, above] = part.halves();
-            // A root on the very cut would be seen by neither half.
+            // Neither half would find a root exactly at the cut.
             if above.coefficients[0].abs() <= above.noise[0] {
                 found.push(middle);
             }

@@ -16,10 +16,10 @@ pub(crate) fn mix(a: DVec4, b: DVec4, alpha: f64) -> DVec4 {
     mix_by(a, b, [1.0 - alpha, alpha])
 }
 
-/// The same with `1 − α` and `α`.
+/// As [`mix`], with `1 − α` and `α` given.
 #[inline]
 pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
-    // Worked out even where they are equal: branches would take more time.
+    // Computed even where coordinates are equal: branches would take more time.
     let mixed = beta * a + alpha * b;
     let one = |a: f64, b: f64, mixed: f64| if a == b { a } else { mixed };
     DVec4::new(
@@ -32,8 +32,8 @@ pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
 
 /// `1 − α` and `α` for `α = (t − left) / (right − left)`.
 ///
-/// The smaller of the two is worked out from the knots, and the other from it. So neither loses digits, however near
-/// to an end `t` is: a small share of a point may count more than all the rest, where that is far heavier.
+/// The smaller of the two is computed from the knots, and the other from the smaller. So neither loses digits, however
+/// near to an end `t` is: the small share of a point may count more than all the rest, if the point is far heavier.
 #[inline]
 pub(crate) fn shares(t: f64, left: f64, right: f64) -> [f64; 2] {
     let width = right - left;
@@ -46,35 +46,35 @@ pub(crate) fn shares(t: f64, left: f64, right: f64) -> [f64; 2] {
     }
 }
 
-/// Knots to be inserted into lines of control points that share one knot vector: what depends on
-/// the knots alone, worked out once for all lines.
+/// The insertion of knots into lines of control points that share one knot vector: everything that
+/// depends on the knots alone, computed once for all lines.
 ///
 /// Boehm 1980. Let `t` be among the knots `s` times already, and `l` the last knot below it.
 /// Inserting `t` once more keeps the points up to `l + s − p`, replaces those from there to
 /// `l` by `Q_i = (1 − αᵢ) P_{i−1} + αᵢ Pᵢ` with `αᵢ = (t − tᵢ) / (tᵢ₊ₚ − tᵢ)`, and continues
-/// with `P_l` and what came after it. Going from left to right, everything right of `t` is
-/// still untouched, so that one sweep does all insertions.
+/// with the old `P_l` and the points after it. Knots are inserted from left to right: everything
+/// right of `t` is then still untouched, so that one sweep does all insertions.
 pub(crate) struct Insertions {
     steps: Vec<Insertion>,
-    /// `1 − αᵢ` and `αᵢ` of all steps, those of each from the right.
+    /// `1 − αᵢ` and `αᵢ` of all steps; within a step from right to left.
     shares: Vec<[f64; 2]>,
 }
 
 /// One knot to be inserted.
 struct Insertion {
-    /// How many points are taken over from the old line before.
+    /// The number of points copied from the old line before this insertion.
     taken: usize,
-    /// `l`: the last point that is replaced, and then repeated as it was.
+    /// `l`: the last point that is replaced; its old value follows it.
     last: usize,
-    /// How many points are replaced.
+    /// The number of points replaced.
     replaced: usize,
 }
 
 impl Insertions {
-    /// The knots `new`, in increasing order.
+    /// The insertion of the knots `new`, in increasing order.
     ///
     /// They must lie in the domain and no knot may end up with more than `p + 1` copies. Adding
-    /// the last of them duplicates a control point: there the spline falls apart.
+    /// the last of these copies duplicates a control point: there the spline falls apart.
     pub(crate) fn new(knots: &KnotVector, new: &[f64]) -> Self {
         let p = knots.degree();
         let old = knots.values();
@@ -82,7 +82,7 @@ impl Insertions {
         let mut done_knots = Vec::with_capacity(old.len() + new.len());
         let (mut next_knot, mut done) = (0, 0);
         for &t in new {
-            // Take over all knots up to t, and all points up to the last one that t changes.
+            // Copy all knots up to t, and all points up to the last one that t changes.
             let upto = next_knot + old[next_knot..].partition_point(|&knot| knot <= t);
             done_knots.extend_from_slice(&old[next_knot..upto]);
             next_knot = upto;
@@ -104,14 +104,14 @@ impl Insertions {
         insertions
     }
 
-    /// The control points of the same spline over the knots it had and the new ones.
+    /// The control points of the same spline over the old and the new knots.
     pub(crate) fn apply(&self, points: &[DVec4]) -> Vec<DVec4> {
         self.apply_to_rows(points, 1)
     }
 
-    /// The same for lines that lie side by side, as the columns of a net do: whole rows, of this
-    /// length, take the place of points.
-    #[inline(always)] // for rows of one point it is another code
+    /// As [`Self::apply`], for lines that lie side by side, as the columns of a net do: whole rows,
+    /// of this length, take the place of points.
+    #[inline(always)] // rows of one point get code of their own
     pub(crate) fn apply_to_rows(&self, points: &[DVec4], length: usize) -> Vec<DVec4> {
         let mut done = Vec::with_capacity(points.len() + self.steps.len() * length);
         let (mut rest, mut shares) = (points, &self.shares[..]);
@@ -119,7 +119,7 @@ impl Insertions {
             let (taken, others) = rest.split_at(taken * length);
             done.extend_from_slice(taken);
             rest = others;
-            // The last row that is replaced is repeated as it was.
+            // The old value of the last row that is replaced follows it.
             let (from, end) = (last * length, done.len());
             done.resize(end + length, DVec4::ZERO);
             done.copy_within(from..end, from + length);
@@ -171,7 +171,7 @@ pub(crate) fn restrict(
     let missing = |t| p.saturating_sub(knots.multiplicity(t));
     let mut new = vec![start; missing(start)];
     new.extend(std::iter::repeat_n(end, missing(end)));
-    // A curve is cut into its pieces one by one, where nothing is missing: all of it is not to be copied for each.
+    // A curve is cut into its pieces one by one, and no knots are missing then: do not copy the whole curve for each.
     let (values, points) = match new.as_slice() {
         [] => (Cow::Borrowed(knots.values()), Cow::Borrowed(points)),
         new => (Cow::Owned(merged(knots.values(), new)), Cow::Owned(refine(knots, points, new))),

@@ -1,23 +1,23 @@
 //! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
 //!
-//! As the lecture on bicubic surfaces and splines writes them, with these differences. It prints
-//! `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is symmetric; B-splines
-//! need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. And it counts the
-//! blending functions from B₀ to B₃ on one slide and from B₄ to B₁ on the next: here it is B₀ to B₃.
+//! They are written as in the lecture on bicubic surfaces and splines, with these differences. The
+//! lecture prints `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is symmetric;
+//! B-splines need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. The lecture numbers
+//! the blending functions B₀ to B₃ on one slide and B₄ to B₁ on the next; here they are B₀ to B₃.
 
 use glam::{DVec3, DVec4};
 
 use super::shapes::unit_knots;
 use super::{CurveError, KnotVector, NurbsCurve};
 
-/// The meaning of the four vectors `G` that a cubic segment is given by.
+/// The meaning of the four vectors `G` that define a cubic segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixForm {
     /// Four control points.
     Bezier,
-    /// Four control points of a uniform B-spline, of which none need be met.
+    /// Four control points of a uniform B-spline; the segment need not meet any of them.
     BSpline,
-    /// Two ends, then the derivatives there.
+    /// The two end points, then the derivatives there.
     Hermite,
     /// Four points; the segment runs from the second to the third, with the derivatives
     /// `(P₂ − P₀)/2` and `(P₃ − P₁)/2`.
@@ -25,7 +25,7 @@ pub enum MatrixForm {
 }
 
 impl MatrixForm {
-    /// All four.
+    /// All four forms.
     pub const ALL: [Self; 4] = [Self::Bezier, Self::BSpline, Self::Hermite, Self::CatmullRom];
 
     /// The matrix `M`: rows for `t³`, `t²`, `t`, 1, columns for the four vectors.
@@ -60,7 +60,7 @@ impl MatrixForm {
         }
     }
 
-    /// What gives the segment with these Bézier points.
+    /// The four vectors that define, in this form, the segment with these Bézier points.
     fn given_by_bezier(self, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 4] {
         match self {
             Self::Bezier => [a, b, c, d],
@@ -80,7 +80,7 @@ impl MatrixForm {
         NurbsCurve::bezier(&self.to_bezier(geometry))
     }
 
-    /// The four vectors that give a curve which is one cubic, polynomial segment.
+    /// The four vectors that define `segment`, a curve of one cubic, polynomial piece.
     ///
     /// # Errors
     /// When the curve has another degree, several pieces, or different weights.
@@ -99,12 +99,12 @@ impl MatrixForm {
         Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
     }
 
-    /// What gives in another form the segment that `geometry` gives in this one.
+    /// The four vectors that define in the form `to` the segment that `geometry` defines in this one.
     pub fn converted(self, geometry: [DVec3; 4], to: Self) -> [DVec3; 4] {
         to.given_by_bezier(self.to_bezier(geometry))
     }
 
-    /// The chain of segments of each four points in a row, a unit of the parameter each. For
+    /// The chain of the segments of every four consecutive points, each one parameter unit long. For
     /// B-splines it is smooth to the second derivative, for Catmull–Rom to the first; Bézier
     /// and Hermite segments advance by three and by two vectors.
     fn chain(self, points: &[DVec3], advance: usize) -> Result<NurbsCurve, CurveError> {
@@ -167,7 +167,7 @@ pub(super) fn check_count(found: usize, needed: usize) -> Result<(), CurveError>
 }
 
 /// A polynomial surface piece in matrix form, `S(s, t) = [s³ s² s 1] M G Mᵀ [t³ t² t 1]ᵀ`, as
-/// a bicubic Bézier patch on the unit square; `u` is `s`, over the rows of `G`.
+/// a bicubic Bézier patch on the unit square; `u` is `s` and runs over the rows of `G`.
 ///
 /// # Errors
 /// When a coordinate is not finite, or all points coincide.
@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Uniform B-spline segments of four points each are the uniform B-spline of them all.
+    /// The B-spline segments of every four consecutive points are the uniform B-spline of all points.
     #[test]
     fn the_lecture_s_b_spline_is_the_one_over_uniform_knots() {
         let corners = [[2, 1], [5, 2], [6, 5], [8, 6], [5, 9], [4, 7], [1, 5]];

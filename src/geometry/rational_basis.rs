@@ -9,8 +9,8 @@ use super::{CurveError, KnotVector, MAX_DEGREE};
 /// Rational B-spline basis functions `Rᵢ(t) = hᵢ Nᵢ(t) / S(t)`, `S = Σ hᵢ Nᵢ`.
 ///
 /// Weights may be zero here, as in Rogers' example 4.1: such a control point has no
-/// influence, and a curve, whose control points must have places of their own in
-/// homogeneous space, could not keep it.
+/// influence. A curve could not keep it, because each control point of a curve must have a place
+/// of its own in homogeneous space.
 ///
 /// # Invariants, checked once on construction
 /// - there are as many weights as the knots ask for, none negative, none infinite;
@@ -22,7 +22,7 @@ pub struct RationalBasis {
 }
 
 impl RationalBasis {
-    /// The basis over knots, with these weights.
+    /// The basis over these knots with these weights.
     ///
     /// # Errors
     /// When one of the invariants above does not hold.
@@ -36,7 +36,7 @@ impl RationalBasis {
             return Err(CurveError::BasisWeight { index, weight: weights[index] });
         }
         // Inside a span all its functions are positive, so that one positive weight suffices;
-        // at its ends fewer are.
+        // at the ends of a span fewer functions are positive.
         let basis = Self { knots, weights };
         for span in basis.knots.spans() {
             for t in [span.start, 0.5 * (span.start + span.end), span.end] {
@@ -93,8 +93,8 @@ impl RationalBasis {
         self.weights[index] * values[index - first] / self.sum(t)
     }
 
-    /// A derivative of one of the functions, that of order 0 being the function; 0 for an index
-    /// beyond the last. From `S Rᵢ = hᵢ Nᵢ` by the product rule:
+    /// Derivative `order` of the function `index` at `t`. Order 0 is the function itself; an index
+    /// beyond the last gives 0. From `S Rᵢ = hᵢ Nᵢ` by the product rule:
     ///
     /// `Rᵢ⁽ᵏ⁾ = (hᵢ Nᵢ⁽ᵏ⁾ − Σⱼ (k over j) S⁽ʲ⁾ Rᵢ⁽ᵏ⁻ʲ⁾) / S`, j from 1 to k.
     pub fn derivative(&self, index: usize, order: usize, t: f64) -> f64 {
@@ -121,7 +121,7 @@ impl RationalBasis {
         found[order]
     }
 
-    /// The derivatives `R′ᵢ = (hᵢ N′ᵢ − S′ Rᵢ) / S`.
+    /// The first derivatives of all functions, `R′ᵢ = (hᵢ N′ᵢ − S′ Rᵢ) / S`.
     pub fn derivatives(&self, t: f64) -> Vec<f64> {
         let basis = self.knots.basis_derivatives(t);
         let first = basis.span - self.knots.degree();
@@ -137,8 +137,8 @@ impl RationalBasis {
         all
     }
 
-    /// The point `Σ Rᵢ(t) Pᵢ` of the curve with these control points; `None` if there are not
-    /// as many as weights.
+    /// The point `Σ Rᵢ(t) Pᵢ` of the curve with these control points; `None` if their number is
+    /// not that of the weights.
     pub fn point(&self, points: &[DVec3], t: f64) -> Option<DVec3> {
         Self::combined(points, &self.values(t))
     }

@@ -47,7 +47,7 @@ impl NurbsSurface {
         Ok(self.refined(direction, &vec![t; times]))
     }
 
-    /// The same surface with valid new knots, in increasing order.
+    /// The same surface with the knots `new` inserted, which are valid and in increasing order.
     pub(super) fn refined(&self, direction: Direction, new: &[f64]) -> Self {
         let knots = self.knots(direction);
         let values = merged(knots.values(), new);
@@ -64,7 +64,7 @@ impl NurbsSurface {
     }
 
     /// The same surface with knots of multiplicity `p + 1` at the ends of both domains and
-    /// none outside. Unclamped and periodic surfaces change their nets, clamped ones nothing.
+    /// none outside. Nets of unclamped and periodic surfaces change, those of clamped ones do not.
     #[must_use]
     pub fn clamped(&self) -> Self {
         let [domain_u, domain_v] = self.domain();
@@ -89,7 +89,7 @@ impl NurbsSurface {
         Self::assembled(knots, control)
     }
 
-    /// How many control points that has where the surface jumps nowhere.
+    /// The number of control points of [`Self::bezier_form`] if the surface jumps nowhere.
     pub(crate) fn bezier_point_count(&self) -> usize {
         let [u, v] = [self.knots_u(), self.knots_v()]
             .map(|knots| knots.spans().count() * knots.degree() + 1);
@@ -136,7 +136,7 @@ impl NurbsSurface {
 
     /// The same surface with its degree in u raised `times` times; clamped in u.
     ///
-    /// Inner knots are repeated `times` times more, as their smoothness demands.
+    /// Inner knots are repeated `times` times more, as the smoothness there demands.
     ///
     /// # Errors
     /// When the degree would exceed [`MAX_DEGREE`].
@@ -176,8 +176,8 @@ impl NurbsSurface {
         self.with_lines(direction, to, |line| restrict(knots, line, range).1)
     }
 
-    /// The surface whose net is made by `operation` from each line of control points that
-    /// runs along a direction, and whose knots in that direction are `knots`.
+    /// The surface made by applying `operation` to each line of control points that runs along
+    /// `direction`; its knots in that direction are `knots`.
     pub(super) fn with_lines(
         &self,
         direction: Direction,

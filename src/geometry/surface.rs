@@ -7,8 +7,8 @@ use crate::math::rounding;
 
 /// A tensor-product NURBS surface `S(u, v) = Σ Nᵢ(u) Nⱼ(v) wᵢⱼ Pᵢⱼ / Σ Nᵢ(u) Nⱼ(v) wᵢⱼ`.
 ///
-/// Stored is the homogeneous net `(w x, w y, w z, w)`, v fastest: point `(i, j)` is at
-/// index `i nv + j`. What is stored is the truth: the products as they were rounded.
+/// The homogeneous net `(w x, w y, w z, w)` is stored, v fastest: point `(i, j)` is at index
+/// `i nv + j`. The true surface is the stored one: that of the products as they were rounded.
 ///
 /// # Invariants, checked once on construction and relied on everywhere else
 /// - the net has `nu × nv` points, the numbers the knot vectors ask for;
@@ -28,7 +28,7 @@ pub struct NurbsSurface {
 /// curvatures are products of up to four lengths, and must not overflow (at 1.8e308).
 pub const MAX_MAGNITUDE: f64 = 1e70;
 
-/// The smallest size and the smallest weight of a surface. The same products must not vanish
+/// The smallest size and the smallest weight of a surface. The same products must not underflow
 /// (at 2e-308).
 pub const MIN_MAGNITUDE: f64 = 1e-70;
 
@@ -95,15 +95,15 @@ impl NurbsSurface {
         (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&weight) // false for NaN
     }
 
-    /// A surface from parts that an operation on a valid one has left valid.
+    /// A surface from parts that are valid, because an operation on a valid surface made them.
     pub(super) fn assembled(knots: [KnotVector; 2], control: Vec<DVec4>) -> Self {
         debug_assert_eq!(control.len(), knots[0].point_count() * knots[1].point_count());
         let rational = control.iter().any(|point| point.w != control[0].w);
         Self { knots, control, rational }
     }
 
-    /// Refuses a surface whose control points all coincide, or lie on one line as far as rounding
-    /// can tell; else says how far they span.
+    /// Returns the size of the control net along the longest axis; refuses a surface whose control
+    /// points all coincide or lie on one line, to within rounding.
     pub(super) fn check_extent(&self) -> Result<f64, SurfaceError> {
         self.extent().wide()
     }
@@ -162,7 +162,7 @@ impl NurbsSurface {
         self.homogeneous(i, j).w
     }
 
-    /// A `j` too large would be the index of a point in a later row.
+    /// Panics unless control point `(i, j)` exists: a `j` too large would index a later row.
     #[track_caller]
     fn assert_has(&self, i: usize, j: usize) {
         let (nu, nv) = self.size();
@@ -178,7 +178,7 @@ impl NurbsSurface {
         self.rational
     }
 
-    /// The weight of all control points; `None` where they differ.
+    /// The common weight of all control points; `None` if weights differ.
     pub(crate) fn common_weight(&self) -> Option<f64> {
         self.control.first().filter(|_| !self.rational).map(|point| point.w)
     }
@@ -189,19 +189,19 @@ impl NurbsSurface {
     }
 }
 
-/// What homogeneous control points span, as far as rounding can tell.
+/// What control points span, to within rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Extent {
     /// Nothing: all are one point.
     Point(DVec3),
-    /// A line, which a ray could only meet by chance of rounding.
+    /// A line, which a ray could meet only by a coincidence of rounding.
     Line { from: DVec3, to: DVec3 },
-    /// More than that, so far along the longest axis.
+    /// More than a line; `size` is the length along the longest axis.
     Wide { size: f64 },
 }
 
 impl Extent {
-    /// How far along the longest axis, if a ray can meet it.
+    /// The length along the longest axis; an error if no ray can meet the points' surface.
     pub(super) fn wide(self) -> Result<f64, SurfaceError> {
         match self {
             Self::Wide { size } => Ok(size),
@@ -210,14 +210,14 @@ impl Extent {
         }
     }
 
-    /// As [`Extent::wide`], and large enough to reckon with.
+    /// As [`Extent::wide`]; also an error if the length is below [`MIN_MAGNITUDE`].
     pub(super) fn checked(self) -> Result<f64, SurfaceError> {
         let size = self.wide()?;
         if size < MIN_MAGNITUDE { Err(SurfaceError::TooSmall { size }) } else { Ok(size) }
     }
 }
 
-/// How far the control points of a surface of these degrees span.
+/// The extent of the control points of a surface of degrees p and q.
 pub(super) fn extent<I: Iterator<Item = DVec3>>(
     points: impl Fn() -> I,
     [p, q]: [usize; 2],
@@ -244,7 +244,8 @@ pub(super) fn extent<I: Iterator<Item = DVec3>>(
     if wide { Extent::Wide { size } } else { Extent::Line { from: first, to: last } }
 }
 
-/// Derivatives are sizes over lengths of domains, and their squares must be finite.
+/// Checks a domain's length: derivatives are sizes over such lengths, and their squares must be
+/// finite.
 fn check_domain(direction: Direction, knots: &KnotVector) -> Result<(), SurfaceError> {
     let (start, end) = knots.domain();
     if (MIN_MAGNITUDE..=MAX_MAGNITUDE).contains(&(end - start)) {
@@ -258,7 +259,7 @@ fn usable_point(point: DVec3) -> bool {
     point.abs().cmple(DVec3::splat(MAX_MAGNITUDE)).all() // false for NaN
 }
 
-/// Multiplies with care: counts come from files.
+/// Checks the number of control points; the product may overflow, as counts come from files.
 fn check_count(
     knots_u: &KnotVector,
     knots_v: &KnotVector,

@@ -1,4 +1,4 @@
-//! Why numbers cannot be a surface, or an operation not be done on one.
+//! The error of surfaces: numbers that make no surface, or an operation that a surface does not allow.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ impl fmt::Display for Direction {
     }
 }
 
-/// Why numbers cannot be a surface, or an operation not be done on one.
+/// The reason why numbers make no surface, or why an operation cannot be done on a surface.
 ///
 /// Control points are named by `(i, j)`, counted from 0: `i` along u, `j` along v.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -106,15 +106,15 @@ pub enum SurfaceError {
         ShownVector(*.to)
     )]
     NoArea {
-        /// One of them.
+        /// One of the control points.
         from: DVec3,
-        /// The one farthest from that.
+        /// The control point farthest from `from`.
         to: DVec3,
     },
     /// The control points span less than [`MIN_MAGNITUDE`].
     #[error("the control points span {}: at least {MIN_MAGNITUDE:e} is needed", Shown(*size))]
     TooSmall {
-        /// How far they span along the longest axis.
+        /// Their extent along the longest axis.
         size: f64,
     },
     /// The domain of a parameter is shorter than [`MIN_MAGNITUDE`] or longer than
@@ -159,7 +159,7 @@ pub enum SurfaceError {
     /// A transform has a number that is NaN or infinite.
     #[error("the transform is not finite: all of its numbers must be")]
     TransformNotFinite,
-    /// A transform flattens space, or enlarges it beyond numbers.
+    /// A transform flattens space, or enlarges it beyond the range of f64.
     #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.

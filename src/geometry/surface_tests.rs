@@ -1,4 +1,4 @@
-//! Surfaces: what is refused, what is kept, what derivatives come to.
+//! Surfaces: refused input, properties that operations keep, and values of derivatives.
 
 use glam::{DAffine3, DMat3, DVec3, DVec4};
 
@@ -225,7 +225,7 @@ fn maps_move_points_and_normals() {
     }
 }
 
-/// At ends, at knots, off the domain, and where there is no number.
+/// At ends, at knots, off the domain, and at NaN.
 #[test]
 fn points_on_a_grid_are_the_points() {
     let points: Vec<_> = net(6, 5).iter().map(|p| p + DVec3::Z * (p.x * p.y).sin()).collect();

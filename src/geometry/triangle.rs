@@ -14,9 +14,9 @@ use super::{
 /// `S(u, v) = Σ B_ijk w_ijk P_ijk / Σ B_ijk w_ijk` with `B_ijk = n!/(i! j! k!) uⁱ vʲ wᵏ`,
 /// `i + j + k = n` and `w = 1 − u − v`, on the triangle `u, v, w ≥ 0`.
 ///
-/// Corner `u = 1` is the control point with `i = n`, and so on. Stored are the homogeneous
-/// points `(w x, w y, w z, w)`, i slowest, then j: `(0,0,n)`, `(0,1,n−1)`, … `(n,0,0)`.
-/// `Sᵤ × Sᵥ` is the normal: it points to where the corners `u = 1`, `v = 1`, `w = 1` run
+/// Corner `u = 1` is the control point with `i = n`, and so on. The homogeneous points
+/// `(w x, w y, w z, w)` are stored, i slowest, then j: `(0,0,n)`, `(0,1,n−1)`, … `(n,0,0)`.
+/// The normal `Sᵤ × Sᵥ` points to the side from which the corners `u = 1`, `v = 1`, `w = 1` run
 /// counterclockwise. Farin 2002, ch. 17.
 ///
 /// # Invariants, checked once on construction
@@ -54,12 +54,12 @@ pub struct TriangleQuarter {
 /// Barycentric coordinates `[u, v, w]`.
 pub(super) type Barycentric = [f64; 3];
 
-/// The number of control points of a degree.
+/// The number of control points of a patch of this degree.
 fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// Where the point of exponents `(i, j, n − i − j)` is stored.
+/// The index at which the point of exponents `(i, j, n − i − j)` is stored.
 fn index(degree: usize, i: usize, j: usize) -> usize {
     i * (2 * degree + 3 - i) / 2 + j
 }
@@ -69,9 +69,9 @@ fn exponents(degree: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..=degree).flat_map(move |i| (0..=degree - i).map(move |j| (i, j)))
 }
 
-/// One round of de Casteljau's algorithm: from the points of a degree to those of the next
-/// lower one, mixed in the ratio of the coordinates, in place. The order of the sum does not
-/// matter where one coordinate is zero: sides depend on their own control points only.
+/// One round of de Casteljau's algorithm, in place: mixes the points of a degree in the ratio of the
+/// coordinates into those of the next lower degree. Where one coordinate is zero, the order of the
+/// sum does not matter: sides depend on their own control points only.
 pub(super) fn mix(points: &mut Vec<DVec4>, degree: usize, [u, v, w]: Barycentric) {
     let lower = degree - 1;
     let mixed = exponents(lower).map(|(i, j)| {
@@ -130,7 +130,7 @@ impl TrianglePatch {
         Ok(patch)
     }
 
-    /// As for tensor-product surfaces: points that differ by rounding only are one.
+    /// Checks the extent as for tensor-product surfaces: points that differ by rounding only are one.
     fn check_extent(&self) -> Result<(), TriangleError> {
         let points = || self.control.iter().map(|point| point.xyz() / point.w);
         match extent(points, [self.degree; 2]) {
@@ -185,9 +185,9 @@ impl TrianglePatch {
     ///
     /// After `n − 2` rounds of de Casteljau's algorithm six points `Q` are left. With `A` the
     /// homogeneous point, `A_uu = n(n − 1)(Q₂₀₀ − 2 Q₁₀₁ + Q₀₀₂)` and the like are second
-    /// differences of them, first derivatives are `n` times differences one round later. The
-    /// quotients follow as for tensor-product surfaces; as there, all is done around the
-    /// point itself, so that small derivatives keep their digits.
+    /// differences of these points; first derivatives are `n` times differences one round later.
+    /// The quotients follow as for tensor-product surfaces. As there, all coordinates are taken
+    /// relative to the point itself, so that small derivatives keep their digits.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
         let origin = self.point_at(u, v);
         let around = |point: &DVec4| {
@@ -233,9 +233,9 @@ impl TrianglePatch {
         SurfaceDerivatives { point: origin + rest, du, dv, duu, duv, dvv }
     }
 
-    /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where that vanishes on a side or at a corner,
-    /// its limit on the way from the middle of the triangle, as far as second derivatives tell.
-    /// `None` where there is none.
+    /// The unit normal `Sᵤ × Sᵥ / |Sᵤ × Sᵥ|`; where the product vanishes on a side or at a corner,
+    /// the normal's limit along the way from the middle of the triangle, as far as second
+    /// derivatives determine it. `None` where there is none.
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         let on_a_side = u <= 0.0 || v <= 0.0 || u + v >= 1.0;
         let third = 1.0 / 3.0;
@@ -254,12 +254,12 @@ impl TrianglePatch {
         NurbsCurve::assembled(unit_knots(n), (0..=n).map(|t| self.control[at(t)]).collect())
     }
 
-    /// The curve on which the parameter that a side names is `at`, exactly, on `[0, 1]`: beside
-    /// that side, and in its direction. `None` if `at` is not from 0 to 1; at 1 the curve is the
-    /// corner.
+    /// The exact curve, on `[0, 1]`, on which the parameter named by `side` has the value `at`. It
+    /// runs beside that side, in the same direction. `None` if `at` is not from 0 to 1; at 1 the
+    /// curve is the corner.
     ///
-    /// Its control points are the blossom at the line's two ends, each in turn once more often
-    /// the second one.
+    /// Its control points are blossoms: for point `k`, `k` arguments are the second end of the
+    /// line in the parameters, and the others the first end.
     pub fn curve_at(&self, side: TriangleSide, at: f64) -> Option<NurbsCurve> {
         let within = (0.0..=1.0).contains(&at); // false for NaN
         let rest = 1.0 - at;
@@ -290,9 +290,9 @@ impl TrianglePatch {
     /// The four quarters between the corners and the middles of the sides: those at `u = 1`,
     /// `v = 1`, `w = 1`, then the middle one. All keep the patch's orientation.
     ///
-    /// Control points of a part are the blossom at its corners, each as often as its exponent
-    /// says. Corners are taken before middles, so that parts, and parts of a neighbour with
-    /// the same side, share their common sides' control points bit for bit.
+    /// A control point of a quarter is the blossom at the quarter's corners, each as often as its
+    /// exponent says. Corners of the patch are taken before middles of its sides, so that quarters,
+    /// and those of a neighbour with the same side, share common sides' control points bit for bit.
     pub fn quarters(&self) -> [TriangleQuarter; 4] {
         let [u, v, w] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let [uv, uw, vw] = [[0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
@@ -303,7 +303,7 @@ impl TrianglePatch {
                 let mut at: Vec<Barycentric> = repeated
                     .flat_map(|(&corner, times)| std::iter::repeat_n(corner, times))
                     .collect();
-                // Corners hold a 1; middles by their coordinates, whichever part asks.
+                // Corners (which hold a 1) first; then middles in one order for all quarters.
                 at.sort_by(|a, b| {
                     let corners_first = b.contains(&1.0).cmp(&a.contains(&1.0));
                     corners_first.then(b[0].total_cmp(&a[0])).then(b[1].total_cmp(&a[1]))
@@ -317,7 +317,7 @@ impl TrianglePatch {
         })
     }
 
-    /// The patch with `u` and `v` exchanged, which turns its normals.
+    /// The patch with `u` and `v` exchanged, which reverses its normals.
     #[must_use]
     pub fn swapped(&self) -> Self {
         let n = self.degree;
@@ -325,8 +325,8 @@ impl TrianglePatch {
         Self { degree: n, control }
     }
 
-    /// The patch moved by an affine map. Where it mirrors, normals that pointed out of a body point
-    /// into it; [`TrianglePatch::swapped`] turns them back.
+    /// The patch moved by an affine map. If the map mirrors, normals that pointed out of a body point
+    /// into it; [`TrianglePatch::swapped`] reverses them again.
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.

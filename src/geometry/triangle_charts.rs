@@ -13,8 +13,8 @@ const MIDDLE: DVec2 = DVec2::splat(1.0 / 3.0);
 
 impl Charts for TrianglePatch {
     /// Three patches of bidegree (n, n), one for each corner: from the corner to the middles of
-    /// its two sides and the middle of the triangle. They are the triangle, exactly but for
-    /// the rounding of their control points.
+    /// its two sides and the middle of the triangle. Together they are the triangle, exactly except
+    /// for the rounding of their control points.
     ///
     /// Let `f` be the blossom of the homogeneous patch `A` of degree n, and
     /// `P(s, t) = (1−s)(1−t) c₀₀ + s(1−t) c₁₀ + (1−s)t c₀₁ + s t c₁₁` a quadrilateral in its
@@ -30,7 +30,7 @@ impl Charts for TrianglePatch {
     /// convex combinations of its control points: weights stay positive. (DeRose, Goldman,
     /// Hagen & Mann 1993, "Functional composition algorithms via blossoming".)
     ///
-    /// Blossoms take corners before middles of sides before the middle. So charts share the
+    /// Blossoms take corners first, then middles of sides, then the middle. So charts share the
     /// control points of their common sides bit for bit, and so do two triangles that share
     /// the control points of a side.
     fn charts(&self) -> Vec<Chart<'_>> {
@@ -51,7 +51,8 @@ impl Charts for TrianglePatch {
 }
 
 impl TrianglePatch {
-    /// The part over a convex quadrilateral with these places of (0, 0), (1, 0), (0, 1), (1, 1).
+    /// The part over the convex quadrilateral with these corners: the places to which (0, 0),
+    /// (1, 0), (0, 1), (1, 1) are mapped.
     fn over(&self, places: [DVec2; 4]) -> NurbsSurface {
         let n = self.degree();
         let binomials = binomials(n);
@@ -63,15 +64,15 @@ impl TrianglePatch {
             control[i * (n + 1) + j] += share * f;
         });
         if !self.is_rational() {
-            // Sums of equal weights: that they differ is rounding.
+            // Sums of equal weights differ by rounding only.
             let weight = self.control()[0].w;
             control.iter_mut().for_each(|point| point.w = weight);
         }
         NurbsSurface::assembled([unit_knots(n), unit_knots(n)], control)
     }
 
-    /// The blossom at n places out of four, in all ways to choose them: given out with the
-    /// numbers of times that the second, the third and the fourth are taken.
+    /// Calls `found` with the blossom at n places out of four, for all ways to choose them, and with
+    /// the numbers of times that the second, the third and the fourth are taken.
     fn blossoms(&self, at: [Barycentric; 4], found: &mut impl FnMut([usize; 3], DVec4)) {
         let n = self.degree();
         let mut first = self.control().to_vec();

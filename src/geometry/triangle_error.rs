@@ -1,4 +1,4 @@
-//! Why numbers cannot be a triangular patch.
+//! The error of triangular patches: numbers that make no such patch.
 
 use glam::DVec3;
 use thiserror::Error;
@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{MAX_DEGREE, MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::math::{Counted, Shown, ShownVector};
 
-/// Why numbers cannot be a triangular patch: what was found and what is needed.
+/// The reason why numbers cannot be a triangular patch: what was found and what is needed.
 ///
 /// Control points are named by their exponents `(i, j, k)`, which add up to the degree.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -28,7 +28,7 @@ pub enum TriangleError {
         points: usize,
         /// The degree.
         degree: usize,
-        /// The number it needs.
+        /// The number that the degree needs.
         needed: usize,
     },
     /// The number of weights does not match the control points.
@@ -79,21 +79,21 @@ pub enum TriangleError {
         ShownVector(*.to)
     )]
     NoArea {
-        /// One of them.
+        /// One of the control points.
         from: DVec3,
-        /// The one farthest from that.
+        /// The control point farthest from `from`.
         to: DVec3,
     },
     /// The control points span less than [`MIN_MAGNITUDE`].
     #[error("the control points span {}: at least {MIN_MAGNITUDE:e} is needed", Shown(*size))]
     TooSmall {
-        /// How far they span along the longest axis.
+        /// Their extent along the longest axis.
         size: f64,
     },
     /// A transform has a number that is NaN or infinite.
     #[error("the transform is not finite: all of its numbers must be")]
     TransformNotFinite,
-    /// A transform flattens space, or enlarges it beyond numbers.
+    /// A transform flattens space, or enlarges it beyond the range of f64.
     #[error("the transform's determinant is {}: it must be neither 0 nor infinite", Shown(*determinant))]
     Transform {
         /// The determinant of its linear part.

@@ -1,4 +1,4 @@
-//! Triangles: values and derivatives by other ways, splitting, and the octant of the sphere.
+//! Triangles: values and derivatives checked in other ways, splitting, and the sphere's octant.
 
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -33,7 +33,7 @@ fn summed(patch: &TrianglePatch, u: f64, v: f64) -> DVec3 {
     point / weight
 }
 
-/// A patch of any degree, with weights, of a size.
+/// A patch of this degree and size, with weights.
 fn bumpy(degree: usize, size: f64) -> TrianglePatch {
     let exponents = (0..=degree).flat_map(|i| (0..=degree - i).map(move |j| (i, j)));
     let at = |(i, j): (usize, usize)| {

@@ -1,4 +1,4 @@
-//! A NURBS surface of which trims keep a part.
+//! Trimmed NURBS surfaces.
 
 use std::sync::Arc;
 
@@ -7,9 +7,9 @@ use glam::{DAffine3, DVec2};
 use super::trim::{Side, TrimDomain, TrimError, Trims};
 use super::{Chart, Charts, Direction, NurbsSurface, SurfaceError};
 
-/// A NURBS surface of which only the part is there that its trims keep.
+/// The part of a NURBS surface that its trims keep.
 ///
-/// The part is closed: it holds its edges, as a surface holds its borders.
+/// The part is closed: it contains its edges, as a surface contains its borders.
 ///
 /// # Invariants, checked once on construction
 /// - the trims' domain is the surface's, bit for bit.
@@ -20,7 +20,7 @@ pub struct TrimmedSurface {
 }
 
 impl TrimmedSurface {
-    /// A surface and its trims, for which [`TrimDomain::with_seams_of`] makes the domain.
+    /// A surface with its trims, whose domain [`TrimDomain::with_seams_of`] makes.
     ///
     /// # Errors
     /// When the trims are made for another domain.
@@ -39,27 +39,27 @@ impl TrimmedSurface {
         &self.surface
     }
 
-    /// Which part of it is there.
+    /// The trims, which say which part of the surface is kept.
     pub fn trims(&self) -> &Arc<Trims> {
         &self.trims
     }
 
-    /// Whether a point of the domain is there, edges included.
+    /// Whether a point of the domain is kept, edges included.
     pub fn keeps(&self, uv: DVec2) -> bool {
         self.trims.contains(uv) != Side::Outside
     }
 
-    /// The surface and its trims run backwards in u, which turns its normals; the domain stays
+    /// The surface and its trims run backwards in u, which reverses the normals; the domain stays
     /// (see [`KnotVector::reversed`](super::KnotVector::reversed)).
     #[must_use]
     pub fn reversed_u(&self) -> Self {
         let surface = self.surface.reversed_u();
-        let [(start, end), _] = surface.domain(); // another one where knots are very fine
+        let [(start, end), _] = surface.domain(); // a new one if knots are very close together
         let trims = Arc::new(self.trims.reversed_u([start, end]));
         Self { surface, trims }
     }
 
-    /// The surface moved by an affine map, parameters and trims in their places.
+    /// The surface moved by an affine map; parameters and trims stay as they are.
     ///
     /// # Errors
     /// As [`NurbsSurface::transformed`].
@@ -75,13 +75,13 @@ impl Charts for TrimmedSurface {
     }
 }
 
-/// How much control points of a seam may differ, in units of the rounding of a point.
+/// The tolerance of the control points of a seam, in units of the rounding error of a point.
 const SEAM: f64 = 4.0;
 
 impl NurbsSurface {
     /// Whether the surface closes on itself in a direction: the curves at both ends of the
-    /// domain have the same control points and, but for one factor, the same weights, to
-    /// within `16 (p + q + 4) u` of the largest coordinate, and are no points.
+    /// domain have the same control points and, up to one common factor, the same weights, to
+    /// within `16 (p + q + 4) u` of the largest coordinate, and are not single points.
     pub fn closes(&self, direction: Direction) -> bool {
         let clamped = self.clamped();
         let (nu, nv) = clamped.size();

@@ -14,17 +14,17 @@ use crate::math::bernstein::binomial;
 const JOINT: f64 = 256.0;
 
 impl TrimmedSurface {
-    /// The trim edges in space, `S(c(t))` for the trim curves `c`: of each loop what lies in the
-    /// closed domain, in the loop's direction, in one curve or, where the domain cuts the loop or
-    /// the surface jumps, in several.
+    /// The trim edges in space, `S(c(t))` for the trim curves `c`. Each loop gives its part in the
+    /// closed domain, in the loop's direction: one curve, or several where the domain cuts the loop
+    /// or the surface jumps.
     ///
-    /// They are exact but for rounding: a rational Bézier curve of degree d within a piece of the
+    /// They are exact except for rounding: a rational Bézier curve of degree d within a piece of the
     /// surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
     /// Mann, "Functional composition algorithms via blossoming", 1993; here by products of
     /// Bernstein polynomials).
     ///
     /// # Errors
-    /// When that degree is beyond [`MAX_DEGREE`], or a weight or point beyond numbers.
+    /// When that degree exceeds [`MAX_DEGREE`], or a weight or point is beyond the range of f64.
     pub fn edge_curves(&self) -> Result<Vec<NurbsCurve>, CurveError> {
         let form = Pieces::new(self.surface());
         let cuts = form.lines.each_ref().map(Vec::as_slice);
@@ -55,8 +55,8 @@ impl TrimmedSurface {
         Ok(curves)
     }
 
-    /// The curve `v ↦ S(u, v)`, or for [`Direction::V`] `u ↦ S(u, v)`, where it is kept, each
-    /// stretch in its own part of the domain.
+    /// The kept stretches of the curve `v ↦ S(u, v)` at `u = at`, or for [`Direction::V`] of
+    /// `u ↦ S(u, v)` at `v = at`, each on its own part of the domain.
     ///
     /// # Errors
     /// When the parameter is off the domain.
@@ -97,7 +97,7 @@ impl Pieces {
         (p + q) * (piece.control.len() - 1)
     }
 
-    /// The homogeneous control points of a piece in space.
+    /// The homogeneous control points of an edge's piece in space.
     fn lifted(&self, piece: &EdgePiece) -> Result<Vec<DVec4>, CurveError> {
         let degree = self.degree(piece);
         if degree > MAX_DEGREE {
@@ -113,8 +113,8 @@ impl Pieces {
         let [p, q] = [self.form.knots_u().degree(), self.form.knots_v().degree()];
         let local = piece.within(DVec2::new(u0, v0), DVec2::new(u1, v1));
 
-        // Σ Σ C(p, a) C(q, b) Xᵃ (W − X)ᵖ⁻ᵃ Yᵇ (W − Y)^(q−b) P_ab with x = X / W and y = Y / W, each
-        // factor a polynomial with its binomials multiplied in: products are convolutions.
+        // Σ Σ C(p, a) C(q, b) Xᵃ (W − X)ᵖ⁻ᵃ Yᵇ (W − Y)^(q−b) P_ab with x = X / W and y = Y / W. The
+        // Bernstein coefficients of each factor include their binomials: products are convolutions.
         let scaled = |of: fn(DVec3) -> f64| -> Vec<f64> {
             let n = local.len() - 1;
             local.iter().enumerate().map(|(k, &c)| binomial(n, k) * of(c)).collect()
@@ -151,7 +151,7 @@ fn blends(x: &[f64], z: &[f64], p: usize) -> Vec<Vec<f64>> {
     (0..=p).map(blend).collect()
 }
 
-/// The product of two polynomials with their binomials multiplied in.
+/// The product of two polynomials whose Bernstein coefficients include their binomials.
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; a.len() + b.len() - 1];
     for (i, a) in a.iter().enumerate() {
@@ -170,7 +170,7 @@ fn joins(part: &[DVec4], next: &[DVec4]) -> bool {
     a.distance(b) <= JOINT * f64::EPSILON * magnitude
 }
 
-/// Adds a piece to a part, which keeps its last point: weights are brought to one scale.
+/// Appends a piece to a part, which keeps its own last point; the piece's weights are scaled to fit.
 fn append(part: &mut Vec<DVec4>, next: Vec<DVec4>) {
     let scale = part[part.len() - 1].w / next[0].w;
     part.extend(next.into_iter().skip(1).map(|point| scale * point));
@@ -230,8 +230,8 @@ mod tests {
         assert!(points[0].distance(points[200]) < 1e-14);
     }
 
-    /// A band around a cylinder, unrolled at the seam or elsewhere, has two edges; a part of its
-    /// width that reaches around has the ends of it, too.
+    /// A band around a cylinder, cut open at the seam or elsewhere, has two edges; a band that
+    /// reaches only part of the way around has its ends as edges, too.
     #[test]
     fn what_has_the_same_on_both_sides_is_no_edge() {
         let cylinder = shapes::cylinder(2.0, 3.0).unwrap();
@@ -284,7 +284,7 @@ mod tests {
         for point in edges.iter().flat_map(samples) {
             assert!((point.xy().length() - 2.0).abs() < 4e-15, "{point}");
         }
-        // Both end on the seam, where the other one does.
+        // Both end on the seam, each where the other begins.
         let [a, b] = [edges[0].ends(), edges[1].ends()];
         assert!(a[0].distance(b[1]) < 1e-14 && a[1].distance(b[0]) < 1e-14, "{a:?}, {b:?}");
     }
@@ -353,7 +353,7 @@ mod tests {
         assert!(from.distance(DVec3::new(1.5, 0.75, 2.25 * 0.75)) < 1e-14, "{from}");
         assert!(to.distance(DVec3::new(1.5, 1.25, 2.25 * 1.25)) < 1e-14, "{to}");
 
-        // Along edges, what is kept is closed; beyond them nothing is.
+        // Along edges, the kept part is closed; beyond them nothing is kept.
         let square = [[1.0, 0.5], [2.0, 0.5], [2.0, 1.5], [1.0, 1.5]].map(DVec2::from);
         let domain = TrimDomain::of(&graph()).unwrap();
         let trims = Trims::new(domain, Kept::Odd, &[TrimLoop::polygon(&square).unwrap()]).unwrap();

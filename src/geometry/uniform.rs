@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::matrix_form::check_count;
 use super::{CurveError, KnotVector, NurbsCurve};
 
-/// How often a control point may be repeated: a cubic meets it at the third, and more than a
-/// fourth (when the curve stands still there for a whole span) changes nothing.
+/// How often a control point may occur in a row: a cubic meets one that occurs three times, stands
+/// still there for a whole span if it occurs four times, and does not change for more.
 pub const MAX_REPEATED: usize = 4;
 
 impl NurbsCurve {
@@ -28,14 +28,14 @@ impl NurbsCurve {
     }
 
     /// The closed B-spline around these control points, as smooth at its seam as elsewhere:
-    /// over uniform knots, the first `degree` points being repeated at the end.
+    /// over uniform knots, with the first `degree` points repeated at the end.
     ///
     /// # Errors
     /// When the degree is not supported, there are fewer than three points, or one is not
     /// finite.
     pub fn closed_bspline(degree: usize, points: &[DVec3]) -> Result<Self, CurveError> {
         check_count(points.len(), 3)?;
-        // Knots first: they refuse a degree before this many points are made.
+        // Knots first: this refuses a degree before that many points are made.
         let count = points.len().saturating_add(degree);
         let knots = KnotVector::uniform(degree, count)?;
         let around = (0..count).map(|k| points[k % points.len()]).collect();
@@ -43,8 +43,8 @@ impl NurbsCurve {
     }
 }
 
-/// The control points with the first and the last repeated, each this many times in all. A
-/// uniform spline of degree `p` meets an end point that is there `p` times. (The lecture's slide with
+/// The control points with the first and the last repeated to occur `first` and `last` times. A
+/// uniform spline of degree `p` meets an end point that occurs `p` times. (The lecture's slide with
 /// threefold ends prints coordinates a hundred times those of the slide that defines the points.)
 ///
 /// # Errors
@@ -77,7 +77,7 @@ mod tests {
         corners.map(|[x, y]| DVec3::new(f64::from(x), f64::from(y), 0.0)).to_vec()
     }
 
-    /// Where a uniform cubic begins for an end point there once to four times.
+    /// Where a uniform cubic begins if its end point occurs one to four times.
     #[test]
     fn repeated_ends_draw_the_curve_to_them() {
         let p = points();

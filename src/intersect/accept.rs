@@ -1,4 +1,4 @@
-//! What a solution comes to: a meeting, a doubt, or nothing.
+//! What becomes of a solution: a meeting, a doubt, or nothing.
 
 use glam::{DVec2, DVec3};
 
@@ -14,7 +14,8 @@ use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf, Piece};
 
-/// Makes a meeting of a solution that lies on the piece and in the ray's range.
+/// Adds a solution to the findings: as a meeting if it lies on the piece and in the ray's range, as a
+/// doubt where this is undecided.
 pub(super) fn accept(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -32,18 +33,18 @@ pub(super) fn accept(
 /// Why a solution is no meeting.
 enum Dropped {
     Surely,
-    /// From this ray parameter on something may be met for all that.
+    /// Something may still be met from this ray parameter on.
     InDoubt(f64),
 }
 
 impl Dropped {
-    /// From so far along the ray on.
+    /// In doubt from the distance `z` along the ray on.
     fn from(z: f64, ray: &RayFrame) -> Self {
         Self::InDoubt(z.max(ray.z_range[0]) * ray.t_from_z)
     }
 }
 
-/// The meeting that a solution is.
+/// The meeting of a solution, or why it is none.
 fn meeting(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -58,23 +59,23 @@ fn meeting(
     Ok(candidate.meeting())
 }
 
-/// A place where the ray may meet the piece, and what is known of it so far.
+/// A place where the ray may meet the piece, and what is known about it so far.
 struct Candidate<'a> {
     question: &'a Question<'a>,
     leaf: &'a Leaf,
     solution: &'a Solution,
     on_ray: OnRay<'a>,
-    /// How far the point may be off the ray, and how far off along it.
+    /// Error bounds of the point: off the ray, and along it.
     error: f64,
     z_error: f64,
     normal: Option<DVec3>,
     cosine: f64,
     flags: HitFlags,
-    /// Whether the solution lies a little outside of the piece.
+    /// Whether the solution lies a little outside the piece.
     moved: bool,
-    /// How far it may be from a trim edge that it is at.
+    /// How far the point may be from the trim edge it is at; zero elsewhere.
     edge: f64,
-    /// Whether trims cut it off, by more than the rounding of a ray that was aimed at their edge.
+    /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
     cut_off: bool,
 }
 
@@ -115,8 +116,8 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// What trims cut off is not there; their edges are. In a pole is what any kept parameter
-    /// leads to.
+    /// Drops what trims cut off, but not what lies on their edges. A pole stays if any kept parameter
+    /// leads to it.
     fn keep_to_trims(&mut self) -> Result<(), Dropped> {
         let Self { question, leaf, ref on_ray, error, z_error, .. } = *self;
         let OnRay { ref spot, z, allowed, .. } = *on_ray;
@@ -128,7 +129,7 @@ impl<'a> Candidate<'a> {
                 self.flags.insert(HitFlags::TRIM_EDGE);
                 let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
                 let speeds = DVec2::new(spot.jet.ds.length(), spot.jet.dt.length());
-                // In a pole a parameter may be anything: that says nothing.
+                // At a pole a parameter may be anything: a distance that is not finite says nothing.
                 let off = (distance / lengths).dot(speeds);
                 self.edge = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
@@ -143,7 +144,7 @@ impl<'a> Candidate<'a> {
                     self.cut_off = piece.side(spot.st, aimed) == Side::Outside;
                 }
             }
-            // The ray may run on inside the surface to where that is kept.
+            // The ray may run on inside the surface to a part that is kept.
             Side::Outside if matches!(self.solution.proof, Proof::Stretch(_)) => {
                 return Err(Dropped::from(z, ray));
             }
@@ -152,7 +153,7 @@ impl<'a> Candidate<'a> {
         Ok(())
     }
 
-    /// The root the ray starts on is not met again.
+    /// Drops the root the ray starts on: it is not met again.
     fn leave_start(&self) -> Result<(), Dropped> {
         let Self { question, error, z_error, cosine, flags, .. } = *self;
         let (z, proof) = (self.on_ray.z, self.solution.proof);
@@ -160,7 +161,7 @@ impl<'a> Candidate<'a> {
         if let Some((root, start)) = question.start_on(self.on_ray.spot.piece.surface) {
             let reach = start_reach(proof, error, z_error, cosine) + root.error;
             if z.abs() <= reach && point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-                // Where the ray may touch a pole, the root behind or ahead is the next one, or none.
+                // Where the ray may touch a pole, what lies behind or ahead is its next root, or none.
                 let touches = flags.contains(HitFlags::DOUBTFUL);
                 let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
                 return Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely });
@@ -174,8 +175,8 @@ impl<'a> Candidate<'a> {
         if is_start { Err(Dropped::Surely) } else { Ok(()) }
     }
 
-    /// What lies beyond the ray's range is not met; at its ends, and at trim edges at a small angle, there is
-    /// doubt.
+    /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that are met
+    /// at a small angle, the result is doubtful.
     fn stay_in_range(&mut self) -> Result<(), Dropped> {
         let [t, t_error] = [self.on_ray.z, self.z_error].map(|z| z * self.question.ray.t_from_z);
         let [t_min, t_max] = self.question.t_range;
@@ -228,19 +229,19 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// A place of a closed piece within rounding of the ray.
+/// A place on a closed piece within rounding of the ray.
 struct OnRay<'a> {
     spot: Spot<'a>,
-    /// How far along the ray it is, how far from it, and how far it may be.
+    /// Its distance along the ray, its distance from the ray, and the largest such distance allowed.
     z: f64,
     residual: f64,
     allowed: f64,
 }
 
-/// Where a solution is on the closed piece: a root a little outside counts as the nearest point of the border.
+/// The place of a solution on the closed piece: a root a little outside counts as the nearest point of the border.
 ///
 /// # Errors
-/// Where that is not within rounding of the ray.
+/// If that place is not within rounding of the ray.
 fn on_ray<'a>(
     &PlacedLeaf { leaf, piece, .. }: &PlacedLeaf<'a>,
     ray: &RayFrame,
@@ -265,7 +266,7 @@ fn on_ray<'a>(
         let spot = Spot { index: leaf.piece, piece, st, jet };
         return Ok(OnRay { spot, z, residual, allowed });
     }
-    // Where parameters are too coarse, the root lies between two of them.
+    // Where floating-point parameters are too coarse, the root lies between two of them.
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.proof.stretch();
@@ -274,39 +275,39 @@ fn on_ray<'a>(
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
 
-/// Whether a ray through a pole may as well touch the surface there as cross it.
+/// Whether a ray through a pole may touch the surface there instead of crossing it.
 ///
-/// Where the radius of curvature is R, it meets the surface again 2 R cos(N, d) from there, and in
-/// between is within R cos² / 2 of it. A leaf turns by less than its length over R.
+/// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d), and in
+/// between is within R cos² / 2 of the surface. A leaf turns by less than its length over R.
 fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let sides = leaf.rect().map(|[from, to]| to - from);
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
 
-/// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside of it may be off
-/// by that.
+/// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside the leaf may be
+/// off by that much.
 pub(super) const AROUND: f64 = 4.0;
 
-/// Where a ray meets a trim edge at so small an angle that its root is known along the ray to this many
-/// errors only, at 1e-5 from the tangent plane, it is doubtful: what is shown may be off the edge by as much.
+/// A root at a trim edge is doubtful if its error along the ray is more than this many times the error
+/// across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the edge by as much.
 const EDGE_IN_DOUBT: f64 = 1e5;
 
-/// How far off a root at `z` may be along the ray, for how far a point may be from it.
+/// Error bound along the ray of a root at `z`, given the error bound of its point.
 fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
     match proof {
         Proof::Isolated(_) | Proof::Collapsed => steep(error, cosine),
         // The ray may touch anywhere between, and the place was moved to where the surface is nearest.
         Proof::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
-        // Ends are found to within a part of the leaf; a stretch is longer than `STRETCH` of it.
+        // Ends are found to within `END` of the leaf; a stretch is longer than `STRETCH` of it.
         Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
     }
 }
 
-/// How far from a ray's start what was found may be and still be the root it starts on.
+/// How far from a ray's start a solution may be and still be the root the ray starts on.
 ///
-/// A contact is cut off where the leaf's slack ends: what lies between it and the start, no longer than
-/// itself, another leaf may have found.
+/// A contact is cut off where the leaf's slack ends: another leaf may have found what lies between the
+/// contact and the start, which is no longer than the contact.
 fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
     match proof {
         Proof::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
@@ -314,14 +315,14 @@ fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
     }
 }
 
-/// How far off along the ray a crossing may be.
+/// Error bound of a crossing along the ray.
 fn steep(error: f64, cosine: f64) -> f64 {
     error / cosine.abs().max(f64::EPSILON)
 }
 
-/// Whether what was found where a ray starts is proved to be the root it starts on. On another
-/// piece it is that root only if the ray starts within twice `reach` of a side: a surface that crosses
-/// itself has two roots there.
+/// Whether a solution found where a ray starts is proved to be the root the ray starts on. On another
+/// piece it is that root only if the ray starts within twice `reach` of a side: where a surface crosses
+/// itself, there are two roots.
 fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach: f64) -> bool {
     let at_side = || {
         let distances = start.side_distances(root.st, &start.patch.jet(root.st));
@@ -335,10 +336,10 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
     }
 }
 
-/// How far from the surface, in errors, a ray must be between a pole and the next root for the two
-/// to be told apart: half of this; with two errors and less they were seen as one.
+/// Twice the distance from the surface, in errors, that a ray must reach between a pole and the next root
+/// for the two to be told apart; with two errors and less they were seen as one.
 const CLEAR_OF_POLE: f64 = 16.0;
 
-/// A ray aimed at a point of a border, or of a trim edge, passes it by no more than this part of what rounding may
-/// do there: 0.1 is the most that was seen.
+/// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the rounding error
+/// bound there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;

@@ -1,6 +1,6 @@
 //! Bits that stand for rays, or boxes.
 
-/// The places of the bits that are set, the lowest first.
+/// The positions of the set bits, the lowest first.
 #[inline(always)] // in innermost loops
 pub(super) fn set_bits(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
     let mut bits = bits.into();

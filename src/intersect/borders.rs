@@ -1,5 +1,5 @@
-//! Borders of surfaces and edges of trims: which roots are on this side of them, and which are at
-//! them as far as rounding lets one know.
+//! Borders of surfaces and edges of trims: which roots lie inside them, and which lie on them to within
+//! rounding.
 
 use glam::{DVec2, DVec3};
 
@@ -10,23 +10,23 @@ use crate::geometry::trim::Side;
 use crate::math::RayFrame;
 use crate::patch::{Jet, Leaf, Piece, WIDENING};
 
-/// How far a computed point of the piece may be from the true one, for this ray.
+/// Error bound of a computed point of the piece, for this ray, in scene units.
 pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.error_bound(ray.magnitude)
 }
 
-/// The [`error_bound`] of a piece that is no larger than one of its points.
+/// The [`error_bound`] of a piece whose coordinates are no larger than those of `point`.
 pub(super) fn rounding_at(point: DVec3, piece: &Piece, ray: &RayFrame) -> f64 {
     piece.patch.residual_factor() * point.abs().max_element().max(ray.magnitude)
 }
 
-/// The place itself if it is on the piece, else the point of the piece's border that is
+/// Returns the place itself if it is on the piece, else the point of the piece's border that is
 /// nearest to the ray there.
 ///
 /// The slack of a border is a distance in space: where the ray grazes, a root that rounding
-/// has put outside by much in one parameter is near the border for another value of the
+/// has moved far outside in one parameter is near the border for another value of the
 /// other parameter. Where the ray runs inside the surface, the end of the stretch may be
-/// well outside, and the ray cross the border far from there.
+/// well outside, and the ray may cross the border far from there.
 pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
     let nearest = st.clamp(DVec2::ZERO, DVec2::ONE);
     let residual = |st: DVec2| ray.distance(piece.patch.point(st));
@@ -42,11 +42,11 @@ pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
     }
 }
 
-/// The point of a border nearest to the ray, from a place on it: least squares along the
-/// direction that is free, as long as the point is not so near that rounding would have a say in
-/// where to go. (Where the ray runs along the border, to within rounding, every point of it is.)
+/// The point of a border nearest to the ray, by least squares along the free direction, from a place
+/// on the border. The search stops where the point is so near that rounding would affect the next
+/// step. (Where the ray runs along the border to within rounding, every point is that near.)
 fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
-    // Gauss and Newton's steps double the digits, but only near the end of a long way.
+    // Gauss–Newton steps double the correct digits, but only near the end of a long way.
     let most_steps = 8;
     let near = AT_RAY * error_bound(piece, ray);
     let mut nearest = start;
@@ -70,21 +70,21 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
     nearest
 }
 
-/// Points are at the ray if they are this part of the error from it, or less.
+/// Points count as on the ray if they are within this part of the error bound of it.
 const AT_RAY: f64 = 0.25;
 
-/// How much farther than a hit may be off, as far as is known, a trim edge counts as near: the
-/// edge itself is on a surface known to rounding, and the edge it is shared with on another.
+/// A trim edge counts as near within this many times the error bound of a hit: the edge itself is on
+/// a surface known to rounding, and the edge it is shared with is on another.
 pub(super) const TRIM_REACH: f64 = 4.0;
 
-/// Whether a root of a leaf is kept by the trims of its surface.
+/// The side of its surface's trims on which a root of a leaf lies.
 pub(super) fn trim_side(
     leaf: &Leaf,
     piece: &Piece,
     (st, jet): (DVec2, &Jet),
     known: &KnownRoot<'_>,
 ) -> Side {
-    // A border's point that is nearest to the ray may be off the leaf.
+    // The border point nearest to the ray may be off the leaf.
     let kept = || !leaf.is_trimmed() && holds(leaf.widened(piece, WIDENING), st);
     if piece.trims().is_none() || kept() {
         return Side::Inside;
@@ -98,8 +98,8 @@ pub(super) fn trim_side(
     }
 }
 
-/// How near a trim edge must be, in each parameter, for a root that may be off by `error` in
-/// space to be at it.
+/// How near a trim edge must be, in each parameter, for a root with the error bound `error` in
+/// space to be on it.
 ///
 /// A step in `s` alone moves the point by `|S_s|`; among steps in `s` and `t` the part of `s` is
 /// at most the distance over `|S_s| sin θ`, with `θ` the angle between the tangents. At a pole
@@ -111,9 +111,9 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
-/// A hit is at a border if it is no more errors from it than this: enough for a ray that passes the border by half of one
-/// and a root off by one, as distances by way of the parameters are only about those in space. (Fast kernels ask about those
-/// hits that are within twice as much, see [`Leaf::near_border`].)
+/// A hit is at a border if it is within this many errors of it: enough for a ray that passes the border at half an
+/// error and a root that is off by one, since distances from parameters only approximate those in space. (Fast kernels
+/// check the hits within twice as much, see [`Leaf::near_border`].)
 const AT_BORDER: f64 = 4.0;
 
 /// Whether a point lies within rounding of a side that is a border of the surface.

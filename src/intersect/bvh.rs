@@ -28,23 +28,24 @@ pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     /// In the order of the tree.
     pub(super) leaves: Vec<Leaf>,
-    /// In the same order, if some leaves are approximated by quotients; else there are none.
+    /// In the same order, if some leaves are approximated by quotients; else empty.
     pub(super) weights: Vec<WeightFit>,
     pub(super) tree: Tree,
     /// See [`leaf_width`].
     pub(super) leaf_width: f64,
     /// See [`ReachOfF32::of_tree`].
     pub(super) reach_of_f32: f64,
-    /// Holds all that a ray from within that reach may be said to meet: single rays beside it need no more.
+    /// Bounds of all that a ray from within that reach may be said to meet: single rays that pass beside
+    /// this box are misses.
     pub(super) surroundings: Aabb,
 }
 
 impl SurfaceBvh {
-    /// Prepares surfaces for tracing; hits name them by their place in the slice.
+    /// Prepares surfaces for tracing; hits name them by their index in the slice.
     ///
     /// # Errors
-    /// When there is more than 32-bit indices can count, or than memory is likely to hold: of
-    /// surfaces, pieces, Bézier points or leaves.
+    /// If there are more surfaces, pieces, Bézier points or leaves than 32-bit indices can count, or
+    /// than memory is likely to hold.
     pub fn build<S: Charts + Sync>(surfaces: &[S]) -> Result<Self, BuildError> {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
@@ -66,18 +67,18 @@ impl SurfaceBvh {
         }
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
-        // As far as a point may be off the ray twice: rounding of distances up to there is less than that.
+        // Twice the error bound of a point: rounding of distances up to there is less than the second.
         let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
         Ok(Self { set, leaves, weights, tree, leaf_width, reach_of_f32, surroundings })
     }
 
-    /// Ready to trace on this thread with the default kernel.
+    /// Returns a tracer for this thread, with the default kernel.
     pub fn tracer(&self) -> Tracer<'_> {
         self.tracer_with(Kernel::default())
     }
 
-    /// Ready to trace on this thread with the kernel named; with the scalar one if this processor cannot run it
-    /// ([`Kernel::is_available`]), as [`Tracer::kernel`] will tell.
+    /// Returns a tracer for this thread with the given kernel, or with the scalar one if this processor
+    /// cannot run it ([`Kernel::is_available`]); [`Tracer::kernel`] says which it is.
     pub fn tracer_with(&self, kernel: Kernel) -> Tracer<'_> {
         Tracer::new(self, kernel)
     }
@@ -87,7 +88,7 @@ impl SurfaceBvh {
         &self.set
     }
 
-    /// The leaves, neighbours in space mostly side by side.
+    /// The leaves; neighbours in space are mostly side by side.
     pub fn leaves(&self) -> &[Leaf] {
         &self.leaves
     }
@@ -117,24 +118,23 @@ impl SurfaceBvh {
     }
 }
 
-/// How far a point may be from a ray, in scaled coordinates, for boxes in f32 to meet the ray all the
-/// same: a quarter of what rays are blurred by at the boxes of nodes, and of what oriented boxes are grown
-/// by.
+/// How far a point may be from a ray, in scaled coordinates, while boxes in f32 still meet the ray: a
+/// quarter of the blur of rays at the boxes of nodes, and of the growth of oriented boxes.
 const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 
-/// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by no more than it is
-/// blurred by and boxes are grown by.
+/// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by no more than its
+/// blur and the growth of boxes cover.
 const _: () = {
     let rounded = 4.0 * (5.0 + 8.0) * 0.5 * f32::EPSILON as f64;
     assert!(rounded + BLUR_OF_F32 <= BLUR as f64 + PADDING);
     assert!(BLUR_OF_F32 <= 0.25 * OrientedBox::GROWTH);
 };
 
-/// Where origins of rays may be for the work in f32.
+/// How far away ray origins may be for the work in f32.
 ///
-/// A point may be as far from a ray as its residual is promised to be; that grows with the origin's
-/// coordinates, and what boxes in f32 are grown by does not. The noise of the surfaces themselves is
-/// part of their boxes.
+/// A point may be as far from a ray as the promised bound of its residual. That bound grows with the
+/// origin's coordinates, but the growth of boxes in f32 does not. The rounding error of the surfaces
+/// themselves is part of their boxes.
 struct ReachOfF32 {
     /// How far a point may be from a ray, per unit of the largest coordinate.
     factor: f64,
@@ -151,16 +151,16 @@ impl ReachOfF32 {
         Self { factor, magnitude }
     }
 
-    /// How far coordinates may be scaled up. The more they are, the smaller things are well seen, and the
-    /// nearer rays must begin: this many times as far away as anything in the scene they still may. Of bicubic
-    /// surfaces things of some 5e-6 of that still fill the coordinates.
+    /// The largest factor by which coordinates may be scaled up. A larger one resolves smaller things, but
+    /// rays must begin nearer: with this one they may begin up to `TIMES` times as far away as anything in the
+    /// scene. On bicubic surfaces, things of about 5e-6 of the scene's largest coordinate still fill the coordinates.
     fn most_scale(&self) -> f64 {
         const TIMES: f64 = 1024.0;
         rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))
     }
 
-    /// The largest coordinate an origin may have: at least that of the surfaces, whose boxes hold what points
-    /// may be off a ray that starts among them.
+    /// The largest coordinate an origin may have: at least that of the surfaces, whose boxes cover the error
+    /// of points for a ray that starts among them.
     fn of_tree(&self, tree: &Tree) -> f64 {
         let scale = tree.regions.iter().map(|region| region.frame.scale).fold(0.0, f64::max);
         (BLUR_OF_F32 / (self.factor * scale)).max(self.magnitude)
@@ -192,13 +192,13 @@ mod tests {
 
     #[test]
     fn memory_stays_small() {
-        // Dense splines: one leaf a span, and a control point, are all there is.
+        // Dense splines: one leaf and one control point per span are all there is.
         for (spans, most) in [(64, 410.0), (200, 380.0)] {
             let bvh = built(hills(spans));
             let bytes = bvh.bytes() as f64 / (spans * spans) as f64;
             assert!(bytes < most, "{bytes} bytes a span of {spans}²");
         }
-        // Curved surfaces: a leaf with its weight and its share of the tree, and no more of them than pay.
+        // Curved surfaces: a leaf with its weight and its share of the tree, and no more leaves than pay off.
         for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
             let bvh = built(surface);
             let (bytes, leaves) = (bvh.bytes(), bvh.leaves().len());

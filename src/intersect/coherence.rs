@@ -1,16 +1,16 @@
-//! How rays that are neighbours are best traced.
+//! How neighbouring rays are best traced.
 
 use super::SurfaceBvh;
 use crate::patch::Leaf;
 
 /// Whether neighbouring rays of a batch are alike, so that packets pay off.
 ///
-/// One ray may get answers that differ in their last digits in packets, in batches of incoherent
-/// rays, and by itself; in either kind of batch not, whatever rays are beside it.
+/// The last digits of a ray's answer may differ between packets, batches of incoherent rays, and the
+/// ray by itself. Within either kind of batch they do not depend on the other rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Coherence {
-    /// Neighbours start alike, and point alike (primary rays, shadow rays of one light) or at least meet
-    /// mostly the same leaves, as short rays do: see [`SurfaceBvh::neighbours`].
+    /// Neighbours have similar origins, and similar directions (primary rays, shadow rays of one light) or at
+    /// least meet mostly the same leaves, as short rays do: see [`SurfaceBvh::neighbours`].
     Coherent,
     /// Nothing is known.
     #[default]
@@ -24,28 +24,28 @@ pub struct Neighbours {
     pub first_hits: Coherence,
     /// For the occlusion of rays that leave such hits.
     pub occlusions: Coherence,
-    /// For the occlusion of those that leave them in any directions.
+    /// For the occlusion of rays that leave such hits in arbitrary directions.
     pub scattered: Coherence,
 }
 
-/// Packets pay off where a leaf is at least this many rays wide. Measured on sheets: they take 1.2 times
-/// as long as batches of incoherent rays at about 1.7, 1.9 times at 0.8, six times at 0.4.
+/// Packets pay off where a leaf is at least this many rays wide. Measured on sheets: packets take 1.2 times
+/// as long as batches of incoherent rays at a width of about 1.7, 1.9 times at 0.8, six times at 0.4.
 const FIRST_HITS: f64 = 2.0;
 
-/// The same of rays that leave hits: those of a packet begin in as many leaves as it has met, and
-/// pass by the boxes of all their neighbours. Measured: packets take 0.9 to 1 times as long as batches
-/// at about 2.4, 1.1 times at 1.2.
+/// The same for rays that leave hits: the rays of a packet begin in as many leaves as the packet has met,
+/// and pass by the boxes of all their neighbours. Measured: packets take 0.9 to 1 times as long as batches
+/// at a width of about 2.4, 1.1 times at 1.2.
 const OCCLUSIONS: f64 = 2.0;
 
-/// The same of rays that leave hits in any directions. Measured: packets take 0.4 to 0.7 times as long
+/// The same for rays that leave hits in arbitrary directions. Measured: packets take 0.4 to 0.7 times as long
 /// as batches where leaves are 5 to 40 rays wide, 0.7 to 0.9 times at 1.4 to 3.4.
 const SCATTERED: f64 = 1.5;
 
 impl SurfaceBvh {
-    /// How rays are best traced that are neighbours, in rows and columns, `spacing` apart where
-    /// they meet the surfaces, in scene units: in packets only if leaves are several rays wide.
+    /// How neighbouring rays, in rows and columns, are best traced if they are `spacing` scene units apart
+    /// where they meet the surfaces: in packets only if leaves are several rays wide.
     ///
-    /// The same for all rays of a picture, so that none of them depends on what else is traced.
+    /// The result is the same for all rays of a picture, so that no ray depends on what else is traced.
     pub fn neighbours(&self, spacing: f64) -> Neighbours {
         let told = |least: f64| {
             // False for a spacing that is not a number.
@@ -60,7 +60,7 @@ impl SurfaceBvh {
     }
 }
 
-/// The width of the leaves that rays meet, in scene units: that of a leaf counts by its area.
+/// The width of the leaves that rays meet, in scene units: a harmonic mean, weighted by area.
 pub(super) fn leaf_width(leaves: &[Leaf]) -> f64 {
     let (mut areas, mut widths) = (0.0, 0.0);
     for leaf in leaves {
@@ -81,7 +81,7 @@ mod tests {
     fn packets_are_for_rays_closer_than_leaves() {
         let surfaces = [shapes::sphere(1.0).unwrap()];
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
-        // All of the sphere's area in as many leaves.
+        // The width if as many leaves share the sphere's area evenly.
         let even = (4.0 * std::f64::consts::PI / bvh.leaves().len() as f64).sqrt();
         let width = leaf_width(bvh.leaves());
         assert!((0.8..1.6).contains(&(width / even)), "{width} of {even}");

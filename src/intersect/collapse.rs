@@ -1,4 +1,4 @@
-//! A binary hierarchy becomes a tree of sixteen children a node.
+//! Turns a binary hierarchy into a tree with up to sixteen children per node.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::hierarchy::{BinaryNode, Hierarchy};
 use super::tree::{Child, ChildCode, LANES, Node, Way};
 
-/// Nodes, and blocks of leaves, so far.
+/// The nodes, and blocks of leaves, made so far.
 #[derive(Debug)]
 pub(super) struct Wide {
     pub(super) nodes: Vec<Node>,
@@ -23,14 +23,14 @@ impl Wide {
     }
 }
 
-/// A binary hierarchy on the way to become a wide tree.
+/// A binary hierarchy while it is turned into a wide tree.
 pub(super) struct Collapse<'a> {
     binary: &'a Hierarchy,
     /// The number of leaves below each binary node.
     below: &'a [u32],
-    /// The binary nodes that become regions, and which.
+    /// The binary nodes that become regions, and the regions' numbers.
     regions: &'a HashMap<u32, u32>,
-    /// The part that each leaf of the hierarchy is.
+    /// The part that each leaf of the hierarchy stands for.
     parts: &'a [u32],
     wide: &'a mut Wide,
     /// Binary nodes to be opened, and the wide nodes they become.
@@ -38,8 +38,8 @@ pub(super) struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    /// Adds the nodes and blocks of a hierarchy, whose leaves are `parts`, to those there are; returns
-    /// where rays begin.
+    /// Adds the nodes and blocks of a hierarchy, whose leaves are `parts`, to those of `wide`; returns
+    /// the child where rays begin.
     pub(super) fn of(
         (binary, below): (&'a Hierarchy, &'a [u32]),
         regions: &'a HashMap<u32, u32>,
@@ -56,7 +56,8 @@ impl<'a> Collapse<'a> {
         Some(ChildCode::new(root))
     }
 
-    /// What a binary node becomes: a block if its leaves fit into one, else a node, if not a region.
+    /// What a binary node becomes: a region if it is to be one, else a block if its leaves fit into
+    /// one, else a node.
     fn child(&mut self, index: u32) -> Child {
         let node = self.binary.nodes[index as usize];
         if let Some(&region) = self.regions.get(&index) {
@@ -72,7 +73,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Every node takes in the largest of its descendants until it has sixteen children.
+    /// Replaces, in every node, the largest child by the two below it until there are sixteen.
     fn descend(&mut self) {
         let binary = &self.binary.nodes;
         let mut open = Vec::with_capacity(LANES);
@@ -114,7 +115,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Puts leaves of the hierarchy there.
+    /// Puts a range of the hierarchy's leaves into the block that is being filled.
     fn take(&mut self, leaves: Range<usize>) {
         let leaves = self.binary.order[leaves].iter();
         self.wide.order.extend(leaves.map(|&leaf| self.parts[leaf as usize]));
@@ -125,7 +126,7 @@ impl<'a> Collapse<'a> {
         Child::Block(self.wide.starts.len() as u32 - 2)
     }
 
-    /// Blocks of the many leaves of a binary node, of groups that share one box, and nodes above them.
+    /// Makes blocks of the many leaves of a binary node, whose groups share one box, and nodes above them.
     fn crowd(&mut self, node: &BinaryNode) -> Child {
         let leaves = node.first as usize..(node.first + node.leaves) as usize;
         if leaves.len() <= LANES {

@@ -1,4 +1,4 @@
-//! Which meetings are one crossing.
+//! Merges the meetings that are one crossing.
 
 use glam::{DVec2, DVec3};
 
@@ -9,11 +9,11 @@ use crate::patch::Piece;
 /// Sorts meetings by `t` and merges those that are one crossing: at the same place, with
 /// the same sign of `N · d`, and seen by two leaves, or on adjoining pieces of a surface,
 /// or on borders or trim edges of two surfaces. Stretches inside a surface that overlap become one.
-/// Which way the ray, along `axis`, goes through a vertex is told by [`vertices`].
-/// What is met beside a tip, as near as can be told, stays, and the tip is doubtful.
+/// [`vertices`] decides which way the ray, along `axis`, goes through a vertex.
+/// Whatever else is met at the place of a tip stays, and the tip becomes doubtful.
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
-/// leave there, or to do neither. Where only one of the two sides was near enough, it is doubtful.
+/// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is doubtful.
 pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let place = |m: &Meeting| (m.surface, m.piece);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
@@ -23,7 +23,7 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     let reach = reach_along(meetings);
     let mut crossings: Vec<Crossing> = Vec::new();
     for &meeting in &*meetings {
-        // They stand in order but for those whose place a certain view has taken, from within reach behind.
+        // Crossings are in order, except where a certain view has replaced one, from within reach behind it.
         let near = |earlier: &&mut Crossing| meeting.t - earlier.view.t <= 2.0 * reach;
         let same = crossings.iter_mut().rev().take_while(near).find(|earlier| {
             same_side(&earlier.view, &meeting) && at_one_place(&earlier.view, &meeting, pieces)
@@ -43,10 +43,10 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
 
 /// Views of one crossing.
 struct Crossing {
-    /// The one that counts: the first that is certain, if any is.
+    /// The view that counts: the first certain one, or the first if none is certain.
     view: Meeting,
     is_certain: bool,
-    /// Whether one of them is doubtful and grazing: it may be a crossing of its own, or hold another.
+    /// Whether a view is doubtful and grazing: it may be a crossing of its own, or contain another.
     is_open: bool,
 }
 
@@ -55,7 +55,7 @@ impl Crossing {
         Self { view: meeting, is_certain: meeting.is_certain(), is_open: touches(&meeting) }
     }
 
-    /// Takes in another view; flags of place are joined.
+    /// Adds another view; all flags except `DOUBTFUL` are united.
     fn join(&mut self, meeting: Meeting) {
         let flags = self.view.flags.with(meeting.flags).without(HitFlags::DOUBTFUL);
         let beyond = self.view.beyond && meeting.beyond;
@@ -70,8 +70,8 @@ impl Crossing {
     }
 }
 
-/// Flags tips that something else is met beside, now that views of one crossing are together: none of
-/// them can take the flag away again.
+/// Flags tips at whose place something else is met. This comes after views of one crossing are merged, so
+/// that no view can take the flag away again.
 fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let tip = &meetings[k];
@@ -81,8 +81,8 @@ fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
     }
 }
 
-/// Flags what is met only because the ray passes close to it on its outside, unless another
-/// side of the same edge is met there in the other direction, and by nothing else there but that.
+/// Flags what is met only because the ray passes close to it on its outside, unless another side of
+/// the same edge is met there in the opposite direction and matches no other meeting there.
 fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
     for k in (0..meetings.len()).filter(|&k| meetings[k].beyond).collect::<Vec<_>>() {
         let touch = &meetings[k];
@@ -99,25 +99,25 @@ fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
     }
 }
 
-/// The cosine below which a doubtful meeting may be that of a ray that touches the surface.
+/// The cosine below which the ray of a doubtful meeting may touch the surface.
 const GRAZING: f64 = 1e-4;
 
-/// Whether a meeting may be that of a ray that touches the surface: it has either side.
+/// Whether the ray of a meeting may touch the surface: such a meeting counts for either side.
 ///
-/// A doubtful meeting that is steep has a side. At a corner of a piece whose tangents there are
-/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but on
-/// which side the ray is of the surface around the corner is known.
+/// A doubtful meeting that is steep has one side. At a corner of a piece whose tangents there are
+/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but it is known
+/// on which side of the surface around the corner the ray is.
 pub(super) fn touches(meeting: &Meeting) -> bool {
     !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !has_no_normal(meeting)
 }
 
-/// Whether a meeting is in a tip, or so near to one that the surface has no normal there.
+/// Whether a meeting is at a tip, or so near to one that the surface has no normal there.
 pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
     meeting.normal.is_none()
 }
 
-/// Whether two meetings lead through the surface in the same direction, as far as is known. In a tip there
-/// is no telling, but for other views of it.
+/// Whether the ray passes through the surface in the same direction at both meetings, as far as is known.
+/// At a tip the direction is unknown: it matches only other views of a tip.
 fn same_side(a: &Meeting, b: &Meeting) -> bool {
     match (has_no_normal(a), has_no_normal(b)) {
         (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),
@@ -125,31 +125,31 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
     }
 }
 
-/// Surfaces that are met at a smaller cosine, the root of the unit roundoff, are not told apart from touched ones.
+/// Surfaces met at a smaller cosine than this, the root of the unit roundoff, cannot be told from touched ones.
 pub(super) const LEAST_COSINE: f64 = 1e-8;
 
-/// Meetings at one place are no farther apart along the ray than this many times what both may be off there. A point
-/// beyond a border may be off the ray by the whole error; where the other surface is met obliquely, that is as far along
-/// the ray as the other may be off.
+/// Meetings at one place are no farther apart along the ray than this many times the sum of their error bounds along
+/// it. A point beyond a border may be off the ray by the whole error; where the other surface is met obliquely, this
+/// amounts to the other meeting's error along the ray.
 const ALONG: f64 = 2.0;
 
-/// Meetings at one place are closer in space than this many times the sum of their errors, over the smaller cosine: more
-/// than each may be off itself and by being moved to a border. (Other factors were not tried.)
+/// Meetings at one place are closer in space than this many times the sum of their errors, over the smaller cosine:
+/// more than the error of each and its move to a border. (Other factors were not tried.)
 pub(super) const APART: f64 = 4.0;
 
-/// How far apart along the ray meetings may be that are at the same place.
+/// How far apart, in `t`, meetings at the same place may be.
 pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
     2.0 * meetings.iter().map(off_along).fold(0.0, f64::max)
 }
 
-/// How far along the ray a meeting may be from where another one is at the same place: at a trim edge as far as that may
-/// be, too.
+/// How far, in `t`, a meeting may be from another one at the same place; at a trim edge, the distance of the edge is
+/// added.
 fn off_along(meeting: &Meeting) -> f64 {
     let t_from_z = meeting.t_error / meeting.z_error;
     ALONG * meeting.t_error + meeting.edge * t_from_z
 }
 
-/// Whether two meetings are at the same place: the same one, or one that pieces share.
+/// Whether two meetings are at the same place: of one piece, or one that two pieces share.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     let along = off_along(a) + off_along(b); // no more than `reach_along`
     let reach = APART * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
@@ -168,7 +168,7 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
     }
     let same_piece = a.piece == b.piece;
     let [a, b] = [a, b].map(|m| AtSides::new(m, &pieces[m.piece as usize], reach));
-    // Borders may meet, of one piece, too, as at the seam of a tube.
+    // Borders may meet, even two of one piece, as at the seam of a tube.
     if a.at_end && b.at_end {
         return true;
     }
@@ -188,8 +188,8 @@ struct AtSides<'a> {
     piece: &'a Piece,
     /// `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     sides: [bool; 4],
-    /// Whether one of them is a border of the surface or collapsed to a point, or there is a trim edge: what else
-    /// ends there may be met at the same place.
+    /// Whether one of these sides is a border of the surface or collapsed to a point, or there is a trim edge:
+    /// whatever else ends there may be met at the same place.
     at_end: bool,
 }
 
@@ -203,7 +203,7 @@ impl<'a> AtSides<'a> {
         Self { meeting, piece, sides, at_end }
     }
 
-    /// Whether both are at a knot line between their pieces, this one before it.
+    /// Whether both meetings are at a knot line between their pieces, `self` before the line.
     fn adjoins(&self, after: &Self) -> bool {
         let (before, behind) = (self.piece.domain(), after.piece.domain());
         let touch = (0..2).all(|k| before[k][0] <= behind[k][1] && behind[k][0] <= before[k][1]);
@@ -213,7 +213,7 @@ impl<'a> AtSides<'a> {
     }
 
     /// Whether another meeting is at the same parameters, to within four times `reach`: there may be a thin piece
-    /// between theirs.
+    /// between their pieces.
     fn is_beside(&self, other: &Self, reach: f64) -> bool {
         let [here, there] = [self, other].map(|at| at.piece.chart_uv(at.meeting.st));
         let lengths = self.piece.domain().map(|[from, to]| to - from);
@@ -280,13 +280,13 @@ mod tests {
         assert_eq!(crossing.view.t, 1.0);
         assert_eq!(crossing.view.flags, HitFlags::DOUBTFUL.with(HitFlags::BORDER));
 
-        // A steep one is but another view: it gives way, and takes its doubt along.
+        // A steep doubtful view is just another view: it gives way, and its doubt goes with it.
         let mut crossing = Crossing::new(view(1.2, 0.5, HitFlags::DOUBTFUL));
         crossing.join(first);
         assert_eq!((crossing.view.t, crossing.view.flags), (1.0, HitFlags::NONE));
     }
 
-    /// A tube of one piece, its seam creased or smooth, is met twice by what goes through the seam.
+    /// A tube of one piece, its seam creased or smooth, is met twice by a ray through the seam.
     #[test]
     fn a_seam_of_one_piece_is_one_crossing() {
         let drop = [(1.0, 0.0), (3.0, 2.0), (3.0, -2.0), (1.0, 0.0)];

@@ -11,8 +11,8 @@ use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
 
-/// Curves are halved so often to see on which side of the ray they pass: what is left is far below what rounding
-/// lets one know.
+/// The most times a curve is halved to see on which side of the ray it passes: what is left is then far below what
+/// rounding can resolve.
 const MOST_HALVINGS: u32 = 40;
 
 /// Directions are known to span a plane if the sine of the angle between two of them is more than this, the root of the
@@ -23,7 +23,7 @@ const LEAST_SINE: f64 = 1e-8;
 pub(super) struct Face<'a> {
     pub(super) piece: &'a Piece,
     pub(super) meeting: &'a Meeting,
-    /// How far the place may be from where others meet it.
+    /// How far the place may be from the same place as met on other pieces.
     pub(super) reach: f64,
     /// The ray's direction.
     pub(super) axis: DVec3,
@@ -36,15 +36,15 @@ impl Face<'_> {
         distances.map(|off| off <= self.reach)
     }
 
-    /// Whether another place of the piece is the same, to within rounding; in a pole all of a side are.
+    /// Whether another place of the piece is the same, to within rounding; at a pole all places of the side are.
     pub(super) fn holds(&self, st: DVec2) -> bool {
         let Meeting { jet, st: here, .. } = self.meeting;
         let apart = st - *here;
         (jet.ds * apart.x).length() + (jet.dt * apart.y).length() <= 2.0 * self.reach
     }
 
-    /// The angle it covers, in radians: above zero where a ray leaves through it, below where one enters. `None` where
-    /// it cannot be told.
+    /// The angle the face covers, in radians: positive if the ray leaves through the face, negative if it enters.
+    /// `None` if the angle cannot be determined.
     pub(super) fn angle(&self) -> Option<f64> {
         let sides = self.sides();
         let mut poles = self.piece.collapsed_sides().filter(|(side, _)| sides[side.number()]);
@@ -56,7 +56,7 @@ impl Face<'_> {
         angle.filter(|angle| angle.is_finite())
     }
 
-    /// Around a place with a tangent plane: of all directions in it, those that neither a side nor trims cut off.
+    /// The angle around a place with a tangent plane: of all directions in it that neither a side nor trims cut off.
     fn around_place(&self, [s0, s1, t0, t1]: [bool; 4]) -> Option<f64> {
         let Meeting { st, jet, flags, .. } = self.meeting;
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
@@ -81,14 +81,14 @@ impl Face<'_> {
             let beyond = s0 && u < 0.0 || s1 && u > 0.0 || t0 && v < 0.0 || t1 && v > 0.0;
             cut[0] < cut[1] && !beyond && sectors.as_ref().is_none_or(|one| one.keeps(middle))
         });
-        // All turn the same way: where they turn by half a turn, rounding would tell which.
+        // All turn the same way; for one that turns by half a turn, rounding would decide which way.
         let turned = |cut: &[f64]| self.turn(in_space(cut[0]), in_space(cut[1])).abs();
         Some(kept.map(turned).sum::<f64>().copysign(self.meeting.cosine))
     }
 
-    /// Around a pole: what the direction that leads away from it sweeps along the collapsed side.
+    /// The angle around a pole: swept, along the collapsed side, by the direction that leads away from the pole.
     ///
-    /// Where `t` is zero on that side, the surface less the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W` but for higher
+    /// Where `t` is zero on that side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W` except for higher
     /// powers of `t`, with the control points `Pᵢ` of the next row: these directions are those of a Bézier curve.
     fn around_pole(&self, side: CollapsedSide, pole: DVec3) -> Option<f64> {
         let (piece, fixed) = (self.piece, side.parameter());
@@ -100,7 +100,7 @@ impl Face<'_> {
             control.truncate() - control.w * pole
         });
         let away: Vec<DVec3> = away.collect();
-        // Where all of them are parallel, as at a cusp, they say nothing of what is around it.
+        // Where all of them are parallel, as at a cusp, they say nothing about its surroundings.
         let spans = |a: &DVec3, b: &DVec3| {
             a.cross(*b).length() > LEAST_SINE * a.length() * b.length() // false for zero
         };
@@ -109,7 +109,8 @@ impl Face<'_> {
         }
         let across: Vec<DVec3> = away.into_iter().map(|v| self.across(v)).collect();
 
-        // The normal is the one's derivative along the side times the direction, or that times this.
+        // The normal is the cross product of the direction's derivative along the side and the direction, or of
+        // these in reverse order.
         let sign = if (fixed == 0) == (side.end() == 0) { 1.0 } else { -1.0 };
         let [start, end] = piece.domain()[1 - fixed];
         let local = |u: f64| ((u - start) / (end - start)).clamp(0.0, 1.0);
@@ -127,8 +128,9 @@ impl Face<'_> {
         Some(sign * kept.into_iter().map(swept).sum::<Option<f64>>()?)
     }
 
-    /// What a Bézier curve sweeps about the ray, of control points seen along it. Where those are on one side of a line
-    /// through the ray, the curve is, and its ends tell; else so are, sooner or later, those of its halves.
+    /// The angle a Bézier curve sweeps about the ray; its control points are given as seen along the ray. If they are
+    /// all on one side of a line through the ray, so is the curve, and its ends give the angle. Otherwise this holds,
+    /// sooner or later, for the control points of its halves.
     fn swept(&self, control: Vec<DVec3>, halvings: u32) -> Option<f64> {
         let [first, last] = [control[0], control[control.len() - 1]];
         let middle = control.iter().filter_map(|v| v.try_normalize()).sum::<DVec3>();
@@ -145,7 +147,7 @@ impl Face<'_> {
         v.reject_from_normalized(self.axis)
     }
 
-    /// By how much one of two such vectors is turned to become the other, about the ray: up to half a turn to either side.
+    /// The angle about the ray from one vector seen along it to another, up to half a turn to either side.
     fn turn(&self, from: DVec3, to: DVec3) -> f64 {
         let sine = self.axis.dot(from.cross(to));
         if from == DVec3::ZERO || to == DVec3::ZERO { f64::NAN } else { sine.atan2(from.dot(to)) }

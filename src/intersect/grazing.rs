@@ -1,9 +1,8 @@
-//! Trim edges on the way of a ray at a small angle.
+//! Trim edges near a root where the ray meets the surface at a small angle.
 //!
-//! Where a root may be off by much along the ray, it may be on either side of any edge that the ray
-//! passes over there. But the ray passes within rounding over a narrow strip of the surface only: an
-//! edge beside that strip has no say. Where it is not sure what the strip looks like, all edges near it
-//! have.
+//! Where a root may be far off along the ray, it may be on either side of any edge that the ray passes
+//! over there. But only a narrow strip of the surface lies within rounding of the ray: an edge beside
+//! that strip does not matter. Where the shape of the strip is not certain, all edges near it matter.
 
 use glam::{DVec2, DVec3};
 
@@ -22,27 +21,27 @@ pub(super) struct KnownRoot<'a> {
     pub(super) along: f64,
 }
 
-/// Roots that are known this many times worse along the ray than across it are taken for a stretch of it, not
-/// for a square.
+/// Roots whose error bound along the ray is more than this many times the one across it are treated as a
+/// stretch of the ray, not as a square.
 const LONG: f64 = 4.0;
 
-/// As many squares are looked at: some for each halving of a long strip beside an edge.
+/// The most squares that are looked at: a few for each halving of a long strip beside an edge.
 const MOST_SQUARES: usize = 256;
 
-/// Gauss and Newton's steps to the place under a point of the ray, from one near it.
+/// Gauss–Newton steps to the place under a point of the ray, from a place near it.
 const STEPS: usize = 3;
 
 impl KnownRoot<'_> {
-    /// Whether edges beside the strip are to be told from those on it.
+    /// Whether edges beside the strip must be told from those on it.
     pub(super) fn is_long(&self) -> bool {
         self.along > LONG * self.error
     }
 
-    /// The side of all that the ray passes over where the root may be, of a piece without a pole nearby;
-    /// `None` where it may be either.
+    /// The side of the trims that holds all the ray passes over where the root may be; `None` if it may be
+    /// either. The piece has no pole nearby.
     ///
-    /// The strip is covered by squares, which are halved as long as they reach an edge and are longer
-    /// than wide.
+    /// The strip is covered by squares over parts of the ray; a part is halved as long as its square
+    /// reaches an edge and it is longer than the strip is wide.
     pub(super) fn side(&self, piece: &Piece, st: DVec2, jet: &Jet) -> Option<Side> {
         let width = TRIM_REACH * self.error;
         let (mut waiting, mut only) = (vec![self.over_piece(piece, jet.point)], None);
@@ -61,8 +60,8 @@ impl KnownRoot<'_> {
         None // it may run along an edge
     }
 
-    /// How far from a root, along the ray, something near enough to it may be over the piece: the piece
-    /// lies between its control points.
+    /// The range along the ray, measured from a root, that is near enough to the root and may be over the
+    /// piece: the piece lies between its control points.
     fn over_piece(&self, piece: &Piece, root: DVec3) -> [f64; 2] {
         let reach = TRIM_REACH * self.along;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -74,13 +73,13 @@ impl KnownRoot<'_> {
         [(least - spare).max(-reach), (most + spare).min(reach)]
     }
 
-    /// The side of what lies under a part of the ray, from and to as lengths from a root.
+    /// The side of what lies under a part of the ray, whose ends are given as lengths from a root.
     fn side_of(&self, piece: &Piece, root: (DVec2, &Jet), [from, to]: [f64; 2]) -> Strip {
         let half = 0.5 * (to - from);
         let under = |along: f64| Foot::new(piece, root, root.1.point + along * self.ray.axis);
         let feet = [from, 0.5 * (from + to), to].map(under);
-        // Beyond a border there is nothing; beyond another side other parameters, of which nothing is
-        // known here.
+        // Beyond a border there is nothing; beyond another side there are other parameters, about which
+        // nothing is known here.
         let beyond = |foot: &Foot| foot.beyond.filter(|&side| !piece.is_border(side));
         if feet.iter().any(|foot| beyond(foot).is_some()) {
             return Strip::Unknown;
@@ -93,7 +92,7 @@ impl KnownRoot<'_> {
         if !feet.iter().all(found) {
             return Strip::Open; // also for NaN
         }
-        // With as much again to spare, and the ends surely in it.
+        // Twice as far as the ends, which must surely be within reach.
         let reach = trim_reach(&middle.jet, 2.0 * half / TRIM_REACH + self.error);
         let holds = |foot: &Foot| (foot.st - middle.st).abs().cmple(reach).all();
         match piece.side(middle.st, reach) {
@@ -109,7 +108,7 @@ enum Strip {
     Beyond,
     /// It lies on one side of all edges.
     Of(Side),
-    /// It may do that part by part.
+    /// Its parts may each lie on one side.
     Open,
     Unknown,
 }
@@ -139,7 +138,7 @@ impl Foot {
     }
 }
 
-/// The step in parameters that leads, to first order, as far as the part of a vector in the tangent
+/// The step in parameters that moves the point, to first order, by the part of a vector in the tangent
 /// plane.
 fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
     let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());

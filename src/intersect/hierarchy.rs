@@ -1,9 +1,9 @@
 //! The binary hierarchy that the tree is made from: built by obvhs.
 //!
-//! Boxes come in scaled coordinates: no fixed length inside the builder can matter. Traps of
-//! obvhs 0.4 closed here, each held shut by a test: its traversals clamp directions, ignore
+//! Boxes are in scaled coordinates, so that no fixed length inside the builder matters. Traps of
+//! obvhs 0.4 that are avoided here, each with a test: its traversals clamp directions, ignore
 //! `t_min`, cull before `t = 1e-4` and lose axis-parallel rays in a box's face, so only its
-//! builder is used; boxes that are equal chain in the tree, so they become one primitive; its
+//! builder is used; equal boxes form a chain in the tree, so they become one primitive; its
 //! leaves hold slots, not indices.
 
 use std::ops::Range;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::patch::ScaledBox;
 
-/// In trees over more primitives than this only the worst nodes are inserted again: that is slow, and
+/// In trees over more primitives than this, only the worst nodes are reinserted: reinsertion is slow, and
 /// gains little where boxes are many, small and alike.
 const MANY: usize = 1 << 17;
 
@@ -24,24 +24,24 @@ const MANY: usize = 1 << 17;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
     pub(super) bounds: ScaledBox,
-    /// The first of two children, or the first place in [`Hierarchy::order`].
+    /// The first of two children, or the first of the leaves in [`Hierarchy::order`].
     pub(super) first: u32,
-    /// The number of leaves; none for an inner node.
+    /// The number of leaves; 0 for an inner node.
     pub(super) leaves: u32,
 }
 
 /// A binary tree of boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
-    /// The root first; none if there are no leaves.
+    /// The root first; empty if there are no leaves.
     pub(super) nodes: Vec<BinaryNode>,
-    /// Leaf indices; those of a group, and of groups with the same box, side by side.
+    /// Leaf indices; those of a group, and of groups with the same box, are side by side.
     pub(super) order: Vec<u32>,
 }
 
 impl Hierarchy {
-    /// The tree over leaves with the given boxes. `groups` are the numbers of leaves, one after the
-    /// other, that are to be kept together: each at least 1, their sum the number of leaves.
+    /// The tree over leaves with the given boxes. `groups` are the sizes of the runs of leaves that are
+    /// to be kept together: each is at least 1, their sum is the number of leaves.
     pub(super) fn new(leaves: &[ScaledBox], groups: &[u32]) -> Self {
         if leaves.is_empty() {
             return Self::default();
@@ -89,8 +89,7 @@ impl Hierarchy {
         Self { nodes: build(&boxes, &primitives), order }
     }
 
-    /// The sum of something over the leaves below each node; `of` is given those of nodes that have
-    /// some.
+    /// The sum of a quantity over the leaves below each node; `of` returns it for the leaves of one node.
     pub(super) fn totals<T: Copy + Default + std::ops::Add<Output = T>>(
         &self,
         of: impl Fn(&[u32]) -> T,
@@ -165,8 +164,7 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
     tree.nodes.iter().map(node).collect()
 }
 
-/// A number by which boxes can be put in an order in which equal ones are neighbours, together
-/// with [`rest_of_key`].
+/// The first part of a key that sorts equal boxes next to each other; [`rest_of_key`] is the rest.
 fn sort_key(b: &ScaledBox) -> u64 {
     u64::from(ordered_bits(b.min.x)) << 32 | u64::from(ordered_bits(b.min.y))
 }
@@ -175,7 +173,7 @@ fn rest_of_key(b: &ScaledBox) -> [u32; 4] {
     [b.min.z, b.max.x, b.max.y, b.max.z].map(ordered_bits)
 }
 
-/// The same bits for both zeros.
+/// The bits of a number, the same for both zeros.
 fn ordered_bits(x: f32) -> u32 {
     (x + 0.0).to_bits()
 }

@@ -1,4 +1,4 @@
-//! What a ray meets: hits, their flags, and questions to ask.
+//! What a ray meets: hits, their flags, and queries for them.
 
 use glam::{DVec2, DVec3};
 
@@ -6,26 +6,26 @@ use crate::math::Ray;
 
 /// One meeting of a ray and a surface, in f64.
 ///
-/// Hits are equal if all of their numbers are; one without a normal, which is NaN, equals nothing,
-/// not even itself.
+/// Hits are equal if all of their numbers are. A hit without a normal equals nothing, not even itself,
+/// since its normal is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
     pub t: f64,
-    /// Which surface, counted in the order they were given.
+    /// The index of the surface, in the order surfaces were given.
     pub surface: u32,
     /// The surface parameters, in the surface's own knot domain.
     pub uv: DVec2,
     /// The point on the surface, `S(u, v)`.
     pub point: DVec3,
     /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where
-    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set). It is that of `(u, v)`, to some
-    /// roundings (in packets to 5e-12), beside poles too; only half of its digits are sure beside
-    /// collapsed sides that meet, or where all ways from a pole set out in one direction.
+    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set). It is the normal at `(u, v)` to within a
+    /// few roundings (in packets to 5e-12), beside poles too. Only half of its digits are sure beside
+    /// collapsed sides that meet, or where all paths from a pole start in one direction.
     pub normal: DVec3,
-    /// What else is known of the hit.
+    /// What else is known about the hit.
     pub flags: HitFlags,
-    /// Where a secondary ray starts that leaves this hit.
+    /// The root that secondary rays leaving this hit start on.
     pub root: Root,
 }
 
@@ -34,17 +34,17 @@ pub struct Hit {
 pub struct Root {
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
-    /// What part of `error` there is across the surface: the cosine of the angle between ray and normal;
+    /// The part of `error` that is across the surface: the cosine of the angle between ray and normal;
     /// 0 without a normal.
     pub(crate) cosine: f32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,
-    /// How far the true root may be from the surface's point there, along the ray, in scene units.
+    /// How far along the ray the true root may be from the surface's point at `st`, in scene units.
     pub(crate) error: f64,
 }
 
 impl Root {
-    /// A cosine as it is kept: rounded up by about a unit, in one multiplication, as this is done for every hit.
+    /// A cosine as it is stored: rounded up by about a unit, in one multiplication, since this is done for every hit.
     #[inline(always)]
     pub(super) fn kept_cosine(cosine: f64) -> f32 {
         ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32
@@ -80,7 +80,7 @@ impl HitFlags {
         Self(self.0 | other.0)
     }
 
-    /// These bits but for those of `other`.
+    /// These bits except those of `other`.
     #[must_use]
     pub fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
@@ -104,8 +104,8 @@ impl HitFlags {
 
 /// A ray to trace and, if it is a secondary ray, the root it leaves.
 ///
-/// That root is not reported again, and where it is the one root there may be, not even searched for: so only
-/// [`Query::leaving`] names one, which has seen that the ray starts there.
+/// That root is not reported again and, where it is the only root there may be, not even searched for. So only
+/// [`Query::leaving`] sets it, after checking that the ray starts there.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
     pub(super) ray: Ray,
@@ -120,10 +120,10 @@ impl Query {
 
     /// A ray that leaves a hit: the hit itself is not met again.
     ///
-    /// The ray is to start at [`Hit::point`], or as near as `o + t d` comes to it. One that starts
-    /// elsewhere, as where its origin was moved along the normal to be on the safe side, does not
-    /// leave the hit: it is asked about like any other ray. The hit is to be as it was answered, and of
-    /// the surfaces that are asked about: no more of it is looked at than its point and normal.
+    /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that starts
+    /// elsewhere, for instance because its origin was moved along the normal to be on the safe side, does
+    /// not leave the hit: it is traced like any other ray. The hit must be unchanged, and of the surfaces
+    /// that are queried: only its point and normal are checked.
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
         let Root { error, cosine, .. } = hit.root;
         let moved = ray.origin() - hit.point;
@@ -144,7 +144,7 @@ impl Query {
     }
 }
 
-/// What a batch may be made of: rays, or queries. Rays alone take less memory to read.
+/// An element of a batch: a ray or a query. Rays alone take less memory to read.
 pub trait Shot: sealed::Sealed {
     /// The ray.
     fn ray(&self) -> &Ray;
@@ -183,8 +183,8 @@ mod sealed {
     impl Sealed for super::Query {}
 }
 
-/// The first hit, or a proved miss, or a doubtful answer. Equal as [`Hit`]s are: a hit without a
-/// normal makes it differ from everything.
+/// The first hit, or a proved miss, or a doubtful answer. Answers compare as [`Hit`]s do: one with a hit
+/// that has no normal equals nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The hit with the smallest `t`.

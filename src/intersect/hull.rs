@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3, DVec4, Vec3Swizzles};
 use crate::math::{RayFrame, bernstein};
 use crate::patch::{Leaf, Piece};
 
-/// The control points of a leaf without its slack, in the coordinates of a ray. As all weights are positive there,
-/// their hull holds all of the leaf.
+/// The control points of a leaf without its slack, in the coordinates of a ray. Since all weights are positive
+/// there, their hull contains the whole leaf.
 #[derive(Debug)]
 pub(super) struct Hull(Vec<DVec3>);
 
@@ -21,7 +21,7 @@ impl Hull {
     /// Whether some plane parallel to the ray, more than `distance` from it, has the whole hull on its far side.
     pub(super) fn is_passed_by(&self, distance: f64) -> bool {
         let across = || self.0.iter().map(|point| point.xy());
-        // The outermost on either side, as seen from the ray, if it passes.
+        // The outermost points on either side, as seen from the ray, if it passes the hull.
         let Some(first) = across().next() else { return true };
         let (mut left, mut right) = (first, first);
         for point in across() {
@@ -37,7 +37,7 @@ impl Hull {
         across().all(|point| normal.dot(point) > distance)
     }
 
-    /// The least distance along the ray of its points.
+    /// The least distance of the hull's points along the ray.
     pub(super) fn nearest_z(&self) -> f64 {
         self.0.iter().map(|point| point.z).fold(f64::INFINITY, f64::min)
     }

@@ -1,8 +1,8 @@
-//! Hits at a pole, where trims have cut off some of the parameters that lead there.
+//! Hits at a pole where trims have cut off some of the parameters that lead there.
 //!
-//! All parameters of a collapsed side are one point. That point is there if any of them is kept;
-//! what is said of it is said of a kept one, so that its parameters, and the normal that goes
-//! with them, are those of a part that is there.
+//! All parameters of a collapsed side are one point. That point is kept if any of them is kept. The
+//! hit is given a kept parameter, so that its parameters, and the normal that goes with them, belong
+//! to a part that is kept.
 
 use glam::{DVec2, DVec3};
 
@@ -21,14 +21,14 @@ pub(super) struct Spot<'a> {
 }
 
 impl<'a> Spot<'a> {
-    /// The normal there, if there is one, and its cosine with a ray.
+    /// The normal there, if there is one, and its cosine with the ray's direction, else 0.
     pub(super) fn normal_along(&self, ray: &RayFrame) -> (Option<DVec3>, f64) {
         let normal = self.piece.normal(self.st, &self.jet);
         (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
     }
 
     /// The nearest place along a collapsed side that trims keep, perhaps on another piece that
-    /// ends in the same pole; `None` if there is none from which the ray is within `allowed`.
+    /// ends in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
     pub(super) fn kept(
         &self,
         set: &'a PatchSet,
@@ -42,7 +42,7 @@ impl<'a> Spot<'a> {
         let at = within(own[fixed], self.st[fixed]);
         let free = within(own[1 - fixed], self.st[1 - fixed]);
         let stretches = trims.kept_along(direction, at);
-        // A little inside of the edge, if there is room: kept without doubt.
+        // A little inside the edge, if there is room: kept without doubt.
         let little = INSIDE * (own[1 - fixed][1] - own[1 - fixed][0]);
         let nearest = |stretch: [f64; 2]| nearest_inside(stretch, little, free);
         let near = |a: &f64, b: &f64| (a - free).abs().total_cmp(&(b - free).abs());
@@ -71,15 +71,15 @@ impl<'a> Spot<'a> {
     }
 }
 
-/// How far from a trim edge a place is put that may be anywhere along it, as a part of the
-/// piece: far above the rounding of parameters, and far below what matters.
+/// How far inside a trim edge a freely chosen place is put, as a part of the piece: far above the
+/// rounding of parameters, and far below what matters.
 const INSIDE: f64 = 1e-9;
 
 fn within([from, to]: [f64; 2], share: f64) -> f64 {
     if share == 1.0 { to } else { from + share * (to - from) }
 }
 
-/// The place of a stretch nearest to another, a little inside of its ends, or in the middle of a shorter one.
+/// The point of a stretch nearest to `place`, at least `little` inside its ends; the middle of too short a stretch.
 fn nearest_inside([from, to]: [f64; 2], little: f64, place: f64) -> f64 {
     let [first, last] = [from + little, to - little];
     if first < last { place.clamp(first, last) } else { 0.5 * (from + to) }
@@ -95,7 +95,7 @@ mod tests {
         assert_eq!(nearest_inside([0.0, 1.0], 0.1, 2.0), 0.9);
         assert_eq!(nearest_inside([0.0, 1.0], 0.1, 0.05), 0.1);
         assert_eq!(nearest_inside([0.0, 0.2], 0.1, 7.0), 0.1);
-        // Shorter than what is to be left at both ends, by rounding alone and by far.
+        // Shorter than the margins at both ends, by rounding alone and by far.
         for stretch in [[-6.9e-10, 1.9e-10], [0.3, 0.3], [0.3, 0.3f64.next_up()]] {
             let half = 0.5 * (stretch[1] - stretch[0]);
             for little in [half, half.next_up(), 1e-9] {

@@ -13,11 +13,11 @@ use thiserror::Error;
 pub enum Kernel {
     /// The readable specification: one ray at a time in f64.
     Scalar,
-    /// Many rays or many boxes at a time on instructions that every processor of its kind has.
+    /// Many rays or many boxes at a time, with instructions that every processor of its architecture has.
     Portable,
-    /// The same on AVX2.
+    /// The same with AVX2.
     Avx2,
-    /// The same on AVX-512.
+    /// The same with AVX-512.
     Avx512,
 }
 

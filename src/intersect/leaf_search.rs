@@ -1,4 +1,4 @@
-//! One leaf, one ray: what is found, and how it is known.
+//! The search of one leaf by one ray: what is found, and how it is known.
 
 use glam::DVec2;
 
@@ -11,14 +11,14 @@ use super::newton::{Grounds, Newton, newton};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 
-/// The fast way: Newton where the leaf's certificate holds, else the exact solver.
+/// Searches a leaf the fast way: by Newton where the leaf's certificate holds, else by the exact solver.
 ///
 /// Where the certificate holds there is at most one root in the widened leaf. If Newton
 /// converges there, a second point with a residual below the error could only be within
-/// `error·spread/cos` of it: well inside the slack. So the point found is the leaf's one
-/// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to
-/// be missed. It is also missed where a step from beyond the leaf surely leads farther away.
-/// `z_limit` is how far along the ray anything is still of interest.
+/// `error·spread/cos` of the first: well inside the slack. So the point found is the leaf's only
+/// meeting if it lies in the leaf or its slack; if it lies outside, the leaf is proved to be
+/// missed. The leaf is also missed where a step from beyond it surely leads farther away.
+/// `z_limit` is the distance along the ray up to which anything is of interest.
 pub(super) fn search(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -56,15 +56,15 @@ pub(super) fn search(
             Newton::Failed => {}
         }
     }
-    // Whoever searches may come to a leaf whose box the ray meets, but not those around it: a packet does on
-    // behalf of other rays. So what is searched, and doubted, depends on the leaf alone, not on how it was come to.
+    // A search may reach a leaf whose box the ray meets though the ray misses the boxes around it: a packet does so
+    // on behalf of other rays. So what is searched, and doubted, depends on the leaf alone, not on how it was reached.
     if let Some(from) = met_from(place, passage, ray) {
         search_exactly(question, place, Some(from), z_limit, findings);
     }
 }
 
-/// The exact way: all roots by subdivision, whatever the certificate says. `from` is what [`met_from`] says: where
-/// that is `None`, only what is proved counts.
+/// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from` is the result of
+/// [`met_from`]: if it is `None`, only proved roots count.
 pub(super) fn search_exactly(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -101,7 +101,7 @@ pub(super) fn search_exactly(
     findings.statistics.exact_boxes += boxes;
     let is_proved = |solution: &Solution| solution.proof.stretch().is_none();
     if from.is_none() {
-        // In the slack weights may vanish, and the surface be anywhere.
+        // In the slack, weights may vanish and the surface may be anywhere.
         solutions.retain(is_proved);
     }
     let earliest = solutions.iter().filter_map(|solution| open_from(solution.proof, &problem));
@@ -126,8 +126,8 @@ pub(super) fn search_exactly(
     findings.solutions = solutions;
 }
 
-/// From where on the ray may meet a leaf, or pass it within rounding: not before it enters the leaf's box, nor before
-/// all of the control points. `None` where it passes their hull.
+/// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not before it enters the
+/// leaf's box, nor before the nearest control point. `None` if the ray passes by the control points' hull.
 pub(super) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
@@ -135,25 +135,25 @@ pub(super) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame
 }
 
 /// How many boxes the exact solver looks at for one ray, on bicubic surfaces, before it leaves further leaves
-/// undecided, which makes the answer doubtful: some tenth of a second's work. A ray through any surface that
-/// is one takes some hundred; one that runs through many leaves inside a plane, some hundred for
-/// each, and thousands for each of those around a pole that it passes closely: all its hits on a
-/// disk have cost more than 2¹⁵. A surface that is folded flat onto itself, or is but a curve, may
-/// take thousands for each of thousands.
+/// undecided, which makes the answer doubtful: about a tenth of a second of work. A ray through any proper
+/// surface takes about a hundred. A ray that runs inside a plane through many leaves takes about a hundred for
+/// each, and thousands for each leaf around a pole that it passes closely: all hits of one on a disk have
+/// cost more than 2¹⁵. A surface that is folded flat onto itself, or is only a curve, may take thousands of
+/// boxes for each of thousands of leaves.
 const MOST_EFFORT: u64 = 1 << 17;
 
-/// What one box costs, in those of bicubic surfaces: by how often two control points are mixed to cut the net down
-/// to it. Of degrees around 30 as many boxes would take ten seconds and more; but no box counts more than 16: twice as
-/// many as the most difficult leaf may take are looked at for any ray.
+/// The cost of one box, in boxes of bicubic surfaces: from how often two control points are mixed to cut the net down
+/// to the box. At degrees around 30, [`MOST_EFFORT`] boxes would take ten seconds and more. But no box counts as more
+/// than 16, so that any ray may use twice as many boxes as the most difficult leaf may take.
 fn cost_of_box([p, q]: [usize; 2]) -> u64 {
     let mixes = |[p, q]: [usize; 2]| ((p + 1) * (q + 1) * (p + q)) as u64;
     (mixes([p, q]) / mixes([3, 3])).clamp(1, 16)
 }
 
-/// The rectangle in which roots are searched for, and whether it holds all that count: the leaf and its slack,
-/// and where the leaf ends at a side of its piece as much more as holds what points may be off by.
+/// The rectangle in which roots are searched for, and whether it holds all roots that count. It is the leaf with its
+/// slack; where the leaf ends at a side of its piece, it reaches beyond the side by as much as points may be off.
 ///
-/// Far from the origin that may be more than the slack, or more than the leaf, about which nothing is known.
+/// Far from the origin that may be more than the slack, or more than the leaf: then nothing is known.
 fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();
@@ -178,24 +178,24 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     (rect, is_all)
 }
 
-/// So many errors beyond a side of a piece are searched, twice as far as roots are wanted: they are as far from it
-/// as the ray passes, over the sine of its angle with the surface.
+/// How many errors beyond a side of a piece are searched: twice as far as roots are wanted. A root is as far from the
+/// side as the ray passes it, over the sine of the ray's angle with the surface.
 const BEYOND_SIDES: f64 = 16.0;
 
-/// At most this many sides of the leaf, over the degree: what rounding does to control points grows there
-/// by the power of the degree, to 1.6 times at a corner. Where half of it does not hold twice what points may be
-/// off by, and nothing is found, it is doubtful whether the leaf is met.
+/// The search reaches beyond a side by at most this part of the leaf's side, over the degree: rounding errors of
+/// control points grow there by the power of the degree, to 1.6 times at a corner. Where half of that reach is less
+/// than twice the error bound of points, and nothing is found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
-/// From where on a ray may meet something that is known to lie along a stretch of it only; `None` for what is
-/// proved, or beyond the range of interest.
+/// The distance from which on a ray may meet something that is known only to lie along a stretch of the ray; `None` for
+/// a proved root, or a stretch outside the range of interest.
 fn open_from(proof: Proof, problem: &Problem<'_>) -> Option<f64> {
     let ([from, to], [z_min, z_max]) = (proof.stretch()?, problem.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
 
 /// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
-/// What is left where nothing was on it is a contact with the border, somewhere along the stretch.
+/// A stretch of which no part is on the piece becomes a contact with the border, somewhere along it.
 fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     // The solver reports both ends of a stretch, one after the other.
     for ends in solutions.chunk_by_mut(|a, b| a.proof == b.proof) {
@@ -214,8 +214,7 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     }
 }
 
-/// Whether the leaf's certificate speaks of this ray, and rounding is small against the
-/// leaf.
+/// Whether the leaf's certificate covers this ray, and rounding is small compared with the leaf.
 fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
@@ -226,7 +225,7 @@ fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
     })
 }
 
-/// Box coordinates run from −1 to 1 along the leaf's parameters.
+/// Newton's start: the parameters at box coordinates, which run from −1 to 1 along the leaf's parameters.
 fn first_guess(leaf: &Leaf, middle: DVec2) -> DVec2 {
     let at = |[from, to]: [f64; 2], x: f64| 0.5 * ((from + to) + x * (to - from));
     let [s, t] = leaf.rect();

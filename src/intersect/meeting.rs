@@ -1,4 +1,4 @@
-//! What is asked of a ray and a leaf, and what is found.
+//! The question that a ray puts to leaves, and what is found.
 
 use glam::{DVec2, DVec3};
 
@@ -14,7 +14,7 @@ use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, SceneFrame}
 pub(super) struct Meeting {
     /// The ray parameter.
     pub(super) t: f64,
-    /// How far that may be off, and the place along the ray, in scene units.
+    /// Error bounds of `t`, and of the distance along the ray in scene units.
     pub(super) t_error: f64,
     pub(super) z_error: f64,
     pub(super) surface: u32,
@@ -26,19 +26,19 @@ pub(super) struct Meeting {
     pub(super) flags: HitFlags,
     /// How far the surface's point may be from the ray.
     pub(super) error: f64,
-    /// How far it may be from a trim edge that it is at; zero elsewhere.
+    /// How far the point may be from the trim edge it is at; zero elsewhere.
     pub(super) edge: f64,
     /// The cosine between the ray and the normal, signed; zero where there is no normal.
     pub(super) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
     pub(super) stretch: Option<[f64; 2]>,
-    /// Whether the ray passes a side of the piece, or an edge of its trims, on its outside, by more than the
-    /// rounding of a ray that was aimed at it.
+    /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more than the
+    /// rounding of a ray aimed at it.
     pub(super) beyond: bool,
 }
 
 impl Meeting {
-    /// Whether floating point has decided that it is one.
+    /// Whether floating point has decided that the ray meets the leaf here.
     pub(super) fn is_certain(&self) -> bool {
         !self.flags.contains(HitFlags::DOUBTFUL)
     }
@@ -48,7 +48,7 @@ impl Meeting {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CertainHit {
     pub(super) t: f64,
-    /// How far the place along the ray may be off, in scene units.
+    /// Error bound of the distance along the ray, in scene units.
     pub(super) z_error: f64,
     pub(super) piece: u32,
     pub(super) st: DVec2,
@@ -58,7 +58,7 @@ pub(super) struct CertainHit {
 }
 
 impl CertainHit {
-    /// As the scalar search would have found it on its `piece`.
+    /// The meeting as the scalar search would have found it; `piece` is the hit's piece.
     pub(super) fn meeting(self, piece: &Piece, frame: &RayFrame) -> Meeting {
         let Self { t, z_error, st, jet, normal, flags, .. } = self;
         Meeting {
@@ -80,7 +80,7 @@ impl CertainHit {
     }
 }
 
-/// What meetings come to as the answer of an any-hit search; `doubt` is the smallest ray parameter
+/// The answer of an any-hit search that found these meetings; `doubt` is the smallest ray parameter
 /// at which something may have been missed.
 pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: f64) -> Occlusion {
     let (mut occluded, mut certain) = (false, false);
@@ -92,7 +92,7 @@ pub(super) fn occlusion<'m>(meetings: impl Iterator<Item = &'m Meeting>, doubt: 
     Occlusion { occluded, doubtful }
 }
 
-/// Everything a search of leaves needs to know of the question.
+/// Everything a search of leaves needs to know about a query.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Question<'a> {
     pub(super) set: &'a PatchSet,
@@ -118,8 +118,8 @@ pub(super) struct PlacedLeaf<'a> {
 }
 
 impl PlacedLeaf<'_> {
-    /// A ray's way through the leaf's box, if it may meet the leaf before `limit` and after its start,
-    /// both in scene units along it, and to within rounding.
+    /// The ray's passage through the leaf's box, if the ray may meet the leaf, to within rounding, between
+    /// the start of its range and `limit`, both in scene units along the ray.
     pub(super) fn passage(
         &self,
         ray: &RayFrame,
@@ -142,8 +142,8 @@ impl<'a> Question<'a> {
         (piece.surface == surface).then_some((root, piece))
     }
 
-    /// Whether a crossing of an edge is that of the edge which the ray starts on, of another
-    /// surface: at the same place, to within what both may be off by, and with the same sign of
+    /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which the
+    /// ray starts on: at the same place, to within both error bounds, and with the same sign of
     /// `N · d`, as in [`crossings`](super::crossings).
     pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
@@ -172,22 +172,22 @@ pub(super) struct Findings {
     /// The smallest ray parameter at which something may have been missed.
     pub(super) doubt: f64,
     pub(super) statistics: Statistics,
-    /// Boxes the exact solver has looked at for this ray; whoever asks about the next one sets it
-    /// to zero.
+    /// Boxes the exact solver has looked at for this ray, weighted by cost; to be set to zero for the
+    /// next ray.
     pub(super) effort: u64,
     pub(super) solver: ExactSolver,
     pub(super) solutions: Vec<Solution>,
 }
 
 impl Findings {
-    /// Forgets what was found, keeps memory and counts.
+    /// Forgets what was found, but keeps memory and statistics.
     pub(super) fn clear(&mut self) {
         self.meetings.clear();
         self.doubt = f64::INFINITY;
         self.effort = 0;
     }
 
-    /// What was found as the answer of an any-hit search.
+    /// The answer of an any-hit search that found this.
     pub(super) fn occlusion(&mut self) -> Occlusion {
         let occlusion = occlusion(self.meetings.iter(), self.doubt);
         self.statistics.doubtful += u64::from(occlusion.doubtful);

@@ -1,43 +1,45 @@
-//! One ray, one answer: what a ray meets, proved or flagged.
+//! One ray, one answer: what a ray meets, proved or flagged doubtful.
 //!
-//! [`SurfaceBvh::build`] prepares surfaces once. A [`Tracer`], one a thread, then answers
-//! for a [`Query`]: [`first_hit`](Tracer::first_hit), [`occluded`](Tracer::occluded),
-//! [`all_hits`](Tracer::all_hits), the first two also for whole batches.
+//! [`SurfaceBvh::build`] prepares surfaces once. A [`Tracer`], one per thread, then answers
+//! a [`Query`] by [`first_hit`](Tracer::first_hit), [`occluded`](Tracer::occluded) or
+//! [`all_hits`](Tracer::all_hits); the first two exist for whole batches, too.
 //!
-//! What happens to a ray on its way:
+//! How a ray is traced:
 //!
 //! 1. The hierarchy yields the leaves whose boxes the ray meets, near ones first.
 //! 2. Where the leaf's certificate holds for the ray's direction, there is at most one root,
 //!    and Newton's iteration on the true surface finds it, or proves that there is none, or
 //!    gives up.
-//! 3. Otherwise (near silhouettes, in pole points, where leaves are folded) *the exact
+//! 3. Otherwise (near silhouettes, at poles, where leaves are folded) *the exact
 //!    solver* finds all roots by subdivision and proof, independently of Newton.
-//! 4. A root on a leaf that a trim curve passes through is asked for its side of the curve; what
-//!    is cut off is no hit, and the search goes on.
-//! 5. Where rounding has the last word, as in tangency to within the last bits, the answer
-//!    says so: [`Answer::doubtful`].
+//! 4. On a leaf that a trim curve passes through, each root is tested for its side of the curve. A
+//!    root that is cut off is no hit, and the search goes on.
+//! 5. Where rounding decides, as at a tangency to within the last bits, the answer is flagged:
+//!    [`Answer::doubtful`].
 //!
 //! # What is computed, why it is certain, how it is made fast
 //!
-//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search` says
-//! what a ray and a leaf come to, by `newton` or the `exact` solver, and `tracer` makes answers of
-//! that.
+//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search` finds
+//! the roots of a ray on a leaf, by `newton` or the `exact` solver, and `tracer` turns roots into
+//! answers.
 //!
-//! It is certain by what is proved once of each leaf (its certificate:
-//! which rays meet it once at most) and of each ray (the `exact` solver's test of existence and
-//! uniqueness; `borders` says what is owed where surfaces end). The fast kernels add three proofs of their
-//! own, of which `wide` tells: what a leaf's approximation says of one ray (`single_proof`) or of its one
-//! root (`screen`), and when a ray that leaves a leaf cannot come back to it (`departure`).
+//! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
+//! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
+//! uniqueness). `borders` says which roots count where surfaces end. The fast kernels add three
+//! proofs of their own, described in `wide`: what a leaf's approximation proves about one ray
+//! (`single_proof`) or about its only root (`screen`), and when a ray that leaves a leaf cannot come
+//! back to it (`departure`).
 //!
-//! It is made fast in `wide`. The other kernels take coherent batches ([`Coherence`]) in packets and
-//! search sixteen rays at a time in f32. For first hits of other batches they search sixteen pairs of
-//! a ray and a leaf; for one ray, or for the occlusion of such batches, they test sixteen boxes at a
-//! time. What is small against the scene is searched in coordinates of its own (`regions`), as f32 would
-//! not see it else. Each hit is finished in f64 on the true surface. What neither the certificate nor those
-//! proofs decide goes the scalar way. What a ray is answered does not depend on its neighbours.
+//! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets and
+//! search sixteen rays at a time in f32. For first hits of incoherent batches they search sixteen
+//! pairs of a ray and a leaf at a time; for one ray, or for the occlusion of incoherent batches, they
+//! test sixteen boxes at a time. Things that are small compared with the scene are searched in
+//! coordinates of their own (`regions`), since f32 would not resolve them otherwise. Each hit is
+//! finished in f64 on the true surface. What neither the certificate nor those proofs decide goes to
+//! the scalar search. The answer for a ray does not depend on its neighbours.
 //!
 //! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
-//! program's `audit` holds the fast way against it.
+//! program's `audit` compares the fast search with it.
 //!
 //! ```
 //! use glam::DVec3;

@@ -6,8 +6,8 @@ use super::exact::Rect;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, TensorPatch};
 
-/// Steps allowed: from a flat leaf's middle plane three are usual, since the number of
-/// correct digits doubles; what needs more is left to the exact solver.
+/// The most steps: from a flat leaf's middle plane three are usual, since the number of
+/// correct digits doubles; what needs more steps than this is left to the exact solver.
 const MOST_STEPS: u32 = 12;
 
 /// Where Newton's iteration ended.
@@ -22,8 +22,8 @@ pub(super) enum Newton {
         /// How far along the ray.
         z: f64,
     },
-    /// Beyond the leaf, where a step leads so surely away that the leaf is proved to be
-    /// missed, as the certificate says.
+    /// Beyond the leaf, where a step leads away so clearly that, by the certificate, the leaf
+    /// is proved to be missed.
     Missed,
     /// Outside the domain, or nowhere: nothing is known.
     Failed,
@@ -42,11 +42,11 @@ pub(super) struct Grounds {
     pub(super) bend: [[f64; 2]; 2],
 }
 
-/// The margin, as a share of the residual, on each of its products with an axis: far more than rounding changes
-/// a residual that is [`CLEAR`] of the error and the point it is compared with, or f32 the axes.
+/// The margin on each product of the residual with an axis, as a share of the residual. Rounding changes a
+/// residual that is [`CLEAR`] of the error, the point it is compared with, and axes in f32 by far less.
 pub(super) const SURELY: f64 = 1e-3;
 
-/// A miss is only proved from residuals this much larger than the error.
+/// A miss is only proved from residuals more than this many times the error.
 pub(super) const CLEAR: f64 = 1e4;
 
 impl Grounds {
@@ -133,7 +133,7 @@ pub(super) fn newton(
     (best.map_or(Newton::Failed, |(_, converged)| converged), steps)
 }
 
-/// The components of a vector along the ray's two planes' normals.
+/// The components of a vector along the normals of the ray's two planes.
 pub(super) fn project(ray: &RayFrame, v: DVec3) -> DVec2 {
     DVec2::new(ray.normals[0].dot(v), ray.normals[1].dot(v))
 }

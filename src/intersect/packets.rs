@@ -1,4 +1,4 @@
-//! First and any hits of coherent rays: packets, and the scalar search for what they leave.
+//! First and any hits of coherent rays: packets, and the scalar search for what they leave undecided.
 
 use super::bits::set_bits;
 use super::borders::{at_border, error_bound};
@@ -20,12 +20,12 @@ impl Tracer<'_> {
         answers: &mut Vec<Answer>,
     ) {
         answers.reserve(shots.len());
-        self.packets.packet.clear(0); // what was asked before has no part in the statistics
+        self.packets.packet.clear(0); // what was traced before must not enter the statistics
         let mut rest = shots;
         let mut near = ReadAhead::default();
         while let Some(first) = rest.first() {
-            // Rays that leave a root are traced one by one: what a ray is answered must not
-            // depend on its neighbours.
+            // Rays that leave a root are traced one by one: the answer for a ray must not depend
+            // on its neighbours.
             if first.start_root().is_some() || self.bvh.leaves.is_empty() {
                 answers.push(self.first_hit(first));
                 rest = &rest[1..];
@@ -51,8 +51,8 @@ impl Tracer<'_> {
 
     /// Occlusion of rays by packets, appended to `answers`.
     ///
-    /// A hit that is certain is enough; every leaf that may hold another is searched until there
-    /// is one: so an answer does not depend on the order of the search, nor on the other rays.
+    /// One certain hit is enough; until there is one, every leaf that may hold a hit is searched. So
+    /// an answer depends neither on the order of the search nor on the other rays.
     pub(super) fn occlusions_in_packets(
         &mut self,
         level: Level,
@@ -87,7 +87,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// The occlusion of a ray of which only the scalar search has found anything.
+    /// The occlusion of a ray for which only the scalar search may have found anything.
     fn judged_occlusion(&mut self, k: usize) -> Occlusion {
         let PacketScratch { meetings, doubt, .. } = &*self.packets;
         let found = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
@@ -111,7 +111,7 @@ impl Tracer<'_> {
         dispatch!(level, simd => trace(simd, &scene, (shots, &mut *ahead), packet, work, statistics));
     }
 
-    /// The search ray by ray for the rays and leaves the packet could not decide.
+    /// Searches, ray by ray, the leaves that the packet could not decide.
     fn search_rest<Q: Shot>(&mut self, shots: &[Q], wanted: Wanted) {
         self.packets.meetings.clear();
         if self.packets.work.rest.is_empty() {
@@ -138,12 +138,12 @@ impl Tracer<'_> {
         self.packets.work.rest = rest;
     }
 
-    /// The nearest of what the packet and the scalar search found for each ray.
+    /// Appends the answer for each ray: the nearest hit of the packet and of the scalar search.
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let packet = &self.packets.packet;
         let looked_at = self.packets.work.rest_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
-            // One by one: a copy of an answer would write the places of a hit, too.
+            // One by one: copies of an answer would also write the bytes of its absent hit.
             answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
             return;
         }
@@ -154,7 +154,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// The answer where borders, a missing normal or the scalar search have a say.
+    /// The answer where a border, a missing normal or the scalar search must be considered.
     #[cold]
     fn judged_answer(&mut self, ray: &Ray, k: usize) -> Answer {
         let PacketScratch { packet, work, meetings, doubt } = &*self.packets;

@@ -1,4 +1,4 @@
-//! Rays on their way from memory to the processor.
+//! Reading of rays from memory ahead of their tracing.
 
 use std::hint::black_box;
 use std::slice;
@@ -7,57 +7,56 @@ use super::Shot;
 use super::wide::PACKET;
 use crate::math::prefetch;
 
-/// So many rays are read in one go.
+/// How many rays are read in one go.
 const AT_ONCE: usize = 16 * PACKET;
 
-/// So far ahead of a packet rays are asked for while it is traced.
+/// How far ahead of a packet, in rays, others are prefetched while the packet is traced.
 const FARTHEST: usize = 32 * PACKET;
 
 /// Reads the rays of a batch some time before they are traced.
 ///
-/// A long row of them is read at the rate at which memory gives them. Those of one packet are a page of
-/// memory or two: each time, it would wait anew until the first have come. Measured on a million rays in
-/// memory, on Zen 4: a ray of a picture's background takes 5 ns instead of 10.
+/// A long run of rays is read at the full rate of memory. The rays of one packet are only a page of memory
+/// or two: read by themselves, they would each time wait anew for the first to arrive. Measured on a million
+/// rays in memory, on Zen 4: a ray of a picture's background takes 5 ns instead of 10.
 #[derive(Debug, Default)]
 pub(super) struct ReadAhead {
-    /// How many of those that come next have been read or asked for.
+    /// How many of the rays that come next have been read or prefetched.
     left: usize,
 }
 
-/// Rays to be asked for while others are traced.
+/// Rays to be prefetched while others are traced.
 #[derive(Debug)]
 pub(super) struct Ahead<'a, Q> {
     rays: slice::Iter<'a, Q>,
     at: Moment,
 }
 
-/// Where on its way a packet asks for rays that come after it.
+/// Where on its way a packet prefetches rays that come after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    /// At each box it comes to. Measured on a Xeon with AVX-512: with that, shadow rays are traced 1.04 to 1.09
-    /// times as fast, which come with what they leave and are thus half as large again as rays alone; ambient
-    /// occlusion 1.02 to 1.03 times. Rays of pictures are not, whose background takes less time than memory
-    /// does: 0.95.
+    /// At each box it comes to. Measured on a Xeon with AVX-512: shadow rays, which carry the root they leave and
+    /// are thus half as large again as rays alone, are traced 1.04 to 1.09 times as fast; ambient occlusion 1.02
+    /// to 1.03 times. Rays of pictures, whose background takes less time than memory does, become slower: 0.95.
     Box,
     /// Where it finishes a leaf in f64, which takes longer than memory does. Measured on Zen 4: rays of pictures
-    /// are traced 1.02 to 1.06 times as fast; shadow rays, of which many need no finish, at 0.98 to 1.04 of
-    /// [`Box`](Self::Box).
+    /// are traced 1.02 to 1.06 times as fast; shadow rays, many of which need no finish, at 0.98 to 1.04 of the
+    /// speed with [`Box`](Self::Box).
     Finish,
 }
 
 impl Moment {
-    /// How many rays are asked for.
+    /// How many rays are prefetched at a time.
     fn count(self) -> usize {
         match self {
             Self::Box => 8,     // no more than processors wait for at a time
-            Self::Finish => 16, // those of as many lanes
+            Self::Finish => 16, // one for each lane
         }
     }
 }
 
 impl ReadAhead {
-    /// Sees to it that the rays of the packet that comes next, the first of `rest`, have been read. They
-    /// are then taken for traced.
+    /// Makes sure that the rays of the next packet, the first of `rest`, have been read. They then count as
+    /// traced.
     #[inline(always)]
     pub(super) fn read<Q: Shot>(&mut self, rest: &[Q]) {
         if self.left < PACKET {
@@ -72,7 +71,7 @@ impl ReadAhead {
         self.left -= PACKET;
     }
 
-    /// Runs `trace`, which may ask for the rays behind that packet, `others`, as it goes.
+    /// Runs `trace`, which may prefetch `others`, the rays after its packet, as it goes.
     #[inline(always)]
     pub(super) fn while_tracing<Q>(
         &mut self,
@@ -90,7 +89,7 @@ impl ReadAhead {
 }
 
 impl<Q> Ahead<'_, Q> {
-    /// Asks for some more, if this is the moment.
+    /// Prefetches some more rays, if this is the moment.
     #[inline(always)]
     pub(super) fn ask(&mut self, at: Moment) {
         if at == self.at {

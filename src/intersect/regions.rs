@@ -1,10 +1,10 @@
 //! Small things in large scenes: parts of the tree with coordinates of their own.
 //!
-//! What is done in f32 is right to some 1e-6 of the scene, by which its boxes are grown. Leaves of that
-//! size would all be met at once: of a teapot on a table of 1e5 times its size a ray met 1800 leaves
-//! instead of one. So what is small against the scene, and has small leaves, becomes a region: a tree
-//! of its own, in coordinates scaled to it. A ray that enters a region is brought into its coordinates
-//! anew, from f64, and back into the others when it is done. In a region there may be smaller ones.
+//! Work in f32 is accurate to about 1e-6 of the scene, and boxes are grown by that much. Leaves of that
+//! size would all be met at once: on a teapot on a table 1e5 times its size, a ray met 1800 leaves
+//! instead of one. So a thing that is small compared with the scene, and has small leaves, becomes a
+//! region: a tree of its own, in coordinates scaled to it. A ray that enters a region is converted to its
+//! coordinates anew, from f64, and back when the region is done. A region may contain smaller ones.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -16,27 +16,28 @@ use super::tree::{LANES, Region, Tree};
 use crate::math::Aabb;
 use crate::patch::{Part, ScaledBox, SceneFrame};
 
-/// A region is no larger than this, in the scaled coordinates of the one around it, of which sizes are
+/// A region is no larger than this, in the scaled coordinates of the region around it, where sizes are
 /// up to 2: the change of coordinates must gain something.
 const SMALL: f32 = 1.0 / 32.0;
 
-/// Its parts are no wider than this on average: some thirty times what their boxes are grown by.
+/// A region's parts are no wider than this on average: about thirty times the growth of their boxes.
 const FINE: f64 = 1.0 / 8192.0;
 
-/// Coordinates that gain less are not changed: they may be scaled up no more, and deeper ones neither.
+/// A change of coordinates that gains less than this factor is not made: the scale is then at its limit, for
+/// deeper regions, too.
 const GAIN: f64 = 8.0;
 
-/// What is to become a region.
+/// Parts that are to become a region.
 struct Waiting {
     frame: SceneFrame,
-    /// Its parts, and the numbers of them that are to be kept together, one after the other.
+    /// The parts, and the sizes of the runs of them that are to be kept together.
     parts: Vec<u32>,
     groups: Vec<u32>,
     around: u32,
 }
 
-/// The tree over parts in the coordinates of a scene, without blocks so far, and the order in which
-/// they are to become leaves.
+/// The tree over parts in the coordinates of a scene, still without blocks, and the order in which
+/// the parts are to become leaves.
 ///
 /// `groups` are as in [`Hierarchy::new`]. No region's coordinates are scaled up by more than
 /// `most_scale`.
@@ -103,11 +104,11 @@ fn group_of(part: u32, ends: &[u32]) -> usize {
     ends.partition_point(|&end| end <= part)
 }
 
-/// The subtrees that are small and have small leaves, more than fit into a block: the largest such.
+/// The largest subtrees that are small, have small leaves, and more of them than fit into a block.
 fn small_subtrees(binary: &Hierarchy, counts: &[u32], boxes: &[ScaledBox]) -> Vec<u32> {
     let width = |b: &ScaledBox| (b.max - b.min).max_element();
     if boxes.par_iter().all(|b| f64::from(width(b)) > FINE) {
-        return Vec::new(); // neither are any on average
+        return Vec::new(); // so no subtree is narrower on average
     }
     let widths = binary
         .totals(|leaves| leaves.iter().map(|&k| f64::from(width(&boxes[k as usize]))).sum::<f64>());
@@ -146,14 +147,14 @@ mod tests {
         NurbsSurface::from_homogeneous(knots.clone(), knots, net).unwrap()
     }
 
-    /// A sphere of a radius, so far along the first coordinate.
+    /// A sphere of this radius, its centre at `x` along the first axis.
     fn ball(radius: f64, x: f64) -> NurbsSurface {
         let to = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
         shapes::sphere(radius).unwrap().transformed(&to).unwrap()
     }
 
-    /// Goes through a tree: every part lies in one block, which is reached once, through boxes that
-    /// hold it. Returns the number of regions and how full blocks are.
+    /// Checks a tree: every part lies in one block, which is reached once, through boxes that hold
+    /// the part. Returns the number of regions, the parts per block, and whether parts are grouped.
     fn check(surfaces: &[NurbsSurface], most_scale: f64) -> (usize, f64, bool) {
         let (set, grouped) = PatchSet::new(surfaces).unwrap();
         let parts = grouped.all();
@@ -223,7 +224,7 @@ mod tests {
         let one = vec![plane.clone()];
         let crowd = vec![plane; 300];
         let many = vec![shapes::sphere(1.0).unwrap(), shapes::torus(2.0, 0.5).unwrap()];
-        // Dense ones, of which neighbours are kept together; and several in one place.
+        // Dense surfaces, whose neighbouring pieces are kept together; and several in one place.
         let dense = vec![sheet(64)];
         let dense_crowd = vec![sheet(48); 3];
         for surfaces in [one, crowd, many, dense, dense_crowd] {
@@ -236,8 +237,8 @@ mod tests {
 
     #[test]
     fn small_things_have_coordinates_of_their_own() {
-        // One in the other, to below what f32 tells apart; two that are small side by side; many
-        // in one place; a dense one, of which neighbours are kept together.
+        // One in the other, to below what f32 tells apart; two small ones side by side; several
+        // in one place; dense ones, whose neighbouring pieces are kept together.
         let far = |scale: f64, x: f64| {
             let to = DAffine3::from_scale_rotation_translation(
                 DVec3::splat(scale),
@@ -251,10 +252,10 @@ mod tests {
         let alike = [vec![ball(1.0, 0.0)], vec![ball(1e-8, 0.25); 3]].concat();
         let dense = vec![ball(1.0, 0.0), far(1e-5, 0.7), far(1e-5, -0.2)];
         for (surfaces, regions) in [(nested, 3), (twins, 3), (alike, 2), (dense, 3)] {
-            // A thing may become two: the builder does not see what is that small.
+            // A thing may become two regions: the builder does not resolve what is that small.
             let (all, ..) = check(&surfaces, f64::INFINITY);
             assert!((regions..=regions + 2).contains(&all), "{all} instead of {regions}");
-            // As far as coordinates may be scaled up, or not at all.
+            // With coordinates that may be scaled up by no more than this, or not at all.
             let (fewer, ..) = check(&surfaces, 2f64.powi(10));
             assert!((2..=all).contains(&fewer), "{fewer} of {all}");
             assert_eq!(check(&surfaces, 2.0).0, 1);

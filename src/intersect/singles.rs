@@ -1,4 +1,4 @@
-//! Rays one at a time: the fast search, and the scalar one for what it leaves.
+//! Rays one at a time: the fast search, and the scalar one for what it leaves undecided.
 
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
@@ -55,10 +55,10 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hits(simd, self, queries, answers));
     }
 
-    /// The scalar search of the leaves that the fast one could not decide, `single.rest`, as far as `limit`
+    /// Runs the scalar search on the leaves that the fast one could not decide, `single.rest`, as far as `limit`
     /// along the ray; stops at the first certain hit if any will do.
     ///
-    /// Near ones first, whatever the order they were found in: what is spent on one is not left for others.
+    /// Near leaves come first, whatever the order they were found in: effort spent on one is not left for others.
     pub(super) fn search_left(
         &mut self,
         query: &Query,
@@ -88,7 +88,7 @@ impl Tracer<'_> {
             leaf_search::search(&question, &place, &passage, limit + slack, &mut self.findings);
             for meeting in &self.findings.meetings[before..] {
                 match wanted {
-                    // Up to the nearest meeting, and as far beyond as it may be off.
+                    // Up to the nearest meeting, plus its error bound.
                     Wanted::First => {
                         limit = limit.min((meeting.t + meeting.t_error) / frame.t_from_z);
                     }
@@ -101,7 +101,7 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// The first of the fast search's hit and of what the scalar search finds in the leaves it has left.
+    /// The first of the fast search's hit and what the scalar search finds in the leaves left undecided.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
@@ -154,7 +154,7 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     tracer.findings.occlusion()
 }
 
-/// The fast search; also makes the ray's frame, so that it is at hand here.
+/// Runs the fast search; also makes the ray's frame, and returns it for later use.
 #[simd]
 fn search<S: Simd>(
     simd: S,
@@ -172,7 +172,7 @@ fn search<S: Simd>(
     frame
 }
 
-/// A certified hit with all that is to be said of it.
+/// A certified hit with its piece, normal and flags.
 pub(super) struct Certain<'a> {
     piece: &'a Piece,
     index: u32,
@@ -207,17 +207,17 @@ impl<'a> Certain<'a> {
         Self { piece, index, hit, normal, flags }
     }
 
-    /// As an answer.
+    /// The hit as an answer.
     #[inline(always)]
     pub(super) fn answer(&self, ray: &Ray, t_from_z: f64) -> Answer {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
         let t = z * t_from_z;
-        // A hit so far that `t` has no number for it lies beyond every range.
+        // A hit so far away that `t` is infinite lies beyond every range.
         let within = t < f64::INFINITY;
         if !within {
             return Answer::default();
         }
-        // 0 without a normal: of a number and NaN the number is the larger.
+        // 0 without a normal: `max` of NaN and a number is the number.
         let cosine = (self.normal.dot(ray.direction()) * t_from_z).abs().max(0.0);
         let cosine = Root::kept_cosine(cosine);
         let root = Root { piece: self.index, cosine, st, error: z_error };
@@ -227,7 +227,7 @@ impl<'a> Certain<'a> {
         Answer { hit, doubtful: false }
     }
 
-    /// As the scalar search would have found it.
+    /// The hit as the scalar search would have found it.
     fn meeting(&self, frame: &RayFrame) -> Meeting {
         let SingleHit { z, z_error, st, point, .. } = *self.hit;
         let hit = CertainHit {

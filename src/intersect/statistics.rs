@@ -1,8 +1,8 @@
-//! What the work of tracing cost.
+//! Counts of the work of tracing.
 
 use std::ops::AddAssign;
 
-/// Counts of the work done by a [`Tracer`](super::Tracer), for those who ask.
+/// Counts of the work done by a [`Tracer`](super::Tracer).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Rays asked about.
@@ -22,7 +22,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Takes back one of the rays that were counted: another search will count it.
+    /// Takes one ray out of the count: another search will count it.
     pub(super) fn uncount(&mut self) {
         self.rays -= 1;
     }

@@ -1,4 +1,4 @@
-//! First hits of many rays that have nothing in common.
+//! First hits of many incoherent rays.
 
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
@@ -20,7 +20,7 @@ impl Tracer<'_> {
             dispatch!(level, simd => trace(simd, self, shots));
             let first = answers.len();
             answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
-            // Which rays have hits is as good as chance: those that have are put together without a branch.
+            // Which rays have hits is unpredictable, so their indices are collected without a branch.
             let (mut met, mut count) = ([0; FLIGHTS], 0);
             for k in 0..shots.len() {
                 met[count] = k;

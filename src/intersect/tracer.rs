@@ -1,4 +1,4 @@
-//! Questions to surfaces: first hit, any hit, all hits.
+//! Queries: first hit, any hit, all hits.
 
 use fearless_simd::Level;
 use glam::DVec3;
@@ -15,15 +15,15 @@ use super::{
 use crate::math::RayFrame;
 use crate::patch::{OrientedBox, Passage, PatchSet};
 
-/// Answers questions on one thread: holds the scratch memory and the counts.
+/// Answers queries on one thread; holds the scratch memory and the counts.
 ///
-/// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays nor on what was
-/// asked before.
+/// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays or on
+/// earlier queries.
 #[derive(Debug)]
 pub struct Tracer<'a> {
     pub(super) bvh: &'a SurfaceBvh,
     kernel: Kernel,
-    /// The kernel's instructions: finding them out takes longer than some rays.
+    /// The kernel's instructions, kept because detecting them takes longer than some rays.
     level: Option<Level>,
     pub(super) findings: Findings,
     stack: Vec<(f64, ChildCode)>,
@@ -39,7 +39,7 @@ pub(super) struct PacketScratch {
     pub(super) work: Work,
     /// What the scalar search found, with the ray's place in the packet.
     pub(super) meetings: Vec<(usize, Meeting)>,
-    /// For each ray, from where on something may have been missed.
+    /// For each ray, the smallest ray parameter at which something may have been missed.
     pub(super) doubt: [f64; PACKET],
 }
 
@@ -119,8 +119,8 @@ impl<'a> Tracer<'a> {
     /// is doubtful.
     ///
     /// The hits come from the exact solver. Hits of adjoining pieces, or of surfaces whose
-    /// borders meet, at the same place and with the same sign of `N · d`, are one crossing
-    /// and reported once.
+    /// borders meet, are one crossing and reported once if they are at the same place and have
+    /// the same sign of `N · d`.
     pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
         let frame = RayFrame::new(&query.ray);
         self.collect(query, &frame, exactly, |_| f64::INFINITY);
@@ -135,8 +135,8 @@ impl<'a> Tracer<'a> {
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Rays said to be coherent are traced in packets, but for those that leave a root, which are traced one by one;
-    /// others side by side in streams: if the kernel has them.
+    /// If the kernel supports it, coherent rays are traced in packets, except those that leave a root, which are
+    /// traced one by one; incoherent rays are traced side by side in streams.
     pub fn first_hits<Q: Shot>(
         &mut self,
         shots: &[Q],
@@ -155,7 +155,7 @@ impl<'a> Tracer<'a> {
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Rays said to be coherent are traced in packets, if the kernel has them; others one by one.
+    /// Coherent rays are traced in packets, if the kernel supports it; incoherent rays one by one.
     pub fn occlusions(
         &mut self,
         queries: &[Query],
@@ -172,7 +172,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// What the work cost so far.
+    /// Counts of the work done so far.
     pub fn statistics(&self) -> &Statistics {
         &self.findings.statistics
     }
@@ -181,7 +181,7 @@ impl<'a> Tracer<'a> {
         let frame = RayFrame::new(&query.ray);
         let to_z = 1.0 / frame.t_from_z;
         self.collect(query, &frame, search, |meetings| {
-            // Up to the nearest meeting, and as far beyond as it may be off.
+            // Up to the nearest meeting, plus its error bound.
             meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
         });
         let findings = &mut self.findings;
@@ -190,8 +190,8 @@ impl<'a> Tracer<'a> {
         answer
     }
 
-    /// Searches all leaves the ray may meet before the limit that `enough` draws from what
-    /// was found so far.
+    /// Searches all leaves the ray may meet before the limit that `enough` derives from the
+    /// meetings found so far.
     fn collect(
         &mut self,
         query: &Query,
@@ -234,7 +234,7 @@ fn exactly(
 }
 
 impl SurfaceBvh {
-    /// What the search of a leaf works on, given the leaf's box.
+    /// A leaf with its piece and the given box, for a search.
     pub(super) fn place<'b>(&'b self, leaf: u32, oriented: &'b OrientedBox) -> PlacedLeaf<'b> {
         let leaf = &self.leaves[leaf as usize];
         PlacedLeaf { leaf, oriented, piece: &self.set.pieces()[leaf.piece as usize] }
@@ -244,13 +244,13 @@ impl SurfaceBvh {
 /// Two points of a surface count as one place if they are closer than this many times the sum of their error bounds.
 const SAME_PLACE: f64 = 4.0;
 
-/// The first of some meetings, and whether what was doubtful could have come before it.
+/// The first of some meetings, and whether something doubtful could come before it.
 pub(super) fn answer_of<'m>(
     set: &PatchSet,
     meetings: impl Iterator<Item = &'m Meeting> + Clone,
     doubt: f64,
 ) -> Answer {
-    // The last word has the place on the piece: so the order of the search has none.
+    // The last tie-break is the place on the piece, so that the order of the search does not matter.
     let order = |a: &&Meeting, b: &&Meeting| {
         let place = |m: &Meeting| (m.surface, m.piece);
         let on_piece = |m: &Meeting| (m.st.x, m.st.y);
@@ -258,11 +258,11 @@ pub(super) fn answer_of<'m>(
         let by_place = || p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1));
         a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))).then_with(by_place)
     };
-    // A hit so far that `t` has no number for it lies beyond every range.
+    // A hit so far away that `t` is infinite lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
     let first = reachable.clone().min_by(order);
-    // What is doubtful may come before where it was found, by as much as that may be off; but what was
-    // found at the place of the first is the first, if it is known as well as that, as the ends of stretches are.
+    // A doubtful meeting may lie before where it was found, by as much as its error bound. But one at the place of
+    // the first meeting is the first itself if it is known as well as that, as the ends of stretches are.
     let before = |first: &Meeting, meeting: &Meeting| {
         let reach = SAME_PLACE * (first.error + meeting.error);
         let earlier = first.t - (meeting.t - meeting.t_error);
@@ -282,7 +282,7 @@ pub(super) fn answer_of<'m>(
     Answer { hit, doubtful }
 }
 
-/// The answer to give for a meeting.
+/// The hit to report for a meeting.
 fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
     let piece = &set.pieces()[meeting.piece as usize];
     let mut flags = meeting.flags;
@@ -291,7 +291,7 @@ fn hit(set: &PatchSet, meeting: &Meeting) -> Hit {
         flags.insert(HitFlags::NO_NORMAL);
         DVec3::NAN
     });
-    // What is doubtful may be off along the ray by more than its angle says.
+    // A doubtful meeting may be off along the ray by more than its angle implies.
     let least = if meeting.is_certain() { 0.0 } else { AROUND * meeting.error / meeting.z_error };
     let cosine = Root::kept_cosine(meeting.cosine.abs().max(least).min(1.0));
     let root = Root { piece: meeting.piece, cosine, st: meeting.st, error: meeting.z_error };

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::coherence::leaf_width;
 use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, SceneFrame};
 
-/// Children of a node, and leaves in a block, at most: lanes of a vector of f32.
+/// The most children of a node, and the most leaves in a block: the lanes of a vector of f32.
 pub(super) const LANES: usize = 16;
 const _: () = assert!(MOST_TOGETHER <= LANES, "leaves that are kept together fit into a block");
 
-/// The number's highest two bits say what it counts.
+/// The highest two bits of a [`ChildCode`] say what its index counts.
 const NODE: u32 = 0;
 const REGION: u32 = 1 << 30;
 const BLOCK: u32 = 2 << 30;
@@ -30,13 +30,13 @@ pub(super) enum Child {
 /// How a ray comes to a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// From the one around it.
+    /// From the region around it.
     In,
-    /// From one inside it that is done.
+    /// From a region inside it that is done.
     Back,
 }
 
-/// A child as a number.
+/// A [`Child`] as a number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ChildCode(u32);
 
@@ -82,8 +82,8 @@ impl ChildCode {
 
 /// Sixteen children's axis-parallel boxes in the scaled coordinates of their region.
 ///
-/// Boxes of children that are not there lie from +∞ to −∞: with the nearer plane chosen by
-/// the sign of the direction, every ray enters them after it has left them.
+/// Boxes of absent children reach from +∞ to −∞: with the nearer plane chosen by the sign of the
+/// direction, every ray enters them after it has left them.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct Node {
@@ -106,14 +106,14 @@ impl Node {
         self.child[k] = ChildCode::new(child);
     }
 
-    /// Which children there are.
+    /// The indices of the children that exist.
     pub(super) fn filled(&self) -> impl Iterator<Item = usize> {
         (0..LANES).filter(|&k| self.planes[0][0][k] <= self.planes[0][1][k])
     }
 }
 
-/// Up to sixteen leaves' oriented boxes, lane by lane: four numbers for each of three rows.
-/// Those of leaves that are not there mean nothing.
+/// The oriented boxes of up to sixteen leaves, lane by lane: four numbers for each of three rows.
+/// Unused lanes mean nothing.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct LeafBlock {
@@ -149,12 +149,12 @@ impl LeafBlock {
 #[derive(Clone, Debug)]
 pub(super) struct Region {
     pub(super) frame: SceneFrame,
-    /// Where rays begin in it; nowhere if there are no leaves.
+    /// Where rays begin in it; `None` if there are no leaves.
     pub(super) root: Option<ChildCode>,
-    /// The region it is a part of; of the first, itself.
+    /// The region around it; for the first region, itself.
     pub(super) around: u32,
-    /// The first of its leaves, but for those of regions in it: they are as many as come before the
-    /// next region's.
+    /// The first of its own leaves, which exclude those of regions inside it; they end where the next
+    /// region's begin.
     pub(super) first_leaf: u32,
     /// The width of those leaves, in scaled coordinates.
     pub(super) leaf_width: f32,
@@ -172,7 +172,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Takes in the leaves, and their oriented boxes.
+    /// Fills the blocks with the leaves' oriented boxes, and sets the leaf width of each region.
     pub(super) fn fill(&mut self, leaves: &[Leaf], boxes: &[OrientedBox]) {
         let blocks = self.starts.par_windows(2);
         let blocks = blocks.map(|ends| LeafBlock::new(&boxes[ends[0] as usize..ends[1] as usize]));
@@ -194,8 +194,8 @@ impl Tree {
         self.regions[0].root
     }
 
-    /// A region that is come to, and what is to be put on the stack then: the way back lies below all
-    /// of the region, so everything is taken off the stack in the coordinates it was put there in.
+    /// The region that a ray comes to, and what to push onto the stack then. The way back lies below all
+    /// of the region, so everything is popped in the coordinates in which it was pushed.
     pub(super) fn enter(
         &self,
         region: u32,
@@ -214,7 +214,7 @@ impl Tree {
 
     /// The coordinates in which a leaf's box is given.
     pub(super) fn frame_of(&self, leaf: u32) -> &SceneFrame {
-        // The last that begins there: one without leaves begins where the next does.
+        // The last region that begins no later: one without leaves begins where the next does.
         let after = self.regions.partition_point(|region| region.first_leaf <= leaf);
         &self.regions[after - 1].frame
     }

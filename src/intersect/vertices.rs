@@ -1,13 +1,13 @@
-//! Which way a ray goes through a vertex, where several faces meet that it meets from both sides.
+//! Which way a ray goes through a vertex at which it meets several faces from both sides.
 //!
 //! Around a vertex of a closed surface the faces are wedges of their tangent planes, one after another, or parts of
-//! cones about it. Seen along the ray each covers an angle, one way round if the ray enters through it and the other way
-//! if it leaves. All of them together go around the ray as often as it goes through the surface: once, or not at all
-//! where it only touches the vertex, in one of the two senses. So the sum of their angles, over a full turn, is 1 where
-//! the ray leaves, −1 where it enters, and 0 where it does neither, or both.
+//! cones about the vertex. Seen along the ray, each face covers an angle: one way round if the ray enters through it,
+//! the other way if it leaves. Together they go around the ray as often as it goes through the surface: once, in one of
+//! the two senses, or not at all where it only touches the vertex. So the sum of their angles, over a full turn, is 1
+//! where the ray leaves, −1 where it enters, and 0 where it does neither, or both.
 //!
 //! Where the sum is anything else, not all faces of the vertex are met, as at the border of an open surface, or by a ray
-//! that passes within rounding: then it is doubtful.
+//! that passes within rounding: then the meetings are doubtful.
 
 use std::f64::consts::TAU;
 
@@ -19,13 +19,13 @@ use super::faces::Face;
 use super::meeting::Meeting;
 use crate::patch::Piece;
 
-/// How far a sum of angles may be from a whole number of turns, in turns: far more than rounding comes to where no face
-/// is met at a cosine below 1e-8, and less than what one that is missing would cover, were it not next to nothing.
+/// How far a sum of angles may be from a whole number of turns, in turns: far more than the rounding error if no face
+/// is met at a cosine below 1e-8, and less than a missing face would cover, unless that is next to nothing.
 const MOST_TURNED: f64 = 1e-6;
 
-/// Of meetings at vertices, by increasing `t`, drops those on the wrong side where a ray only enters, or only
-/// leaves; where it cannot be told, they are doubtful. A tip has all sides: it takes that of the ray, or, where it
-/// is touched, both. `axis` is the ray's direction.
+/// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves; where this
+/// cannot be decided, they become doubtful. A tip has all sides: it takes that of the ray or, where it is touched,
+/// both. `meetings` are sorted by increasing `t`; `axis` is the ray's direction.
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
@@ -54,7 +54,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
             continue;
         }
         if overlaps {
-            // One at the place of two that are not at one place: what belongs together is not known.
+            // A meeting is at the place of two that are not at one place: which belong together is not known.
             doubt(meetings, &group);
             continue;
         }
@@ -64,7 +64,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                     meetings[tip].cosine = meetings[tip].cosine.abs().copysign(way);
                 }
                 group.iter().for_each(|&j| wrong[j] = meetings[j].cosine * way < 0.0);
-                // What is dropped leaves its doubt.
+                // Dropped meetings leave their doubt to the others.
                 if group.iter().any(|&j| wrong[j] && !meetings[j].is_certain()) {
                     doubt(meetings, &group);
                 }
@@ -85,10 +85,10 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
 
 /// How a ray passes a vertex.
 enum AtVertex {
-    /// In, by a number below zero, or out.
+    /// The ray enters if the number is negative, and leaves if it is positive.
     Through(f64),
     Touching,
-    /// Not all faces are met there, or of one it is not known what it covers.
+    /// Not all faces are met there, or the angle that one of them covers is not known.
     Unknown,
 }
 
@@ -105,7 +105,7 @@ fn passage<'m>(
     let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
     let mut sum = 0.0;
     for meeting in meetings {
-        // As far as two of such an error may be apart.
+        // How far apart two meetings with such an error may be.
         let reach = 2.0 * APART * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
         let reach = reach + 2.0 * meeting.edge;
         let piece = &pieces[meeting.piece as usize];
@@ -265,7 +265,7 @@ mod tests {
         assert_eq!(touched, 8 * 216 * 6 / 8);
     }
 
-    /// Signs that cancel, or a doubt; whether it is one.
+    /// Checks that the signs cancel or there is doubt; returns whether there is.
     #[must_use]
     fn check_parity(bvh: &SurfaceBvh, through: DVec3, direction: DVec3, what: &str) -> bool {
         let ray = Ray::with_range(through, direction, f64::NEG_INFINITY, f64::INFINITY).unwrap();
@@ -348,7 +348,7 @@ mod tests {
                 // Below 1e-14, to 1e-13, to 1e-12.
                 doubted[k % 50 * 3 / 50] += u32::from(is_doubtful);
             }
-            // Faces are met in part there, as often as not.
+            // As often as not, only some of the faces are met there.
             assert!(doubted.iter().all(|&doubted| doubted < 250), "{doubted:?} of 500 each");
         }
     }

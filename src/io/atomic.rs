@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::Quoted;
 
-/// Why a file cannot be written. Whatever was there before is as it was.
+/// Why a file cannot be written. An older file is left as it was.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -41,14 +41,14 @@ pub enum WriteError {
 
 /// Where the bytes go.
 enum Target {
-    /// A file in a folder that is (or is not yet) there: replaced by renaming.
+    /// A file in a folder, existing or not: replaced by renaming.
     File { path: PathBuf, folder: PathBuf, old: Option<Permissions> },
     /// A device or a pipe (`/dev/null`): written into, for it must not be replaced.
     Stream,
 }
 
-/// Whether a file can be written, found out before the work that fills it: the folder
-/// exists and takes new files, and a file of that name may be replaced. Leaves no trace.
+/// Checks that a file can be written, before the work that fills it: the folder exists and takes
+/// new files, and a file of that name may be replaced. Leaves no trace.
 ///
 /// # Errors
 /// When [`write_atomically`] would fail for these reasons.
@@ -63,9 +63,9 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 /// Writes a file whole or not at all.
 ///
 /// The bytes go to a temporary file in the same folder, which takes the file's place when
-/// all are safely there; when anything fails it is removed and an older file stays as it
-/// was. (A run that is killed in this very moment leaves the temporary file behind, named
-/// `.nurbray-….tmp`.) A new file has the permissions the system gives to new files, a replaced one keeps
+/// all are safely there. When anything fails, it is removed and an older file stays as it
+/// was. (A run killed in between leaves the temporary file behind, named `.nurbray-….tmp`.)
+/// A new file has the permissions the system gives to new files, a replaced one keeps
 /// its own; links are followed.
 ///
 /// # Errors
@@ -77,10 +77,10 @@ pub fn write_atomically(
     stage(path, write)?.put_in_place()
 }
 
-/// A file that is written, but not in its place yet: dropped, it leaves no trace.
+/// A file that is written, but not in its place yet. Dropped, it leaves no trace.
 ///
-/// Of several files that belong together each is staged before the first is put in its place, so that none is
-/// replaced if the contents of another cannot be written.
+/// Files that belong together are all staged before the first is put in its place, so that none
+/// is replaced if the contents of another cannot be written.
 #[derive(Debug)]
 #[must_use = "it is not there yet"]
 pub struct StagedFile {
@@ -93,11 +93,11 @@ pub struct StagedFile {
 enum Staged {
     /// A temporary file in the same folder, and the file it is to replace.
     File { temporary: NamedTempFile, file: PathBuf },
-    /// A nameless one, to be copied into a device or a pipe, which need not be able to seek as encoders do.
+    /// A nameless file, to be copied into a device or a pipe. Encoders seek, which those may not support.
     Stream(File),
 }
 
-/// Writes a file as [`write_atomically`] does, but for putting it in its place.
+/// Writes a file as [`write_atomically`] does, but does not put it in its place yet.
 ///
 /// # Errors
 /// When the system refuses, or `write` fails.
@@ -118,10 +118,10 @@ pub fn stage(
 }
 
 impl StagedFile {
-    /// Puts it in its place.
+    /// Puts the file in its place.
     ///
     /// # Errors
-    /// When the system refuses; an older file is as it was.
+    /// When the system refuses; an older file stays as it was.
     pub fn put_in_place(self) -> Result<(), WriteError> {
         let Self { path, staged } = self;
         let put = match staged {
@@ -134,11 +134,11 @@ impl StagedFile {
     }
 }
 
-/// Puts files in their places that belong together: devices and pipes first, which may be full, so that no file
-/// is replaced then.
+/// Puts files that belong together in their places. Devices and pipes come first: they may be
+/// full, and then no file is replaced.
 ///
 /// # Errors
-/// When the system refuses; those before are in their places then.
+/// When the system refuses; the files before the refused one are in their places then.
 pub fn put_all_in_place(files: Vec<StagedFile>) -> Result<(), WriteError> {
     let is_stream = |file: &StagedFile| matches!(file.staged, Staged::Stream(_));
     let (streams, files): (Vec<_>, Vec<_>) = files.into_iter().partition(is_stream);
@@ -157,14 +157,14 @@ fn target(path: &Path) -> Result<Target, WriteError> {
         Some(old) if old.is_dir() => return Err(WriteError::Folder(path.to_owned())),
         Some(old) if !old.is_file() => return Ok(Target::Stream),
         Some(_) => {
-            // A file nobody may write to is not to be replaced either.
+            // A file that must not be written to must not be replaced either.
             OpenOptions::new().write(true).open(path).map_err(failed)?;
         }
         None if !names_file(path) => return Err(WriteError::NoName(path.to_owned())),
         None => {}
     }
 
-    // A link stays, and what it points to is replaced, or made if it is not there.
+    // A link stays; the file it points to is replaced, or made if it does not exist.
     let file = match &old {
         Some(_) => path.canonicalize().map_err(failed)?,
         None => end_of_links(path),
@@ -180,7 +180,7 @@ fn target(path: &Path) -> Result<Target, WriteError> {
     Ok(Target::File { path: file, folder, old })
 }
 
-/// Where links lead that end at nothing; as many of them as systems follow.
+/// The path at the end of a chain of links to a missing file; follows as many links as systems do.
 fn end_of_links(path: &Path) -> PathBuf {
     const MOST_LINKS: usize = 40;
     let mut end = path.to_owned();
@@ -200,8 +200,8 @@ fn names_file(path: &Path) -> bool {
 
 /// An empty file that disappears unless it is kept, with the permissions of a new file.
 ///
-/// It is opened here, for `tempfile` would add its name, which means nothing to anyone, to
-/// what the system says.
+/// It is opened here because `tempfile` would add the file's name, which means nothing to anyone,
+/// to the message of the system.
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let open = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(".nurbray-").suffix(".tmp").make_in(folder, open)

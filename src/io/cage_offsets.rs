@@ -1,4 +1,4 @@
-//! Where in a text the parts of a cage are.
+//! Byte offsets of the parts of a cage in its text.
 
 use crate::geometry::{CageError, Feature};
 
@@ -12,7 +12,7 @@ pub(super) struct CageOffsets {
 }
 
 impl CageOffsets {
-    /// Where the part is that an error names.
+    /// Returns the offset of the part that an error names.
     pub(super) fn of(&self, error: &CageError) -> Option<usize> {
         let (list, index) = match error {
             CageError::FewCorners { face, .. }

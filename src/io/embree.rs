@@ -273,8 +273,8 @@ impl Embree {
     /// Loads Embree, to build scenes with one thread a processor.
     ///
     /// # Errors
-    /// When no library can be opened, is Embree 3 or 4 and suits the processor; the message says
-    /// what is wrong with each and how to install one.
+    /// When there is no library that can be opened, is Embree 3 or 4 and suits the processor; the
+    /// message says what is wrong with each and how to install one.
     pub fn load() -> Result<Self, EmbreeError> {
         Self::open(c"")
     }
@@ -295,7 +295,7 @@ impl Embree {
         first_usable(&NAMES, |name| Self::open_one(name.as_ref(), config))
     }
 
-    /// Loads the library of a name.
+    /// Loads the library with this name.
     fn open_one(name: &OsStr, config: &CStr) -> Result<Self, EmbreeError> {
         // SAFETY: Embree's initialisers, and those of the libraries it needs, are sound;
         // what EMBREE_LIB names is the user's responsibility, as with LD_PRELOAD.

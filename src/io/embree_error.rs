@@ -45,10 +45,11 @@ pub enum EmbreeError {
     },
 }
 
-/// The first of some libraries that opens: one that is there may not suit the processor, and an older one may.
+/// Opens the first usable library of a list. An installed library may not suit the processor, while
+/// an older one does.
 ///
 /// # Errors
-/// When none does, with what is wrong with each.
+/// When none opens; the error says what is wrong with each.
 pub(super) fn first_usable<T>(
     names: &[&str],
     open: impl Fn(&str) -> Result<T, EmbreeError>,

@@ -127,18 +127,18 @@ impl<const N: usize> RayHit<N> {
     }
 }
 
-/// A ray in the coordinates of a scene's frame, its direction about as long as 1: where
+/// A ray in the coordinates of a scene's frame, with a direction of length about 1: there
 /// Embree's absolute constants do the least harm.
 struct FramedRay {
     origin: Vec3,
     direction: Vec3,
     range: [f32; 2],
-    /// A `t` of 1 there, in units of the direction given.
+    /// What a `t` of 1 of this ray is, in units of the direction given.
     unit: f64,
 }
 
 impl FramedRay {
-    /// All factors are powers of two: what is rounded is what moving the origin and f32 round.
+    /// All factors are powers of two, so only moving the origin and converting to f32 round.
     fn new(ray: &Ray, frame: &SceneFrame) -> Self {
         let factor = rounding::power_of_two_below(1.0 / ray.direction().length());
         let unit = factor / frame.scale;
@@ -159,9 +159,9 @@ pub(super) enum Packets {
     Sixteen(Vec<RayHit<16>>),
 }
 
-/// Rays made ready for one Embree scene, and its last answer.
+/// Rays prepared for one Embree scene, and its last answer.
 ///
-/// Making them ready is not part of tracing, so that a race between Embree and us measures
+/// Preparing them is not part of tracing, so that a race between Embree and us measures
 /// neither side's copying.
 #[derive(Clone, Debug)]
 pub struct EmbreeRays {

@@ -29,7 +29,7 @@ pub enum ExrPrecision {
     Half,
 }
 
-/// What an EXR header tells besides what the film knows of itself.
+/// Entries of an EXR header that the film itself does not know.
 #[derive(Clone, Debug)]
 pub struct ExrNotes<'a> {
     /// The command that made the picture.
@@ -40,7 +40,7 @@ pub struct ExrNotes<'a> {
     pub duration: Duration,
     /// Where it was taken from.
     pub camera: &'a Camera,
-    /// What is behind everything, so that it can be taken away again.
+    /// The background behind everything, noted so that it can be removed again.
     pub background: Rgb,
 }
 
@@ -52,7 +52,7 @@ pub struct ExrNotes<'a> {
 /// as text `nurbray:command`, `nurbray:version`, `nurbray:seed`, `nurbray:spp`,
 /// `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
 /// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives the same
-/// pixels; the header tells the time and so differs.
+/// pixels; the header contains the time and so differs.
 ///
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.
@@ -65,7 +65,7 @@ pub fn write_exr(
     stage_exr(path, film, precision, notes)?.put_in_place()
 }
 
-/// The same, but for putting the file in its place.
+/// Writes an EXR as [`write_exr`] does, but does not put the file in its place yet.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -167,7 +167,7 @@ fn text(words: &str) -> Text {
     Text::from_bytes_unchecked(SmallVec::from_slice(words.as_bytes()))
 }
 
-/// The camera as the command line would have it.
+/// The camera in the words of the command line.
 fn camera_words(camera: &Camera) -> String {
     let view = camera.view();
     let list = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
@@ -183,8 +183,8 @@ fn camera_words(camera: &Camera) -> String {
     }
 }
 
-/// From one side of the picture to the other, and from its bottom to its top: at distance 1
-/// from the eye (perspective) or anywhere (orthographic).
+/// The vectors from the left side of the picture to the right, and from its bottom to its top, at
+/// distance 1 from the eye (perspective) or anywhere (orthographic).
 fn sides(camera: &Camera, aspect: f64) -> [DVec3; 2] {
     let across = |from: DVec2, to: DVec2| {
         let (from, to) = (camera.ray(from, aspect), camera.ray(to, aspect));
@@ -211,7 +211,7 @@ fn world_to_camera(camera: &Camera) -> Matrix4x4 {
     matrix
 }
 
-/// A time as `YYYY:MM:DD hh:mm:ss`, in UTC. Times before 1970 count as its beginning.
+/// A time as `YYYY:MM:DD hh:mm:ss`, in UTC. Times before 1970 count as the start of 1970.
 fn date(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (days, second) = (seconds / 86_400, seconds % 86_400);

@@ -21,8 +21,8 @@
 //! ```
 //!
 //! Points are Euclidean (not multiplied by their weights), v fastest; weights may be left
-//! out, and are used whatever `rational` says. Also read are `data` as a single object, a
-//! surface without anything around it, and the flat variant
+//! out, and are used whatever `rational` says. The reader also takes `data` as a single object,
+//! a surface without anything around it, and the flat variant
 //! `{"surfaces": [{…, "control_points": [[x, y, z], …], "weights": […]}]}`.
 //!
 //! What is done with the rest:
@@ -37,12 +37,12 @@
 //! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
-//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, what a
-//! loop goes around is cut off, or is what is kept if the loop is `reversed`; without such loops
-//! the whole domain is. Loops must lie in each other so that holes are in what is kept, and
-//! islands in holes.
+//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, the region
+//! inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the border of
+//! the domain is the outline. Loops must be nested so that holes lie in kept regions, and islands in
+//! holes.
 //!
-//! Curves, volumes, free-form point lists and points of two coordinates are no surfaces in
+//! Curves, volumes, free-form point lists and points of two coordinates are not surfaces in
 //! space: each is left out with a note.
 
 mod points;
@@ -72,13 +72,13 @@ pub struct Model {
     pub notes: Vec<ImportNote>,
 }
 
-/// Reads a geomdl JSON model. Errors and notes call the file `label`, and its surfaces
-/// `called`, the name of their object, with their own name behind it, as a world does.
+/// Reads a geomdl JSON model. Errors and notes call the file `label`, and a surface by `called`,
+/// the name of its object, followed by its own name, as a world does.
 ///
-/// Whether the numbers are surfaces is found out by [`World::new`](crate::scene::World::new).
+/// [`World::new`](crate::scene::World::new) checks whether the numbers make surfaces.
 ///
 /// # Errors
-/// When the text is no JSON, or has not the layout above.
+/// When the text is not JSON, or does not have the layout above.
 pub fn read_geomdl(text: &str, label: &str, called: &str) -> Result<Model, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(text, label);
@@ -89,7 +89,7 @@ pub fn read_geomdl(text: &str, label: &str, called: &str) -> Result<Model, LoadE
     Ok(reader.model)
 }
 
-/// A piece of JSON not looked into yet.
+/// A piece of JSON not parsed yet.
 type Raw<'a> = Option<&'a RawValue>;
 
 #[derive(Deserialize)]
@@ -214,7 +214,7 @@ impl<'a> Reader<'a> {
         written.is_none_or(|raw| raw.get().starts_with('"'))
     }
 
-    /// Points are read v fastest: what says that they are written otherwise is refused.
+    /// Points are read v fastest: an `order` that says otherwise is refused.
     fn check_order(&self, written: Raw<'a>) -> Result<(), LoadError> {
         let Some(raw) = written else { return Ok(()) };
         let order: String = self.parse(raw.get())?;
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
         Err(LoadError::malformed(self.place(raw), message))
     }
 
-    /// A list of entries, or a single one.
+    /// Reads a list of entries, or a single one.
     fn items(&mut self, list: &'a str) -> Result<(), LoadError> {
         if !list.starts_with('[') {
             return self.entry(list, None);
@@ -310,7 +310,7 @@ impl<'a> Reader<'a> {
                 self.note(entry, "surface", why);
                 return Ok(None);
             }
-            0 | 3 => {} // a list of no points is short of them, which is said elsewhere
+            0 | 3 => {} // an empty list has too few points, which is reported elsewhere
             other => {
                 let message = format!("its points have {other} coordinates, needed are 3");
                 return Err(entry.malformed(points.place, &message));
@@ -321,7 +321,7 @@ impl<'a> Reader<'a> {
         Ok(Some(Net { degree, knots, size, points, weights }))
     }
 
-    /// The weights, at the place of the first one that cannot be, if there is one.
+    /// The weights; their place is that of the first unusable one, if there is one.
     fn weights(&self, raw: &'a RawValue) -> Result<Written<Vec<f64>>, LoadError> {
         let weights: Vec<f64> = self.parse(raw.get())?;
         let unusable = weights.iter().position(|weight| !NurbsSurface::usable_weight(*weight));
@@ -335,8 +335,8 @@ impl<'a> Reader<'a> {
         Ok(Written::new(weights, place))
     }
 
-    /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and weights beside them;
-    /// and what is to be said of weights that are given in both places.
+    /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and weights beside them.
+    /// The last item is the note for weights given in both places.
     fn control(
         &self,
         control: &'a RawValue,
@@ -351,7 +351,7 @@ impl<'a> Reader<'a> {
         Ok((keys.points, keys.weights.or(beside), unused))
     }
 
-    /// Notes what the file says of a surface that is not done.
+    /// Notes what the file asks for a surface but is not done.
     fn note_ignored(&mut self, entry: &Entry<'a>) {
         if is_set(entry.item.reversed) {
             let why = "\"reversed\" left out: (u, v) and the normal stay as written; \
@@ -388,7 +388,7 @@ impl<'a> Reader<'a> {
     }
 
     fn unreadable(&self, part: &str, error: &serde_json::Error) -> LoadError {
-        // What is no list or object is to blame as a whole, from its beginning on.
+        // A value that is neither a list nor an object is wrong as a whole: the place is its beginning.
         let inside = if part.starts_with(['[', '{']) { offset_of(error, part) } else { 0 };
         let offset = self.source.offset_of(part) + inside;
         let text = self.source.text();
@@ -398,7 +398,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What an entry is, and why it is not shown, if it is no surface.
+/// Returns what an entry is and why it is not shown, if it is not a surface.
 fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
     if item.degree_w.is_some() {
         return Some(("volume", "volumes are not supported"));
@@ -414,7 +414,7 @@ fn no_surface(item: &Item<'_>) -> Option<(&'static str, &'static str)> {
     free_form.then_some(("free-form points", "points alone are no surface"))
 }
 
-/// Whether a mark is there and says yes.
+/// Whether a mark is present and not false.
 fn is_set(mark: Raw<'_>) -> bool {
     mark.is_some_and(|mark| !["false", "0", "0.0"].contains(&mark.get()))
 }
@@ -425,7 +425,7 @@ fn offset_of(error: &serde_json::Error, text: &str) -> usize {
     lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1)
 }
 
-/// What serde_json says, without the place, which it counts within a part of the file.
+/// The message of serde_json without its place, which is counted within a part of the file.
 fn message(error: &serde_json::Error, around: [&str; 2]) -> String {
     let whole = error.to_string();
     let said = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(said, _)| said);

@@ -20,7 +20,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keyed<T> {
     }
 }
 
-/// The keys of a table, which errors call so.
+/// Reads the keys of a table, which errors call `table`.
 pub(super) fn keyed<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     table: &'static str,

@@ -41,8 +41,8 @@ const NOT_READ: [(&str, &str); 15] = [
 ];
 
 /// Reads a scene (`.toml`) or a bare model, which is then framed and lit by default: geomdl
-/// JSON (`.json`), or a cage (`.obj`), whose Catmull–Clark surface is shown. A file of no
-/// telling ending is a geomdl model if it begins with a brace.
+/// JSON (`.json`), or a cage (`.obj`), whose Catmull–Clark surface is shown. A file with an
+/// unknown ending is a geomdl model if it begins with a brace.
 ///
 /// # Errors
 /// When the file, or one that the scene mentions, cannot be read or understood.
@@ -85,12 +85,12 @@ fn read_cage(text: &str, label: &str) -> Result<Model, LoadError> {
     Ok(Model { parts: vec![part], notes })
 }
 
-/// What a file is called without its folder and ending.
+/// The name of a file without its folder and ending.
 pub(super) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "model".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// A model that several objects may use; its notes are given once.
+/// Returns a model that several objects may use; only the first of them gets its notes.
 fn cached_model(
     models: &mut HashMap<PathBuf, Model>,
     path: PathBuf,
@@ -118,8 +118,8 @@ enum FileType {
     Cage,
 }
 
-/// Tells by the ending, else by the beginning, what a file is. `mentioned` is where a scene
-/// names it.
+/// Recognises the type of a file by its ending, else by its beginning. `mentioned` is the place
+/// where a scene names the file.
 fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
     let ending = file_ending(path);
     match ending.as_str() {
@@ -132,7 +132,7 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
     let what = match known {
         Some((_, what)) => what,
         None => {
-            // A missing file is missing first of all, whatever its name says.
+            // A missing file is reported as missing, not as of unknown type.
             let bytes = read_bytes(path, mentioned)?;
             let begin = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
             if begin.trim_ascii_start().starts_with(b"{") {
@@ -145,18 +145,18 @@ fn file_type(path: &Path, mentioned: &Place) -> Result<FileType, LoadError> {
     Err(LoadError::new(mentioned.clone(), fault))
 }
 
-/// What a file's name ends with, in small letters.
+/// The ending of a file's name, in lower case.
 fn file_ending(path: &Path) -> String {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     ending.unwrap_or_default()
 }
 
-/// What is in a file; devices, pipes and absurdly large files are refused unread.
+/// The bytes of a file; devices, pipes and absurdly large files are refused unread.
 fn read_bytes(path: &Path, mentioned: &Place) -> Result<Vec<u8>, LoadError> {
     let fail = |fault| LoadError::new(mentioned.clone(), fault);
     let cannot = |error: io::Error| {
         let path = path.to_owned();
-        // What is there, but must not be read, is what was meant.
+        // A file that exists but must not be read is the one that was meant.
         let is_meant = error.kind() == io::ErrorKind::PermissionDenied;
         let nearest = if is_meant { None } else { nearest_file(&path, &READ) };
         fail(LoadFault::Read { nearest, path, error })
@@ -192,14 +192,14 @@ fn read_text(path: &Path, mentioned: &Place) -> Result<String, LoadError> {
         }
         let valid = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..valid]);
-        // As readers do, which do not count a mark of the encoding.
+        // The readers do not count a byte order mark either.
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let place = Source::new(text, &path.display().to_string()).place(text.len());
         LoadError::new(place, LoadFault::NotText { path: path.to_owned(), valid })
     })
 }
 
-/// Whether the mark of the encoding says so; that of UTF-32 begins likewise.
+/// Whether the byte order mark is that of UTF-16; that of UTF-32 may begin with the same bytes.
 fn is_utf16(bytes: &[u8]) -> bool {
     match bytes {
         [0xff, 0xfe, rest @ ..] => !rest.starts_with(&[0, 0]),
@@ -217,7 +217,7 @@ mod tests {
         "knotvector_u": [0, 0, 1, 1], "knotvector_v": [0, 0, 1, 1],
         "control_points": {"points": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 1]]}}"#;
 
-    /// A folder with these files, and what loading the first of them says.
+    /// A folder with these files, and the result of loading the first of them.
     fn load(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Result<Scene, String>) {
         let folder = tempfile::tempdir().unwrap();
         for (name, content) in files {
@@ -367,7 +367,7 @@ mod tests {
             error(&[("m.json", b"{\"a\": \"\xff\"}")]),
             "m.json:1:8: from here on the file is not UTF-8 text: byte 7 cannot be read"
         );
-        // Characters are counted, not bytes, and no mark of the encoding.
+        // Columns count characters, not bytes, and leave out the byte order mark.
         let scene = b"\xef\xbb\xbf# caf\xc3\xa9 \xe9\n";
         assert_eq!(
             error(&[("s.toml", scene)]),
@@ -391,7 +391,7 @@ mod tests {
             assert_eq!(error(&[(name, b"\x1f\x8b\xff\xfe")]), expected);
             assert_eq!(error(&[(name, b"\xff\xfea\0")]), expected);
         }
-        // What begins as a model is one, and damaged.
+        // A file that begins as a model is a damaged model.
         assert_eq!(
             error(&[("model", b" {\"a\": \"\xff\"}")]),
             "model:1:9: from here on the file is not UTF-8 text: byte 8 cannot be read"

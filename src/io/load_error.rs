@@ -45,7 +45,7 @@ pub enum LoadFault {
         /// The largest size that is read.
         limit: u64,
     },
-    /// It is not UTF-8 text; the error's place is where it ceases to be.
+    /// It is not UTF-8 text; the error's place is where valid text ends.
     NotText {
         /// Which file.
         path: PathBuf,
@@ -64,9 +64,9 @@ pub enum LoadFault {
         /// What it seems to be.
         what: &'static str,
     },
-    /// What it says is not a scene or a model.
+    /// Its text is not a scene or a model.
     Malformed(String),
-    /// The scene it describes cannot be.
+    /// The scene it describes is not possible.
     Scene(SceneError),
 }
 
@@ -84,7 +84,7 @@ impl LoadError {
         &self.fault
     }
 
-    /// Where the author wrote what is wrong, or mentions the file that is.
+    /// The place of the fault in the author's text, or where that text mentions the faulty file.
     pub fn place(&self) -> &Place {
         match &self.fault {
             LoadFault::Scene(error) => error.place(),

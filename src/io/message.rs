@@ -1,9 +1,9 @@
-//! What the TOML and JSON parsers say, in the words of a scene's author.
+//! Messages of the TOML and JSON parsers, put in the words of a scene's author.
 
 use crate::math::Shown;
 use crate::scene::UnknownName;
 
-/// Kinds of things known by name, told apart by one of the names.
+/// Kinds of things known by name: one of the names, by which the kind is recognised, and the kind.
 const KINDS: [(&str, &str); 5] = [
     ("sphere", "shape"),
     ("directional", "light"),
@@ -12,8 +12,8 @@ const KINDS: [(&str, &str); 5] = [
     ("circle", "loop"),
 ];
 
-/// Keys that are looked for in the wrong table: the key, one that the table does have, and
-/// what to write.
+/// Keys written in the wrong table: the key, a key that this table does have, and what to write
+/// instead.
 const ELSEWHERE: [(&str, &str, &str); 17] = [
     ("fov", "perspective", "perspective = { fov = … }"),
     ("height", "orthographic", "orthographic = { height = … }"),
@@ -34,7 +34,7 @@ const ELSEWHERE: [(&str, &str, &str); 17] = [
     ("plane", "net", "it under [[plot]], above the tables of what it shows"),
 ];
 
-/// Types of Rust that parsers mention, and what they are called outside.
+/// Rust types that parsers mention, and their plain names.
 const TYPES: [(&str, &str); 8] = [
     ("f64", "a number"),
     ("u32", "a whole number from 0 to 4294967295"),
@@ -47,7 +47,7 @@ const TYPES: [(&str, &str); 8] = [
 ];
 
 /// Rewrites a parser's message: unknown names get the nearest known one, and types their
-/// plain names. `written` is what stands at the place it complains about.
+/// plain names. `written` is the text at the place that the message complains about.
 pub(super) fn explain(message: &str, written: &str) -> String {
     if let Some(rest) = message.strip_prefix("unknown field ") {
         return unknown("key", rest);
@@ -81,7 +81,7 @@ pub(super) fn explain(message: &str, written: &str) -> String {
     message.replace('`', "\"")
 }
 
-/// A table of a list where a single one is meant, or the other way round.
+/// The message for a single table where a list of tables is needed, or the other way round.
 fn one_or_several(message: &str, written: &str) -> Option<String> {
     let header = |open: &str, close: &str| {
         let name = written.strip_prefix(open)?.strip_suffix(close)?;
@@ -106,13 +106,13 @@ fn one_or_several(message: &str, written: &str) -> Option<String> {
     None
 }
 
-/// Whether a table's first key is one that tells of control points.
+/// Whether a table's first key describes control points.
 fn begins_with_points(table: &str) -> bool {
     let first = table.trim_start_matches('{').trim_start();
     ["points", "weights", "degree", "knots"].iter().any(|key| first.starts_with(key))
 }
 
-/// `shpere`, expected one of `sphere`, `torus`.
+/// The message for an unknown name; `rest` is like "`shpere`, expected one of `sphere`, `torus`".
 fn unknown(what: &'static str, rest: &str) -> String {
     let mut quoted = rest.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
@@ -128,12 +128,12 @@ fn unknown(what: &'static str, rest: &str) -> String {
     UnknownName::new(kind.map_or(what, |(_, kind)| kind), name, &known).to_string()
 }
 
-/// A parser's name of a type in plain words.
+/// Returns a parser's name of a type in plain words.
 fn plain(name: &str) -> String {
     // Integers beyond 64 bits are read as longer ones.
     let quoted = name.replace('`', "").replace(" as i128", "").replace(" as u128", "");
     if let Some(Ok(number)) = quoted.strip_prefix("floating point ").map(str::parse::<f64>) {
-        // As it was written: a whole one may be what is needed, but for its point.
+        // Shown with its point, as written: the point may be all that is wrong with a whole number.
         let pointed = number.fract() == 0.0 && number.abs() < 1e6;
         return format!("the number {}{}", Shown(number), if pointed { ".0" } else { "" });
     }

@@ -5,17 +5,17 @@
 //! |---|---|---|
 //! | scene or model, by its ending | [`load_input`] | |
 //! | scene, TOML: [`scene_toml`] shows every key | [`read_scene`] | |
-//! | model, geomdl JSON: [`geomdl`] says what of it | [`read_geomdl`] | |
-//! | cage of a subdivision surface: [`obj`] says what of it | [`read_obj_cage`] | |
+//! | model, geomdl JSON: [`geomdl`] says what is read | [`read_geomdl`] | |
+//! | cage of a subdivision surface, OBJ: [`obj`] says what is read | [`read_obj_cage`] | |
 //! | rays and hits, NumPy | [`read_rays`], [`read_table`] | [`write_rows`] |
 //! | picture with its data, OpenEXR | | [`write_exr`] |
 //! | scene for POV-Ray | | [`povray_scene`] |
 //! | picture for a screen, PNG | | [`write_png`], [`write_png_bytes`] |
 //!
-//! Errors say where: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots, but 7
-//! points of degree 3 need 11`. Files are written under another name and moved into place
-//! when complete ([`write_atomically`]), so a failure leaves the older file as it was; files that belong
-//! together when all are complete ([`stage`], [`put_all_in_place`]).
+//! Errors begin with the place: `scenes/teapot.toml:41:7: surface "lid", direction u: 10 knots,
+//! but 7 points of degree 3 need 11`. A file is written under another name and moved into place
+//! when complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that
+//! belong together are moved when all of them are complete ([`stage`], [`put_all_in_place`]).
 //!
 //! STEP, IGES and 3dm have their place here, but are not read yet, nor are NURBS in OBJ.
 

@@ -50,7 +50,7 @@ pub enum NpyError {
     Io {
         /// The file.
         path: PathBuf,
-        /// A file that is there and may have been meant, if this one is not.
+        /// An existing file that may have been meant, if this one does not exist.
         nearest: Option<PathBuf>,
         /// What the system says.
         reason: io::Error,
@@ -81,12 +81,12 @@ pub enum NpyError {
         /// The shapes that would do.
         needed: String,
     },
-    /// The header tells of more numbers than can be.
+    /// The header promises more numbers than are possible.
     #[error("{}: the header tells of an array of {found} numbers: it is damaged", .path.display())]
     Absurd {
         /// The file.
         path: PathBuf,
-        /// How many, in words of the header.
+        /// How many, in the words of the header.
         found: String,
     },
     /// The file ends too early.
@@ -96,7 +96,7 @@ pub enum NpyError {
         path: PathBuf,
         /// The bytes after the header.
         found: u64,
-        /// The bytes the header tells of.
+        /// The bytes the header promises.
         needed: u64,
     },
     /// A row is not a ray.
@@ -113,7 +113,7 @@ pub enum NpyError {
 }
 
 /// Reads rays: float64 or float32 of shape `(n, 6)`, origin and direction, or `(n, 8)` with
-/// `t_min` and `t_max` behind them.
+/// `t_min` and `t_max` after them.
 ///
 /// # Errors
 /// When the file is not such a table, or a row is not a ray.
@@ -135,8 +135,8 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray>, NpyError> {
 /// Reads a table of float64 or float32 numbers, in either byte order and either order of
 /// rows and columns, with one of the `columns` counts given.
 ///
-/// Nothing is allocated on the word of the header alone: what it tells must fit the file.
-/// Bytes behind the array are passed over, as NumPy does.
+/// Nothing is allocated on the word of the header alone: the size it gives must fit the file.
+/// Bytes after the array are ignored, as in NumPy.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or holds something else.
@@ -176,7 +176,7 @@ fn read_from(
     let count = header.len();
     let kind = header.dtype();
     let wrong_kind = || NpyError::Kind { path: path.to_owned(), found: kind.descr() };
-    // Before anything is made of its size: that of other kinds may be any number.
+    // The kind is checked before its size is used: other kinds may have any size.
     let item = match (f64::reader(&kind), f32::reader(&kind)) {
         (Ok(_), _) => 8,
         (_, Ok(_)) => 4,
@@ -189,7 +189,7 @@ fn read_from(
         return Err(NpyError::Truncated { path: path.to_owned(), found, needed });
     }
 
-    // With the length known the numbers are known to be there; else memory grows with them.
+    // If the length is known, the numbers are there; else memory grows as they are read.
     let mut values = Vec::new();
     if length.is_some() {
         let no_memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
@@ -226,7 +226,7 @@ fn fill(values: &mut Vec<f64>, data: impl Iterator<Item = io::Result<f64>>) -> i
     Ok(())
 }
 
-/// Row after row from column after column.
+/// Reorders values from column after column to row after row.
 fn transposed(columns: &[f64], rows: usize, width: usize) -> Vec<f64> {
     let mut values = Vec::with_capacity(columns.len());
     for row in 0..rows {
@@ -235,7 +235,7 @@ fn transposed(columns: &[f64], rows: usize, width: usize) -> Vec<f64> {
     values
 }
 
-/// Rows and columns, if the array has two dimensions and one of the widths that will do.
+/// The numbers of rows and columns, if the array has two dimensions and one of the accepted widths.
 fn shape(header: &NpyHeader, path: &Path, columns: &[usize]) -> Result<(usize, usize), NpyError> {
     if let &[rows, width] = header.shape()
         && let Some(&width) =
@@ -346,7 +346,7 @@ mod tests {
     fn says_what_is_wrong_with_an_array() {
         let data = numbers(12, f64::to_le_bytes);
         let with = |kind, shape| file(&header(kind, "False", shape), &data);
-        // Of kinds whose size is absurd, or so is what the header tells of them.
+        // Kinds whose size, or whose shape in the header, is absurd.
         for (kind, shape) in [("|V9999999999", "(183251937962, 6)"), ("<f2", "(100000000, 6)")] {
             let found = format!("rays.npy: found numbers of type '{kind}', needed ");
             assert!(message(&with(kind, shape)).starts_with(&found), "{kind}");
@@ -396,7 +396,7 @@ mod tests {
             let bytes: Vec<u8> = cut.chars().map(|c| c as u8).collect();
             assert!(message(&bytes).ends_with("it ends within the header"), "{cut}");
         }
-        // Rows of nothing are no rows, even where they are asked for.
+        // Rows of no numbers are refused, even where they are asked for.
         let empty = file(&header("<f8", "False", "(3, 0)"), &[]);
         assert!(read(&empty, &[0]).is_err());
         let error = read_table(Path::new("/no/such.npy"), &[6]).unwrap_err().to_string();

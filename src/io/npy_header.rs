@@ -11,19 +11,19 @@ use crate::math::Counted;
 /// How a file begins.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The longest header read, as NumPy itself has it: that of a table has about 100 bytes.
+/// The longest header read, the limit of NumPy itself; the header of a table has about 100 bytes.
 const MAX_HEADER: usize = 10_000;
 
-/// The deepest nesting of brackets in a header: that of a table has 2.
+/// The deepest nesting of brackets in a header; the header of a table has 2.
 const MAX_DEPTH: usize = 8;
 
-/// The most numbers in a file (8 TB of them): more is a damaged header.
+/// The most numbers in a file (8 TB of them): a header that gives more is damaged.
 const MAX_COUNT: u64 = 1 << 40;
 
-/// Reads the header and tells its length in bytes.
+/// Reads the header; returns it with its length in bytes.
 ///
 /// The parser in use trusts the header's length, its nesting and the product of its sizes,
-/// so these are looked at first.
+/// so these are checked first.
 pub(super) fn read_header(
     stream: &mut impl Read,
     path: &Path,
@@ -67,7 +67,7 @@ pub(super) fn read_header(
             let unknown = said.contains("type string").then(|| kind(&bytes[start..])).flatten();
             Err(match unknown {
                 Some(found) => NpyError::Kind { path: path.to_owned(), found },
-                // Parsers of Python explain themselves on several lines.
+                // The messages of a Python parser have several lines.
                 None if said.contains('\n') => wrong("its header is no dictionary of Python"),
                 None => wrong(&said),
             })
@@ -75,7 +75,7 @@ pub(super) fn read_header(
     }
 }
 
-/// What a header gives as the type of its numbers, in NumPy's notation.
+/// The type of the numbers that a header gives, in NumPy's notation.
 fn kind(header: &[u8]) -> Option<String> {
     let text = String::from_utf8_lossy(header);
     let (_, value) = text.split_once("descr")?;

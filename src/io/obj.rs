@@ -13,21 +13,22 @@
 //!
 //! | statement | |
 //! |---|---|
-//! | `v` with a weight or a colour | the weight must be 1 if a face or a tag has the vertex; colours are not used, and a note says so |
-//! | `v` that no face and no tag has | left out, and a note says so |
-//! | `v` where another one is | faces are joined by vertices of one number only; a note says so |
-//! | `f` that has a vertex twice in a row | it counts once; a face of which fewer than three are left is left out; a note says so |
+//! | `v` with a weight or a colour | weight must be 1 if a face or tag uses `v`; colours are left out with a note |
+//! | `v` that no face and no tag uses | left out, and a note says so |
+//! | `v` at the same place as another one | only vertices of the same number join faces; a note says so |
+//! | `f` that has a vertex twice in a row | counts once; `f` is left out if fewer than three remain; a note says so |
 //! | `fo` | `f` in older files |
 //! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
 //! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
 //! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
-//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points, lines, and what is for display only or calls other programs | left out, with one note a kind |
+//! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points, lines | left out, with one note a kind |
+//! | statements for display only, or that call other programs | left out, with one note a kind |
 //! | anything else | an error |
 //!
 //! A bare OBJ file, and `shape = { file = … }` in a scene, show the cage's Catmull–Clark surface;
-//! `shape = { doo_sabin = { file = … } }` shows the other one.
+//! `shape = { doo_sabin = { file = … } }` shows the Doo–Sabin surface.
 //!
-//! A line that ends in `\` goes on in the next; `#` begins a comment.
+//! A line that ends in `\` continues on the next; `#` begins a comment.
 
 mod tags;
 
@@ -51,7 +52,7 @@ pub struct CageModel {
     pub notes: Vec<ImportNote>,
 }
 
-/// What is said of statements for free-form geometry.
+/// The reason given for leaving out statements for free-form geometry.
 const FREE_FORM: &str = "free-form (NURBS) curves and surfaces in OBJ are not read yet";
 
 /// Statements that are no part of a cage, and what they are.
@@ -101,29 +102,29 @@ const IGNORED: [(&str, &str); 42] = [
     ("res", FREE_FORM),
 ];
 
-/// What stands for a colour behind a vertex among the statements left out.
+/// Entry of the statements left out: a colour after a vertex.
 const COLOUR: (&str, &str) = ("v", "colours of vertices are not used");
 
-/// What stands for vertices without faces.
+/// Entry of the statements left out: vertices without faces.
 const UNUSED: (&str, &str) = ("v", "a vertex of no face is not used");
 
-/// What stands for vertices where another one is.
+/// Entry of the statements left out: vertices at the same place as another one.
 const COINCIDENT: (&str, &str) = (
     "v",
     "another vertex lies at the same place: the surface ends there, or has a seam of its own",
 );
 
-/// What stands for faces that have a vertex twice in a row.
+/// Entry of the statements left out: faces that have a vertex twice in a row.
 const REPEATED: (&str, &str) = ("f", "a corner repeated in a row counts once");
 
-/// And for those of which fewer than three are left.
+/// Entry of the statements left out: faces left with fewer than three corners.
 const DEGENERATE: (&str, &str) = ("f", "a face of fewer than three corners is not used");
 
 /// Reads a cage; errors and notes call the file `label`.
 ///
 /// # Errors
-/// When a statement is not understood, or what the faces make is no cage; then at the face,
-/// vertex or tag that is at fault.
+/// When a statement is not understood, or the faces do not make a cage; then the error's place is
+/// the face, vertex or tag that is at fault.
 pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = Reader {
@@ -142,7 +143,7 @@ pub fn read_obj_cage(text: &str, label: &str) -> Result<CageModel, LoadError> {
 /// The words of a statement.
 type Words<'a> = Vec<&'a str>;
 
-/// The statements of a text: lines, with those they go on in, without comments.
+/// The statements of a text: lines, joined with their continuations, without comments.
 fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
     let mut rest = text.lines();
     std::iter::from_fn(move || {
@@ -150,7 +151,7 @@ fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
         let mut line = rest.next()?;
         loop {
             let code = line.split('#').next().unwrap_or("").trim_end();
-            // In some encodings a character ends with that byte.
+            // In some encodings a character may end with the byte of a backslash.
             let (code, goes_on) = match code.strip_suffix('\\') {
                 Some(code) if !code.ends_with(char::REPLACEMENT_CHARACTER) => (code, true),
                 _ => (code, false),
@@ -164,8 +165,8 @@ fn lines(text: &str) -> impl Iterator<Item = Words<'_>> {
     })
 }
 
-/// A word of the file within a message: in quotes, on one line, and not longer than it is
-/// worth, for files that are something else.
+/// A word of the file within a message: in quotes, on one line, and shortened if it is long, as in
+/// files that are not OBJ at all.
 fn shown(word: &str) -> String {
     const LONGEST: usize = 40;
     let beginning: String = word.chars().take(LONGEST).collect();
@@ -178,9 +179,9 @@ struct Reader<'a> {
     source: Source<'a>,
     parts: CageParts,
     offsets: CageOffsets,
-    /// Kind, first place, number.
+    /// Kind of statement, offset of the first one, and their number.
     left_out: Vec<((&'static str, &'static str), usize, usize)>,
-    /// Vertices whose weight is not 1, and how it is written: those of free-form surfaces need not be.
+    /// Vertices whose weight is not 1, with the weight as written: free-form surfaces may have such vertices.
     weighted: Vec<(usize, &'a str)>,
 }
 
@@ -226,7 +227,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `v x y z`, with a weight, a colour, or both behind.
+    /// `v x y z`, followed by a weight, a colour, both or nothing.
     fn vertex(&mut self, keyword: &'a str, values: &[&'a str]) -> Result<(), LoadError> {
         let numbers = values.iter().map(|word| self.number(word));
         let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
@@ -264,7 +265,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The vertex of a face's corner, counted from 0. It may be written further down.
+    /// The vertex of a face's corner, counted from 0. It may come later in the file.
     fn corner_vertex(&self, word: &'a str) -> Result<usize, LoadError> {
         let mut indices = word.split('/');
         let vertex = indices.next().unwrap_or("");
@@ -304,7 +305,8 @@ impl<'a> Reader<'a> {
         kinds.next().map(|((keyword, _), first, _)| (*keyword, *first))
     }
 
-    /// Leaves out corners repeated in a row, and faces of which fewer than three are left; says which faces are kept.
+    /// Leaves out corners repeated in a row, and faces left with fewer than three corners; returns the
+    /// numbers of the faces kept.
     fn tidy_faces(&mut self) -> Result<Vec<usize>, LoadError> {
         let vertices = self.parts.positions.len();
         let mut kept = Vec::new();
@@ -333,14 +335,14 @@ impl<'a> Reader<'a> {
         Ok(kept)
     }
 
-    /// Leaves out vertices that neither faces nor tags have, and says which are kept.
+    /// Leaves out vertices that neither faces nor tags use; returns the numbers of those kept.
     fn keep_used_vertices(&mut self) -> Vec<usize> {
         let CageParts { positions, faces, creases, corners, .. } = &mut self.parts;
         let mut is_used = vec![false; positions.len()];
         let named = faces.iter().flatten().copied();
         let named = named.chain(creases.iter().flat_map(|crease| crease.vertices));
         for vertex in named.chain(corners.iter().map(|corner| corner.vertex)) {
-            // Tags may name others, which is an error to be told.
+            // Tags may name vertices that do not exist: an error, reported later.
             is_used.get_mut(vertex).into_iter().for_each(|used| *used = true);
         }
         let (kept, unused): (Vec<usize>, Vec<usize>) =
@@ -351,7 +353,7 @@ impl<'a> Reader<'a> {
             for (new, &old) in kept.iter().enumerate() {
                 numbers[old] = new;
             }
-            // What is not there has no other number.
+            // A vertex that does not exist keeps its number.
             let renumber = |vertex: &mut usize| *vertex = *numbers.get(*vertex).unwrap_or(vertex);
             *positions = kept.iter().map(|&vertex| positions[vertex]).collect();
             faces.iter_mut().flatten().for_each(renumber);
@@ -361,9 +363,9 @@ impl<'a> Reader<'a> {
         kept
     }
 
-    /// Notes vertices that lie where one before lies: in files whose faces share none nothing is smoothed.
+    /// Notes vertices at the same place as an earlier one: if faces share no vertices, nothing is smoothed.
     fn note_coincident(&mut self, kept: &[usize]) {
-        let place_of = |position: &DVec3| (*position + DVec3::ZERO).to_array().map(f64::to_bits); // of one zero
+        let place_of = |position: &DVec3| (*position + DVec3::ZERO).to_array().map(f64::to_bits); // −0 becomes 0
         let mut places = HashSet::new();
         let all = kept.iter().zip(&self.parts.positions);
         let mut again = all.filter(|(_, position)| !places.insert(place_of(position)));
@@ -378,9 +380,9 @@ impl<'a> Reader<'a> {
         let kept_faces = self.tidy_faces()?;
         let kept = self.keep_used_vertices();
         self.note_coincident(&kept);
-        self.left_out.sort_by_key(|(_, first, _)| *first); // as they are written
-        // No face at all is what files of free-form surfaces have; then it is these that are not read, not the
-        // cage that is wrong.
+        self.left_out.sort_by_key(|(_, first, _)| *first); // in the order of the file
+        // Files of free-form surfaces have no faces at all. The error is then that these are not read, not that
+        // the cage is wrong.
         let free_form = self.free_form().map(|(keyword, first)| {
             let message =
                 format!("statement \"{keyword}\": {FREE_FORM}; cages, made of faces, are");

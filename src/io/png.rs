@@ -27,10 +27,10 @@ impl fmt::Display for PngWarning {
 /// `[0, 1]`, with the sRGB transfer function (IEC 61966-2-1).
 ///
 /// The same film gives the same bytes: there is no time in the file and no dithering.
-/// The picture is opaque, as the film's colour holds the background. Of a crop it has
-/// the crop's pixels only. Values that are not numbers are black.
+/// The picture is opaque, as the film's colour holds the background. A cropped film gives
+/// the pixels of the crop only. Values that are not numbers are black.
 ///
-/// Returns what was left out, where the film holds more than colour.
+/// Returns what was left out if the film holds more than colour.
 ///
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.
@@ -44,7 +44,7 @@ pub fn write_png(
     Ok((!left_out.is_empty()).then_some(PngWarning { left_out }))
 }
 
-/// The same, but for putting the file in its place.
+/// Writes a PNG as [`write_png`] does, but does not put the file in its place yet.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -67,7 +67,7 @@ pub fn write_png_bytes(
     stage_png_bytes(path, (width, height), bytes)?.put_in_place()
 }
 
-/// The same, but for putting the file in its place.
+/// Writes a PNG as [`write_png_bytes`] does, but does not put the file in its place yet.
 ///
 /// # Errors
 /// When there are not three bytes a pixel, or the file cannot be written.

@@ -1,16 +1,16 @@
-//! Scenes in the language of POV-Ray 3.7, as another program's opinion.
+//! Scenes in the language of POV-Ray 3.7, for the opinion of another program.
 //!
-//! POV-Ray has no NURBS. What it can be told exactly is written: polynomial surfaces up to
-//! degree 3 as `bicubic_patch`es (their Bézier pieces, elevated), spheres, cones, cylinders,
-//! disks and tori as its primitives of the same shape. The rest is named and left out.
+//! POV-Ray has no NURBS. Surfaces that it can represent exactly are written: polynomial surfaces
+//! up to degree 3 as `bicubic_patch`es (their Bézier pieces, elevated), spheres, cones, cylinders,
+//! disks and tori as its primitives of the same shape. The others are named and left out.
 //!
 //! Light and colour are not the scene's: one lamp at the camera, without shadows, on white.
 //! So a pixel is the cosine of the angle between ray and normal, and pictures differ where
 //! geometry differs. Where nothing is hit the picture is pure blue.
 //!
-//! POV-Ray drops what is nearer than an absolute 1e-6 or so, and more. So the scene is moved to
-//! the middle of its bounding box and scaled by a power of two to a size between 1 and 2, camera
-//! and all, which changes no pixel: POV-Ray is given its best case.
+//! POV-Ray drops hits nearer than an absolute 1e-6 or so, and more. So the scene and its camera are
+//! moved to the middle of the scene's bounding box and scaled by a power of two to a size between
+//! 1 and 2. This changes no pixel and gives POV-Ray its best case.
 
 mod patches;
 mod primitives;
@@ -30,13 +30,13 @@ use crate::scene::{Camera, Instance, Projection, Scene, Shape, Transform, World,
 pub struct PovrayScene {
     /// The file's contents.
     pub text: String,
-    /// The surfaces in it, as the world counts them.
+    /// The surfaces in it, by their numbers in the world.
     pub written: Vec<usize>,
     /// The surfaces left out.
     pub skipped: Vec<PovraySkip>,
 }
 
-/// A surface POV-Ray cannot be told.
+/// A surface that cannot be written for POV-Ray.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PovraySkip {
     /// Its name.
@@ -45,7 +45,7 @@ pub struct PovraySkip {
     pub reason: PovrayGap,
 }
 
-/// What POV-Ray has no words for.
+/// Why a surface cannot be written for POV-Ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PovrayGap {
@@ -79,10 +79,10 @@ impl fmt::Display for PovraySkip {
     }
 }
 
-/// Writes a scene, for a picture of `(width, height)` pixels in which the triangles POV-Ray
-/// makes of patches are flat to within `flatness`, in scene units.
+/// Writes a scene for a picture of `(width, height)` pixels. POV-Ray cuts patches into triangles
+/// that are flat to within `flatness`, in scene units.
 ///
-/// `scene` must be what `world` was made of: it knows which surfaces are named shapes.
+/// `scene` must be the one `world` was made of: it knows which surfaces are named shapes.
 pub fn povray_scene(
     scene: &Scene,
     world: &World,
@@ -114,8 +114,8 @@ pub fn povray_scene(
     PovrayScene { text, written, skipped }
 }
 
-/// The shape that a surface was made of, and how it was moved to its place. (Some shapes make several
-/// surfaces.)
+/// The shape that a surface was made of, and the transforms that moved it to its place. (Some shapes
+/// make several surfaces.)
 fn shape_of<'a>(
     scene: &'a Scene,
     instance: &Instance,
@@ -125,7 +125,7 @@ fn shape_of<'a>(
     Some((&object.parts.get(part)?.shape, &object.transform))
 }
 
-/// Camera, light and what all surfaces look like.
+/// The camera, the light and the look of all surfaces.
 fn heading(camera: &Camera, aspect: f64, frame: &SceneFrame) -> String {
     let [left, right, top, bottom] = [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)]
         .map(|(x, y)| camera.ray(DVec2::new(x, y), aspect));

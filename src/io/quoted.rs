@@ -4,9 +4,9 @@ use std::fmt::{self, Write};
 use std::io;
 use std::path::Path;
 
-/// A path within a sentence: in quotes, with control characters escaped, so that it is told
-/// from the words around it and a message stays one line. (As the place in front of a
-/// message, `scenes/teapot.toml:41:7: …`, a path has no quotes.)
+/// A path within a sentence: in quotes, with control characters escaped, so that it stands apart
+/// from the words around it and the message stays on one line. (A path as the place in front of
+/// a message, `scenes/teapot.toml:41:7: …`, has no quotes.)
 #[derive(Clone, Copy, Debug)]
 pub struct Quoted<'a>(pub &'a Path);
 
@@ -23,7 +23,7 @@ impl fmt::Display for Quoted<'_> {
     }
 }
 
-/// Why a file cannot be read, as its reader says it.
+/// The reason why a file cannot be read, as messages word it.
 pub(super) struct WhyUnread<'a>(pub(super) &'a io::Error);
 
 impl fmt::Display for WhyUnread<'_> {
@@ -36,7 +36,7 @@ impl fmt::Display for WhyUnread<'_> {
     }
 }
 
-/// What may have been meant instead of a path that leads nowhere, at the end of a message.
+/// End of a message: the path that may have been meant instead of one that leads nowhere.
 pub(super) struct DidYouMean<'a>(pub(super) Option<&'a Path>);
 
 impl fmt::Display for DidYouMean<'_> {
@@ -45,8 +45,8 @@ impl fmt::Display for DidYouMean<'_> {
     }
 }
 
-/// That a path which stands for standard input elsewhere is a file like any other here, at the end
-/// of a message.
+/// End of a message: the path `-`, which stands for standard input elsewhere, is a file like any
+/// other here.
 pub(super) struct NoStandardInput<'a>(pub(super) &'a Path);
 
 impl fmt::Display for NoStandardInput<'_> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::scene::Place;
 
-/// The text of a file, ready to say where in it something is.
+/// The text of a file, prepared to turn offsets into places.
 ///
 /// A JSON model is often a single line of many megabytes with thousands of surfaces, so
 /// lines and columns are counted once, with a mark every [`MARK_EVERY`] bytes.
@@ -22,7 +22,7 @@ struct Position {
     column: usize,
 }
 
-/// Bytes between marks: looking a place up reads at most so many, and the marks take
+/// Bytes between marks: looking up a place reads at most this many, and the marks take
 /// 1/256 of the text's size.
 const MARK_EVERY: usize = 4096;
 
@@ -61,7 +61,7 @@ impl<'a> Source<'a> {
         self.file.at_line(position.line, position.column)
     }
 
-    /// What is written in a range; empty where there is no such range.
+    /// The text in a range; empty if there is no such range.
     pub(super) fn slice(&self, range: Range<usize>) -> &'a str {
         self.text.get(range).unwrap_or("")
     }
@@ -73,7 +73,7 @@ impl<'a> Source<'a> {
 }
 
 impl Position {
-    /// Moves behind a byte: a character counts when its first byte is passed.
+    /// Moves past a byte: a character counts when its first byte is passed.
     fn pass(&mut self, byte: u8) {
         let continues_character = byte & 0b1100_0000 == 0b1000_0000;
         if byte == b'\n' {

@@ -58,18 +58,18 @@ impl Aabb {
     /// Whether a ray passes beside the box, as far as rounding tells (Kay and Kajiya 1986).
     ///
     /// It may be wrong where the ray comes nearer than a few roundings of the distances from its origin to the
-    /// box's planes. Nothing is beside the empty box.
+    /// box's planes. No ray is beside the empty box.
     #[inline(always)]
     pub(crate) fn is_beside(&self, ray: &Ray) -> bool {
         let (origin, inverse) = (ray.origin(), ray.direction().recip());
-        // What is no number must be so of the plane that the ray starts in, and not of the other one.
+        // NaN must result for the plane that the ray starts in, and not for the other one.
         let inverse = DVec3::select(inverse.cmplt(DVec3::MIN), DVec3::INFINITY, inverse);
         let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
         let (mut entry, mut exit) = (ray.t_min(), ray.t_max());
         for k in 0..3 {
             let (to_min, to_max) = (to_min[k], to_max[k]);
-            // Written as it is, each is one instruction, and what is no number, as of a ray that runs in the plane of a
-            // side, stays what it is, and in the way of nothing.
+            // In this form each is one instruction, and NaN, which a ray in the plane of a side gives, stays NaN and
+            // excludes nothing.
             let near = if to_max < to_min { to_max } else { to_min };
             let far = if to_min > to_max { to_min } else { to_max };
             entry = if near > entry { near } else { entry };

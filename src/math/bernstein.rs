@@ -42,10 +42,9 @@ pub(crate) fn binomial(n: usize, k: usize) -> f64 {
     (1..=k).fold(1.0, |product, i| product * (n - (i - 1)) as f64 / i as f64)
 }
 
-/// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond; `n` is at most
-/// [`MAX_DEGREE`] + 3: products of pieces and cubics are met, and those of small pieces with
-/// each other. Looked up: worked out one from another they take a division each, and longer
-/// than all the rest of a sum over them.
+/// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond. `n` is at most [`MAX_DEGREE`] + 3, because
+/// products of pieces with cubics occur, and of small pieces with each other. They are looked up: to compute one from
+/// another takes a division each, and longer than all the rest of a sum over them.
 #[inline(always)]
 pub(crate) const fn binomials(n: usize) -> &'static [f64; MAX_DEGREE + 4] {
     &BINOMIALS[n]
@@ -94,11 +93,10 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// Replaces the coefficients of a polynomial on `[0, 1]` by those of the same polynomial
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
-/// There are `p + 1` coefficients (of none, nothing is made). `a ≤ b` may lie outside `[0, 1]`.
-/// Each coefficient moves by at most `6 p u` times the largest one, for `[a, b]` within `[0, 1]`:
-/// each of the two cuts mixes `p` times, with three roundings a mix; of random signs they come to
-/// less than `4 p u`. Beyond, what is off grows as polynomials do: `e` outside at both ends, by up
-/// to `(1 + 2 e)ᵖ`.
+/// There are `p + 1` coefficients (an empty slice stays empty). `a ≤ b` may lie outside `[0, 1]`. For `[a, b]` within
+/// `[0, 1]`, each coefficient is off by at most `6 p u` times the largest one: each of the two cuts mixes `p` times,
+/// with three roundings a mix; with random signs they come to less than `4 p u`. Beyond, the error grows as
+/// polynomials do: at `e` outside at both ends, by a factor of up to `(1 + 2 e)ᵖ`.
 pub(crate) fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -107,10 +105,10 @@ where
 }
 
 /// Restricts a tensor-product net of `(p + 1)(q + 1)` coefficients, second index fastest, to
-/// `[s0, s1] × [t0, t1]`, with the errors of two polynomials' coefficients, one after the other.
+/// `[s0, s1] × [t0, t1]`, with the errors of two such restrictions, one after the other.
 ///
 /// # Panics
-/// When there are not as many coefficients as that.
+/// If there are not that many coefficients.
 #[track_caller]
 pub fn restrict_net<T>(net: &mut [T], degree: [usize; 2], s: [f64; 2], t: [f64; 2])
 where
@@ -138,9 +136,9 @@ where
 /// De Casteljau's cuts that leave `[a, b]` of `[0, 1]`, worked out once for many polynomials.
 #[derive(Clone, Copy)]
 struct Cuts {
-    /// What is right of it is kept: a parameter of `[0, 1]`, or of `[0, right]` if that is cut first.
+    /// What lies right of this parameter is kept: it is one of `[0, 1]`, or of `[0, right]` if that is cut first.
     left: f64,
-    /// What is left of it is kept: a parameter of `[0, 1]`, or of `[left, 1]`.
+    /// What lies left of this parameter is kept: it is one of `[0, 1]`, or of `[left, 1]`.
     right: f64,
     left_first: bool,
 }
@@ -155,8 +153,8 @@ impl Cuts {
         }
     }
 
-    /// The steps that cut a polynomial of this degree. `mix` is to replace one coefficient, given
-    /// first, by its mean with another; the weights are of both.
+    /// The steps that cut a polynomial of this degree. `mix` must replace one coefficient, given first, by its mean
+    /// with another, with the weights of both.
     #[inline(always)]
     fn steps(&self, degree: usize, mut mix: impl FnMut(usize, usize, [f64; 2])) {
         if self.left_first {
@@ -174,7 +172,7 @@ impl Cuts {
         if t == 0.0 {
             return;
         }
-        // Ranges without their ends: loops over them are laid out where the degree is known.
+        // Half-open ranges: loops over them are unrolled where the degree is known.
         for last in (0..degree).rev() {
             for i in 0..last + 1 {
                 mix(i, i + 1, [1.0 - t, t]);
@@ -195,8 +193,7 @@ impl Cuts {
         }
     }
 
-    /// Cuts one polynomial: the same for every degree, small ones with all steps laid out one after
-    /// the other.
+    /// Cuts one polynomial: by the same steps for every degree, which are unrolled for small ones.
     #[inline(always)]
     fn apply<T>(&self, coefficients: &mut [T])
     where

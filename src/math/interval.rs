@@ -16,7 +16,7 @@ impl Interval {
     /// The interval that holds nothing, to collect with [`Interval::with`].
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
-    /// The interval around nothing but `x`.
+    /// The interval that holds only `x`.
     #[inline(always)]
     pub fn point(x: f64) -> Self {
         Self { lo: x, hi: x }
@@ -33,8 +33,8 @@ impl Interval {
         self.union(Self::point(x))
     }
 
-    /// The smallest interval that holds this one and the other. An end of the other that is no number is
-    /// passed over, one of this would stay.
+    /// The smallest interval that holds this one and the other. A NaN end of the other is ignored; one of this
+    /// interval stays.
     #[must_use]
     #[inline(always)]
     pub fn union(self, other: Self) -> Self {
@@ -44,20 +44,20 @@ impl Interval {
         }
     }
 
-    /// What both have in common; it holds nothing where that is nothing.
+    /// What both have in common; it is empty where they have nothing in common.
     #[must_use]
     pub(crate) fn intersection(self, other: Self) -> Self {
         Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
     }
 
-    /// The interval around zero that reaches as far, on both sides.
+    /// The smallest interval symmetric about zero that holds this one.
     #[must_use]
     pub(crate) fn symmetric(self) -> Self {
         let reach = self.magnitude();
         Self { lo: -reach, hi: reach }
     }
 
-    /// Half of what it is wide.
+    /// Half of its width.
     pub(crate) fn radius(self) -> f64 {
         0.5 * (self.hi - self.lo)
     }
@@ -75,8 +75,8 @@ impl Interval {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// Wider by one to two units in the last place at both ends, or by the least normal number: what
-    /// one rounding may have done to them. For those who collect ends that are rounded to nearest.
+    /// Wider by one to two units in the last place at both ends, or by the least normal number: what one rounding may
+    /// have done to them. For intervals whose ends are rounded to nearest.
     #[must_use]
     #[inline(always)]
     pub(crate) fn outward(self) -> Self {

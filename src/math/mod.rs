@@ -1,8 +1,8 @@
 //! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on nothing else of the library.
 //!
-//! What is promised comes from here: [`rounding::residual_factor`] says how far a computed point of a
-//! surface may be from the true one, in units of its coordinates. Places are taken for one, and rays for
-//! touching, within multiples of that; whatever else is compared with a number says why where that stands.
+//! The promised accuracy comes from here: [`rounding::residual_factor`] is the error bound of a computed point of a
+//! surface, in units of its coordinates. Places count as one, and rays as touching, within multiples of that; every
+//! other number that something is compared with is explained where it stands.
 
 mod aabb;
 pub(crate) mod angle;

@@ -1,9 +1,9 @@
-//! Memory that is asked for before it is read.
+//! Memory that is requested before it is read.
 
-/// Asks for the cache line in which a value begins, without waiting for it; on processors it is not known
-/// for it does nothing.
+/// Requests the cache line in which a value begins, without waiting for it; does nothing on processors other than
+/// x86-64.
 ///
-/// A value that is read instead, to the same end, holds up all that follows until it has come.
+/// Reading the value for this purpose would hold up all that follows until it has come.
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

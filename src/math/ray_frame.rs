@@ -17,7 +17,7 @@ pub struct RayFrame {
     pub axis: DVec3,
     /// The unit normals of the two planes.
     pub normals: [DVec3; 2],
-    /// `1 / |d|`: takes a distance to the ray parameter.
+    /// `1 / |d|`: converts a distance to the ray parameter.
     pub t_from_z: f64,
     /// The range of `z`, from the ray's range of `t`.
     pub z_range: [f64; 2],
@@ -27,7 +27,7 @@ pub struct RayFrame {
 
 impl RayFrame {
     /// The frame of a ray, whatever the length of its direction.
-    #[inline(always)] // what is stored as single numbers is read as vectors: that stalls
+    #[inline(always)] // else numbers stored one by one are read as vectors, which stalls
     pub fn new(ray: &Ray) -> Self {
         let (axis, length) = unit_and_length(ray.direction());
         let normals = perpendicular(axis);
@@ -42,7 +42,7 @@ impl RayFrame {
         self.along_axes(point - self.origin)
     }
 
-    /// A vector's parts along the planes' normals and along the ray.
+    /// A vector's components along the planes' normals and along the ray.
     pub fn along_axes(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.normals[0].dot(v), self.normals[1].dot(v), self.axis.dot(v))
     }
@@ -101,7 +101,7 @@ mod tests {
             DVec3::new(1e-9, 1e-9, -1.0),
         ];
         for d in directions {
-            // Next to the longest and the shortest nothing else is left of a sum.
+            // With the longest and the shortest directions only one term of a sum would be left.
             let origin = if (1e-9..1e9).contains(&d.length()) { DVec3::ONE } else { DVec3::ZERO };
             let frame = RayFrame::new(&Ray::new(origin, d).unwrap());
             let [x, y, z] = [frame.normals[0], frame.normals[1], frame.axis];

@@ -2,7 +2,7 @@
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// So many random cases, the same in every run: for tests that also count how often what they speak of happens, which
+/// This many random cases, the same in every run: for tests that also count how often the tested case occurs, which
 /// must not depend on luck.
 pub(crate) fn same_cases(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x5eed), ..Config::default() }

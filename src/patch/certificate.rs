@@ -22,14 +22,14 @@ use crate::math::Interval;
 /// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
 /// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
 /// the coefficients, gives a box around every coefficient of `a` and of `b`, in the frame
-/// `(a₀, b₀, n)` of the leaf's chords and its normal: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. With
-/// `α₁ > 0` in all of these boxes the quotients `α₂/α₁` and `α₃/α₁` of sums of members are
-/// weighted means of those of the members, and `b` likewise: intervals around the quotients
-/// of the coefficients hold those of the means of `a` and of `b` over any set.
+/// `(a₀, b₀, n)` of the leaf's chords and its normal: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. If
+/// `α₁ > 0` in all of these boxes, the quotients `α₂/α₁` and `α₃/α₁` of a sum are weighted means of the quotients of
+/// its terms, and likewise for `b`. So intervals around the quotients of the coefficients hold the quotients of the
+/// means of `a` and of `b` over any set.
 ///
 /// Where the weights differ, `X_s` and `(S − c) W_s` hide each other's changes in these boxes. So unless there are too
-/// many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients take the
-/// place of those boxes, the square of `W` that of `W`.
+/// many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients replace those
+/// boxes, and the square of `W` replaces `W`.
 ///
 /// # What is concluded
 /// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
@@ -44,67 +44,68 @@ use crate::math::Interval;
 /// `m = 1 − ρ₂σ₁`, `g = (σ₃ − ρ₃σ₁) / m`, `h = (ρ₂σ₃ − ρ₃) / m`. With `g` within `r` of `g₀` and `h` within `q` of
 /// `h₀`, the product with `d` is not zero, hence `x = y`, whenever `|N·d| > |A·d| + |B·d|` with
 /// `N = n + (g₀ (a₀ × n) + h₀ (b₀ × n)) / |a₀ × b₀|`, `A = r (a₀ × n) / |a₀ × b₀|` and
-/// `B = q (b₀ × n) / |a₀ × b₀|`: three dot products. `N` is about the mean normal: that of the chords may
-/// lean to one side of it. Splitting off the parts along `a₀`
+/// `B = q (b₀ × n) / |a₀ × b₀|`: three dot products. `N` is about the mean normal; the normal of the chords may lean
+/// to one side of it. Splitting off the parts along `a₀`
 /// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
-/// the turning of the tangents does; and a ray may be the flatter the less the leaf turns
-/// in the direction it comes from. Of polynomial pieces `ā` and `b̄`, both means over one segment, are
+/// the turning of the tangents does; and the less the leaf turns in the direction that a ray comes from, the flatter
+/// the ray may be. For polynomial pieces `ā` and `b̄`, both means over one segment, are
 /// bounded together where that says more: see `PairTurns`.
 ///
 /// # How a miss is proved
 /// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
 /// component of known sign, and let the ray be certified: the determinant has one sign on all of `D`, that of
-/// `N·d` (not of `n·d`). If it met the leaf at `y`,
-/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would make the sign of the cross product `F(x) × b̄`
-/// known: opposite to what it is where Newton's step from `x` leads away from the leaf. And for all `b̄` it has the
-/// sign it has for `b₀`, if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|` with the largest `|σ₁|` and `|σ₃|`; each of
-/// the three products is taken with what `F` may be off to spare. The same holds for `t`, with `ρ₂` and `ρ₃`.
-/// (These are of each tangent of its own, and nothing is known of them where one turns too far; the determinant's
-/// sign may come from both together.)
+/// `N·d` (not of `n·d`). If the ray met the leaf at `y`, `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would determine the
+/// sign of the cross product `F(x) × b̄`: opposite to its sign where Newton's step from `x` leads away from the leaf.
+/// The product has the same sign for all `b̄` as for `b₀` if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|` with the
+/// largest `|σ₁|` and `|σ₃|`; each of the three products allows for the error bound of `F`. The same holds for `t`,
+/// with `ρ₂` and `ρ₃`.
+/// (These bounds are those of each tangent by itself, and are unknown where one turns too far; the determinant's sign
+/// may come from both tangents together.)
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
-/// multiples keep the argument. So poles are certified too, but for the pole itself.
+/// multiples keep the argument. So poles are certified too, except the pole itself.
 ///
 /// # What rounding costs
 /// `A` and `B` are taken with 2 % to spare, so that with `cos θ` short for `|N·d|`
-/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (of pairs, half their least `m` for `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
-/// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's
-/// owner compares that with the slack it allows itself. And where the root lies farther than that beyond a
-/// side of the piece, no point of the piece in `D` is within `ε` of the ray.
+/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (for pairs, with half their least `m` in place of `α₁ β₂ m`). A
+/// computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the root, if there is one, in each
+/// parameter, measured in sides of the leaf: the leaf's owner compares that with its slack. And where the root lies
+/// farther than that beyond a side of the piece, no point of the piece in `D` is within `ε` of
+/// the ray.
 ///
 /// # What is kept
-/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are,
-/// but for factors, what the rows of the box say of a direction anyway: its *slopes*. The factors are kept in units
-/// of the third slope, in sixteen bits, those of misses in eight. Those of `N` are rounded, and `r` and `q` reach
-/// from what they have become; all else is rounded up: every condition becomes a little harder to meet, by less
-/// than 1 %, or an eighth. Rows in f32 are off by 2⁻²⁴ of their length; that, and nine roundings of f32 of each of
-/// the three slopes, are covered by what `turning` returns last.
+/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are, up to factors, the
+/// products of the box's rows with a direction, which are computed anyway: its *slopes*. The factors are kept in
+/// units of the third slope, in sixteen bits, those for misses in eight. Those of `N` are rounded to nearest, and `r`
+/// and `q` reach from the rounded values; all others are rounded up. So every condition becomes a little harder to
+/// meet, by less than 1 %, or by an eighth for misses. Rows in f32 are off by 2⁻²⁴ of their length; the last number
+/// that `turning` returns covers that and nine f32 roundings of each of the three slopes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Certificate {
-    /// A ray with slopes `a, b, c` is `e = |c + lean₀ a + lean₁ b|` steep, and meets the widened leaf at
+    /// A ray with slopes `a, b, c` has the steepness `e = |c + lean₀ a + lean₁ b|`, and meets the widened leaf at
     /// most once where `e > turning₀ |a| + turning₁ |b| + rounding`.
     lean: [Near16; 2],
     turning: [Up16; 2],
     rounding: Up16,
-    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the
-    /// root where also `e ≥ ε steep_per_error`.
+    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the root if also
+    /// `e ≥ ε steep_per_error`.
     steep_per_error: Up16,
-    /// For a step in `s`, then in `t`: how much of the other tangent, and of the normal, may
-    /// have to be added to `b₀`, or `a₀`, for those of the unit vectors.
+    /// For a step in `s`, then in `t`: the largest multiples of the unit vectors of the other tangent, and of the
+    /// normal, that may have to be added to that of `b₀`, or `a₀`.
     bend: [[Up8; 2]; 2],
     /// In a leaf that ends in a pole: `e ρ ≥ ε pole_per_error` is needed, too, for a ray at
     /// the distance `ρ` from the pole. Zero for other leaves.
     pole_per_error: Up16,
 }
 
-/// More than what rounding to f32 does to the sum of three slopes, in units of the third row's
-/// length: ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6. So much
-/// more that what is left is known to a third, too.
+/// More than the f32 rounding error of the sum of three slopes, in units of the third row's length: ten roundings of
+/// 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6. The margin is so large that what is
+/// left is known to a third, too.
 const SLOPE_ROUNDING: f64 = 1e-5;
 
-/// How many times as far beyond a side as is needed roots are to lie to speak for a miss: the root may be off,
-/// and so may the points of the piece, by an error each; and slopes are in f32.
+/// How many times as far beyond a side as needed a root must lie to prove a miss: the root, and the points of the
+/// piece, may be off by an error each; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
 impl Certificate {
@@ -130,7 +131,7 @@ impl Certificate {
             let lean = f64::from(lean[k].value());
             MARGIN * (turning[k] - Interval::point(lean)).magnitude()
         };
-        // Both with a little more than the rounding of the products to f32 on the way.
+        // Both allow a little more than the rounding of the products to f32 on the way.
         let slack = 0.5 * LEAF_SLACK * 0.999;
         Self {
             lean,
@@ -163,9 +164,9 @@ impl Certificate {
         self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + rounding
     }
 
-    /// How steep a ray with these slopes is, if it meets the widened leaf at most once and rounding is
-    /// small against the leaf: a point may be as far from the ray as `error`, in scene units. Of leaves that
-    /// end in a pole more is to be asked: see [`pole_per_error`](Self::pole_per_error).
+    /// Returns the steepness of a ray with these slopes, if it meets the widened leaf at most once and rounding is
+    /// small against the leaf: `error` is the bound, in scene units, of a point's distance from the ray. Leaves that
+    /// end in a pole have a further condition: see [`pole_per_error`](Self::pole_per_error).
     #[inline(always)]
     pub(crate) fn speaks_of(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
         let steepness = self.steepness(slopes);
@@ -173,14 +174,13 @@ impl Certificate {
         (self.holds(slopes) && needed <= steepness).then_some(steepness)
     }
 
-    /// How steep a ray with these slopes is, in units of the third.
+    /// The steepness of a ray with these slopes, in units of the third.
     #[inline(always)]
     pub(crate) fn steepness(&self, slopes: [f64; 3]) -> f64 {
         self.upright(slopes).abs()
     }
 
-    /// The third of the slopes of a ray, or of the rows that they come from, corrected for how the
-    /// certificate leans.
+    /// The third of a ray's slopes, or of the rows that slopes come from, corrected by the certificate's lean.
     #[inline(always)]
     pub(crate) fn upright<T>(&self, [a, b, c]: [T; 3]) -> T
     where
@@ -191,7 +191,7 @@ impl Certificate {
         c + by_a * a + by_b * b
     }
 
-    /// By how much of the first two slopes the third is corrected.
+    /// The multiples of the first two slopes by which the third is corrected.
     #[inline(always)]
     pub(crate) fn lean(&self) -> [f32; 2] {
         self.lean.map(Near16::value)
@@ -209,23 +209,23 @@ impl Certificate {
         self.steep_per_error.value()
     }
 
-    /// Where the root lies farther than this beyond a side of the piece, in box coordinates, all points of
-    /// the piece in the widened leaf are farther from the ray than points may be off: to be multiplied with that
-    /// error, and divided by the steepness. Not for leaves that end in a pole.
+    /// The clearance per error: where the root lies farther beyond a side of the piece, in box coordinates, than this
+    /// times the error bound of points over the steepness, all points of the piece in the widened leaf are farther
+    /// from the ray than that error bound. Not for leaves that end in a pole.
     #[inline(always)]
     pub(crate) fn clearance_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
     }
 
-    /// What [`steep_per_error`](Self::steep_per_error) is, times the distance from the pole; zero for leaves
-    /// without one.
+    /// Like [`steep_per_error`](Self::steep_per_error), but for the steepness times the distance from the pole; zero
+    /// for leaves without one.
     #[inline(always)]
     pub(crate) fn pole_per_error(&self) -> f32 {
         self.pole_per_error.value()
     }
 
-    /// How much of the other tangent and of the normal is to be reckoned with, for a step in
-    /// `s`, then in `t`.
+    /// The largest multiples of the other tangent and of the normal to be reckoned with, for a step in `s`, then in
+    /// `t`.
     #[inline(always)]
     pub(crate) fn bend(&self) -> [[f64; 2]; 2] {
         self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
@@ -271,7 +271,7 @@ mod tests {
         (set, leaves)
     }
 
-    /// No line through two points of a leaf is one that is said to meet it once, and some nearly are.
+    /// No line through two points of a leaf is certified to meet it at most once, and some nearly are.
     #[test]
     fn chords_are_not_certified() {
         let place = || (-1.02..1.02f64, -1.02..1.02f64);
@@ -303,18 +303,18 @@ mod tests {
         assert!(asked > 1000 && nearest < 1.2, "{asked} chords, one to {nearest}");
     }
 
-    /// The same of leaves that end in a pole, at any of the sides, whose points agree to a few roundings only: as near to
-    /// the pole as it speaks of rays.
+    /// The same for leaves that end in a pole, at any of the sides, whose points agree only to a few roundings: as
+    /// near to the pole as the certificate speaks of rays.
     #[test]
     fn chords_beside_poles_are_not_certified() {
         let along = || -1.02..1.02f64;
         let bumps = prop::collection::vec((-0.6..0.6f64, 0.7..1.4f64), 16);
-        // Powers of ten of how far both are from the pole.
+        // The distances of both from the pole, as powers of ten.
         let away = (-11.0..0.0f64).prop_flat_map(|away| (Just(away), away - 1.0..away));
         let pairs = prop::collection::vec((along(), along(), away), 40);
         let (asked, close, nearest) = (Cell::new(0), Cell::new(0), Cell::new(f64::INFINITY));
         proptest!(same_cases(256), |(bumps in bumps, rational in any::<bool>(), side in 0usize..4, pairs in pairs)| {
-            // A fan: all points of a side are one, but for what is still a point.
+            // A fan: all points of a side agree, to within what still counts as a point.
             let end = if side % 2 == 0 { 0 } else { 3 };
             let noise = 3.0 * 8.0 * f64::EPSILON;
             let points = (0..16).map(|k| {
@@ -351,7 +351,7 @@ mod tests {
                     let certificate = &leaf.certificate;
                     let steepness = certificate.steepness(slopes);
                     let distance = (pole - from).cross(d).length();
-                    // Nearer than that it speaks of no ray.
+                    // Nearer than that the certificate speaks of no ray.
                     let least = error * f64::from(certificate.pole_per_error()) / steepness;
                     let far_off = distance >= least;
                     if !far_off {
@@ -370,8 +370,8 @@ mod tests {
         assert!(asked > 1000 && close > 50 && nearest < 1.3, "{asked}, {close}: {nearest}");
     }
 
-    /// Where a ray meets what a surface would go on with beyond its border, and that is as far out as the
-    /// certificate asks for, no point of the leaf is within the error, or twice as much.
+    /// Where a ray meets the continuation of a surface beyond its border, as far out as the certificate asks for, no
+    /// point of the leaf is within the error, or twice the error.
     #[test]
     fn roots_beyond_a_border_are_far_enough() {
         let bumps = prop::collection::vec((-0.3..0.3f64, 0.7..1.4f64), 16);
@@ -395,7 +395,7 @@ mod tests {
                     if !leaf.certificate.holds(slopes) {
                         continue;
                     }
-                    // The largest error for which it speaks of this root.
+                    // The largest error for which the certificate speaks of this root.
                     let clearance = leaf.certificate.clearance_per_error();
                     let error = 2.0 * outside * leaf.certificate.steepness(slopes) / clearance;
                     let from = piece.patch.point(root);

@@ -17,44 +17,43 @@ use crate::math::rounding;
 #[derive(Debug)]
 pub(super) struct ChartNet {
     pub(super) degree: [usize; 2],
-    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): asked for by every ray at every leaf.
+    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): every ray needs it at every leaf.
     pub(super) residual_factor: f64,
     /// Row by row.
     control: Control,
-    /// The length of a row.
+    /// The number of points in a row.
     stride: usize,
-    /// How pieces make their nets of these points, by the row and the column in which they begin;
+    /// How pieces make their nets from these points, by the row and the column in which they begin;
     /// `None` where these are the Bézier points.
     extraction: Option<Box<[Extractions; 2]>>,
-    /// What the sums of pieces are made of.
+    /// The form of the nets whose sums are used where speed counts.
     sums: Sums,
-    /// For each direction and each row, or column: what is to be known of the pieces that
-    /// begin there.
+    /// For each direction and each row, or column: the data of the pieces that begin there.
     pub(super) spans: [Vec<PieceSpan>; 2],
     /// Where the chart lies in the surface's parameters.
     pub(super) map: ChartMap,
-    /// Which part of the chart is there; all of it without trims.
+    /// Which part of the chart is kept; all of it without trims.
     pub(super) trims: Option<Arc<Trims>>,
 }
 
-/// What the sums of pieces are made of where speed counts.
+/// The form of the nets whose sums are used where speed counts.
 #[derive(Debug)]
 enum Sums {
-    /// Bernstein functions and the Bézier points.
+    /// Bernstein form: the Bézier points.
     Bernstein,
-    /// Powers: their nets, piece by piece.
+    /// Power form: nets that are kept, piece by piece.
     Powers(KeptPowers),
-    /// Powers, made when they are wanted.
+    /// Power form: nets that are made on demand.
     PowersOf(Box<MadePowers>),
 }
 
-/// Pieces that are not well conditioned, whose sums stay in Bernstein functions: the rows and columns in which they
-/// begin, in order.
+/// Pieces that are not well conditioned, whose sums stay in Bernstein form: the rows and columns in which they begin,
+/// in order.
 #[derive(Debug)]
 struct Others(Vec<[u32; 2]>);
 
 impl Others {
-    /// Whether they are less than half of this many pieces.
+    /// Whether they are fewer than half of this many pieces.
     fn are_few(&self, count: usize) -> bool {
         2 * self.0.len() < count
     }
@@ -65,17 +64,18 @@ impl Others {
     }
 }
 
-/// Nets by powers, and those of Bézier points of other pieces.
+/// The power nets of pieces, and the Bézier points of those that are not well conditioned.
 #[derive(Debug)]
 struct KeptPowers {
     numbers: Vec<f64>,
     others: Others,
 }
 
-/// Nets by powers that are made when they are wanted.
+/// Power nets that are made on demand.
 #[derive(Debug)]
 struct MadePowers {
-    /// How, by the row and the column in which pieces begin: the numbers of [`ToPowers`] one after another.
+    /// How they are made, by the row and the column in which pieces begin: the shares of [`ToPowers`], one piece
+    /// after another.
     along: [Vec<f64>; 2],
     degree: [usize; 2],
     others: Others,
@@ -105,18 +105,17 @@ impl MadePowers {
     }
 }
 
-/// Homogeneous control points `(w x, w y, w z, w)`; of those that all have the same weight, it is
-/// kept once.
+/// Homogeneous control points `(w x, w y, w z, w)`; a weight that all have in common is kept once.
 #[derive(Debug)]
 pub(super) struct Control {
-    /// Four numbers a point, or three, and some more that may be read but mean nothing.
+    /// Four numbers a point, or three, then some more that may be read but mean nothing.
     numbers: Vec<f64>,
-    /// The weight of all points, if it is one.
+    /// The weight of all points, if they have the same.
     weight: Option<f64>,
 }
 
 impl Control {
-    /// This many rows of this many points, and `more` numbers.
+    /// This many rows of this many points, then `more` unused numbers.
     fn new<R>(
         weight: Option<f64>,
         [rows, stride]: [usize; 2],
@@ -152,7 +151,7 @@ pub(super) struct PieceSpan {
     pub(super) border: [bool; 2],
     /// Whether something else begins at the far end.
     pub(super) open_end: bool,
-    /// How many pieces come before it in its direction, and in all.
+    /// How many pieces come before it in its direction, and how many there are in all.
     number: u32,
     count: u32,
 }
@@ -177,7 +176,7 @@ impl ChartNet {
         }
     }
 
-    /// The net of a chart by its own control points.
+    /// The net of a chart that keeps its own control points.
     fn of_spline(chart: &Chart<'_>, surface: &NurbsSurface) -> (Self, [Vec<u32>; 2]) {
         let surface = surface.in_clamped_form();
         let knots = [surface.knots_u(), surface.knots_v()];
@@ -222,7 +221,7 @@ impl ChartNet {
         (net, firsts)
     }
 
-    /// The nets by powers of the pieces that begin with these rows and columns, if most are well conditioned.
+    /// The power nets of the pieces that begin with these rows and columns, if most are well conditioned.
     fn all_by_powers(&self, [rows, columns]: &[Vec<u32>; 2]) -> Option<KeptPowers> {
         if !powers::suit(self.degree) {
             return None;
@@ -251,7 +250,7 @@ impl ChartNet {
         others.are_few(count).then_some(KeptPowers { numbers, others })
     }
 
-    /// How nets by powers are made of these control points, and for which pieces they are not, if most are well
+    /// How power nets are made from these control points, and for which pieces they are not, if most are well
     /// conditioned.
     fn made_by_powers(
         &self,
@@ -277,7 +276,7 @@ impl ChartNet {
         let gentle = powers::are_gentle(knots, control);
         let factor = self.residual_factor;
         let suits = |first: [u32; 2]| {
-            let NetSource::Spline(net) = self.source(first) else { return true }; // these are not
+            let NetSource::Spline(net) = self.source(first) else { return true }; // nets are not kept here
             let bezier = net.bezier_net();
             let Some(by_powers) = powers::net_of(self.degree, &bezier) else { return false };
             gentle
@@ -304,7 +303,7 @@ impl ChartNet {
         self.components() * (p + 1) * (q + 1)
     }
 
-    /// What the sums of a piece are made of, by powers or by Bernstein functions.
+    /// The net of a piece whose sums are used where speed counts, in power form or in Bernstein form.
     #[inline(always)]
     pub(super) fn sums_source(&self, first: [u32; 2]) -> NetSource<'_> {
         let Sums::Powers(powers) = &self.sums else { return self.source(first) };
@@ -315,7 +314,7 @@ impl ChartNet {
         NetSource::Kept(PieceNet::new(numbers, length, length, self.control.weight))
     }
 
-    /// Whether those are made by powers.
+    /// Whether that net is in power form.
     #[inline(always)]
     pub(super) fn by_powers(&self, first: [u32; 2]) -> bool {
         match &self.sums {
@@ -341,7 +340,7 @@ impl ChartNet {
         }
     }
 
-    /// What makes the net by powers of a piece of the control points that govern it, if that is how it is made.
+    /// What makes the power net of a piece from the control points that govern it, if it is made that way.
     #[inline(always)]
     pub(super) fn to_powers(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
         match &self.sums {
@@ -350,7 +349,7 @@ impl ChartNet {
         }
     }
 
-    /// The weight of all points, if it is one.
+    /// The weight of all points, if they have the same.
     #[inline(always)]
     pub(super) fn weight(&self) -> Option<f64> {
         self.control.weight
@@ -390,7 +389,7 @@ impl ChartNet {
     }
 }
 
-/// What is to be known of pieces by the first point they have.
+/// The data of pieces, by the index of their first point.
 fn piece_spans(knots: &KnotVector, border: [bool; 2], open_end: bool) -> Vec<PieceSpan> {
     let (start, end) = knots.domain();
     let jumps = |t: f64| knots.multiplicity(t) > knots.degree();

@@ -1,4 +1,4 @@
-//! Sides of a unit square that a surface takes to a point.
+//! Sides of a unit square that a surface maps to a point.
 
 use glam::DVec2;
 
@@ -23,24 +23,24 @@ impl CollapsedSide {
         }
     }
 
-    /// At which of its ends: 0 or 1.
+    /// The end at which that parameter is constant: 0 or 1.
     pub fn end(self) -> usize {
         match self {
             Self::S(end) | Self::T(end) => end,
         }
     }
 
-    /// Its place among [all](Self::ALL).
+    /// Its index among [all](Self::ALL).
     pub fn number(self) -> usize {
         2 * self.parameter() + self.end()
     }
 
-    /// Whether a rectangle within the unit square reaches it.
+    /// Whether a rectangle within the unit square reaches this side.
     pub fn is_reached_by(self, rect: &[[f64; 2]; 2]) -> bool {
         rect[self.parameter()][self.end()] == self.end() as f64
     }
 
-    /// A rectangle, or range of parameters, made to end there.
+    /// A rectangle, or range of parameters, made to end at this side.
     #[inline(always)]
     pub(super) fn ended_at_it(self, [s, t]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         match self {
@@ -51,7 +51,7 @@ impl CollapsedSide {
         }
     }
 
-    /// The point of it that is beside a place: all of them are the same in space.
+    /// The point of this side that is beside a place: all points of the side are the same in space.
     pub fn beside(self, mut st: DVec2) -> DVec2 {
         st[self.parameter()] = self.end() as f64;
         st

@@ -1,4 +1,4 @@
-//! The Bernstein coefficients of a leaf, and those of what is derived from them: what its tangents are bounded by.
+//! The Bernstein coefficients of a leaf and of the fields derived from them, which bound its tangents.
 
 use glam::{DVec3, DVec4};
 
@@ -12,11 +12,11 @@ use crate::math::bernstein::binomials;
 pub(super) struct Net<'a> {
     pub(super) degree: [usize; 2],
     pub(super) control: &'a [DVec4],
-    /// How far a control point may be from the true one, in scene units.
+    /// The error bound of a control point, in scene units.
     pub(super) noise: f64,
     /// Whether the weights differ.
     pub(super) rational: bool,
-    /// What rounding moves the parameters by, as parts of the net's sides.
+    /// The rounding error of the parameters, as fractions of the net's sides.
     pub(super) spacing: [f64; 2],
 }
 
@@ -87,9 +87,9 @@ impl Field {
         Self { degree: [p, q - 1], values: values.collect() }
     }
 
-    /// `W² S_s`, or `W² S_t`, in Bernstein form: `W X_s − X W_s`, of which the highest powers cancel.
+    /// `W² S_s`, or `W² S_t`, in Bernstein form: `W X_s − X W_s`, where the highest powers cancel.
     ///
-    /// With `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ` is `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
+    /// For `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ`, `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
     pub(super) fn quotients_slope(&self, which: usize) -> Self {
         let mut degree = self.degree;
         let (p, q) = (degree[which], degree[1 - which]);
@@ -118,7 +118,7 @@ impl Field {
                 *value *= 1.0 / (along[k] * across);
             }
         }
-        // Whichever way the coefficients are stored: what is asked of them is how far they reach.
+        // The coefficients may be stored transposed: only their ranges are used.
         (degree[which], degree[1 - which]) = (2 * p - 2, 2 * q);
         Self { degree, values }
     }

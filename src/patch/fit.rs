@@ -17,32 +17,32 @@ pub(crate) type Fit = [[f32; 16]; 3];
 /// Coefficients of the weight that a [`Fit`] is divided by, at the same places: the first is 1.
 pub(crate) type WeightFit = [f32; 16];
 
-/// The weight of what is not divided.
+/// The weight of an approximation that is not divided: 1.
 pub(super) const NO_WEIGHT: WeightFit = {
     let mut weight = [0.0; 16];
     weight[0] = 1.0;
     weight
 };
 
-/// Weights are approximated where they stay within this many times that in the middle of the leaf, and one over that,
-/// as far as the bounds of [`FitError`] hold.
+/// Weights are approximated where they are at most this many times the weight in the middle of the leaf, and at least
+/// one over that, everywhere that the bounds of [`FitError`] hold.
 pub(crate) const MOST_WEIGHT: f32 = 4.0;
 
 /// A leaf's bicubic approximation.
 pub(super) struct Approximation {
-    /// What it is relative to: its own value in the middle.
+    /// The point that the approximation is relative to: its own value in the middle.
     pub(super) middle: DVec3,
     pub(super) fit: Fit,
     pub(super) weight: WeightFit,
-    /// Its vectors across the middle of the leaf, in `s` and in `t`.
+    /// The vectors across the middle of the leaf, in `s` and in `t`.
     pub(super) chords: [DVec3; 2],
-    /// Of pieces of degree up to three, which are as exact as f32.
+    /// For pieces of degree up to three, whose approximations are as exact as f32.
     exact: Option<Quotient>,
 }
 
 impl Approximation {
-    /// Of a polynomial of degree up to three it is that polynomial, of a quotient of two that quotient; else a
-    /// polynomial near the surface.
+    /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by that quotient, and
+    /// everything else by a polynomial near the surface.
     pub(super) fn new(halving: &Halving, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
         let quotient = if p.max(q) <= 3 { Quotient::new(halving, piece) } else { None };
@@ -51,7 +51,7 @@ impl Approximation {
 
     /// A polynomial near the surface.
     pub(super) fn polynomial(halving: &Halving, piece: &Piece) -> Self {
-        // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation there is (Trefethen 2013,
+        // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation (Trefethen 2013,
         // ch. 16).
         let nodes = NODES.map(|node| 0.5 * (1.0 + node));
         let mut values = points_at(nodes, piece.patch.degree(), halving.net());
@@ -72,7 +72,7 @@ impl Approximation {
         Self { middle: quotient.middle, fit, weight, chords, exact: Some(quotient) }
     }
 
-    /// What is known of it for rays that pass the middle within `reach`.
+    /// The error bounds for rays that pass the middle within `reach`.
     pub(super) fn error(&self, halving: &Halving, piece: &Piece, reach: f64) -> FitError {
         match &self.exact {
             Some(quotient) => quotient.error(reach),
@@ -81,10 +81,10 @@ impl Approximation {
     }
 }
 
-/// A piece of degree up to three over a leaf: a bicubic polynomial, over another one where weights differ.
+/// A piece of degree up to three over a leaf: a bicubic polynomial, divided by another one where weights differ.
 ///
-/// A polynomial alone is as far off a leaf as its weights differ: some percent of its sides, on a spline whose control
-/// points have weights from 0.8 to 1.25.
+/// A polynomial alone deviates from a leaf as much as its weights differ: by a few percent of the leaf's sides, on a
+/// spline whose control points have weights from 0.8 to 1.25.
 struct Quotient {
     /// The point in the middle, which the numerators are relative to.
     middle: DVec3,
@@ -92,12 +92,12 @@ struct Quotient {
     coefficients: [[DVec4; 4]; 4],
     /// The least weight; `None` if all are alike.
     least: Option<f64>,
-    /// How far coefficients may be off.
+    /// The error bound of the coefficients.
     noise: f64,
 }
 
 impl Quotient {
-    /// `None` where the weights differ too much: see [`MOST_WEIGHT`].
+    /// The quotient over a leaf; `None` where the weights differ too much: see [`MOST_WEIGHT`].
     fn new(halving: &Halving, piece: &Piece) -> Option<Self> {
         let [p, q] = piece.patch.degree();
         let mut net = [[DVec4::ZERO; 4]; 4];
@@ -137,7 +137,7 @@ impl Quotient {
         in_range.then_some(Self { middle, coefficients, least: Some(least), noise })
     }
 
-    /// What the surface and its first three derivatives come to in the middle, as forms, by Leibniz's rule for
+    /// The sizes, as forms, of the surface and its first three derivatives in the middle, by Leibniz's rule for
     /// `X = S W`: there `X` and `S` are zero, and `W` is 1.
     fn in_middle(&self) -> [f64; 4] {
         let [[_, y, yy, yyy], [x, xy, xyy, _], [xx, xxy, ..], [xxx, ..]] = self.coefficients;
@@ -182,7 +182,7 @@ pub(super) fn second_derivatives([x, y]: [DVec4; 2], [xx, xy, yy]: [DVec4; 3]) -
     ]
 }
 
-/// Coefficients of numerators and weights in f32, but for the first.
+/// Rounds the coefficients of numerators and weights to f32, except the first.
 fn rounded(coefficients: &[[DVec4; 4]; 4]) -> (Fit, WeightFit) {
     let (mut fit, mut weight) = (Fit::default(), NO_WEIGHT);
     for (k, coefficient) in coefficients.as_flattened().iter().enumerate().skip(1) {
@@ -196,7 +196,7 @@ fn rounded(coefficients: &[[DVec4; 4]; 4]) -> (Fit, WeightFit) {
 /// The vectors across the middle in `x` and in `y`, where the numerators are zero and the weight is 1.
 fn chords(coefficients: &[[DVec4; 4]; 4]) -> [DVec3; 2] {
     let along_x = [0, 1, 2, 3].map(|i| coefficients[i][0]);
-    // `X / W` at 1, less `X / W` at −1, from what is even and what is odd in them.
+    // `X / W` at 1 minus `X / W` at −1, from the even and the odd parts of both.
     [along_x, coefficients[0]].map(|[_, a, b, c]| {
         let (even, odd) = (b, a + c);
         let (weight, slope) = (1.0 + even.w, odd.w);
@@ -214,7 +214,7 @@ const NODES: [f64; 4] = {
 /// Takes values at the nodes to power coefficients.
 const INTERPOLATION: [[f64; 4]; 4] = interpolation(NODES);
 
-/// The points of a net's surface at this many places in each direction.
+/// The points of a net's surface at each pair of these places.
 pub(super) fn points_at<const M: usize>(
     places: [f64; M],
     degree: [usize; 2],

@@ -3,27 +3,27 @@
 //! Over the leaf's widened rectangle `D`, in box coordinates `x, y` (half sides), let `S` be
 //! the surface and `Q` the approximation, both relative to the leaf's middle.
 //!
-//! *Quotients.* Of pieces of degree up to three whose weights differ numerators `X` and weights `W` are approximated,
-//! each but for rounding. What is asked about them is `F = n · X + m W` with a unit vector `n`, and `m` no larger than
-//! the distance at which rays pass the middle, or than `S` is there in `D`. So `E`, the slopes' bound and `M` are those
-//! of a polynomial whose coefficients are as large as those of `X` and `m W` together. `M` is a bound for `S`, too, and
-//! `T` one for `S` alone. For all others `W` is 1 in what follows:
+//! *Quotients.* For pieces of degree up to three whose weights differ, the numerators `X` and the weights `W` are
+//! approximated, both exactly except for rounding. The bounds are for `F = n · X + m W` with a unit vector `n`, and
+//! `m` no larger than the distance at which rays pass the middle, or than the length of `S` in `D`. So `E`, the
+//! slopes' bound and `M` are those of a polynomial whose coefficients are as large as those of `X` and `m W`
+//! together. `M` also bounds `S`, and `T` bounds `S` alone. For all other pieces `W` is 1 in what follows:
 //!
 //! *Values.* With `S = X / W`, the polynomial `X − W Q` has a Bernstein form; the largest of
 //! its coefficients over the least weight bounds `|S − Q|` by `E`.
 //!
 //! *Derivatives.* A derivative of order `k` is a form `D[h₁, …, hₖ]` in directions `hᵢ`, whose larger components are
-//! at most 1 here: it is at most the sum of its `2ᵏ` entries, and the differences of the net bound those of `X` and
-//! of `W`, by `Xₖ` and `Wₖ`. Leibniz's rule for `X = S W` then gives bounds `Sₖ` of those of `S` on `D`, `S₀` being
-//! the largest distance of a control point from the middle and `w` the least weight:
+//! at most 1 here. So it is at most the sum of its `2ᵏ` entries, and the differences of the net bound that sum: by
+//! `Xₖ` for `X`, and by `Wₖ` for `W`. Leibniz's rule for `X = S W` then gives bounds `Sₖ` for `S` on `D`, where `S₀`
+//! is the largest distance of a control point from the middle and `w` the least weight:
 //!
 //! `w Sₖ = Xₖ + S₀ Wₖ + Σ C(k, i) Sᵢ Wₖ₋ᵢ`, over `i = 1 … k − 1`.
 //!
 //! By Taylor's theorem along the segment from `x` to `x + h` in `D`, with `M = S₂ / 2`, `T = S₃ / 6`:
 //!
 //! `|S(x + h) − S(x) − S'(x) h| ≤ M |h|²`,
-//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ T |h|³`, and, for both directions `e` of the sides together, as
-//! each entry of a form counts once in such a sum,
+//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ T |h|³`, and, summed over the directions `e` of both sides,
+//! because each entry of a form counts once in such a sum,
 //! `Σ |S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 T |h|²`, `Σ |S''(x)[h, e]| ≤ 2 M |h|`.
 //!
 //! *Slopes.* With `R = X − W Q` the slopes of `S` and `Q` differ by `(R' − (R / W) W') / W`. The
@@ -38,13 +38,13 @@ use super::fit::{Fit, in_both_directions};
 use super::part::Halving;
 use crate::math::bernstein::binomials;
 
-/// How far the bounds hold, in box coordinates: Newton's steps may stray there.
+/// The bounds hold up to this far from the middle, in box coordinates: Newton's steps may stray there.
 pub(crate) const FIT_DOMAIN: f64 = 1.2;
 
-/// A side of the rectangle they hold on.
+/// The side of the rectangle on which the bounds hold, in box coordinates.
 const SIDE: f64 = 2.0 * FIT_DOMAIN;
 
-/// Bounds of a bicubic approximation, in scene units; of quotients those of `F`.
+/// Bounds of a bicubic approximation, in scene units; for quotients those of `F`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FitError {
     /// `E`.
@@ -82,13 +82,13 @@ impl FitError {
             return Self::UNKNOWN;
         }
 
-        // Cutting a net down to part of its square moves coefficients by about 4 (p + q) u, times the heaviest weight;
-        // making it larger multiplies what they are off by up to `FIT_DOMAINᵖ⁺q`.
+        // Restricting a net to part of its square moves coefficients by about 4 (p + q) u, times the heaviest weight;
+        // enlarging it multiplies their errors by up to `FIT_DOMAINᵖ⁺q`.
         let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
         let noise = 4.0 * patch.noise() * grown.max(1.0) * (heaviest / least);
         let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        // Differences of order k are off by 2ᵏ times that, and the factors of all of them are (p + q)ᵏ together, at
+        // Differences of order k are off by 2ᵏ times `noise`, and the factors of all of them add up to (p + q)ᵏ at
         // most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
         let sum = (degree[0] + degree[1]) as f64;
         let [slope_of_weight, bend, third] = derivatives(degree, &net, least);
@@ -106,9 +106,9 @@ impl FitError {
 }
 
 impl FitError {
-    /// The bounds for a polynomial that only differs from its approximation by rounding each
-    /// coefficient to f32, by 2⁻²⁴ of it or the least number of f32: from the `sizes` of the coefficients of
-    /// `xⁱ yʲ`, and the `noise` that they may be off by.
+    /// The bounds for a polynomial that differs from its approximation only by the rounding of each coefficient to
+    /// f32, by 2⁻²⁴ of the coefficient or the least number of f32: from the `sizes` of the coefficients of `xⁱ yʲ`
+    /// and their error bound `noise`.
     pub(super) fn of_polynomial(sizes: &[[f64; 4]; 4], noise: f64) -> Self {
         let [value, slope, second, third, _] = derivative_sums(sizes);
         // Larger coefficients are infinite in f32.
@@ -116,22 +116,23 @@ impl FitError {
         if !in_range {
             return Self::UNKNOWN;
         }
-        // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` 83; of lengths √3 times that.
+        // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` is 83; the sums for lengths of vectors
+        // are √3 times as large.
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let (value, slope) = (rounding(value) + noise, rounding(slope) + 96.0 * noise);
-        // In Bernstein form coefficients are off by a quarter of the noise. Beyond both ends of a side, by up to a tenth
-        // of it, that grows by `FIT_DOMAIN` to the power of the degree; and derivatives by `p / 2` and `p (p − 1) / 4`
-        // times the first and second differences. Second derivatives, entry by entry as forms, are then off by 16 times
-        // the noise at most, third ones by 52 times.
+        // In Bernstein form coefficients are off by a quarter of the noise. Up to a tenth of a side beyond both of
+        // its ends, that error grows by `FIT_DOMAIN` to the power of the degree; and derivatives are off by `p / 2`
+        // and `p (p − 1) / 4` times its first and second differences. Second derivatives, entry by entry as forms,
+        // are then off by 16 times the noise at most, third ones by 52 times.
         let (bend, third) = (0.5 * second + 8.0 * noise, third / 6.0 + 30.0 * noise);
         Self { value, slope, bend, third }
     }
 
-    /// The same for a quotient: for `F` of rays that pass the middle within `reach`, but for the second derivatives of
-    /// the surface, too, and its third. The sizes are those of the numerators' and of the weights' coefficients, which
-    /// are `least` at least; `in_middle` is what the surface and its first three derivatives come to in the middle, as
-    /// forms.
+    /// The same for a quotient: the bounds are for `F` of rays that pass the middle within `reach`, except that
+    /// `bend` also bounds the second derivatives of the surface, and `third` bounds its third. The sizes are those of
+    /// the coefficients of the numerators and of the weights, which are at least `least`; `in_middle` holds the
+    /// sizes, as forms, of the surface and of its first three derivatives in the middle.
     pub(super) fn of_quotient(
         [points, weights]: &[[[f64; 4]; 4]; 2],
         (in_middle, least): ([f64; 4], f64),
@@ -154,7 +155,7 @@ impl FitError {
             }
         }
 
-        // Not `max`: it would take the bound for what is no number, as of a box without a size.
+        // Not `max`, which would replace NaN, the reach of a box without a size, by the bound.
         let reach = if known[0] > reach { known[0] } else { reach };
         let mut both = *points;
         for (sum, weight) in both.as_flattened_mut().iter_mut().zip(weights.as_flattened()) {
@@ -164,14 +165,14 @@ impl FitError {
         if of_f.value == f64::INFINITY {
             return Self::UNKNOWN;
         }
-        // To each of these what coefficients are off by happens as often as to those of `F`, times a few.
+        // The errors of coefficients enter each of these as often as they enter `F`, times a few.
         let bend = of_f.bend.max(0.5 * known[2] + 32.0 * noise);
         Self { bend, third: known[3] / 6.0 + 120.0 * noise, ..of_f }
     }
 }
 
-/// What a polynomial and its first to fourth derivatives come to at most, as forms: from the sizes of its
-/// coefficients of `xⁱ yʲ`.
+/// Bounds of a polynomial and its first to fourth derivatives, as forms, from the sizes of its coefficients of
+/// `xⁱ yʲ`.
 fn derivative_sums(sizes: &[[f64; 4]; 4]) -> [f64; 5] {
     let mut sums = [0.0; 5];
     for (i, row) in sizes.iter().enumerate() {
@@ -255,7 +256,7 @@ fn difference(degree: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64;
 
 /// The Bernstein coefficients of `X − W Q`, and how many there are in a row.
 ///
-/// Times binomials, Bernstein coefficients multiply like those of powers (Farouki and Rajan 1988,
+/// Scaled by binomials, Bernstein coefficients multiply like power coefficients (Farouki and Rajan 1988,
 /// "Algorithms for polynomials in Bernstein form"): those of a product with a cubic are
 /// `C(p + 3, m) rₘ = Σ C(p, i) xᵢ C(3, m − i) q₍ₘ₋ᵢ₎`.
 fn difference_net(
@@ -309,7 +310,7 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
         // … and by t `j` times.
         for j in 0..=q.min(3 - i) {
             if j > 0 {
-                // Along rows that are as long as before; what runs from one into the next is left out below.
+                // Rows keep their length; differences that run from one row into the next are left out below.
                 differences(&mut room, (1, (q + 1 - j) as f64));
             }
             if i + j == 0 {
@@ -322,7 +323,7 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
                     weights = weights.max(c.w.abs());
                 }
             }
-            // So many entries of the form are this one.
+            // The number of entries of the form that equal this one.
             let order = i + j;
             let alike = if i > 0 && j > 0 { order as f64 } else { 1.0 };
             of_points[order] += alike * points.sqrt();
@@ -343,7 +344,7 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     [slope / SIDE, s2 / (2.0 * SIDE * SIDE), s3 / (6.0 * SIDE * SIDE * SIDE)]
 }
 
-/// Differences of the points that are `step` apart, times a factor, in place; there are `step` less.
+/// Differences of the points that are `step` apart, times a factor, in place; there are `step` fewer of them.
 fn differences(points: &mut SmallVec<[DVec4; 36]>, (step, factor): (usize, f64)) {
     let left = points.len() - step;
     for k in 0..left {
@@ -411,7 +412,7 @@ mod tests {
         }
     }
 
-    /// What rounding does to a net that is made larger than it is grows with the degree.
+    /// The rounding error of a net that is enlarged grows with the degree.
     #[test]
     fn bounds_hold_for_large_degrees() {
         for degree in [[24, 24], [28, 28], [32, 24], [32, 32]] {
@@ -421,7 +422,7 @@ mod tests {
         }
     }
 
-    /// A piece of these degrees: its control points from their number and places in a unit square.
+    /// A piece of these degrees, whose control points are made from their index and their place in a unit square.
     fn one_piece(
         degree: [usize; 2],
         point: impl Fn(usize, f64, f64) -> DVec4,
@@ -452,7 +453,7 @@ mod tests {
             let bound = |value: f32| f64::from(value) + 1e-15;
             for (x, y) in [(0.0, 0.0), (-1.2, 1.2), (1.1, 0.3), (0.4, -0.9)] {
                 let s = true_jet(x, y);
-                // Less the surface's own point times the weight nothing should be left.
+                // Minus the surface's own point times the weight, nothing should be left.
                 let (q, weight) = approximation(fitted, s.point, x, y);
                 assert!(q.point.length() <= bound(leaf.fit_error()));
                 assert!((weight * s.ds).distance(q.ds) <= bound(leaf.slope_error()));
@@ -505,7 +506,7 @@ mod tests {
         assert!((1e-9..1e-7).contains(&median), "{median}");
     }
 
-    /// Nothing is known for rays of which it is not known how near they pass.
+    /// Nothing is known for rays whose distance from the middle is not known.
     #[test]
     fn nothing_is_known_without_a_reach() {
         let sizes = [[[0.1; 4]; 4]; 2];

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 
 use crate::math::{Aabb, rounding};
 
-/// Boxes are grown by this part of the half size of what is scaled: some roundings of f32, and far
-/// more than any rounding of f64.
+/// Boxes are grown by this fraction of the half size of what is scaled: a few roundings of f32, and far more than any
+/// rounding of f64.
 pub(crate) const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is searched
@@ -28,7 +28,7 @@ pub(crate) struct ScaledBox {
 }
 
 impl ScaledBox {
-    /// The smallest box that holds all of some boxes; of none, from +∞ to −∞.
+    /// The smallest box that holds all the given boxes; for none, from +∞ to −∞.
     pub(crate) fn around(boxes: &[Self]) -> Self {
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for each in boxes {

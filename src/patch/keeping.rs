@@ -1,4 +1,4 @@
-//! How much memory control points may take: which of them are kept, and which made when they are wanted.
+//! How much memory control points may take: which of them are kept, and which are made on demand.
 
 use super::piece_net::numbers_a_point;
 use crate::geometry::{Chart, Extractions, KnotVector, NurbsSurface};
@@ -8,22 +8,23 @@ use crate::geometry::{Chart, Extractions, KnotVector, NurbsSurface};
 pub(super) enum Keeping {
     /// All Bézier points, ready to be used.
     Bezier,
-    /// Where it is possible and saves much, those of the B-spline, from which pieces make theirs.
+    /// Where this is possible and saves much, the control points of the B-spline, from which pieces make their Bézier
+    /// points.
     Spline,
 }
 
-/// Bézier points of all charts together are kept as long as they are no more than this: beside all else
-/// they fit into a core's own cache, of 1 or 2 MB, and memory is not what a small model lacks. Made anew
-/// for each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94 to 1.0 times as fast.
+/// The Bézier points of all charts are kept as long as they take no more than this together: with everything else
+/// they fit into a core's own cache, of 1 or 2 MB, and a small model does not lack memory. If they are made anew for
+/// each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94 to 1.0 times as fast.
 const MOST_BEZIER_BYTES: usize = 1 << 18;
 
-/// Charts with fewer than this many times as many Bézier points as control points keep them all the same; so do those
-/// of so few spans that their control points, with what makes nets of them, take more than one part in this many of
-/// the memory.
+/// Charts with fewer than this many times as many Bézier points as control points keep their Bézier points all the
+/// same. So do charts of so few spans that their control points, with what makes nets of them, take more than one
+/// part in this many of the memory.
 const LEAST_SAVING: usize = 2;
 
 impl Keeping {
-    /// That of all charts, which share the cache.
+    /// The choice for all charts together, which share the cache.
     pub(super) fn of<'c>(charts: impl Iterator<Item = &'c Chart<'c>>) -> Self {
         let bytes = charts
             .map(|chart| {
@@ -34,7 +35,7 @@ impl Keeping {
         if bytes > MOST_BEZIER_BYTES { Self::Spline } else { Self::Bezier }
     }
 
-    /// How a surface's control points are kept, if those of all are kept so.
+    /// How one surface's control points are kept, given the choice for all.
     pub(super) fn of_one(self, surface: &NurbsSurface) -> Self {
         let degrees = [surface.knots_u(), surface.knots_v()].map(KnotVector::degree);
         let can_be_made = degrees.iter().all(|&degree| degree <= Extractions::MOST_DEGREE);
@@ -56,8 +57,8 @@ pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
     surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
 }
 
-/// Whether a surface's Bézier points are many times as many as its control points, and take much more memory with
-/// nets by powers, which are kept beside them, than control points with what makes nets of them.
+/// Whether a surface has many times as many Bézier points as control points, and its Bézier points, with the power
+/// nets kept beside them, take much more memory than its control points with what makes nets of them.
 fn spline_saves(surface: &NurbsSurface) -> bool {
     let knots = [surface.knots_u(), surface.knots_v()];
     let (bezier, control) = (surface.bezier_point_count(), surface.control().len());

@@ -18,8 +18,8 @@ use crate::math::{prefetch, rounding};
 /// that a root on the line between two leaves is not lost to rounding in both.
 pub(crate) const LEAF_SLACK: f64 = 1e-3;
 
-/// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's
-/// steps may stray there. Wider, it would speak of fewer rays.
+/// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps may stray there.
+/// With a wider rectangle, it would hold for fewer rays.
 pub(crate) const WIDENING: f64 = 0.02;
 
 /// A part of a piece that is flat enough to search, in the common form that all leaves have,
@@ -28,23 +28,23 @@ pub(crate) const WIDENING: f64 = 0.02;
 /// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
 /// to the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene units: its
 /// numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`, which is 1 in the
-/// middle, by another one. That is so where degrees are three at most, and weights differ, but not too much
-/// (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` near `S`. The `WeightFit`s are kept elsewhere,
-/// as is the leaf's `OrientedBox`, beside those of its neighbours in space.
+/// middle, by another one. That is so where the degrees are three at most, and the weights differ, but not too much
+/// (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` is near `S`. The `WeightFit`s and the leaf's `OrientedBox` are
+/// kept elsewhere, beside those of its neighbours in space.
 ///
-/// The distances of a plane through a ray from all points, `n · (S − o)`, have the roots of
-/// `F = n · X + (n · (c − o)) W`, with the leaf's middle `c`: sums of the coefficients. They give Newton's iteration
-/// a start; and since what they are off by is bounded (`FitError`) for rays that meet the leaf's
-/// box, they can prove of one ray that a part of the leaf holds one root at most, or none.
+/// The distances of the surface's points from a plane through a ray, `n · (S − o)`, have the roots of
+/// `F = n · X + (n · (c − o)) W`, where `c` is the leaf's middle; the coefficients of `F` are sums of those of `X`
+/// and `W`. They give Newton's iteration a start. Since their error is bounded (`FitError`) for rays that meet the
+/// leaf's box, they can also prove for a ray that a part of the leaf holds one root at most, or none.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Leaf {
     fit: Fit,
-    /// What the approximation is relative to: its own value in the middle, off the surface by
+    /// The point that the approximation is relative to: its own value in the middle, off the surface by
     /// [`fit_error`](Self::fit_error) at most.
     pub(crate) middle: DVec3,
     rect: DyadicRect,
-    /// Which piece.
+    /// The index of the piece.
     pub piece: u32,
     /// Which rays meet the leaf at most once.
     pub(crate) certificate: Certificate,
@@ -103,7 +103,7 @@ impl Leaf {
         (leaf, weight, oriented)
     }
 
-    /// Asks for every cache line, for those who will want them soon.
+    /// Prefetches every cache line, for use soon.
     #[inline(always)]
     pub(crate) fn prefetch(&self) {
         self.fit.iter().for_each(prefetch);
@@ -116,13 +116,13 @@ impl Leaf {
         self.rect.ranges()
     }
 
-    /// The same, as a number that leaves of a piece can be put in order by.
+    /// The same, as a value by which the leaves of a piece can be ordered.
     pub(crate) fn place(&self) -> DyadicRect {
         self.rect
     }
 
-    /// The leaf's rectangle with `part` of its sides added on each side, but for a side that
-    /// is collapsed to a point.
+    /// The leaf's rectangle with `part` of its sides added on each side, except at a side that is collapsed to a
+    /// point.
     #[inline(always)]
     pub(crate) fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
         let wider = |[from, to]: [f64; 2]| {
@@ -137,27 +137,27 @@ impl Leaf {
         }
     }
 
-    /// Where the leaf ends at a collapsed side of its piece.
+    /// The collapsed side of its piece at which the leaf ends, if any.
     #[inline(always)]
     pub(crate) fn collapsed(&self, piece: &Piece) -> Option<CollapsedSide> {
         if self.has_pole() { collapsed_side(self.rect, piece) } else { None }
     }
 
-    /// Where the leaf ends in a point, if it does.
+    /// The point in which the leaf ends, if it does.
     #[inline(always)]
     pub(crate) fn pole(&self, piece: &Piece) -> Option<DVec3> {
         piece.collapsed(self.collapsed(piece)?.number())
     }
 
-    /// Whether a trim curve passes through, so that hits must be asked for their side of it;
-    /// else all of what the leaf answers for is there.
+    /// Whether a trim curve passes through, so that hits must be tested against it; otherwise everything that the
+    /// leaf answers for is kept.
     #[inline(always)]
     pub fn is_trimmed(&self) -> bool {
         self.marks & TRIMMED != 0
     }
 
-    /// Whether box coordinates where a ray crosses the middle of the leaf's box are about as near to its root as f32
-    /// knows: the leaf is all but a parallelogram, evenly parametrized.
+    /// Whether the box coordinates at which a ray crosses the middle of the leaf's box are about as near to its root
+    /// as f32 can tell: the leaf is nearly a parallelogram with an even parametrization.
     #[inline(always)]
     pub(crate) fn is_flat(&self) -> bool {
         self.marks & FLAT != 0
@@ -169,12 +169,12 @@ impl Leaf {
         self.marks & AT_BORDER != 0
     }
 
-    /// How far from a side of the piece, in its parameter, a hit may be within rounding of it, if the side is a border
-    /// of the surface and near the leaf, which is certified for the ray; sides are counted as in
-    /// [`Piece::is_border`].
+    /// The distance from a side of the piece, in its parameter, within which a hit may be within rounding of the
+    /// side; `None` unless the side is a border of the surface and near the leaf. The leaf must be certified for the
+    /// ray. Sides are counted as in [`Piece::is_border`].
     ///
-    /// Then rounding moves a root by less than half of the leaf's slack, and what is at a border is within four times
-    /// that: this is twice as much.
+    /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is within four times
+    /// that; the distance returned is twice as much.
     #[inline(always)]
     pub(crate) fn near_border(&self, piece: &Piece, side: usize) -> Option<f64> {
         let [from, to] = self.rect()[side / 2];
@@ -205,13 +205,13 @@ impl Leaf {
         second_derivatives([term(4), term(1)], [term(8), term(5), term(2)])
     }
 
-    /// How far `F`, the distances times the weight, may be off: see [`FitError`].
+    /// The error bound of `F`, the distances times the weight: see [`FitError`].
     #[inline(always)]
     pub(crate) fn fit_error(&self) -> f32 {
         self.fit_error.value()
     }
 
-    /// The same of either partial derivative.
+    /// The same for either partial derivative.
     #[inline(always)]
     pub(crate) fn slope_error(&self) -> f32 {
         self.slope_error.value()
@@ -230,15 +230,15 @@ impl Leaf {
         f64::from(self.fit_third.value()) * f64::from(self.fit_bend())
     }
 
-    /// How much farther apart two places of the leaf, or a little outside, are at most than their
-    /// points in space, where box coordinates are multiplied by [`Self::half_side_lengths`]; infinite
-    /// where nothing is known.
+    /// The largest ratio of the distance between two places of the leaf, or a little outside, to that between their
+    /// points in space, where box coordinates are multiplied by [`Self::half_side_lengths`]; infinite where nothing
+    /// is known.
     #[inline(always)]
     pub(crate) fn stretch(&self) -> f32 {
         self.stretch.value()
     }
 
-    /// The lengths, about, of the half sides in `x` and `y`.
+    /// The approximate lengths of the half sides in `x` and `y`.
     pub(crate) fn half_side_lengths(&self) -> [f32; 2] {
         [4, 1].map(|k| {
             // In f64: squares of tiny leaves vanish in f32.
@@ -250,10 +250,10 @@ impl Leaf {
 
 /// See [`Leaf::stretch`].
 ///
-/// With the sides made unit vectors, the tangents in the middle take a vector to one that is not
-/// shorter than `√(1 − |cos φ|)` of it, `φ` the angle between them. All other terms of a polynomial
-/// approximation add no more to them than their sizes, and the surface the slopes' error; in a quotient they turn by the
-/// second derivatives in the middle, and what these leave: see [`FitError`].
+/// With the sides made unit vectors, the tangents in the middle map a vector to one that is at least `√(1 − |cos φ|)`
+/// times as long, where `φ` is the angle between them. All other terms of a polynomial approximation add no more to
+/// the tangents than their sizes, and the surface adds the slopes' error. In a quotient the tangents turn by the
+/// second derivatives in the middle, and by what these leave: see [`FitError`].
 fn stretch(
     leaf: &Leaf,
     weight: &WeightFit,
@@ -283,22 +283,23 @@ fn stretch(
     if of_quotient < WELL_STRETCHED || x.max(y) < LONG * x.min(y) {
         return of_quotient;
     }
-    // What third derivatives are bounded by grows with a leaf's length, though they need not.
+    // The bound of third derivatives grows with a leaf's length, though they need not.
     let near = Approximation::polynomial(halving, piece);
     let of_polynomial = of_polynomial(&near.fit, &near.error(halving, piece, 0.0));
     let longer = |k: usize| term(&leaf.fit, k).length() / term(&near.fit, k).length();
     of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
 }
 
-/// Leaves whose [`FitError::bend`] is no larger a part of their half sides are taken for flat.
+/// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as flat.
 const MOST_BEND_OF_FLAT: f64 = 1e-6;
 
-/// What leaves are marked with: see [`Leaf::is_trimmed`], [`Leaf::is_flat`] and [`Leaf::is_at_border`].
+/// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_flat`] and [`Leaf::is_at_border`].
 const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
 const AT_BORDER: u8 = 4;
 
-/// Leaves that are stretched less need no second look, nor do those that are not this many times as long as wide.
+/// Leaves that are stretched less than [`WELL_STRETCHED`] need no second look, nor do those that are less than
+/// [`LONG`] times as long as wide.
 const WELL_STRETCHED: f64 = 2.0;
 const LONG: f32 = 2.0;
 
@@ -308,7 +309,7 @@ fn stretched(fit: &Fit, turning: [f64; 2]) -> f64 {
     let lengths = [a.length(), b.length()];
     let least = (1.0 - (a.dot(b) / (lengths[0] * lengths[1])).abs()).sqrt();
     let most = (turning[0] / lengths[0]).hypot(turning[1] / lengths[1]);
-    // What rounding does is far less than this; false for NaN.
+    // Rounding error is far less than this; false for NaN.
     let stretches = least - most > 1e-3;
     if stretches { 1.0 / (least - most) } else { f64::INFINITY }
 }

@@ -1,4 +1,4 @@
-//! Which parts of pieces become leaves: the flatter the more room there is.
+//! Which parts of pieces become leaves: the more room there is, the flatter they are.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -11,37 +11,37 @@ use super::tiles::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
-/// Finer leaves are made as long as all of them take no more than this: a tenth of what triangles
-/// take that are off by 1e-5 of the teapot.
+/// Finer leaves are made as long as all leaves together take no more than this: a tenth of the memory of triangles
+/// that approximate the teapot to 1e-5.
 const WORTHWHILE_BYTES: usize = 25 << 15;
 
-/// Those that are no more than half as many again as the coarsest may take this, about the size of a second-level
+/// Leaves that are no more than half as many again as the coarsest may take this, about the size of a second-level
 /// cache.
 const MOST_BYTES: usize = 5 << 18;
 
-/// Halving what bends by a good deal and is large in the scene is worth more memory, up to this.
+/// Parts that bend much and are large in the scene are worth more memory, up to this.
 const SCENE_BYTES: usize = 5 << 20;
 
-/// From here on it is: [`Cut::worth`] where lengths are parts of the scene's diagonal, so that half an angle of 0.42 is
-/// enough of a part a hundredth as large, and 0.1 of one that takes 0.18 of it.
+/// The least [`Cut::worth`] that is worth that memory, with lengths as fractions of the scene's diagonal: half an
+/// angle of 0.42 is enough for a part of size a hundredth, and 0.1 for one of size 0.18.
 ///
 /// Measured on models of 500 to 2700 pieces: a teapot with its parts blended is traced 1.3 to 1.6 times as fast
 /// (shadow rays 2.5 times) with 8400 leaves instead of 6300, a lamp 1.2 to 1.3 times with 5900 instead of 3700, others
-/// 1.0 to 1.2 times. Half of it is worth nothing more to packets, and takes 1.4 to 2.2 times the memory.
+/// 1.0 to 1.2 times. Half this value gains packets nothing more, and takes 1.4 to 2.2 times the memory.
 const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
 
-/// What a leaf takes, but for its weight, with its share of the tree: its box in a block that is half full.
+/// The memory of a leaf without its weight, including its share of the tree: its box in a block that is half full.
 const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 2;
 
-/// The same as numbers of leaves.
+/// The same limits as numbers of leaves.
 const WORTHWHILE: usize = WORTHWHILE_BYTES / BYTES_A_LEAF;
 const MOST: usize = MOST_BYTES / BYTES_A_LEAF;
 const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 
-/// The parts of all pieces that are to be leaves; and none where trims have cut all of it off.
+/// The parts of all pieces that become leaves; none of a piece that trims have cut off entirely.
 ///
-/// Those of charts of more than [`MOST`] pieces are the coarsest; so are those of all others if they are more than a
-/// scene may be halved into. Neighbours are kept together where pieces are so many.
+/// Charts of more than [`MOST`] pieces get the coarsest parts; so do all others if together they have more pieces
+/// than a scene may be halved into. Neighbours are kept together where there are so many pieces.
 pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     let (dense, others): (Vec<Grid>, Vec<Grid>) =
         grids.iter().partition(|grid| grid.count() > MOST);
@@ -63,7 +63,7 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     parts
 }
 
-/// The coarsest parts of all pieces of some charts: control points are needed for a moment only.
+/// The coarsest parts of all pieces of some charts. Control points are needed only for a moment.
 pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     GroupedParts::of(pieces, grids, |k, parts| {
         let piece = &pieces[k];
@@ -73,10 +73,10 @@ pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     })
 }
 
-/// The parts of the pieces of some charts, in a scene with others inside some `bounds`; piece by piece.
+/// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene.
 ///
-/// All are as flat as a leaf must be; then always the part is halved for which that is worth most, as
-/// long as there is room. Halves that are not flat enough by themselves may take a little more.
+/// All parts are as flat as a leaf must be. Then the part for which halving is worth most is halved, again and again,
+/// as long as there is room. Halves that are not flat enough by themselves may take a little more.
 fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
     let coarse: Vec<SmallVec<[Flat; 1]>> = grids
         .par_iter()
@@ -111,11 +111,11 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
     leaves.par_iter().map(part).collect()
 }
 
-/// A part that is to be a leaf, as long as there is no room for its halves.
+/// A part that becomes a leaf unless there is room for its halves.
 struct Flat {
     piece: u32,
     halving: Box<Halving>,
-    /// How to halve it, if that is worth anything.
+    /// How to halve the part, if that is worth anything.
     way: Option<Cut>,
 }
 
@@ -130,7 +130,7 @@ impl Flat {
     }
 }
 
-/// By what halving is worth; of equal ones the first comes last, to be the greatest.
+/// Ordered by what halving is worth; among equal ones the first in place is the greatest.
 impl Ord for Flat {
     fn cmp(&self, other: &Self) -> Ordering {
         let worth = |flat: &Self| flat.way.map_or(f64::NEG_INFINITY, |way| way.worth);

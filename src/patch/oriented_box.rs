@@ -6,13 +6,13 @@ use super::SceneFrame;
 use super::tensor::euclidean;
 use crate::math::RayFrame;
 
-/// A ray with less than this along a row runs along the slab: nothing can be divided by it.
+/// A ray whose component along a row is smaller than this runs along the slab: nothing can be divided by it.
 const LEAST_ALONG: f64 = 1e-300;
 
-/// A chord shorter than this part of the other is of no use as a direction: rounding may be what it is made of.
+/// A chord shorter than this fraction of the other is of no use as a direction: it may be all rounding error.
 const SHORTEST_CHORD: f64 = 1e-6;
 
-/// Nor is one as near to the other's direction, by the sine.
+/// A chord whose angle to the other has a smaller sine than this is of no use either.
 const APART: f64 = 1e-3;
 
 /// A parallelepiped around a leaf: the points `P`, in scaled coordinates, with
@@ -35,7 +35,7 @@ pub(super) struct Axes {
     pub(super) dual: [DVec3; 3],
 }
 
-/// What a ray does to an oriented box.
+/// Where a ray passes an oriented box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passage {
     /// Where along the ray it enters, in scene units from the origin.
@@ -53,7 +53,7 @@ impl OrientedBox {
 
     /// A box around control points.
     ///
-    /// `noise` is how far the points may be from the true ones; no side is thinner.
+    /// `noise` is the error bound of the points; no side is thinner.
     pub(super) fn around(net: &[DVec4], axes: &Axes, noise: f64, frame: &SceneFrame) -> Self {
         let Axes { axes, dual } = axes;
         let [a, b, n] = *dual;
@@ -96,16 +96,16 @@ impl OrientedBox {
         [b.cross(n).normalize(), n.cross(a).normalize(), n.normalize()]
     }
 
-    /// How far from a point, in scene units, rays pass at most that are found to meet the box in f32; no number
-    /// where the box has no size.
+    /// The largest distance from a point, in scene units, of rays that are found in f32 to meet the box; NaN where
+    /// the box has no size.
     pub(super) fn farthest_from(&self, point: DVec3, frame: &SceneFrame) -> f64 {
         let [a, b, c] = self.directions();
         let volume = a.dot(b.cross(c));
         let mut half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
         let middle: DVec3 = (0..3).map(|k| f64::from(self.rows[k][3]) * half[k]).sum();
         let from_middle = (frame.scaled(point) - middle).length();
-        // Each pair of planes is met with as much to spare as rounding of f32 does, and the ray's ends have: no more
-        // than the box was grown by, each.
+        // The test of each pair of planes has a tolerance for the rounding of f32, and so have the ray's ends: each
+        // is no more than the box was grown by.
         for (half, row) in half.iter_mut().zip([a, b, c]) {
             *half *= 1.0 + 2.0 * OrientedBox::GROWTH * row.length();
         }
@@ -117,7 +117,7 @@ impl OrientedBox {
 
     /// Where the ray passes within `slack` of the box; `None` when it does not.
     ///
-    /// Written so that an undefined number counts as a passage: the leaf test then decides.
+    /// Written so that NaN counts as a passage: the leaf test then decides.
     pub(crate) fn passage(
         &self,
         ray: &RayFrame,
@@ -237,8 +237,8 @@ mod tests {
         );
     }
 
-    /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is no farther from its
-    /// middle than is said, and not much nearer.
+    /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is no farther from
+    /// its middle than `farthest_from` says, and not much nearer.
     #[test]
     fn rays_that_meet_a_slanted_box_are_near() {
         let frame = SceneFrame { center: DVec3::ZERO, scale: 1.0 };

@@ -8,28 +8,28 @@ use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
-/// A trim curve that stays so near the border of a part, in sides, is not worth halving for: the
-/// parts on that side would all be as mixed as before.
+/// A trim curve that stays this near to the border of a part, as a fraction of its sides, is not worth halving for:
+/// the parts on that side would all be as mixed as before.
 const RIM: f64 = 1.0 / 16.0;
 
-/// Flatter leaves than this gain little. Flat ones need fewer Newton steps, fit their boxes better
+/// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes better
 /// and are certified for more rays; but there are more of them, each met by fewer rays of a packet.
 /// Measured against 0.06, which takes about twice the memory: a sphere is traced 0.97 to 1.08 times as
 /// fast, a sheet of hills 0.98 to 1.07, a trimmed one 0.98 to 1.12, a surface of degree 5 × 5 0.88 to 1.
 const FLATTEST: f64 = 0.09;
 
-/// What halving a part that a trim curve passes through is worth, the first time for its sake, the
-/// second and so on, as if it was bent by that much: hits on what is off the curve then need no test.
+/// The bend that a part with a trim curve through it is treated as having, for the first halving made for the sake of
+/// the curve, the second, and so on: hits on halves that the curve misses then need no test.
 ///
-/// Measured on a trimmed sheet: four times instead of two make 1436 leaves of 1055, rays that come alone
-/// 1.1 times as fast, shadow rays 0.94. On another one six and eight times gained nothing more.
+/// Measured on a trimmed sheet: with four such halvings instead of two there are 1436 leaves instead of 1055, single
+/// rays are traced 1.1 times as fast, shadow rays 0.94 times. On another sheet six and eight gained nothing more.
 const AT_TRIMS: [f64; 4] = [0.15, 0.15, 0.12, 0.12];
 const _: () = assert!(AT_TRIMS[3] > FLATTEST, "the last is worth something");
 
 /// A part of a piece that is flat enough to become a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
-    /// Which piece.
+    /// The index of the piece.
     pub piece: u32,
     /// The part of the piece's unit square.
     pub rect: DyadicRect,
@@ -46,25 +46,23 @@ pub(super) struct Halving {
     net: BezierNet,
     /// How often it was halved for the sake of trim curves.
     cuts: u32,
-    /// Whether it is known that trims have cut off nothing of it; asked of each that is handed over.
+    /// Whether trims are known to have cut off nothing of it; determined before it is handed over.
     inside: bool,
-    /// How much it bends, set before it is handed over; nothing where rounding is all that is left to
-    /// see.
+    /// How much it bends, set before it is handed over; `None` where only rounding error is left to measure.
     bend: Option<Bend>,
 }
 
 /// A way to halve a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
-    /// Across which side.
+    /// The direction to halve in.
     direction: usize,
     /// Whether it is for the sake of a trim curve.
     at_trims: bool,
-    /// What it is worth: the angle the part bends by, or as if it did, times the square root of its size, which is the
-    /// geometric mean of its sides. Large parts are seen by more rays; but a small one may be what a
-    /// picture is about, so not times its area. Measured: a body with the wires of its net is traced 1.2
-    /// to 2 times as fast as with the angle alone; teapot, goblet and a flange with bolts are 0.97 to
-    /// 1.06 times as fast.
+    /// What the cut is worth: the angle the part bends by, or its equivalent, times the square root of its size,
+    /// which is the geometric mean of its sides. Large parts are seen by more rays; but a small part may be what a
+    /// picture is about, so the factor is not the area. Measured: a body with the wires of its net is traced 1.2 to 2
+    /// times as fast as with the angle alone; teapot, goblet and a flange with bolts are 0.97 to 1.06 times as fast.
     pub(super) worth: f64,
 }
 
@@ -91,7 +89,7 @@ impl Halving {
     /// Hands over the parts of this part that are flat enough to be leaves and are not cut off by
     /// trims.
     pub(super) fn coarse_parts(mut self, piece: &Piece, done: &mut impl FnMut(Self)) {
-        // Roots are known to far less than the widening where a certificate holds.
+        // Where a certificate holds, roots are known to far less than the widening.
         let coverage = self.trims_of(piece).map_or(Coverage::Inside, |trims| {
             trims.classify(&piece.uv_box(self.on_piece(WIDENING)))
         });
@@ -145,8 +143,8 @@ impl Halving {
         })
     }
 
-    /// Across which side to halve a part that a trim curve passes through, if that is
-    /// worthwhile: the longer one.
+    /// The direction in which to halve a part that a trim curve passes through, if that is worthwhile: along the
+    /// longer side.
     fn direction_to_cut(&self, piece: &Piece) -> Option<usize> {
         let trims = self.trims_of(piece)?;
         let middle = piece.uv_box(self.on_piece(-RIM));
@@ -169,8 +167,8 @@ impl Halving {
         [half(0), half(1)]
     }
 
-    /// What is kept of the part: where it is, and a box with sides along the axes that holds
-    /// every point its leaf answers for, but for rounding.
+    /// What is kept of the part: its place, and an axis-parallel box that holds every point its leaf answers for,
+    /// except for rounding.
     pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
@@ -182,7 +180,7 @@ impl Halving {
         Part { piece: index, rect: self.rect, bounds, trimmed: !self.inside }
     }
 
-    /// The control points over the leaf and its slack, which ends with the piece.
+    /// The control points over the leaf and its slack; the slack ends with the piece.
     pub(super) fn answered(&self, piece: &Piece) -> BezierNet {
         let range = |[from, to]: [f64; 2]| {
             let low = if from == 0.0 { 0.0 } else { -LEAF_SLACK };
@@ -193,8 +191,7 @@ impl Halving {
         self.grown(piece, s, t)
     }
 
-    /// The control points over the rectangle that the certificate speaks of: it ends at a
-    /// collapsed side.
+    /// The control points over the rectangle that the certificate speaks of, which ends at a collapsed side.
     pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> BezierNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {
@@ -210,12 +207,12 @@ impl Halving {
         net
     }
 
-    /// Of the control points.
+    /// The bounding box of the control points.
     pub(super) fn bounds(&self) -> Aabb {
         Aabb::around(self.net.iter().map(|&c| euclidean(c)))
     }
 
-    /// Where it is on its piece.
+    /// Its rectangle on the piece.
     pub(super) fn rect(&self) -> DyadicRect {
         self.rect
     }

@@ -11,26 +11,26 @@ use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 
-/// The smallest sine of the angle between tangents that tells how far a side is: what is said of
-/// places with a smaller one is that they are at a side within a thousand times the distance.
+/// The smallest sine of the angle between tangents that is used to tell how far a side is. Places with a smaller sine
+/// count as at a side within a thousand times the distance.
 const LEAST_SINE: f64 = 1e-3;
 
-/// Places are beside a collapsed side as far as this part of the piece, at most: where a surface
-/// hardly moves with a parameter, far places are near in space.
+/// Places count as beside a collapsed side within this fraction of the piece, at most: where a surface hardly moves
+/// with a parameter, places that are far in the parameter are near in space.
 pub(crate) const BESIDE_COLLAPSED: f64 = 1e-3;
 
-/// As far as this part of the piece from a collapsed side the pole there tells the normal: farther off the tangents know
-/// all but one or two of its digits themselves.
+/// Within this fraction of the piece from a collapsed side, the pole there determines the normal; farther off, the
+/// tangents themselves give all but one or two of its digits.
 const BESIDE_POLE: f64 = 0.1;
 
-/// A tangent at a side speaks for places beside it where it changes by less than one over this.
+/// A tangent at a side stands for places beside it if it changes by less than one over this on the way.
 const STEADY: f64 = 16.0;
 
-/// By how much the tangents' rounding may turn the normal beside a collapsed side, in radians.
+/// The largest angle, in radians, by which rounding of the tangents may turn the normal beside a collapsed side.
 const TURNED_BY_TANGENTS: f64 = 1e-6;
 
-/// What is left of a number of f64 of which half of the digits are lost: sines and angles below it
-/// may be rounding of what second derivatives decide.
+/// The relative precision of an f64 that has lost half of its digits: sines and angles below it may be rounding error
+/// of what second derivatives decide.
 pub(super) const HALF_THE_DIGITS: f64 = 1e-8;
 
 /// A Bézier piece with its place in the surface it was cut from.
@@ -38,15 +38,15 @@ pub(super) const HALF_THE_DIGITS: f64 = 1e-8;
 pub struct Piece {
     /// The piece on its unit square.
     pub patch: TensorPatch,
-    /// Which surface, counted in the order given.
+    /// The index of the surface, in the order given.
     pub surface: u32,
     /// Which sides are borders of the surface, and which are collapsed, a bit each.
     border: u8,
     collapsed: u8,
-    /// Which of the collapsed ones are tips, as that of a cone (see [`tips`](super::tips)).
+    /// Which of the collapsed ones are tips, such as that of a cone (see [`tips`](super::tips)).
     tips: u8,
-    /// Whether another piece begins at the end of this one with something else, in `u` and in
-    /// `v`, as where the surface jumps: the knot itself belongs to that piece.
+    /// Whether another piece that differs there begins at the end of this one, in `u` and in `v`, for example where
+    /// the surface jumps. The knot itself then belongs to that piece.
     open_end: u8,
 }
 
@@ -75,8 +75,8 @@ impl Piece {
         self.border >> side & 1 != 0
     }
 
-    /// The surface parameters of a point of the unit square; exact at its corners, but at an
-    /// open end: there it is the last number before the knot.
+    /// The surface parameters of a point of the unit square; exact at its corners, except at an open end, where they
+    /// are the last number before the knot.
     #[inline]
     pub fn uv(&self, st: DVec2) -> DVec2 {
         self.patch.net.map.uv(self.chart_uv(st))
@@ -94,38 +94,36 @@ impl Piece {
         DVec2::new(at(0), at(1))
     }
 
-    /// The trims that say which part of its chart is there.
+    /// The trims that say which part of its chart is kept.
     pub fn trims(&self) -> Option<&Trims> {
         self.patch.net.trims.as_deref()
     }
 
-    /// Whether a point of the unit square is kept, if it is known to `reach` in each parameter;
-    /// an edge wherever the answer may depend on that, or on the rounding of [`Self::uv`].
+    /// Whether a point of the unit square is kept by the trims, if it is known to `reach` in each parameter; an edge
+    /// wherever the answer may depend on `reach`, or on the rounding of [`Self::uv`].
     pub fn side(&self, st: DVec2, reach: DVec2) -> Side {
         let Some(trims) = self.trims() else { return Side::Inside };
         let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
         let reach = reach * lengths + self.uv_rounding();
-        // What is not a number is not known.
+        // NaN means unknown.
         let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
         trims.contains_within(self.chart_uv(st), reach)
     }
 
-    /// The chart's parameters of a part of the unit square, with all that rounding may make of
-    /// them.
+    /// The box of the chart's parameters over a part of the unit square, grown by their rounding error.
     pub(super) fn uv_box(&self, rect: [[f64; 2]; 2]) -> UvBox {
         let at = |k: usize| self.chart_uv(DVec2::new(rect[0][k], rect[1][k]));
         UvBox { min: at(0), max: at(1) }.grown(self.uv_rounding())
     }
 
-    /// How far computed parameters may be from the true ones: a product, two sums, and the
-    /// length of the domain, each rounded, at an open end one number more.
+    /// The error bound of computed parameters: the roundings of a product, two sums and the length of the domain; at
+    /// an open end one number more.
     fn uv_rounding(&self) -> DVec2 {
         let largest = self.domain().map(|[from, to]| from.abs().max(to.abs()));
         4.0 * f64::EPSILON * DVec2::from_array(largest)
     }
 
-    /// The number from which on parameters belong to the next piece, in `u` or `v`, at an open
-    /// end.
+    /// The parameter from which on, in `u` or `v`, the next piece begins, at an open end.
     pub(crate) fn open_end(&self, k: usize) -> Option<f64> {
         (self.open_end >> k & 1 != 0).then(|| self.domain()[k][1])
     }
@@ -135,7 +133,7 @@ impl Piece {
         Arc::ptr_eq(&self.patch.net, &other.patch.net)
     }
 
-    /// Whether its chart's parameters are not the surface's own.
+    /// Whether its chart's parameters differ from the surface's own.
     pub(crate) fn is_placed(&self) -> bool {
         !matches!(self.patch.net.map, ChartMap::Identity)
     }
@@ -156,9 +154,9 @@ impl Piece {
         Some(euclidean(self.patch.control_point(i, j)))
     }
 
-    /// How far, to first order, a point is from the four sides: along one parameter, times the
-    /// sine of the angle to the other. Where the tangents are parallel, as in a cusp, every side
-    /// would be near; there the sine is taken to be at least `LEAST_SINE`.
+    /// The distances of a point, to first order, from the four sides: along one parameter, times the sine of the
+    /// angle to the other. Where the tangents are parallel, as in a cusp, every side would be near; there the sine is
+    /// taken to be at least `LEAST_SINE`.
     pub(crate) fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
         let (ds, dt) = (jet.ds.length(), jet.dt.length());
         let sine = jet.ds.cross(jet.dt).length() / (ds * dt);
@@ -168,15 +166,14 @@ impl Piece {
     }
 
     /// The unit normal at a point of the unit square; near collapsed sides its limit from
-    /// inside the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit on
-    /// the way along the other parameter: not the surface's normal, but a bound of how flat a ray
-    /// may be.)
+    /// inside the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit along the other
+    /// parameter: not the surface's normal, but a bound of how flat a ray may be.)
     ///
-    /// Beside a collapsed side the tangent along it vanishes; there the pole tells the normal (`pole_normal`). Where it
-    /// does not, as where two such sides meet, the tangent is known to `error / ρ` at a distance `ρ`, while the limit at
-    /// the side itself differs by up to `ρ / size` from the truth: it is taken where it is the nearer of the two, so
-    /// that half of the digits are right. Where second derivatives know of no limit, and the tangents are but
-    /// rounding, nothing is known.
+    /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal (`pole_normal`).
+    /// Where it does not, for example where two such sides meet, the tangent is known to `error / ρ` at a distance
+    /// `ρ`, while the limit at the side itself differs from the truth by up to `ρ / size`. The limit is taken where
+    /// it is the nearer of the two, so that half of the digits are right. Where second derivatives give no limit, and
+    /// the tangents are only rounding error, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         if let Some(normal) = self.normal_by_pole(st) {
             return Some(normal);
@@ -189,8 +186,8 @@ impl Piece {
             let reaches = distances[side] <= clear && parameters[side] <= BESIDE_COLLAPSED;
             self.is_collapsed(side) && reaches
         };
-        // Beside a collapsed side those that it meets are near all along it: only that counts which
-        // is the nearest in its parameter.
+        // All along a collapsed side, the collapsed sides that it meets are near, too: only the side that is nearest
+        // in its parameter counts.
         let nearest = (0..4)
             .filter(|&side| self.is_collapsed(side))
             .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
@@ -212,7 +209,7 @@ impl Piece {
         let turned = (p * sides[1] + q * sides[0]) / cross.length();
         let unit = cross.try_normalize();
         match (limit, unit) {
-            // What is known of the tangents must not speak against it.
+            // The tangents, as far as they are known, must not contradict it.
             (Some(limit), Some(unit))
                 if limit.distance(unit) <= 4.0 * turned + TURNED_BY_TANGENTS =>
             {
@@ -223,7 +220,8 @@ impl Piece {
         }
     }
 
-    /// The unit normal beside the one collapsed side that is near, if there is one and it tells.
+    /// The unit normal from the pole of the only collapsed side that is near; `None` if there is no such side, or its
+    /// pole tells too little.
     fn normal_by_pole(&self, st: DVec2) -> Option<DVec3> {
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         let mut near =
@@ -234,7 +232,7 @@ impl Piece {
         }
     }
 
-    /// The limit at a place beside another one; `None` where the tangents turn on the way.
+    /// The limit of the normal at a place, for another one beside it; `None` where the tangents turn on the way.
     fn limit_beside(&self, place: DVec2, st: DVec2) -> Option<DVec3> {
         let known = self.known_derivatives(place);
         let way = (place - st).abs();
@@ -247,15 +245,15 @@ impl Piece {
         known.unit_normal(inward(place))
     }
 
-    /// Whether a point is a tip, as that of a cone, to within rounding: the end of a collapsed
-    /// side from which normals have different limits, and so the surface has none.
+    /// Whether a point is a tip, such as that of a cone, to within rounding: the point of a collapsed side at which
+    /// normals have different limits, so that the surface has no normal.
     pub fn is_tip(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
         let is_at = |tip: DVec3| point.distance(tip) <= rounding;
         (0..4).any(|side| self.tips >> side & 1 != 0 && self.collapsed(side).is_some_and(is_at))
     }
 
-    /// Makes a tip of a collapsed side.
+    /// Marks a collapsed side as a tip.
     pub(super) fn make_tip(&mut self, side: usize) {
         self.tips |= 1 << side;
     }
@@ -265,7 +263,7 @@ impl Piece {
         self.known_derivatives(place).unit_normal(inward(place))
     }
 
-    /// The derivatives, but for those that are only rounding.
+    /// The derivatives, except those that are only rounding error.
     fn known_derivatives(&self, place: DVec2) -> SurfaceDerivatives {
         let derivatives = self.patch.derivatives(place);
         derivatives.beyond_rounding(self.patch.degree(), self.patch.noise())
@@ -289,7 +287,7 @@ impl Piece {
     }
 }
 
-/// Which way leads into the unit square from a place on its border.
+/// The direction into the unit square from a place on its border.
 fn inward(place: DVec2) -> DVec2 {
     let sign = |x: f64| if x < 0.5 { 1.0 } else { -1.0 };
     DVec2::new(sign(place.x), sign(place.y))
@@ -302,7 +300,7 @@ fn collapsed_sides(patch: &TensorPatch, points: &[DVec3]) -> u8 {
     let at = |i: usize, j: usize| points[i * (q + 1) + j];
     let tolerance = 4.0 * patch.noise();
     let is_point = |(di, dj): (usize, usize), (i, j): (usize, usize), degree: usize| {
-        // From the far end: sides that are not collapsed are told at once.
+        // From the far end: sides that are not collapsed are ruled out at once.
         (1..=degree).rev().all(|k| {
             let distance = at(i + k * di, j + k * dj) - at(i, j);
             distance.abs().max_element() <= tolerance

@@ -1,8 +1,8 @@
-//! The control net of a piece: as it is kept, or made where it is wanted.
+//! The control net of a piece: kept, or made on demand.
 //!
-//! Of a dense B-spline surface the Bézier points are up to nine times as many as its own control points.
-//! So those are kept, and a piece's net is made of them when the piece is searched ([`SplineNet`]): always
-//! by the same operations, so that whoever makes it has the same numbers.
+//! A dense B-spline surface has up to nine times as many Bézier points as control points. So its control points are
+//! kept, and a piece's net is made from them when the piece is searched ([`SplineNet`]): always by the same
+//! operations, so that every caller gets the same numbers.
 
 use glam::{DVec3, DVec4};
 
@@ -11,7 +11,7 @@ use super::chart_net::ChartNet;
 use super::powers::ToPowers;
 use crate::geometry::{Extraction, Extractions};
 
-/// How many numbers are kept of a control point: its weight, too, where not all have the same.
+/// How many numbers are kept of a control point: three, and its weight where not all have the same.
 #[inline(always)]
 pub(super) fn numbers_a_point(common_weight: Option<f64>) -> usize {
     if common_weight.is_some() { 3 } else { 4 }
@@ -22,11 +22,11 @@ pub(super) fn numbers_a_point(common_weight: Option<f64>) -> usize {
 pub(crate) struct PieceNet<'a> {
     /// From the first number of the first row on.
     numbers: &'a [f64],
-    /// How many numbers further on the next row begins.
+    /// The distance in numbers from the beginning of a row to that of the next.
     stride: usize,
-    /// The numbers of a row that belong to the piece.
+    /// How many numbers of a row belong to the piece.
     length: usize,
-    /// The weight of all points, if it is one: then a point has three numbers, else four.
+    /// The weight of all points, if they have the same: then a point has three numbers, else four.
     weight: Option<f64>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> PieceNet<'a> {
     /// No points.
     pub(crate) const EMPTY: Self = Self { numbers: &[], stride: 0, length: 0, weight: None };
 
-    /// There is one number more after the last row.
+    /// The net with these numbers, which include one more after the last row.
     pub(super) fn new(
         numbers: &'a [f64],
         stride: usize,
@@ -52,13 +52,13 @@ impl<'a> PieceNet<'a> {
         &self.numbers[i * self.stride..=i * self.stride + self.length]
     }
 
-    /// Whether each row follows the one before at once.
+    /// Whether each row directly follows the one before.
     #[inline(always)]
     pub(crate) fn is_without_gaps(&self) -> bool {
         self.stride == self.length
     }
 
-    /// So many numbers from the beginning of a row on.
+    /// This many numbers from the beginning of a row on.
     #[inline(always)]
     pub(crate) fn numbers_from(&self, i: usize, count: usize) -> &'a [f64] {
         &self.numbers[i * self.stride..][..count]
@@ -85,22 +85,22 @@ pub(crate) enum NetSource<'a> {
     Spline(SplineNet<'a>),
 }
 
-/// The control points of a B-spline that govern a piece, of degree 7 or less in both directions, and what its
-/// nets are made of them by.
+/// The control points of a B-spline that govern a piece, of degree 7 or less in both directions, and how nets are
+/// made from them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SplineNet<'a> {
     chart: &'a ChartNet,
     extraction: &'a [Extractions; 2],
     points: PieceNet<'a>,
-    /// The row and the column of the first of them.
+    /// The row and the column of the first point.
     first: [u32; 2],
 }
 
-/// The numbers of the longest row, and those of the longest of degree 3.
+/// The lengths, in numbers, of the longest row and of the longest of degree 3.
 pub(crate) const LONGEST: usize = 4 * Extractions::MOST_POINTS;
 pub(crate) const LONGEST_OF_CUBIC: usize = 16;
 
-/// Room for a net that is made: a row more, as one more number may be read.
+/// Room for a net that is made: with a row to spare, because one more number may be read.
 #[derive(Clone, Debug)]
 pub(crate) struct NetRoom([f64; LONGEST * (Extractions::MOST_POINTS + 1)]);
 
@@ -117,7 +117,7 @@ impl NetRoom {
         self.0.as_chunks_mut().0
     }
 
-    /// A row of it, of those that have so much room.
+    /// One of its rows, if each has room for `N` numbers.
     #[inline(always)]
     pub(crate) fn row<const N: usize>(&mut self, i: usize) -> &mut [f64; N] {
         &mut self.0.as_chunks_mut().0[i]
@@ -125,7 +125,7 @@ impl NetRoom {
 }
 
 impl<'a> SplineNet<'a> {
-    /// That of a chart's piece, by the row and the column of the first point.
+    /// The net of a chart's piece, by the row and the column of the first point.
     #[inline(always)]
     pub(super) fn new(
         (chart, extraction): (&'a ChartNet, &'a [Extractions; 2]),
@@ -152,13 +152,13 @@ impl<'a> SplineNet<'a> {
         numbers_a_point(self.points.weight)
     }
 
-    /// Those control points.
+    /// The control points that govern the piece, as they lie in memory.
     #[inline(always)]
     pub(crate) fn points(&self) -> PieceNet<'a> {
         self.points
     }
 
-    /// What makes a net by powers of them, along `s` and `t`; `None` where sums are of Bernstein functions.
+    /// What makes a power net from these points, along `s` and `t`; `None` where sums are in Bernstein form.
     #[inline(always)]
     pub(crate) fn by_powers(&self) -> Option<[ToPowers<'a>; 2]> {
         self.chart.to_powers(self.first)
@@ -172,7 +172,7 @@ impl<'a> SplineNet<'a> {
         from.first_chunk().unwrap_or(&[0.0; N])
     }
 
-    /// How much room a row has in a net that is made.
+    /// How many numbers a row has room for in a net that is made.
     #[inline(always)]
     fn row_room(&self) -> usize {
         if self.is_cubic() { LONGEST_OF_CUBIC } else { LONGEST }
@@ -184,13 +184,13 @@ impl<'a> SplineNet<'a> {
         self.degree()[0].max(self.degree()[1]) <= 3
     }
 
-    /// The net that was made there.
+    /// The net that was made in this room.
     #[inline(always)]
     pub(crate) fn made<'r>(&self, room: &'r NetRoom) -> PieceNet<'r> {
         PieceNet::new(&room.0, self.row_room(), self.points.length, self.points.weight)
     }
 
-    /// The Bézier points, row by row: what every other way to make them must agree with, bit for bit.
+    /// The Bézier points, row by row. Every other way to make them must agree with these, bit for bit.
     pub(super) fn bezier_net(&self) -> BezierNet {
         let mut net = if self.is_cubic() { self.cubic_net() } else { self.long_net() };
         if let Some(weight) = self.points.weight {
@@ -201,7 +201,7 @@ impl<'a> SplineNet<'a> {
         net
     }
 
-    /// The same for degree 3 or less, but for the weight of all points.
+    /// The same for degree 3 or less, without the common weight of all points.
     fn cubic_net(&self) -> BezierNet {
         // Degrees known in advance need no branches.
         let points = match self.degree() {
@@ -247,14 +247,14 @@ impl<'a> SplineNet<'a> {
         [along_s.at(self.first[0] as usize), along_t.at(self.first[1] as usize)]
     }
 
-    /// The Bézier points for degree 3 or less, with room for those of degree 3. Where points have three numbers,
-    /// the fourth is any number.
+    /// The Bézier points for degree 3 or less, with room for those of degree 3. Where points have three numbers, the
+    /// fourth is arbitrary.
     #[inline(always)]
     fn bezier_points_of(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
         let size = self.size();
         let mut net = [[DVec4::ZERO; 4]; 4];
         let [Extraction::Steps(along_s), Extraction::Steps(along_t)] = self.extraction() else {
-            return net; // of such degrees there are steps
+            return net; // such degrees always have steps
         };
         for (i, to) in net[..=p].iter_mut().enumerate() {
             let row = self.row::<LONGEST_OF_CUBIC>(i);
@@ -275,12 +275,12 @@ impl<'a> SplineNet<'a> {
         net
     }
 
-    /// Makes the Bézier net where it has room.
+    /// Makes the Bézier net in this room.
     pub(crate) fn make<'r>(&self, room: &'r mut NetRoom) -> PieceNet<'r> {
         let (columns, size, length) = (self.degree()[1] + 1, self.size(), self.row_room());
         for (i, row) in self.bezier_net().chunks_exact(columns).enumerate() {
             let room = &mut room.0[i * length..];
-            // The fourth number of points of three is the first of the next one.
+            // Points of three numbers write a fourth, which the next point replaces.
             for (j, point) in row.iter().enumerate() {
                 room[size * j..size * j + 4].copy_from_slice(&point.to_array());
             }

@@ -1,16 +1,16 @@
-//! Pieces by powers about their middle: `Σ Bᵢ(s) Bⱼ(t) Pᵢⱼ = Σ cᵢⱼ xⁱ yʲ`, `x = 2 s − 1`, `y = 2 t − 1`.
+//! Pieces in power form about their middle: `Σ Bᵢ(s) Bⱼ(t) Pᵢⱼ = Σ cᵢⱼ xⁱ yʲ`, `x = 2 s − 1`, `y = 2 t − 1`.
 //!
-//! Horner's scheme takes half the operations of sums of Bernstein functions. What that costs in digits is
-//! little for low degrees, as powers are taken about the middle of a piece and no farther from it than one: rounding
-//! of the sums is some units of `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical
-//! condition of polynomials in Bernstein form"). Where that is many times the coordinates of the piece, as on nets
-//! that zigzag, which reach 8 times in degree three and more than 100 in degree seven, or where weights differ much,
-//! sums stay in Bernstein functions, whose terms are never larger than their sum may be.
+//! Horner's scheme takes half the operations of sums of Bernstein functions. It loses few digits for low degrees,
+//! because powers are taken about the middle of a piece and no farther from it than one: the rounding error of the
+//! sums is a few units of `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical
+//! condition of polynomials in Bernstein form"). Where that is many times the coordinates of the piece, as on zigzag
+//! nets, which reach 8 times in degree three and more than 100 times in degree seven, or where weights differ much,
+//! sums stay in Bernstein form, whose terms are never larger than their sum may be.
 //!
-//! The coefficients are made of differences of points from one in the middle, as far from all others as can be:
-//! with that they are zero where points are equal. A control point of a spline at either end of those that govern a
-//! piece may be far larger than anything on it, as its share there is small (`1 / p!` where knots are evenly spaced);
-//! differences from that one would be rounded in units that are worth more than the promise.
+//! The coefficients are made of differences of points from one in the middle, as far from all others as can be: so
+//! they are zero where points are equal. The first or last of the spline control points that govern a piece may be
+//! far larger than anything on the piece, because its share there is small (`1 / p!` where knots are evenly spaced);
+//! the rounding error of differences from such a point would exceed the promised error bound.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -21,38 +21,38 @@ use super::BezierNet;
 use crate::geometry::{Extraction, Extractions, KnotVector};
 use crate::math::bernstein::binomials;
 
-/// The highest degree that is written by powers. Of those above few pieces would be well conditioned, and eight
-/// nets are not held side by side.
+/// The highest degree that is written in power form. Few pieces of higher degree would be well conditioned, and eight
+/// of their nets are not held side by side.
 pub(crate) const MOST_DEGREE: usize = 7;
 
 const _: () =
     assert!(Extractions::MOST_DEGREE <= MOST_DEGREE, "nets of splines are made by powers");
 
-/// How many times the coordinates of a piece the terms of its sums may be, those of the weight among them. All are
-/// bounded at once; only where that does not do they are looked at at 25 places: a measure of how many digits are
-/// lost, not a proof.
+/// The largest sum of the sizes of a piece's terms, those of the weight included, in units of its coordinates. One
+/// bound for the whole piece is tried first; only if it fails are the terms checked at 25 places: an estimate of how
+/// many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
-/// The largest weight, over the smallest, of gentle splines.
+/// The largest ratio of two weights of a gentle spline.
 const GENTLE_WEIGHTS: f64 = 2.0;
 
-/// Their longest span, over the shortest: where it is more, a control point may have so small a share in a piece that
-/// differences from it are all rounding.
+/// The largest ratio of two knot spans of a gentle spline: beyond it, a control point may have so small a share in a
+/// piece that differences from it are all rounding error.
 const MOST_UNEVEN: f64 = 4.0;
 
-/// Whether pieces of these degrees can be written by powers.
+/// Whether pieces of these degrees can be written in power form.
 pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
 
-/// A net by powers that is made of the control points of a spline may move points by this part of the promise.
+/// The fraction of the promised error bound by which a power net made from a spline's control points may move points.
 const MOST_OFF: f64 = 0.5;
 
-/// Pieces are looked at where `x` and `y` are any of these.
+/// Pieces are checked where `x` and `y` are any of these.
 const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
-/// Whether the knots and the weights of a spline differ so little that [`is_made_well`] need not be asked: it holds
-/// for all pieces of such splines that a test has made.
+/// Whether the knot spans and the weights of a spline differ so little that [`is_made_well`] need not be called: it
+/// holds for all pieces of such splines that a test has made.
 pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
     let none = (f64::INFINITY, 0f64);
@@ -64,15 +64,15 @@ pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     knots.into_iter().all(are_even) && most <= GENTLE_WEIGHTS * least
 }
 
-/// Whether all pieces of a gentle spline are taken to be well conditioned: to look at them takes a tenth of the time
-/// to build those of degree three or less. They are dense, and most of their knots simple: their nets zigzag less than
-/// their control points.
+/// Whether all pieces of a gentle spline are assumed to be well conditioned: for degree three or less, checking them
+/// takes a tenth of the time to build them. Such splines are dense, and most of their knots are simple: their nets
+/// zigzag less than their control points.
 pub(super) fn suit_all(degree: [usize; 2]) -> bool {
     degree.into_iter().all(|degree| degree <= 3)
 }
 
-/// Whether the net by powers that is [made](ToPowers) of the control points that govern a piece is, to rounding, that
-/// of its Bézier points; points may be off by `factor` of the largest coordinate.
+/// Whether the power net [made](ToPowers) from the control points that govern a piece equals, to rounding, that of
+/// its Bézier points. The error bound of points is `factor` times the largest coordinate.
 pub(super) fn is_made_well(
     degree: [usize; 2],
     (net, bezier): (&[DVec4], &[DVec4]),
@@ -80,7 +80,7 @@ pub(super) fn is_made_well(
     factor: f64,
 ) -> bool {
     let magnitude = magnitude(bezier);
-    // As it is made in lanes, but for the rounding of products.
+    // The net as it is made in lanes, except for the rounding of products.
     let mut off = in_both_directions(degree, control, |k, line, step| {
         along[k].apply(degree[k], line, step);
     });
@@ -93,28 +93,28 @@ pub(super) fn is_made_well(
     everywhere(is_near)
 }
 
-/// Whether something is so at all of the places.
+/// Whether a condition holds at all places.
 fn everywhere(is_so: impl Fn(f64, f64) -> bool) -> bool {
     PLACES.iter().all(|&x| PLACES.iter().all(|&y| is_so(x, y)))
 }
 
-/// The largest coordinate of some points.
+/// The largest absolute coordinate of the points.
 fn magnitude(points: &[DVec4]) -> f64 {
     points.iter().map(|c| c.truncate().abs().max_element() / c.w).fold(0.0, f64::max)
 }
 
-/// The sum of a net by powers at a place, of its terms or what is made of them.
+/// The sum of a power net at a place, with `term` applied to each coefficient.
 fn sum(net: &[DVec4], columns: usize, [x, y]: [f64; 2], term: fn(DVec4) -> DVec4) -> DVec4 {
     let row = |row: &[DVec4]| row.iter().rev().fold(DVec4::ZERO, |s, &c| s * y + term(c));
     net.chunks_exact(columns).rev().fold(DVec4::ZERO, |sum, terms| sum * x + row(terms))
 }
 
-/// The net of a piece by powers, from its Bézier points, if it is well conditioned.
+/// The power net of a piece, from its Bézier points; `None` if it is not well conditioned.
 pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> {
     let columns = degree[1] + 1;
     let net = in_both_directions(degree, bezier, |k, line, step| to_powers(degree[k], line, step));
     let magnitude = magnitude(bezier);
-    // With `x` and `y` no larger than these, where the weight is no less than that.
+    // Tests all places with `x` and `y` no larger than these, if the weight there is at least `weight`.
     let suits = |x: f64, y: f64, weight: f64| {
         let sizes = sum(&net, columns, [x.abs(), y.abs()], DVec4::abs);
         sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
@@ -124,8 +124,8 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> 
     suits_all.then_some(net)
 }
 
-/// From Bernstein coefficients of degree up to three on `[−1, 1]` to those of powers; what is beyond the
-/// degree stays as it is.
+/// Converts Bernstein coefficients of degree up to three on `[−1, 1]` to power coefficients; entries beyond the
+/// degree stay as they are.
 #[inline]
 pub(super) fn powers<V>(degree: usize, [a, b, c, d]: [V; 4]) -> [V; 4]
 where
@@ -147,7 +147,7 @@ where
     }
 }
 
-/// The same of degrees up to [`MOST_DEGREE`], in place: of every `step`-th of some, from the first on.
+/// The same for degrees up to [`MOST_DEGREE`], in place, for every `step`-th coefficient from the first on.
 fn to_powers<V>(degree: usize, coefficients: &mut [V], step: usize)
 where
     V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
@@ -175,7 +175,7 @@ where
     }
 }
 
-/// How much of each Bernstein coefficient is in each coefficient of powers, by degree; all exact:
+/// The share of each Bernstein coefficient in each power coefficient, by degree; all exact:
 /// `C(p, j) / 2ᵖ` times the coefficients of `(1 + x)ʲ (1 − x)ᵖ⁻ʲ`.
 const BERNSTEIN_TO_POWERS: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1] = {
     let mut shares = [[[0.0; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGREE + 1];
@@ -208,27 +208,28 @@ const BERNSTEIN_TO_POWERS: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGR
     shares
 };
 
-/// How the coefficients of powers of a span come from the control points that govern it: from the
-/// [middle](Self::middle) one, which is part of the first coefficient, and the differences of the others from it.
+/// How the power coefficients of a span are made from the control points that govern it: each sums shares of the
+/// differences of the other points from the [middle](Self::middle) one, and the first includes the middle point
+/// itself.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToPowers<'a> {
-    /// For each coefficient the shares of these differences.
+    /// For each coefficient, the shares of these differences.
     shares: &'a [f64],
 }
 
 impl<'a> ToPowers<'a> {
-    /// What it is made of.
+    /// The map with these shares.
     pub(super) fn new(shares: &'a [f64]) -> Self {
         Self { shares }
     }
 
-    /// Which of the control points that govern a span is taken for the middle one.
+    /// The index of the middle one of the control points that govern a span.
     #[inline(always)]
     pub(crate) fn middle(degree: usize) -> usize {
         degree / 2
     }
 
-    /// From control points to coefficients, in place: of every `step`-th of some, from the first on.
+    /// Converts control points to coefficients, in place, for every `step`-th point from the first on.
     fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
         let at = Self::middle(degree);
         let middle = points[at * step];
@@ -241,15 +242,15 @@ impl<'a> ToPowers<'a> {
         }
     }
 
-    /// For each coefficient the shares of the differences from it, in the order of the other points: as many as
-    /// the degree.
+    /// For each coefficient, the shares of the differences from the middle point, in the order of the other points:
+    /// as many as the degree.
     #[inline(always)]
     pub(crate) fn shares(&self) -> &'a [f64] {
         self.shares
     }
 }
 
-/// The shares of which [`ToPowers`] is made: `p (p + 1)` numbers.
+/// Computes the shares that a [`ToPowers`] holds: `p (p + 1)` numbers.
 pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares: &mut [f64]) {
     let others = (0..=degree).filter(|&j| j != ToPowers::middle(degree));
     for (k, j) in others.enumerate() {
@@ -261,8 +262,8 @@ pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares
     }
 }
 
-/// A net by powers of points: `make` is given a direction, the points from the
-/// first of a line on, and its stride.
+/// The power net of a net of points. `make` converts one line: it is given the direction, the points from the first
+/// of the line on, and their stride.
 fn in_both_directions(
     [_, q]: [usize; 2],
     points: &[DVec4],
@@ -294,7 +295,7 @@ mod tests {
                 .map(|k| (1.0 + k as f64).sin())
                 .map(|x| DVec4::new(x, x * x, 1.0 - x, 2.0 * x))
                 .collect();
-            // Every third of some; others stay as they are.
+            // Every third is converted; the others stay as they are.
             let mut coefficients = vec![DVec4::NAN; 3 * degree + 2];
             for (k, &point) in points.iter().enumerate() {
                 coefficients[3 * k] = point;

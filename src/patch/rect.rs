@@ -1,6 +1,6 @@
 //! Rectangles made by halving the unit square.
 
-/// A rectangle that is left of the unit square after halving it some times in each direction.
+/// A rectangle made from the unit square by halving it some number of times in each direction.
 ///
 /// A range is numbered as in a heap: the unit range is 1, the halves of range `k` are `2k` and
 /// `2k + 1`. So range `k` has been halved `⌊log₂ k⌋` times, and its ends are exact in f32.
@@ -22,7 +22,7 @@ impl DyadicRect {
         self
     }
 
-    /// From and to in `s`, then in `t`.
+    /// The ends of the range in `s`, then in `t`.
     #[inline]
     pub fn ranges(self) -> [[f64; 2]; 2] {
         let Self([s, t]) = self;
@@ -30,7 +30,7 @@ impl DyadicRect {
     }
 }
 
-/// From and to of the range of that number.
+/// The ends of the range with that number.
 #[inline(always)]
 fn range(number: u32) -> [f64; 2] {
     let halvings = number.ilog2();
@@ -46,7 +46,7 @@ impl PartialOrd for DyadicRect {
     }
 }
 
-/// By where they begin, in `s`, then in `t`.
+/// Ordered by where they begin, in `s`, then in `t`.
 impl Ord for DyadicRect {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         let key = |rect: Self| {

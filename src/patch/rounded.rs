@@ -43,7 +43,7 @@ impl Near16 {
 pub(super) struct Up8(u8);
 
 impl Up8 {
-    /// By how much the exponent's code in f32 is larger.
+    /// How much larger the exponent's code is in f32.
     const BIAS: u32 = (127 - 21) << 3;
 
     /// The least such number that is not below `x`; infinity for NaN.
@@ -64,7 +64,7 @@ impl Up8 {
     }
 }
 
-/// A number not below zero, rounded up: the upper half of an f64, for its range in less room.
+/// A number not below zero, rounded up: the upper half of an f64, which keeps its range in less room.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Up32(u32);
 

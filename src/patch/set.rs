@@ -18,10 +18,10 @@ use crate::math::Aabb;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PatchSetError {
-    /// There are more than indices can count, or memory is likely to hold.
+    /// There are more than indices can count, or than memory is likely to hold.
     #[error("{count} {what}, but at most {limit} can be traced")]
     TooMany {
-        /// What there is too much of.
+        /// What there are too many of.
         what: &'static str,
         /// How many were found.
         count: usize,
@@ -34,8 +34,8 @@ pub enum PatchSetError {
 const MOST_COUNTED: usize = u32::MAX as usize / 4;
 
 /// The most Bézier points of all surfaces together: 2²⁷, or 4 GiB of them. Splines of degrees too high for their own
-/// control points to be kept have up to `p q` times as many, so that a file of some megabytes may ask for
-/// more memory than there is; and where that ends, so does the program, without a word.
+/// control points to be kept have up to `p q` times as many, so a file of a few megabytes may ask for more memory
+/// than there is; the program would then end without a message.
 const MOST_BEZIER_POINTS: usize = 1 << 27;
 
 /// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
@@ -43,7 +43,7 @@ const MOST_BEZIER_POINTS: usize = 1 << 27;
 #[derive(Clone, Debug)]
 pub struct PatchSet {
     pieces: Vec<Piece>,
-    /// Holds every surface, but for rounding.
+    /// A box that holds every surface, except for rounding.
     bounds: Aabb,
     /// The memory held by the nets of each surface, in bytes.
     net_bytes: Vec<usize>,
@@ -52,10 +52,10 @@ pub struct PatchSet {
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces; also returns the parts of pieces that are to be leaves, group by group.
+    /// Cuts surfaces into pieces; also returns the parts of pieces that become leaves, group by group.
     ///
     /// # Errors
-    /// When there are more of them, their pieces, Bézier points or leaves than are possible; but for leaves, that is
+    /// If there are more surfaces, pieces, Bézier points or leaves than are possible; except for leaves, that is
     /// known before anything is made.
     pub(crate) fn new<S: Charts + Sync>(
         surfaces: &[S],
@@ -112,7 +112,7 @@ impl PatchSet {
         self.pieces_of.get(surface).cloned().unwrap_or_default()
     }
 
-    /// Holds every surface, but for rounding.
+    /// A box that holds every surface, except for rounding.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -125,7 +125,7 @@ impl PatchSet {
             + size_of_val(&self.net_bytes[..])
     }
 
-    /// The part of it that a surface takes: its control points, trims and pieces; nothing if there is no such
+    /// The memory that one surface takes, in bytes: its control points, trims and pieces; nothing if there is no such
     /// surface.
     pub fn bytes_of(&self, surface: usize) -> usize {
         self.net_bytes.get(surface).unwrap_or(&0)
@@ -137,12 +137,12 @@ fn check_count(what: &'static str, count: usize, limit: usize) -> Result<(), Pat
     if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
-/// What is counted of all charts of a surface.
+/// The sum of a count over all charts of a surface.
 fn total(charts: &[Chart<'_>], count: fn(&NurbsSurface) -> usize) -> usize {
     charts.iter().map(|chart| count(&chart.surface)).fold(0, usize::saturating_add)
 }
 
-/// The charts of a surface cut into pieces, and the rows and columns in which those begin.
+/// The nets of a surface's charts, and the rows and columns in which their pieces begin.
 fn nets(charts: &[Chart<'_>], keeping: Keeping) -> Vec<(ChartNet, [Vec<u32>; 2])> {
     charts.par_iter().map(|chart| ChartNet::new(chart, keeping)).collect()
 }
@@ -171,7 +171,7 @@ mod tests {
         // Each of them is small enough.
         let halves = [spline(32, 300), spline(31, 300)];
         assert!(fails(&halves).ends_with(" Bézier points, but at most 134217728 can be traced"));
-        // Of low degrees it is control points that are kept.
+        // For low degrees it is the control points that are kept.
         let (dense, _) = PatchSet::new(&[spline(7, 100)]).unwrap();
         assert_eq!(dense.pieces().len(), 93 * 93);
     }

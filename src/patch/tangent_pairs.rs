@@ -1,18 +1,17 @@
-//! How both tangents of a leaf turn together. That says more than how far each turns: what they are at
-//! one place belongs together, and so do their means over one set.
+//! How both tangents of a leaf turn together. That says more than how far each turns: their values at one place
+//! belong together, and so do their means over one set.
 
 use glam::{DVec3, DVec4};
 
 use crate::math::Interval;
 
-/// Larger nets make do with what each tangent says: a bicubic one has 136 pairs, one of degree 5 × 5
-/// has 666.
+/// Nets of more points use only the bounds of each tangent: a bicubic net has 136 pairs, one of degree 5 × 5 has 666.
 const MOST_POINTS: usize = 36;
 
-/// More than what rounding does to a sum of four products, to spare.
+/// More than the relative rounding error of a sum of four products, with room to spare.
 const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
-/// What is proved of the pairs of a polynomial net's tangents.
+/// The proved bounds of the pairs of a polynomial net's tangents.
 ///
 /// Let `a_i` and `b_i` be the coefficients of `S_s` and of `S_t`, both written with the Bernstein
 /// functions of the net's own degrees. At each place, and in the mean over any set, the pair of
@@ -25,14 +24,14 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 ///
 /// `N_ij = m (a₀ × b₀) + g (a₀ × n) + h (b₀ × n)`,
 ///
-/// where `m` is the sum of `α₁β₂ − α₂β₁` for `(i, j)` and for `(j, i)`, and so are `g` of `α₁β₃ − α₃β₁` and `h`
-/// of `α₂β₃ − α₃β₂`. Where all `m` are positive, the quotients `g/m` and `h/m` of a sum are means of
-/// those of its terms: they lie between the least and the largest. And `ā × b̄` has no less than half the least
-/// `m` of `a₀ × b₀`.
+/// where `m` is the sum of `α₁β₂ − α₂β₁` for `(i, j)` and for `(j, i)`, and `g` and `h` are the same sums of
+/// `α₁β₃ − α₃β₁` and of `α₂β₃ − α₃β₂`. Where all `m` are positive, the quotients `g/m` and `h/m` of a sum are means
+/// of those of its terms: they lie between the least and the largest. And the multiple of `a₀ × b₀` in `ā × b̄` is at
+/// least half the least `m`.
 ///
-/// Measured on a rough height field, of the leaves that a camera looks at 69 %
-/// are certified by how far each tangent turns from the chords' frame, 76 % by how far the pairs do, 80 % by
-/// how far these do from their middle; 88 % have one root at most.
+/// Measured on a rough height field, on the leaves that a camera sees: 69 % are certified by the turns of each
+/// tangent from the chords' frame, 76 % by the turns of the pairs, 80 % by the turns of the pairs from their middle;
+/// 88 % have at most one root.
 pub(super) struct PairTurns {
     /// The ranges of `g/m` and `h/m`.
     pub(super) across: [Interval; 2],
@@ -48,9 +47,9 @@ struct Coefficients {
 }
 
 impl PairTurns {
-    /// Of a polynomial net whose coordinates may be off by `noise` each; `dual` are the directions whose
-    /// products with a vector are its components in the frame `(a₀, b₀, n)`. `None` where a normal may
-    /// turn away from `n`, or the net is large.
+    /// The bounds for a polynomial net, each of whose coordinates has the error bound `noise`. The products of the
+    /// `dual` directions with a vector are its components in the frame `(a₀, b₀, n)`. `None` where a normal may turn
+    /// away from `n`, or the net is large.
     pub(super) fn new(
         ([p, q], points): ([usize; 2], &[DVec4]),
         noise: f64,
@@ -60,7 +59,7 @@ impl PairTurns {
             return None;
         }
         let Coefficients { count, a, b } = Coefficients::new(([p, q], points), dual);
-        // Of a product of two minors' terms: what the factors may be off by, and rounding.
+        // The error bound of a product in a minor: the errors of its factors, and rounding.
         let largest = |of: &[f64; MOST_POINTS]| of[..count].iter().fold(0.0, |m, x| x.abs().max(m));
         let (most_a, most_b) = (a.each_ref().map(largest), b.each_ref().map(largest));
         let off = |degree: usize, k: usize| 4.0 * (degree as f64 + 1.0) * noise * dual[k].length();
@@ -86,7 +85,7 @@ impl PairTurns {
                 let g = (a1 * y3 - a3 * y1) + (x1 * b3 - x3 * b1);
                 let h = (a2 * y3 - a3 * y2) + (x2 * b3 - x3 * b2);
                 let per_m = 1.0 / m;
-                // The least `m` there may be; with the largest, quotients are smaller by this part.
+                // `m` is the least possible; with the largest, quotients are smaller by this fraction.
                 let part = 2.0 * off_m * per_m;
                 for (across, (x, off)) in across.iter_mut().zip([(g, off_g), (h, off_h)]) {
                     let more = off + (x.abs() + off) * part;
@@ -158,8 +157,8 @@ mod tests {
         [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
     ];
 
-    /// What is said of means holds for those along segments between any two places, which a rule finds
-    /// that is exact for them; and the nearest comes close to it.
+    /// The bounds hold for means along segments between any two places, which a quadrature rule that is exact for
+    /// them finds; and the nearest mean comes close to its bound.
     #[test]
     fn means_turn_no_farther() {
         let net = (1usize..=3, 1usize..=3).prop_flat_map(|(p, q)| {
@@ -203,7 +202,7 @@ mod tests {
         assert!(said > 50 && closest < 0.02, "{said} nets, one to {closest}");
     }
 
-    /// Nor of what is no number.
+    /// Nor of NaN.
     #[test]
     fn nothing_is_said_of_folds_and_large_nets() {
         let dual = [DVec3::X, DVec3::Y, DVec3::Z];

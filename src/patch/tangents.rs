@@ -1,4 +1,4 @@
-//! How the tangents of a leaf turn: what its certificate is made of.
+//! How the tangents of a leaf turn: the bounds that its certificate is made of.
 
 use glam::{DVec3, DVec4};
 
@@ -10,38 +10,36 @@ use super::{CollapsedSide, mapped};
 use crate::math::Interval;
 use crate::math::bernstein::MAX_DEGREE;
 
-/// What is proved of a leaf: see [`Certificate`](super::Certificate), in whose words all of it is.
+/// What is proved about a leaf, in the notation of [`Certificate`](super::Certificate).
 pub(super) struct TangentBounds {
-    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole with as much below zero as
-    /// above.
+    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole, symmetric about zero.
     pub(super) turning: [Interval; 2],
     /// See [`Certificate::bend`](super::Certificate::bend).
     pub(super) bend: [[f64; 2]; 2],
-    /// A point `ε` off the ray is within `ε·spread / cos θ` sides of the leaf of the root.
+    /// A point `ε` off the ray is within `ε·spread / cos θ` of the root, in sides of the leaf.
     pub(super) spread: f64,
     /// At a pole: the parameter along the collapsed side errs by at most
     /// `ε·spread / (ρ·cos θ)` sides of the leaf.
     pub(super) pole_spread: f64,
 }
 
-/// Leaves whose tangents are bounded with this factor to spare.
+/// The factor by which bounds of the turning of tangents are enlarged.
 pub(super) const MARGIN: f64 = 1.02;
 
-/// The largest sizes of `turning`, added up, come to no more than this: a leaf that turns so far is as
-/// good as uncertified, and what rounding does to slopes grows with it.
+/// The most that the largest sizes of `turning` may add up to: a leaf that turns farther is as good as uncertified,
+/// and the rounding error of slopes grows with it.
 const MOST_TURNING: f64 = 4.0;
 
-/// Tangents of polynomial nets that turn farther than this to both sides, added up, are looked at together. It
-/// takes twice as long as all else that is done for a certificate, so not those of flatter leaves, of which it
-/// certifies few more rays.
+/// Both tangents of a polynomial net are bounded together if the radii of their turning add up to more than this.
+/// That takes twice as long as the rest of a certificate; for flatter leaves it would certify few more rays.
 const FAR: f64 = 0.4;
 
-/// Weights of nets of more points are not multiplied with their points: there are as many products as the square of
-/// that.
+/// Nets of more points are not multiplied out with their weights: the number of products is the square of the number
+/// of points.
 const MOST_MULTIPLIED: usize = 36;
 const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 needs binomials of 34");
 
-/// Bends beyond it prove nothing: what f32 has done to the axes may matter then.
+/// Larger bends prove nothing: the f32 rounding of the axes may matter there.
 const MOST_BEND: f64 = 1e3;
 
 impl TangentBounds {
@@ -80,15 +78,14 @@ impl TangentBounds {
     }
 }
 
-/// `X_s − Y W_s` and `X_t − Z W_t`, everything the boxes of `a` and `b` are made of; or both times `W` and multiplied
-/// out, where there are no factors though weights differ.
+/// The parts of `X_s − Y W_s` and `X_t − Z W_t`, which the boxes of `a` and `b` are made of; or both times `W` and
+/// multiplied out, if there are no factors though weights differ.
 struct Tangents<'a> {
     /// `X_s`, and `X_t`.
     along: [&'a Field; 2],
-    /// What is multiplied with `W_s`, and with `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where
-    /// `W` is constant.
+    /// `Y` and `Z`, the factors of `W_s` and `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where `W` is constant.
     factors: [Option<&'a Field>; 2],
-    /// Range of what tangents are to be divided by: the weights, or their squares.
+    /// The range of the tangents' divisors: the weights, or their squares.
     weights: Interval,
     weight_slopes: [Interval; 2],
     noise: f64,
@@ -98,7 +95,7 @@ struct Tangents<'a> {
     polynomial: bool,
 }
 
-/// What is proved of a net in the frame of `a₀` and `b₀`.
+/// What is proved about a net in the frame of `a₀` and `b₀`.
 fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let field = net.recentred(net.middle());
     if net.rational && field.values.len() <= MOST_MULTIPLIED {
@@ -111,7 +108,7 @@ fn regular_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     Tangents::new(net, &field, [&along_s, &along_t], factors)?.proof(&field, false, axes)
 }
 
-/// The same of a net whose side `t = 0` is collapsed to a point.
+/// The same for a net whose side `t = 0` is collapsed to a point.
 fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
     let pole = euclidean(net.control[0]);
     let field = net.recentred(pole);
@@ -129,8 +126,8 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
         factors = [Some(&scaled), Some(&offsets)];
     }
     let mut tangents = Tangents::new(net, &field, [&along_s, &along_t], factors)?;
-    // X̃_s takes the place of X_s, while the weights' slopes stay those of W. Dividing by t multiplies
-    // coefficients, and what they are off, by up to q.
+    // X̃_s takes the place of X_s, while the weights' slopes stay those of W. Dividing by t multiplies coefficients,
+    // and their errors, by up to q.
     let scaled_along_s = over_t.derivative_s();
     tangents.along[0] = &scaled_along_s;
     tangents.noise *= net.degree[1] as f64;
@@ -138,7 +135,7 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
 }
 
 impl<'a> Tangents<'a> {
-    /// What follows of a field and its derivatives; `None` where weights are not known to be positive.
+    /// The tangents of a field with these derivatives; `None` where weights are not known to be positive.
     fn new(
         net: &Net<'_>,
         field: &Field,
@@ -162,7 +159,7 @@ impl<'a> Tangents<'a> {
         Some(Self { along, factors, weights, weight_slopes, noise, longest, polynomial })
     }
 
-    /// The same of `W² S_s` and `W² S_t`: positive multiples of the tangents, too.
+    /// The same for `W² S_s` and `W² S_t`, which are positive multiples of the tangents, too.
     fn of_quotient(
         net: &Net<'_>,
         field: &Field,
@@ -177,8 +174,8 @@ impl<'a> Tangents<'a> {
         Some(tangents)
     }
 
-    /// How one tangent turns: `which` of the directions' components it is measured by, and the
-    /// ranges of the quotients of the other two by it. `None` if that one may vanish.
+    /// How tangent `which` turns: the least component along the direction of that number, and the ranges of the
+    /// quotients of the other two components by it. `None` if that component may vanish.
     #[inline(always)]
     fn turns(&self, which: usize, directions: &[DVec3; 3]) -> Option<Turns> {
         let (along, factor) = (self.along[which], self.factors[which]);
@@ -216,8 +213,8 @@ impl<'a> Tangents<'a> {
         (turns.least > 0.0).then_some(turns)
     }
 
-    /// What the ranges of both tangents prove, each of its own: of how they turn together perhaps
-    /// nothing. `dual` as in [`PairTurns::new`], `lengths` those of `a₀` and `b₀`.
+    /// What the ranges of both tangents prove, each by itself; how they turn together may stay unknown. `dual` is as
+    /// in [`PairTurns::new`], `lengths` are those of `a₀` and `b₀`.
     fn separately(&self, dual: &[DVec3; 3], lengths: [f64; 2]) -> Option<Turning> {
         let (a, b) = (self.turns(0, dual)?, self.turns(1, dual)?);
         // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
@@ -239,8 +236,8 @@ impl<'a> Tangents<'a> {
         Some(Turning { across: [g, h], least: m.lo * a.least * b.least, bend })
     }
 
-    /// What is proved of `field`, whose derivatives these are, in the frame of `a₀` and `b₀`; `at_pole`
-    /// says whether it ends in one.
+    /// What is proved about `field`, whose derivatives these are, in the frame of `a₀` and `b₀`; `at_pole` says
+    /// whether the field ends in a pole.
     fn proof(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<TangentBounds> {
         let cross = a0.cross(b0);
         let area = cross.length();
@@ -261,14 +258,14 @@ impl<'a> Tangents<'a> {
         if self.polynomial && !at_pole && width(&known) > FAR {
             let net = (field.degree, &*field.values);
             if let Some(pairs) = PairTurns::new(net, self.noise, &dual) {
-                // Both are true of the same quotients, and of the same determinant.
+                // Both bound the same quotients, and the same determinant.
                 known.across = [0, 1].map(|k| known.across[k].intersection(pairs.across[k]));
                 known.least = known.least.max(pairs.least);
             }
         }
         let mut turning = slopes(&known);
         if at_pole {
-            // The frame was swapped and mirrored: which side is which is not told.
+            // The frame was swapped and mirrored, so it is not known which side is which.
             turning = turning.map(Interval::symmetric);
         }
 
@@ -279,15 +276,15 @@ impl<'a> Tangents<'a> {
             self.along[which].length() + self.weight_slopes[which].magnitude() * factor
         };
         let (longest_s, longest_t) = (longest(0), longest(1));
-        // `S_s = (X_s − (S − c) W_s) / W`; at a pole its quotient by `t`, which is one at most.
+        // `S_s = (X_s − (S − c) W_s) / W`; at a pole, its quotient by `t ≤ 1`.
         let [most_s, most_t] = self.longest.map(|longest| longest * self.weights.lo);
         if longest_s > most_s || longest_t > most_t {
             return None;
         }
         let (spread, pole_spread) = if at_pole {
             let ratio = self.weights.hi / self.weights.lo;
-            // The points of the collapsed side agree to a few roundings only. What that adds to the tangent along it,
-            // the degree times as much, grows towards the pole as the quotient by `t` does.
+            // The points of the collapsed side agree only to a few roundings. The error that this adds to the tangent
+            // along the side, the degree times as much, grows towards the pole as the quotient by `t` does.
             let along_side = field.degree[0] as f64 * longest_t * longest_t * ratio / determinant;
             (longest_s * self.weights.hi / determinant, along_side)
         } else {
@@ -299,7 +296,7 @@ impl<'a> Tangents<'a> {
     }
 }
 
-/// Division by an interval of positive numbers, its ends only rounded to nearest.
+/// Divides by an interval of positive numbers; the ends are only rounded to nearest.
 #[inline(always)]
 fn over_positive_to_nearest(interval: Interval, divisor: Interval) -> Interval {
     // The least quotient is that by the larger divisor where it is positive.
@@ -312,7 +309,7 @@ fn over_positive_to_nearest(interval: Interval, divisor: Interval) -> Interval {
 struct Turning {
     /// `g` and `h` of [`Certificate`](super::Certificate).
     across: [Interval; 2],
-    /// No more than what `|a₀ × b₀|` is to be multiplied with for the least `|n·(ā × b̄)|`.
+    /// A lower bound of `|n·(ā × b̄)|` in units of `|a₀ × b₀|`.
     least: f64,
     /// As in [`TangentBounds`].
     bend: [[f64; 2]; 2],
@@ -330,9 +327,9 @@ impl Turning {
 struct Turns {
     /// The least component along its own chord, `a₀` or `b₀`.
     least: f64,
-    /// The component along the other chord over that.
+    /// The component along the other chord over that along its own.
     other: Interval,
-    /// The component along the normal over that.
+    /// The component along the normal over that along its own chord.
     normal: Interval,
 }
 
@@ -367,7 +364,7 @@ mod tests {
         })
     }
 
-    /// What is said of how a tangent turns holds at every place; of bilinear patches no more is said.
+    /// The bounds of how a tangent turns hold at every place; those of bilinear patches are tight.
     #[test]
     fn tangents_turn_no_farther() {
         let [said, exact] = [Cell::new(0), Cell::new(0)];
@@ -417,8 +414,8 @@ mod tests {
         assert!(said > 100 && exact > 10, "{said} tangents, {exact} of bilinear patches");
     }
 
-    /// No line through two points of a piece is one that is said to meet it once, whatever the frame; and
-    /// some nearly are.
+    /// No line through two points of a piece is certified to meet it at most once, whatever the frame; and some
+    /// nearly are.
     #[test]
     fn chords_are_flat() {
         let place = || (0.0..=1.0f64, 0.0..=1.0f64).prop_map(|(s, t)| DVec2::new(s, t));

@@ -13,7 +13,7 @@ use crate::geometry::SurfaceDerivatives;
 use crate::math::bernstein::{self, Basis};
 use crate::math::{Aabb, prefetch};
 
-/// The points that the control points of a net stand for: those of a bicubic lie in place.
+/// The Euclidean points of a control net; those of a bicubic are stored inline.
 pub(super) type Points = SmallVec<[DVec3; 16]>;
 
 /// A rational Bézier piece of a surface,
@@ -45,9 +45,8 @@ pub struct Jet {
 }
 
 impl TensorPatch {
-    /// A piece of a surface, from the row and the column of its first point. The
-    /// caller has checked the invariants: only surfaces that hold them can be built. Also returns the
-    /// points that its control points stand for.
+    /// A piece of a surface, from the row and the column of its first point. The caller has checked the invariants:
+    /// only surfaces that satisfy them can be built. Also returns its Euclidean control points.
     pub(super) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
         let zero = Up32::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
@@ -68,12 +67,12 @@ impl TensorPatch {
         self.control_net().into_iter()
     }
 
-    /// One of them.
+    /// One homogeneous control point.
     pub(crate) fn control_point(&self, i: usize, j: usize) -> DVec4 {
         self.net(&mut None).points(i).nth(j).unwrap_or(DVec4::NAN) // there is one
     }
 
-    /// All of them, to work on.
+    /// A copy of all homogeneous control points, to work on.
     pub(super) fn control_net(&self) -> BezierNet {
         let [p, q] = self.degree();
         let mut net = BezierNet::from_elem(DVec4::ZERO, (p + 1) * (q + 1));
@@ -104,20 +103,20 @@ impl TensorPatch {
         self.net.source(self.first)
     }
 
-    /// The same of what its sums are made of where speed counts.
+    /// The same for the net whose sums are used where speed counts.
     #[inline(always)]
     pub(crate) fn sums_source(&self) -> NetSource<'_> {
         self.net.sums_source(self.first)
     }
 
-    /// Whether those are sums of powers, of `2 s − 1` and `2 t − 1`, not of Bernstein functions.
+    /// Whether that net is in power form, of `2 s − 1` and `2 t − 1`, not in Bernstein form.
     #[inline(always)]
     pub(crate) fn sums_by_powers(&self) -> bool {
         self.net.by_powers(self.first)
     }
 
-    /// The control net, to be read row by row; made in the room if it is not kept, unless it is there
-    /// already: a room is for one piece.
+    /// The control net, to be read row by row. If it is not kept, it is made in `room`, unless it is there already;
+    /// so a room is for one piece.
     #[inline(always)]
     pub(crate) fn net<'n>(&'n self, room: &'n mut Option<NetRoom>) -> PieceNet<'n> {
         match self.net_source() {
@@ -130,8 +129,7 @@ impl TensorPatch {
         }
     }
 
-    /// Asks for the rows of the points that are kept, for those who will want them soon: short ones have two cache
-    /// lines, as a rule.
+    /// Prefetches the rows of the points that are kept, for use soon. Short rows take two cache lines, as a rule.
     #[inline(always)]
     pub(crate) fn prefetch_net(&self) {
         let net = match self.sums_source() {
@@ -160,8 +158,8 @@ impl TensorPatch {
         self.weight().is_none()
     }
 
-    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). Their degrees are three at most, and
-    /// weights differ.
+    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). This is so if the degrees are three
+    /// at most, and weights differ.
     #[inline(always)]
     pub(crate) fn has_quotient_leaves(&self) -> bool {
         let [p, q] = self.degree();
@@ -178,14 +176,14 @@ impl TensorPatch {
         self.size.value()
     }
 
-    /// How far a computed point may be from the true one, per unit of the largest
-    /// coordinate involved: see [`rounding::residual_factor`](crate::math::rounding::residual_factor).
+    /// The error bound of a computed point, per unit of the largest coordinate involved: see
+    /// [`rounding::residual_factor`](crate::math::rounding::residual_factor).
     #[inline(always)]
     pub fn residual_factor(&self) -> f64 {
         self.net.residual_factor
     }
 
-    /// How far a computed point may be from the true one, in scene units.
+    /// The error bound of a computed point, in scene units.
     #[inline(always)]
     pub fn noise(&self) -> f64 {
         self.error_bound(0.0)
@@ -204,7 +202,7 @@ impl TensorPatch {
         self.jet_of(self.net(&mut None), st)
     }
 
-    /// The same of its [`net`](Self::net), for those who ask often.
+    /// The same from its [`net`](Self::net), for callers that need many jets.
     pub(crate) fn jet_of(&self, net: PieceNet<'_>, st: DVec2) -> Jet {
         // The same sums with as much room for basis functions as the degrees need.
         match self.degree()[0].max(self.degree()[1]) {
@@ -318,14 +316,14 @@ impl TensorPatch {
     }
 }
 
-/// The point a homogeneous control point stands for.
+/// The Euclidean point of a homogeneous control point.
 #[inline]
 pub(super) fn euclidean(control: DVec4) -> DVec3 {
     // Most weights are 1, and divisions take time.
     if control.w == 1.0 { control.truncate() } else { control.truncate() / control.w }
 }
 
-/// The points that the control points of a net stand for.
+/// The Euclidean points of a control net.
 #[inline]
 pub(super) fn euclidean_net(net: &[DVec4]) -> Points {
     let mut points = Points::from_elem(DVec3::ZERO, net.len());

@@ -1,9 +1,9 @@
 //! Neighbouring pieces whose leaves lie side by side.
 //!
-//! Where pieces are so many that most of them are one leaf, those of a few rows and columns of a chart
-//! are what a tree would put together anyway. Told so, it has a sixteenth of the boxes to sort, and its
-//! blocks are full. Measured: a sheet of a million pieces is ready in 0.7 of the time; on sheets of
-//! 256 × 256 and more pieces rays are traced 1.0 to 1.2 times as fast.
+//! Where there are so many pieces that most of them are one leaf, a tree would put the leaves of a few rows and
+//! columns of a chart together anyway. If it is given these groups, it has a sixteenth of the boxes to sort, and its
+//! blocks are full. Measured: a sheet of a million pieces is ready in 0.7 of the time; on sheets of 256 × 256 and
+//! more pieces rays are traced 1.0 to 1.2 times as fast.
 
 use std::ops::Range;
 
@@ -13,19 +13,19 @@ use rayon::prelude::*;
 use super::{Part, Piece};
 use crate::math::Aabb;
 
-/// The parts of pieces that are to be leaves, and which of them are to be kept together: groups, one
-/// after the other, of neighbours on a surface, at least one part each, and no more than sixteen.
+/// The parts of pieces that become leaves, and which of them are kept together: consecutive groups of neighbours on a
+/// surface, each of at least one part and no more than sixteen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroupedParts {
     parts: Vec<Part>,
     groups: Vec<u32>,
 }
 
-/// How many parts are kept together, at most.
+/// The most parts that are kept together.
 pub(crate) const MOST_TOGETHER: usize = 16;
 const _: () = assert!(MOST_TOGETHER.is_power_of_two());
 
-/// The pieces of a chart: row by row, this many rows and columns, from one of all pieces on.
+/// The pieces of a chart, row by row: the index of the first among all pieces, and the numbers of rows and columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) first: usize,
@@ -51,7 +51,7 @@ impl GroupedParts {
         &self.groups
     }
 
-    /// Holds all points that leaves of these parts answer for.
+    /// A box that holds all points that leaves of these parts answer for.
     pub(super) fn bounds(&self) -> Aabb {
         self.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds))
     }
@@ -62,15 +62,15 @@ impl GroupedParts {
         Self { parts, groups }
     }
 
-    /// The parts of all pieces of some grids, tile by tile, where `add_parts` adds those of one piece: in the order of
-    /// the grids, whatever the number of threads.
+    /// The parts of all pieces of the grids, tile by tile, in the order of the grids, whatever the number of threads.
+    /// `add_parts` adds those of one piece.
     pub(super) fn of(
         pieces: &[Piece],
         grids: &[Grid],
         add_parts: impl Fn(usize, &mut Vec<Part>) + Sync,
     ) -> Self {
         let tiles: Vec<Tile> = grids.iter().flat_map(|grid| grid.tiles(pieces)).collect();
-        // In chunks, so that there are few lists to be put together.
+        // In chunks, so that there are few lists to join.
         let some: Vec<Self> = tiles
             .par_chunks(256)
             .map(|tiles| {
@@ -91,13 +91,13 @@ impl GroupedParts {
         all
     }
 
-    /// Adds the groups of others behind its own.
+    /// Adds the groups of others after its own.
     pub(super) fn append(&mut self, others: Self) {
         self.parts.extend(others.parts);
         self.groups.extend(others.groups);
     }
 
-    /// Adds the parts of a tile: together if there are not too many.
+    /// Adds the parts of a tile, as one group if there are not too many.
     fn add(&mut self, tile: &Tile, add_parts: &impl Fn(usize, &mut Vec<Part>)) {
         let before = self.parts.len();
         for k in tile.pieces() {
@@ -117,13 +117,13 @@ impl Grid {
         self.rows * self.columns
     }
 
-    /// The pieces, as their places among all.
+    /// The indices of the pieces among all.
     pub(super) fn pieces(&self) -> Range<usize> {
         self.first..self.first + self.count()
     }
 
-    /// Tiles of [`MOST_TOGETHER`] pieces, less at the ends, about as long as they are wide: squares of
-    /// as many rows and columns are cut into tiles of one shape, by what their own pieces look like.
+    /// Tiles of [`MOST_TOGETHER`] pieces, fewer at the ends, about as long as they are wide. Squares of that many
+    /// rows and columns are each cut into tiles of one shape, chosen by the sides of their own pieces.
     fn tiles(self, pieces: &[Piece]) -> impl Iterator<Item = Tile> {
         let whole = Tile { grid: self, rows: 0..self.rows, columns: 0..self.columns };
         whole.cut([MOST_TOGETHER; 2]).flat_map(|square| {
@@ -134,7 +134,7 @@ impl Grid {
 }
 
 impl Tile {
-    /// Tiles of this many rows and columns, less at the ends.
+    /// Tiles of this many rows and columns, fewer at the ends.
     fn cut(self, [rows, columns]: [usize; 2]) -> impl Iterator<Item = Self> {
         let ranges = |range: Range<usize>, most: usize| {
             range.clone().step_by(most).map(move |start| start..(start + most).min(range.end))
@@ -145,16 +145,16 @@ impl Tile {
         })
     }
 
-    /// The pieces, row by row, as their places among all.
+    /// The indices of the pieces among all, row by row.
     fn pieces(&self) -> impl Iterator<Item = usize> {
         let Grid { first, columns, .. } = self.grid;
         let row = move |row: usize| self.columns.clone().map(move |k| first + row * columns + k);
         self.rows.clone().flat_map(row)
     }
 
-    /// How many rows its tiles are to have: a power of two, by how long the sides of some pieces are.
+    /// The number of rows that its tiles get: a power of two, from the side lengths of some pieces.
     fn rows_of_a_tile(&self, pieces: &[Piece]) -> usize {
-        // A prime above all numbers of columns, so that they are in all of those.
+        // A prime larger than any number of columns, so that the pieces looked at are in all columns.
         const LOOKED_AT: usize = 17;
         let mut lengths = [0.0; 2];
         for k in self.pieces().step_by(LOOKED_AT) {
@@ -164,7 +164,7 @@ impl Tile {
         // As long as wide: r rows of the first length, 16 / r columns of the second.
         let ratio = lengths[1] / lengths[0];
         let rows = (0.5 * (MOST_TOGETHER as f64 * ratio).log2()).round();
-        // What is negative, or no number, becomes 0.
+        // Negative numbers and NaN become 0.
         let rows = 1 << (rows as u32).min(MOST_TOGETHER.ilog2());
         rows.min(self.rows.len().next_power_of_two())
     }
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn every_piece_is_in_one_tile() {
         let grid = Grid { first: 5, rows: 9, columns: 23 };
-        let set = sheet([20, 12], [3.0, 1.0]); // there is a piece wherever it looks
+        let set = sheet([20, 12], [3.0, 1.0]); // there is a piece wherever tiles look
         let mut seen = Vec::new();
         for tile in grid.tiles(set.pieces()) {
             assert!(tile.pieces().count() <= MOST_TOGETHER);

@@ -1,6 +1,6 @@
-//! Tips: points to which sides of a surface are collapsed, as that of a cone, or of a pyramid.
+//! Tips: points to which sides of a surface are collapsed, such as the tip of a cone or of a pyramid.
 //!
-//! At a pole, as that of a sphere, the normals from all sides have one limit. At a tip they have several,
+//! At a pole, such as that of a sphere, the normals from all sides have one limit. At a tip they have several,
 //! perhaps on several pieces, and the surface has no normal there.
 
 use glam::DVec3;
@@ -9,7 +9,7 @@ use super::Piece;
 use super::piece::HALF_THE_DIGITS;
 use super::tiles::Grid;
 
-/// Finds the tips of a chart's pieces, as far as a few normals along each collapsed side tell.
+/// Finds the tips of a chart's pieces, judging by a few normals along each collapsed side.
 pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
     let Grid { first, rows, columns } = *grid;
     for side in 0..4 {
@@ -33,7 +33,7 @@ pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
 
 /// Whether the normals along a collapsed side of some pieces, one after another, have one limit.
 fn has_one_limit<'a>(mut pieces: impl Iterator<Item = &'a Piece>, side: usize) -> bool {
-    // Nothing is known of a place without limit.
+    // Places without a limit say nothing.
     let mut one: Option<DVec3> = None;
     pieces.all(|piece| {
         piece

@@ -51,7 +51,7 @@ fn named(threads: usize) -> String {
 /// on which finishes first: each tile is painted for itself, from samples that are
 /// functions of (seed, pixel, sample, dimension). Nor does a pixel depend on the crop.
 ///
-/// `progress` is told after every tile, by whichever thread painted it, but never by two
+/// `progress` is called after every tile, by whichever thread painted it, but never by two
 /// at once and always with rising numbers. It should be quick: the others may have to wait.
 ///
 /// ```

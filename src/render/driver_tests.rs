@@ -35,7 +35,7 @@ fn both_worlds() -> [World; 2] {
     worlds
 }
 
-/// From within the bounding box of all, whose nearest point says nothing of how far away surfaces are.
+/// Seen from within the bounding box of all surfaces, whose nearest point says nothing about how far away they are.
 #[test]
 fn how_far_apart_rays_are_is_told_by_what_they_meet() {
     let mut world = sphere_over_tiles();

@@ -1,4 +1,4 @@
-//! The picture: what all samples of all pixels come to.
+//! The picture: the result of all samples of all pixels.
 
 use std::ops::{AddAssign, Range};
 
@@ -198,7 +198,7 @@ impl Film {
         self.count(counters);
     }
 
-    /// Counts more of what was traced.
+    /// Adds to the counters of what was traced.
     pub(super) fn count(&mut self, counters: Counters) {
         self.counters += counters;
     }

@@ -34,7 +34,7 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    /// `neighbours` are the camera's rays, as in [`World::neighbours`].
+    /// `neighbours` says how the camera's rays are best traced, as in [`World::neighbours`].
     pub(super) fn new(
         world: &'a World,
         settings: &'a RenderSettings,

@@ -1,4 +1,4 @@
-//! What is known of a rectangle of pixels: sums of colour, coverage, first hits.
+//! The data of a rectangle of pixels: sums of colour, coverage, first hits.
 
 use std::ops::Range;
 
@@ -39,7 +39,7 @@ pub(super) struct FirstHit {
 }
 
 impl Pixels {
-    /// Pixels without samples, the first of which is to be number `start`.
+    /// Pixels without samples; the first sample will be number `start`.
     pub(super) fn empty(window: PixelRect, aovs: AovSet, start: u32) -> Self {
         let (count, colors) = (window.area() as usize, colors(aovs));
         let first = if keeps_first(aovs) { vec![FirstHit::default(); count] } else { Vec::new() };
@@ -50,7 +50,7 @@ impl Pixels {
     /// Black pixels for a range of samples, to be filled by [`Pixels::insert`].
     ///
     /// # Errors
-    /// When so much memory cannot be had.
+    /// If that much memory cannot be allocated.
     pub(super) fn black(
         window: PixelRect,
         aovs: AovSet,
@@ -70,7 +70,7 @@ impl Pixels {
         Ok(Self { window, sums, colors, hits, first })
     }
 
-    /// Back to no samples, for another rectangle, keeping the memory.
+    /// Resets to no samples, for another rectangle, keeping the memory.
     pub(super) fn restart(&mut self, window: PixelRect, start: u32) {
         let count = window.area() as usize;
         let kept = if self.first.is_empty() { 0 } else { count };
@@ -87,7 +87,7 @@ impl Pixels {
         self.window
     }
 
-    /// Adds the next sample of every pixel; `sample` tells it for a pixel's index.
+    /// Adds the next sample of every pixel; `sample` returns it for a pixel's index.
     pub(super) fn push(&mut self, sample: impl Fn(usize) -> Sample) {
         let (colors, hits, first) = (self.colors, &mut self.hits, &mut self.first);
         self.sums.push(|values| {

@@ -47,7 +47,7 @@ pub struct RenderSettings {
     pub kernel: Kernel,
 }
 
-/// Why a picture cannot be rendered so.
+/// Why a picture cannot be rendered with these settings.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SettingsError {
@@ -80,7 +80,7 @@ pub enum SettingsError {
         /// The sample after the last.
         end: u32,
     },
-    /// More threads than can be.
+    /// More threads than are allowed.
     #[error("{threads} threads: at most {MAX_THREADS} can be; 0 takes one for each processor")]
     TooManyThreads {
         /// How many were asked for.

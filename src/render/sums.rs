@@ -32,7 +32,7 @@ struct Block {
     sums: Vec<f64>,
 }
 
-/// Memory for sums could not be had.
+/// The memory for sums could not be allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{bytes} bytes for the sums of the samples are more than can be had")]
 pub(super) struct OutOfMemory {
@@ -40,7 +40,7 @@ pub(super) struct OutOfMemory {
 }
 
 impl SampleSums {
-    /// No samples yet of `values` values; the first is to be number `start`.
+    /// Sums of `values` values over no samples yet; the first sample will be number `start`.
     pub(super) fn empty(start: u32, values: usize) -> Self {
         Self { samples: start..start, values, blocks: Vec::new(), spare: Vec::new() }
     }
@@ -63,7 +63,7 @@ impl SampleSums {
         self.samples.clone()
     }
 
-    /// Back to no samples, of as many values, keeping the memory.
+    /// Resets to no samples, of this many values, keeping the memory.
     pub(super) fn restart(&mut self, start: u32, values: usize) {
         self.spare.extend(self.blocks.drain(..).map(|block| block.sums));
         (self.samples, self.values) = (start..start, values);
@@ -89,7 +89,7 @@ impl SampleSums {
         self.spare.clear();
     }
 
-    /// Adds a block behind the last and completes every block that it is the end of.
+    /// Adds a block after the last and completes every block that it is the end of.
     fn push_block(&mut self, block: Block) {
         self.blocks.push(block);
         while let [.., left, right] = self.blocks.as_mut_slice() {

@@ -59,7 +59,7 @@ pub(super) fn sphere_over_floor() -> World {
     sphere_over(floor(6.0, -1.0))
 }
 
-/// The same, with the floor in this many pieces that small pictures have several to a pixel.
+/// The same, with the floor in so many pieces that small pictures have several to a pixel.
 pub(super) fn sphere_over_tiles() -> World {
     let mut tiles = floor(6.0, -1.0);
     for k in 1..150 {

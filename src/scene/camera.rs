@@ -37,8 +37,8 @@ const MAX_COORDINATE: f64 = 1e100;
 
 impl Projection {
     /// The smallest field of view in degrees, that of a coin a thousand kilometres away. A
-    /// camera that shows all of a model so stands 10⁸ sizes off (farther for pictures higher than
-    /// wide), and rounding is 10⁻⁸ of a size there.
+    /// camera that shows all of a model with it stands 10⁸ model sizes away (farther for pictures
+    /// higher than wide), where rounding errors are 10⁻⁸ of the size.
     pub const MIN_FOV: f64 = 1e-6;
 }
 
@@ -60,7 +60,7 @@ pub enum CameraError {
     /// The view has no direction.
     #[error("look_from and look_at are the same point {}", ShownVector(*.0))]
     NoDirection(DVec3),
-    /// The view has a direction that rounding has made.
+    /// The view has a direction that is only a rounding error.
     #[error("look_from and look_at are the same point {} to within rounding", ShownVector(*.0))]
     RoundedDirection(DVec3),
     /// Up is zero.
@@ -77,7 +77,7 @@ pub enum CameraError {
         /// The unit direction of the view.
         forward: DVec3,
     },
-    /// The angle cannot be seen by a flat picture, or hardly be told from 0.
+    /// A flat picture cannot show the angle, or the angle is hardly different from 0.
     #[error(
         "fov is {}: needed is an angle from {:e} degrees up to, not including, 180",
         Shown(*.0),
@@ -117,7 +117,7 @@ impl Camera {
     /// [10⁻⁶, 180) degrees, the height is not positive, or a number is not finite or beyond
     /// 10¹⁰⁰.
     pub fn new(view: View, projection: Projection) -> Result<Self, CameraError> {
-        // First: where the eye was placed by it, that is not to blame.
+        // Checked first: if the eye was placed for the projection, the eye is not to blame.
         match projection {
             Projection::Perspective { fov } if !(Projection::MIN_FOV..180.0).contains(&fov) => {
                 return Err(CameraError::Fov(fov));
@@ -139,7 +139,7 @@ impl Camera {
         // An orthonormal frame: right, up, forward.
         let way = view.look_at - view.look_from;
         let largest = view.look_from.abs().max(view.look_at.abs()).max_element();
-        // What rounding leaves of a difference has no direction of its own.
+        // A difference that is only a rounding error has no direction of its own.
         if way != DVec3::ZERO && way.abs().max_element() <= 8.0 * f64::EPSILON * largest {
             return Err(CameraError::RoundedDirection(view.look_from));
         }
@@ -180,8 +180,8 @@ impl Camera {
         ray.unwrap_or(self.axis)
     }
 
-    /// How far apart the rays through neighbouring pixels are in the middle of a picture of this
-    /// size, at a distance in front of the camera, in scene units.
+    /// The distance between the rays through neighbouring pixels in the middle of a picture of this
+    /// size, at `depth` in front of the camera, in scene units.
     pub fn pixel_width(&self, [width, height]: [u32; 2], depth: f64) -> f64 {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let ray = |film: DVec2| self.ray(film, size.x / size.y);

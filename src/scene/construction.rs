@@ -6,7 +6,7 @@ use super::{CurveSpec, Written};
 use crate::geometry::construct::{NetStyle, RibbonStyle, SweepOptions, TubeStyle};
 
 /// Surfaces made from curves; [`construct`](crate::geometry::construct)
-/// says how each is made and runs.
+/// says how each is made and how it runs.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Construction {
@@ -30,9 +30,9 @@ pub enum Construction {
     },
     /// Straight lines from one curve to another.
     Ruled {
-        /// The one.
+        /// The first curve.
         from: CurveSpec,
-        /// The other.
+        /// The second curve.
         to: CurveSpec,
     },
     /// A Coons patch between four borders: those of constant u, then of constant v.
@@ -125,7 +125,7 @@ impl Construction {
         }
     }
 
-    /// Whether it makes a thing seen as lines, of many surfaces that run into each other: tubes,
+    /// Whether it makes a drawing of lines, from many surfaces that run into each other: tubes,
     /// ribbons, nets.
     pub fn is_drawing(&self) -> bool {
         let curve = matches!(self, Self::Tube { .. } | Self::Ribbon { .. } | Self::Polygon { .. });

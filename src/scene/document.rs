@@ -41,7 +41,7 @@ pub struct Scene {
 pub struct Object {
     /// Its name.
     pub name: Option<Written<String>>,
-    /// What to call it without a name, with a number if others are called so too.
+    /// What to call it if it has no name; with a number if others are called the same.
     pub default_name: String,
     /// Its surfaces.
     pub parts: Vec<Part>,
@@ -64,7 +64,7 @@ impl Scene {
         self.objects.iter().find(named)
     }
 
-    /// What to say of a name that was given to no object.
+    /// The error about a name that no object has.
     pub(super) fn unknown_object(&self, name: &str) -> UnknownName {
         let called = |object: &Object| object.name.is_none() && object.default_name == name;
         if self.objects.iter().any(called) {
@@ -88,7 +88,7 @@ impl Object {
 }
 
 impl Shape {
-    /// The number of control points; 0 for a shape known by name, which has but a few.
+    /// The number of control points; 0 for a shape known by name, which has only a few.
     fn point_count(&self) -> usize {
         match self {
             Self::Net(net) => net.points.value.len(),
@@ -122,25 +122,25 @@ pub enum Shape {
     Triangle(Arc<TriangleNet>),
     /// The limit surface of a cage.
     Subdivision(Arc<Subdivision>),
-    /// One the program knows by name, and where each of its measures was written, as far as
-    /// they were; the measures have the names a [`ShapeError`](crate::geometry::shapes::ShapeError)
-    /// gives them.
+    /// A shape the program knows by name, and those of its measures that were written, with their
+    /// places. The measures have the names that a
+    /// [`ShapeError`](crate::geometry::shapes::ShapeError) gives them.
     Named(NamedShape, Vec<Written<&'static str>>),
-    /// One made from curves, and where each of its numbers was written, as far as they were; they
-    /// have the names of their keys in scenes.
+    /// A shape made from curves, and those of its numbers that were written, with their places.
+    /// The numbers have the names of their keys in scenes.
     Built(Arc<Construction>, Vec<Written<&'static str>>),
 }
 
-/// A camera as far as the author says; the rest is chosen so that all is in the picture.
+/// A camera as far as the author describes it; the rest is chosen so that everything is in the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraSpec {
     /// Where it was written.
     pub place: Place,
-    /// Where the eye is; else in front, to the right and above, far enough to see all.
+    /// Where the eye is; if not given, in front, to the right and above, far enough to see everything.
     pub look_from: Option<Written<DVec3>>,
-    /// The middle of the picture; else the middle of the scene.
+    /// The middle of the picture; the middle of the scene if not given.
     pub look_at: Option<Written<DVec3>>,
-    /// What points up; else z, or y where the view runs along z.
+    /// What points up; if not given, z, or y where the view runs along z.
     pub up: Option<Written<DVec3>>,
     /// How it sees.
     pub lens: Lens,
@@ -173,7 +173,7 @@ impl Default for Lens {
     }
 }
 
-/// Something a file holds that is not shown as it stands there.
+/// Something in a file that is not shown as it is written there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImportNote {
     /// Where it is.

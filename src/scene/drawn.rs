@@ -1,5 +1,5 @@
-//! What is drawn of another object's surfaces: control nets, trim edges, lines of constant
-//! parameter. What several of them share is drawn once.
+//! Drawings of another object's surfaces: control nets, trim edges, lines of constant parameter.
+//! Whatever several of them share is drawn once.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::geometry::construct::{
 use crate::geometry::{CurveError, Direction, LimitSurface, NurbsCurve, Surface, TriangleSide};
 use crate::math::Shown;
 
-/// A drawing, as long as it is not too much.
+/// A drawing with a limit on its control points.
 struct Drawn {
     drawing: Drawing,
     most_points: usize,
@@ -17,7 +17,7 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Of what lies among these points.
+    /// A drawing, still empty, of lines that lie among these points.
     fn among(
         points: impl IntoIterator<Item = DVec3>,
         style: TubeStyle,
@@ -32,8 +32,8 @@ impl Drawn {
         Self::among(points, style, most_points)
     }
 
-    /// A tube along a line that errors call so. Where it folds, others may be bent more: that is
-    /// told at the end.
+    /// Adds a tube along a line, which errors call `line`. If the tube folds, other lines may be
+    /// bent more, so that error is reported at the end.
     fn tube(
         &mut self,
         curve: &NurbsCurve,
@@ -58,7 +58,7 @@ impl Drawn {
     }
 }
 
-/// An error about one of several lines, if it is not about what is asked of all of them.
+/// Makes an error one about this line, unless it is about numbers that all lines have in common.
 fn in_line(line: String, error: ConstructError) -> ConstructError {
     match error {
         ConstructError::Curve {
@@ -70,7 +70,7 @@ fn in_line(line: String, error: ConstructError) -> ConstructError {
     }
 }
 
-/// What errors call something on one of some surfaces: that alone where there is but one.
+/// The name in errors of something on one of `count` surfaces: `what` alone if there is only one.
 fn on_surface(surface: usize, count: usize, what: &str) -> String {
     if count == 1 { what.to_owned() } else { format!("surface {surface}, {what}") }
 }
@@ -107,7 +107,7 @@ pub(super) fn trim_curves(
     }
     let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
     for (index, surface) in trimmed {
-        // Edges are lifted onto its Bézier pieces, all of which are made for that.
+        // Edges are lifted onto the surface's Bézier pieces, all of which are made for that.
         drawn.check(surface.surface().bezier_point_count())?;
         let edges = surface.edge_curves().map_err(ConstructError::TrimEdge)?;
         for (number, edge) in edges.iter().enumerate() {
@@ -140,7 +140,7 @@ pub(super) fn iso_curves(
         return Err(ConstructError::NoIsoLines);
     }
     let mut drawn = Drawn::of_surfaces(surfaces, *style, most_points);
-    // What each line has come to so far.
+    // What has been found of each line so far.
     let mut found = vec![Found::Nothing; lines.len()];
     for (index, surface) in surfaces.iter().enumerate() {
         for (&(fixed, t), found) in lines.iter().zip(&mut found) {
@@ -166,7 +166,7 @@ pub(super) fn iso_curves(
     drawn.pieces()
 }
 
-/// What is kept of one line of constant parameter on a surface.
+/// The parts of one line of constant parameter that are kept on a surface.
 fn iso_curve(
     surface: &Surface,
     fixed: TriangleSide,
@@ -218,7 +218,7 @@ fn limit_curves(
     })
 }
 
-/// What a fixed parameter is called.
+/// The name of a fixed parameter.
 fn parameter(fixed: TriangleSide) -> char {
     match fixed {
         TriangleSide::U => 'u',

@@ -15,7 +15,7 @@ use crate::geometry::trim::TrimError;
 use crate::geometry::{LimitError, SurfaceError, TriangleError};
 use crate::intersect::BuildError;
 
-/// Why a scene cannot be shown, and where its author wrote what is at fault.
+/// Why a scene cannot be shown, and where its author wrote the fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
     place: Place,
@@ -27,7 +27,7 @@ impl SceneError {
         Self { place, fault: Box::new(fault) }
     }
 
-    /// Where it was written.
+    /// Where the fault was written.
     pub fn place(&self) -> &Place {
         &self.place
     }
@@ -50,7 +50,7 @@ impl fmt::Display for SceneError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneFault {
-    /// Numbers that are no surface.
+    /// Numbers that do not make a surface.
     #[error("surface \"{surface}\"{}{error}", separator(.error))]
     Surface {
         /// The surface's name.
@@ -58,7 +58,7 @@ pub enum SceneFault {
         /// What is wrong with it.
         error: SurfaceError,
     },
-    /// Numbers that are no triangular patch.
+    /// Numbers that do not make a triangular patch.
     #[error("surface \"{surface}\": {error}")]
     Triangle {
         /// The surface's name.
@@ -98,7 +98,7 @@ pub enum SceneFault {
         /// What is wrong with them.
         error: TrimError,
     },
-    /// A curve of a loop that is none.
+    /// Numbers that do not make a curve of a loop.
     #[error("surface \"{surface}\": trims: loop {trim_loop}, curve {curve}: {error}")]
     TrimCurve {
         /// The surface's name.
@@ -154,7 +154,7 @@ pub enum SceneFault {
         /// How many surfaces it has.
         count: usize,
     },
-    /// A step of a transform that is none.
+    /// A step of a transform that is not a transform of space.
     #[error("object \"{object}\": {error}")]
     Transform {
         /// The object's name.
@@ -170,7 +170,7 @@ pub enum SceneFault {
         /// What is wrong with it there.
         error: SurfaceError,
     },
-    /// A material nobody described.
+    /// A material that the scene does not describe.
     #[error("object \"{object}\": {error}")]
     Material {
         /// The object's name.
@@ -178,7 +178,7 @@ pub enum SceneFault {
         /// The name and the nearest known one.
         error: UnknownName,
     },
-    /// A net or curves of an object nobody described.
+    /// A net or curves of an object that the scene does not have.
     #[error("object \"{object}\": {error}")]
     Draws {
         /// The object that is drawn.
@@ -194,7 +194,7 @@ pub enum SceneFault {
         /// The one it names.
         of: String,
     },
-    /// Two things of one name.
+    /// Two things with one name.
     #[error("the {what} name \"{name}\" is taken{}", elsewhere(.first))]
     Duplicate {
         /// An object or a material.
@@ -235,7 +235,7 @@ pub enum SceneFault {
         /// What the file holds instead.
         notes: Vec<ImportNote>,
     },
-    /// A light is none.
+    /// A light with invalid numbers.
     #[error("light {light}: {error}")]
     Light {
         /// Which, counted from 0.
@@ -243,7 +243,7 @@ pub enum SceneFault {
         /// What is wrong with it.
         error: LightError,
     },
-    /// A material has no such colour.
+    /// A material with an invalid colour or width of lines.
     #[error("material \"{material}\": {error}")]
     Texture {
         /// Its name.
@@ -251,13 +251,13 @@ pub enum SceneFault {
         /// What is wrong with it.
         error: LightError,
     },
-    /// The background is no light.
+    /// A background that is not an amount of light.
     #[error("{0}")]
     Background(LightError),
     /// The picture cannot be made.
     #[error("{0}")]
     Picture(PictureError),
-    /// The camera cannot be.
+    /// The camera is not possible.
     #[error("camera: {0}")]
     Camera(CameraError),
     /// The surfaces cannot be prepared.

@@ -8,7 +8,7 @@ use super::{Camera, CameraError, CameraSpec, Lens, Light, Place, Projection, Vie
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{Chart, Charts, KnotVector, Surface};
 
-/// Where the camera stands if nobody says: a three-quarter view from the front (−y), the
+/// Where the camera stands if no place is given: a three-quarter view from the front (−y), the
 /// right, and 25° above, so that three sides of a box show at three different widths.
 const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
 
@@ -16,12 +16,12 @@ const VIEW_FROM: DVec3 = DVec3::new(0.45, -0.79, 0.423);
 /// this: a thin frame of background remains.
 const MARGIN: f64 = 1.05;
 
-/// About how many points are looked at across a surface, each way, to find its extent: a
-/// sphere sampled so is found to a thousandth of its size, well within [`MARGIN`].
+/// The approximate number of points sampled across a surface, each way, to find its extent: a
+/// sphere is found to a thousandth of its size, well within [`MARGIN`].
 const MOST_SAMPLES: usize = 48;
 
-/// About how many points are looked at in all, some milliseconds' work. Where there are many
-/// surfaces each is small, and so is what its few samples miss.
+/// The approximate number of points sampled in all, a few milliseconds' work. If there are many
+/// surfaces, each is small, and so is the part that its few samples miss.
 const ALL_SAMPLES: f64 = 65_536.0;
 
 /// A sphere around the middle of the surfaces that holds them.
@@ -52,7 +52,7 @@ fn all_samples(surface: &Surface, across: usize) -> Vec<DVec3> {
     let across = (across as f64 / (charts.len() as f64).sqrt()).ceil() as usize;
     let kept = appended(charts.iter().map(|chart| samples(chart, across)));
     if kept.is_empty() {
-        // What trims keep may lie between the samples.
+        // The part that trims keep may lie between the samples.
         let whole = charts.into_iter().map(|chart| Chart { trims: None, ..chart });
         return appended(whole.map(|chart| samples(&chart, across)));
     }
@@ -68,7 +68,7 @@ fn appended(lists: impl Iterator<Item = Vec<DVec3>>) -> Vec<DVec3> {
     all
 }
 
-/// Points on a chart: those of a grid with every knot in it that its trims keep.
+/// Points on a chart: the points of a grid through every knot, as far as the chart's trims keep them.
 fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let surface = &chart.surface;
     let (us, vs) = (surface.knots_u(), surface.knots_v());
@@ -85,7 +85,7 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     grid.zip(points).filter(kept).map(|(_, point)| point).collect()
 }
 
-/// The ends of all spans within a range, and between them as many parameters as make up `across`.
+/// The ends of all spans within a range, and enough parameters between them to make up `across`.
 fn parameters(knots: &KnotVector, across: usize, [from, to]: [f64; 2]) -> Vec<f64> {
     let spans = knots.spans().map(|span| [span.start.max(from), span.end.min(to)]);
     let spans: Vec<[f64; 2]> = spans.filter(|[start, end]| start < end).collect();
@@ -99,7 +99,7 @@ fn parameters(knots: &KnotVector, across: usize, [from, to]: [f64; 2]) -> Vec<f6
 }
 
 impl CameraSpec {
-    /// Where the part of the camera was written that an error complains of.
+    /// Where the part of the camera that an error is about was written.
     pub(super) fn blame(&self, error: &CameraError) -> &Place {
         let (from, at) = (place(&self.look_from), place(&self.look_at));
         let part = match (error, &self.lens) {
@@ -115,15 +115,15 @@ impl CameraSpec {
         part.unwrap_or(&self.place)
     }
 
-    /// The camera as written, with what was left open chosen to show the sphere in pictures of this shape,
-    /// width over height.
+    /// The camera as written, with the rest chosen to show the sphere in pictures of this aspect, width over
+    /// height.
     pub(super) fn camera(
         &self,
         sphere: BoundingSphere,
         aspect: f64,
     ) -> Result<Camera, CameraError> {
         let radius = MARGIN * sphere.radius;
-        // Lenses say how high a picture is; it is to hold the sphere in its width, too.
+        // Lenses give the height of a picture; the sphere must fit into its width, too.
         let narrow = aspect.min(1.0);
         let projection = match &self.lens {
             Lens::Perspective { fov } => {
@@ -135,12 +135,12 @@ impl CameraSpec {
         };
         let look_at = value(&self.look_at).unwrap_or(sphere.center);
 
-        // An eye that nobody placed goes where the sphere, wherever its centre lies
-        // off the middle of the picture, just fits.
+        // An eye without a given place goes where the sphere just fits, even if its centre lies
+        // off the middle of the picture.
         let look_from = value(&self.look_from).unwrap_or_else(|| {
             let reach = radius + MARGIN * look_at.distance(sphere.center);
             let distance = match projection {
-                // The same for `narrow` 1, but for rounding.
+                // The same for `narrow` 1, except for rounding.
                 Projection::Perspective { fov } if narrow < 1.0 => {
                     reach / (narrow * (0.5 * fov.to_radians()).tan()).atan().sin()
                 }

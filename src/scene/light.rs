@@ -1,4 +1,4 @@
-//! What shines.
+//! Lights.
 
 use glam::DVec3;
 use thiserror::Error;
@@ -34,7 +34,7 @@ pub enum Light {
     },
 }
 
-/// Why numbers are no light, or no colour.
+/// Why numbers are not a light, or not a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LightError {
@@ -44,24 +44,24 @@ pub enum LightError {
         ShownVector(DVec3::from_array(*amount))
     )]
     Amount {
-        /// What it is of.
+        /// What the amount is of.
         what: &'static str,
         /// The numbers as given.
         amount: Rgb,
     },
-    /// A point light is nowhere.
+    /// The position of a point light is not finite.
     #[error("position {}: coordinates must be finite", ShownVector(*.position))]
     Position {
         /// The position as given.
         position: DVec3,
     },
-    /// A directional light comes from nowhere.
+    /// The direction of a directional light is not a unit vector.
     #[error("to_light {}: a unit direction is needed", ShownVector(*.to_light))]
     Direction {
         /// The direction as given.
         to_light: DVec3,
     },
-    /// Lines are no share of their cells.
+    /// The width of lines is not a share of their cells.
     #[error("width {}: a share of a cell, from 0 to 1, is needed", Shown(*.width))]
     Width {
         /// The width as given.
@@ -69,14 +69,14 @@ pub enum LightError {
     },
 }
 
-/// Refuses what is no colour and no amount of light.
+/// Refuses numbers that are not a colour or an amount of light.
 pub(super) fn check_amount(what: &'static str, amount: Rgb) -> Result<(), LightError> {
     let is_light = amount.iter().all(|&share| share >= 0.0 && share.is_finite());
     if is_light { Ok(()) } else { Err(LightError::Amount { what, amount }) }
 }
 
 impl Light {
-    /// Refuses numbers that are no light.
+    /// Refuses numbers that are not a light.
     ///
     /// # Errors
     /// When an amount of light is negative or not finite, a position is not finite, or a direction

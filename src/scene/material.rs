@@ -43,10 +43,10 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Refuses numbers that are no colours, and lines that are no part of their cells.
+    /// Refuses numbers that are not colours, and widths of lines that are not a share of their cells.
     ///
     /// # Errors
-    /// When a number of a colour is negative or not finite, or a width not from 0 to 1.
+    /// When a number of a colour is negative or not finite, or a width is not from 0 to 1.
     pub fn check(&self) -> Result<(), LightError> {
         match *self {
             Self::Constant(color) => check_amount("color", color),

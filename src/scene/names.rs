@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-/// The most of the longer word's letters that may be wrong for a word to be offered as
-/// what was meant: `colour` for `color` is 1/6, `radios` for `radius` 1/6, `ball` for
-/// `sphere` nothing but a guess.
+/// The largest share of the longer word's letters that may be wrong if a word is to be
+/// suggested: `colour` for `color` is 1/6, `radios` for `radius` 1/6, `ball` for `sphere`
+/// nothing but a guess.
 const MAX_WRONG: f64 = 0.4;
 
-/// The known name nearest to what was written, if one is near enough to be meant.
+/// Returns the known name nearest to the one written, if one is near enough to be meant.
 ///
 /// Nearness is the Damerau–Levenshtein distance (letters added, dropped, replaced or
 /// swapped), without regard to case; the first of equals wins.
@@ -24,7 +24,7 @@ pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, name)| name)
 }
 
-/// A name nobody gave: what was written and the nearest known one, or all of them.
+/// An unknown name: what was written, and the nearest known name, or all known names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
     what: &'static str,
@@ -49,7 +49,7 @@ impl UnknownName {
         Self { what, written: written.to_owned(), hint }
     }
 
-    /// The name of a thing that has none of its own, but is called so by its kind.
+    /// The name of a thing that has none of its own and is called after its kind.
     pub(super) fn unnamed(what: &'static str, written: &str) -> Self {
         Self { what, written: written.to_owned(), hint: Hint::Unnamed }
     }

@@ -1,4 +1,4 @@
-//! The materials of a scene, and the one of objects that name none.
+//! The materials of a scene, and the default one of objects that name none.
 
 use std::collections::HashMap;
 
@@ -14,9 +14,9 @@ const DEFAULT_COLOR: Rgb = [0.8; 3];
 /// The materials so far, found by name.
 pub(super) struct Palette {
     materials: Vec<Material>,
-    /// Those that have an author.
+    /// The materials that the scene describes.
     by_name: HashMap<String, usize>,
-    /// That of objects that name none, once there is one.
+    /// The material of objects that name none, once there is one.
     default: Option<usize>,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 /// Where something was written: a file, and the line and column where they are known.
 ///
-/// Shown as `scenes/teapot.toml:41:7`, or nothing at all for what was made in code.
+/// Shown as `scenes/teapot.toml:41:7`, or as nothing at all for things made in code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     file: Option<Arc<str>>,
@@ -25,7 +25,7 @@ impl Place {
         Self { file: self.file.clone(), position: Some((line, column)) }
     }
 
-    /// The label of the file, if it is one.
+    /// The label of the file, if the place is in one.
     pub fn label(&self) -> Option<&str> {
         self.file.as_deref()
     }

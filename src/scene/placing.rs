@@ -17,10 +17,10 @@ pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError
     })
 }
 
-/// Places parts, of one object after another.
+/// Makes and places the parts of objects.
 pub(super) struct Placer<'a> {
     pub(super) scene: &'a Scene,
-    /// The most control points that may be drawn for one object: many times as many as are written.
+    /// The most control points that may be drawn for one object; drawings have many more than are written.
     pub(super) most_points: usize,
 }
 
@@ -100,8 +100,8 @@ impl Placer<'_> {
         Ok(made.into_iter().map(|(_, made)| made.surface).collect())
     }
 
-    /// The control nets of the object of this name, likewise. Limit surfaces are not made for
-    /// that: their nets are their cages.
+    /// The control nets of the object of this name, in their places. Limit surfaces are not made for
+    /// that, as their nets are their cages.
     pub(super) fn nets_of(
         &self,
         drawn: &str,
@@ -126,8 +126,8 @@ impl Placer<'_> {
         Ok(nets)
     }
 
-    /// All surfaces of an object that errors call so, in their places, and turned if it is
-    /// reversed; each with the number of the part that it is, or is one of.
+    /// All surfaces of an object, which errors call `called`: in their places, and turned if the
+    /// object is reversed, each with the number of its part.
     pub(super) fn surfaces(
         &self,
         called: &str,
@@ -136,7 +136,7 @@ impl Placer<'_> {
         let world_from_object = affine(called, object)?;
         let mut surfaces = Vec::new();
         for (index, part) in object.parts.iter().enumerate() {
-            // What errors call it; its surfaces are counted once all are made.
+            // The name in errors; surfaces of a part are numbered once all are made.
             let name = match part.name.as_str() {
                 "" if object.parts.len() == 1 => called.to_owned(),
                 "" => format!("{called}/{index}"),
@@ -171,7 +171,7 @@ impl Placer<'_> {
     }
 }
 
-/// What was made with its trims, if that is one surface.
+/// Trims what was made, which must be one NURBS surface.
 fn trimmed(name: &str, trims: &TrimSpec, made: Vec<Made>) -> Result<Vec<Made>, SceneError> {
     let count = made.len();
     let mut trimmed = Vec::new();

@@ -33,7 +33,7 @@ pub struct PlotSpec {
     pub show: PlotKind<CurveSpec, BasisSpec, ObjectSpec>,
 }
 
-/// A plot of things known to be what they say.
+/// A plot whose numbers have been checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// What stands above it.
@@ -75,7 +75,7 @@ pub enum PlotKind<C, B, S> {
     Derivatives(C),
     /// The curvature of a curve over the parameter.
     Curvature(C),
-    /// A curve with teeth of the length of its curvature across it.
+    /// A curve with teeth across it, as long as its curvature.
     Comb {
         /// The curve.
         curve: C,
@@ -117,7 +117,7 @@ pub enum PlotKind<C, B, S> {
         /// How often corners are cut.
         rounds: usize,
     },
-    /// The trim loops of a surface in its (u, v), and what they keep; checked, of one surface.
+    /// The trim loops of a surface in its (u, v), and what they keep; once checked, of one surface.
     Trims(S),
     /// Surfaces in space: borders, trim edges, curves of constant parameter.
     Surfaces {
@@ -149,7 +149,7 @@ pub struct CurveEntry<C> {
 pub enum PlottedCurve {
     /// A NURBS curve.
     Nurbs(NurbsCurve),
-    /// One that some control points have no influence on.
+    /// A curve that some control points have no influence on.
     Weighted {
         /// The basis with its weights.
         basis: RationalBasis,
@@ -195,7 +195,7 @@ impl PlottedCurve {
     pub fn point_at(&self, t: f64) -> DVec3 {
         match self {
             Self::Nurbs(curve) => curve.point_at(t),
-            // There are as many points as weights: `None` does not come.
+            // There are as many points as weights: `None` does not occur.
             Self::Weighted { basis, points } => basis.point(points, t).unwrap_or(DVec3::NAN),
         }
     }
@@ -210,18 +210,18 @@ impl PlottedCurve {
 }
 
 /// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows
-/// another.
+/// the difference of another.
 pub(super) const MAX_ROUNDS: usize = 10;
 
-/// The most teeth a span's comb may have: more stand closer than any screen shows.
+/// The most teeth a span's comb may have: more would be closer together than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
-/// The most curves of a surface in one direction: more stand closer than any screen shows.
+/// The most curves of a surface in one direction: more would be closer together than any screen shows.
 pub(super) const MAX_LINES: usize = 1000;
 
 type Surfaces = Vec<PlottedSurface>;
 
-/// Checks one plot: knows what errors should call it.
+/// Checks one plot, which errors call `name`.
 struct Checker<'a> {
     name: String,
     spec: &'a PlotSpec,
@@ -229,11 +229,11 @@ struct Checker<'a> {
 }
 
 impl PlotSpec {
-    /// The plot, if its numbers make sense. Errors call it by its title or `number`, counted
-    /// from 0. Objects it names are those of `scene`.
+    /// Returns the plot, if its numbers make sense. Errors call it by its title or `number`,
+    /// counted from 0. Objects it names are those of `scene`.
     ///
     /// # Errors
-    /// When a curve, a knot vector, a weight or a parameter is none, or an object cannot be
+    /// When a curve, a knot vector, a weight or a parameter is not valid, or an object cannot be
     /// shown.
     pub fn checked(&self, number: usize, scene: &Scene) -> Result<Plot, SceneError> {
         let name = match &self.title {
@@ -341,7 +341,7 @@ impl Checker<'_> {
         SceneError::new(place.clone(), SceneFault::Plot { plot: self.name.clone(), error })
     }
 
-    /// Inserts the knots for trial.
+    /// Inserts the knots as a trial.
     fn insert(&self, curve: &NurbsCurve, knots: &[Written<f64>]) -> Result<(), SceneError> {
         if knots.is_empty() {
             return Err(self.error(&self.spec.place, PlotError::NoKnots));
@@ -354,7 +354,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Raises the degree for trial.
+    /// Raises the degree as a trial.
     fn elevate(&self, curve: &NurbsCurve, times: &Written<usize>) -> Result<(), SceneError> {
         if times.value == 0 {
             return Err(self.error(&times.place, PlotError::NotElevated));
@@ -391,10 +391,10 @@ pub(super) fn blame(plot: &str, which: &str, fault: CurveFault) -> SceneError {
 }
 
 impl CurveSpec {
-    /// The curve for a plot that errors call so.
+    /// Returns the curve for a plot, which errors call `plot`.
     ///
     /// # Errors
-    /// When its numbers are no curve.
+    /// When its numbers do not make a curve.
     pub fn plotted(&self, plot: &str) -> Result<PlottedCurve, SceneError> {
         self.curve().map(PlottedCurve::Nurbs).map_err(|fault| blame(plot, "curve", fault))
     }

@@ -12,7 +12,7 @@ use crate::math::Counted;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// Numbers that are no curve.
+    /// Numbers that do not make a curve.
     #[error("{which}: {error}")]
     Curve {
         /// Which of its curves.
@@ -20,7 +20,7 @@ pub enum PlotError {
         /// What is wrong with it.
         error: CurveError,
     },
-    /// A curve's transform that is none.
+    /// A curve's transform that is not a transform of space.
     #[error("{which}: {error}")]
     Transform {
         /// Which of its curves.
@@ -28,19 +28,19 @@ pub enum PlotError {
         /// What is wrong with its transform.
         error: TransformError,
     },
-    /// Numbers that are no knots or weights of a basis.
+    /// Numbers that are not knots or weights of a basis.
     #[error("basis: {0}")]
     Basis(CurveError),
     /// A parameter that the curve does not have.
     #[error("{0}")]
     At(CurveError),
-    /// Numbers that are no polygon.
+    /// Numbers that do not make a polygon.
     #[error("polygon: {0}")]
     Polygon(CurveError),
-    /// Neither knots nor weights nor a number says how many functions there are.
+    /// Neither knots nor weights nor a count give the number of functions.
     #[error("basis: it is not known how many functions: give knots, weights, or count = …")]
     NoCount,
-    /// Two numbers of functions.
+    /// A count and weights that give two different numbers of functions.
     #[error("basis: {} for count = {count}: each function has one", Counted(*.weights, "weight"))]
     Count {
         /// The number that is given.
@@ -54,7 +54,7 @@ pub enum PlotError {
         /// How many there are.
         count: usize,
     },
-    /// Knots that have no domain, as those of one function alone.
+    /// Knots that have no domain, such as those of one function alone.
     #[error(
         "basis: {} of degree {degree}: at least {} are needed, or {} with support = true",
         Counted(*.knots, "knot"), 2 * degree + 2, degree + 2
@@ -65,7 +65,7 @@ pub enum PlotError {
         /// The degree.
         degree: usize,
     },
-    /// A derivative of so high an order that nothing is left of polynomials.
+    /// A derivative of so high an order that nothing is left of the polynomials.
     #[error("basis: derivative = {found}: at most {degree} is possible, the degree")]
     Derivative {
         /// The order that was asked for.
@@ -91,7 +91,7 @@ pub enum PlotError {
         /// How many were asked for.
         found: usize,
     },
-    /// An object that nobody described.
+    /// An object that the scene does not have.
     #[error("{0}")]
     Object(UnknownName),
     /// A surface that an object does not have.

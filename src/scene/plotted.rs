@@ -49,13 +49,13 @@ pub enum LoopCurveKind {
 }
 
 impl PlottedSurface {
-    /// How many curves of constant parameter are drawn between two borders, if nothing is said.
+    /// How many curves of constant parameter are drawn between two borders, if not given.
     pub const LINES: usize = 3;
 
     /// A surface of this name, made of a part of an object that is `reversed` or not.
     ///
     /// # Errors
-    /// When a curve of a loop is none.
+    /// When the numbers of a loop do not make a curve.
     pub fn new(
         name: &str,
         surface: Surface,
@@ -66,7 +66,7 @@ impl PlottedSurface {
         let loops = trims.loops.iter().map(LoopSpec::curves).collect::<Result<_, _>>();
         let mut loops: Vec<Vec<LoopCurve>> = loops.map_err(|fault| blame(name, "trims", fault))?;
         if reversed {
-            // As the surface's own trims: what was at u is as far from the other end then.
+            // Like the surface's own trims: a point at u is then as far from the other end.
             let ([(start, _), _], [(_, end), _]) = (surface.domain(), surface.reversed().domain());
             let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
             let mirror = DAffine3::from_mat3_translation(mirror, (start + end) * DVec3::X);
@@ -83,11 +83,11 @@ impl PlottedSurface {
 }
 
 impl ObjectSpec {
-    /// The surfaces, each made anew.
+    /// Makes the surfaces, each anew.
     ///
     /// # Errors
-    /// When the object is not known, does not have that surface, or cannot be made; `fails`
-    /// says what it is for.
+    /// When the object is not known, does not have that surface, or cannot be made; `fails` makes
+    /// the error about the plot.
     pub(super) fn surfaces(
         &self,
         scene: &Scene,
@@ -144,7 +144,7 @@ impl LoopSpec {
         let flat = |point: &DVec2| point.extend(0.0);
         match &self.kind {
             LoopKind::Polygon(corners) => {
-                // A corner repeated is no side, as where the first is given again at the end.
+                // A repeated corner makes no side, such as the first one given again at the end.
                 let mut closed: Vec<DVec3> =
                     corners.iter().chain(corners.first()).map(flat).collect();
                 closed.dedup();

@@ -1,11 +1,11 @@
-//! What a scene says about its picture; the command line may say otherwise.
+//! The settings a scene gives for its picture; the command line may override them.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// How radiance is found, by name; the render floor gives each its meaning.
+/// How radiance is found, by name; the render layer gives each name its meaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum IntegratorKind {
@@ -76,7 +76,7 @@ pub struct RenderDefaults {
     pub exposure: f64,
 }
 
-/// Why there can be no such picture.
+/// Why a picture cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PictureError {
@@ -115,8 +115,8 @@ impl RenderDefaults {
     /// mistyped size is likelier than a wish.
     pub const MAX_SIDE: u32 = 1 << 16;
 
-    /// Refuses pictures that cannot be made. How much of one fits in memory is known to the
-    /// renderer, which can make it in parts.
+    /// Refuses pictures that cannot be made. Only the renderer, which can make a picture in parts,
+    /// knows how much of one fits in memory.
     ///
     /// # Errors
     /// When a side has no pixels, or absurdly many, there are no samples, or the exposure is not

@@ -1,24 +1,24 @@
-//! How far apart the rays of a picture are.
+//! The distance between neighbouring rays of a picture.
 
 use glam::DVec2;
 
 use super::World;
 use crate::intersect::{Kernel, Neighbours};
 
-/// So many rays in each direction find out how far away a picture's surfaces are.
+/// The number of rays in each direction that find the distance of a picture's surfaces.
 const PROBES: u32 = 8;
 
 impl World {
-    /// How the camera's rays, and those that leave their hits, are best traced in a picture of
+    /// How the camera's rays, and the rays that leave their hits, are best traced in a picture of
     /// this size.
     ///
-    /// Told by how far apart they are at the median depth of what a coarse grid of them meets: the same for all
-    /// of the picture, whatever part of it is made, with whatever kernel.
+    /// It is judged by the distance between neighbouring rays at the median depth of the hits of a coarse
+    /// grid of rays: the same for all of the picture, whichever part of it is made, with whichever kernel.
     pub fn neighbours(&self, size: [u32; 2]) -> Neighbours {
         self.bvh.neighbours(self.camera.pixel_width(size, self.depth(size)))
     }
 
-    /// The median depth of what is seen, or that of the bounding box where nothing is met.
+    /// The median depth of the hits, or the distance of the bounding box if nothing is hit.
     fn depth(&self, [width, height]: [u32; 2]) -> f64 {
         let aspect = f64::from(width) / f64::from(height);
         let mut tracer = self.bvh.tracer_with(Kernel::Scalar);

@@ -7,7 +7,7 @@ use super::{Place, Written};
 use crate::geometry::construct::{ConstructError, NetStyle};
 use crate::geometry::{Cage, LimitError, LimitSurface};
 
-/// A subdivision surface: a cage, the scheme that smooths it, and how exactly.
+/// A subdivision surface: a cage, the scheme that smooths it, and the tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subdivision {
     /// The cage.
@@ -42,11 +42,11 @@ impl Scheme {
 const MOST_STEPS: usize = 16;
 
 impl Subdivision {
-    /// The cage after so many steps of the scheme.
+    /// The cage after this many steps of the scheme.
     ///
     /// # Errors
-    /// When there are more steps than any cage that grows can take, or one on the way has more vertices than can
-    /// be drawn: after some steps each has about four times as many.
+    /// When there are more steps than any cage that grows can take, or a cage on the way has more vertices than
+    /// can be drawn: after the first few, each step makes about four times as many.
     pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, ConstructError> {
         if steps > MOST_STEPS {
             return Err(ConstructError::Steps { steps, most: MOST_STEPS });
@@ -75,7 +75,7 @@ impl Subdivision {
         }
     }
 
-    /// Where the number was written that an error names, if that is the tolerance.
+    /// Where the tolerance was written, if an error is about it.
     pub(super) fn blame(&self, error: &LimitError) -> Option<&Place> {
         let too_fine = matches!(
             error,

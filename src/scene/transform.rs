@@ -1,4 +1,4 @@
-//! Moving things about.
+//! Transforms that place objects.
 
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
@@ -28,7 +28,7 @@ pub enum Transform {
     Matrix([[f64; 4]; 3]),
 }
 
-/// Why a step is no transform of space.
+/// Why a step is not a transform of space.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TransformError {
@@ -46,14 +46,14 @@ pub enum TransformError {
     Singular,
 }
 
-/// The determinant of three unit columns is computed with an error of a few roundings: one
-/// not larger cannot be told from zero.
+/// The determinant of three unit columns is computed with a few rounding errors: a value no
+/// larger than this cannot be told from zero.
 const SINGULAR: f64 = 16.0 * f64::EPSILON;
 
-/// All steps of a transform, the first one first, as one.
+/// All steps of a transform, the first one first, as one map.
 ///
 /// # Errors
-/// The first step that is none, and where it was written.
+/// When a step is not a transform of space; the error is that of the first such step, with its place.
 pub(crate) fn placed(steps: &[Written<Transform>]) -> Result<DAffine3, (&Place, TransformError)> {
     steps.iter().try_fold(DAffine3::IDENTITY, |before, step| {
         Ok(step.value.affine().map_err(|error| (&step.place, error))? * before)

@@ -18,7 +18,7 @@ pub struct TriangleNet {
 }
 
 impl TriangleNet {
-    /// The patch these numbers are, if they are one; else why not, and the place to blame.
+    /// Returns the patch that these numbers describe; if they describe none, why, and the place to blame.
     pub(super) fn patch(&self) -> Result<TrianglePatch, (TriangleError, &Place)> {
         let points = self.points.value.iter().map(|point| point.value).collect();
         let weights = self.weights.as_ref();
@@ -29,7 +29,7 @@ impl TriangleNet {
         })
     }
 
-    /// Where the number was written that an error names.
+    /// Where the number that an error names was written.
     fn place(&self, error: &TriangleError) -> &Place {
         let weights = self.weights.as_ref().map_or(&self.points.place, |list| &list.place);
         // Points are in the order i, then j: before those of i come i rows, one shorter each.

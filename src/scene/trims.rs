@@ -31,16 +31,16 @@ pub struct LoopSpec {
     pub place: Place,
     /// What it is.
     pub kind: LoopKind,
-    /// What its file says of it, which the loops around it must agree with.
+    /// What its file says it is; the number of loops around it must agree.
     pub sense: Option<LoopSense>,
 }
 
 /// What a loop is said to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoopSense {
-    /// What it goes around is kept.
+    /// The region inside the loop is kept.
     Outline,
-    /// What it goes around is cut off.
+    /// The region inside the loop is cut off.
     Hole,
 }
 
@@ -75,15 +75,15 @@ pub enum LoopKind {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrimCurveFault {
-    /// It is no curve.
+    /// It is not a curve.
     #[error(transparent)]
     Curve(#[from] CurveError),
-    /// It is no curve in (u, v).
+    /// It is not a curve in (u, v).
     #[error(transparent)]
     Trim(#[from] TrimCurveError),
 }
 
-/// The part of a domain's sides along its border where nothing need be kept.
+/// The width of the strip along a domain's border in which kept parts do not count, as a share of the domain's sides.
 const BORDER: f64 = 1e-9;
 
 impl TrimSpec {
@@ -118,7 +118,8 @@ impl TrimSpec {
             SceneError::new(place, SceneFault::Trims { surface: name.to_owned(), error })
         })?;
         self.check_senses(name, domain, &loops)?;
-        // All along a border what is cut off to the very end is kept, for it is an edge, and shows nothing.
+        // Where a surface is cut off up to a border, the border itself counts as kept, as it is an edge; but it shows
+        // nothing.
         let bounds = domain.bounds();
         let inner = bounds.grown(-BORDER * (bounds.max - bounds.min));
         if trims.classify(&inner) == Coverage::Outside {
@@ -128,7 +129,7 @@ impl TrimSpec {
         TrimmedSurface::new(surface, trims).map_err(fails)
     }
 
-    /// Whether loops are what they are said to be, given how many others lie around each.
+    /// Checks that loops are what they are said to be, given how many others lie around each.
     fn check_senses(
         &self,
         name: &str,
@@ -165,7 +166,7 @@ impl TrimSpec {
         Ok(())
     }
 
-    /// Where the loop was written that an error speaks of; of two, the later one.
+    /// Where the loop that an error is about was written; of two loops, the later one.
     fn place_of(&self, error: &TrimError) -> &Place {
         let index = match error {
             TrimError::Loop { index, .. }

@@ -1,4 +1,4 @@
-//! Names of objects and surfaces: unique, and found without looking far.
+//! Names of objects and surfaces: unique, and found without a long search.
 
 use std::collections::{HashMap, HashSet};
 
@@ -20,7 +20,7 @@ pub(super) fn check_unique<'a>(
     Ok(())
 }
 
-/// The name of a part, and within it of one of its surfaces; either may be empty.
+/// Joins the name of a part and that of a surface within it; either may be empty.
 pub(super) fn joined(part: &str, made: &str) -> String {
     match (part, made) {
         (part, "") => part.to_owned(),
@@ -32,18 +32,18 @@ pub(super) fn joined(part: &str, made: &str) -> String {
 /// The names that are taken.
 pub(super) struct Naming {
     taken: HashSet<String>,
-    /// The last number that was tried behind a name: those before it are taken, and a model may call thousands of
+    /// The last number tried after each name: the numbers before it are taken, and a model may call thousands of
     /// its surfaces alike.
     tried: HashMap<String, usize>,
 }
 
 impl Naming {
-    /// With these taken.
+    /// Starts with these names taken.
     pub(super) fn new(taken: impl Iterator<Item = String>) -> Self {
         Self { taken: taken.collect(), tried: HashMap::new() }
     }
 
-    /// The name itself if it is free, else the first of `name 2`, `name 3`, … that is; then it is taken.
+    /// Returns the name itself if it is free, else the first of `name 2`, `name 3`, … that is, and takes it.
     pub(super) fn free(&mut self, name: &str) -> String {
         if self.taken.insert(name.to_owned()) {
             return name.to_owned();
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn many_of_one_name_take_no_time() {
-        // Each from the beginning, they would take minutes.
+        // If each search began at 2, they would take minutes.
         let mut names = Naming::new(std::iter::empty());
         let last = (0..200_000).map(|_| names.free("a")).last();
         assert_eq!(last.as_deref(), Some("a 200000"));

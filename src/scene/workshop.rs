@@ -1,4 +1,4 @@
-//! Where the surfaces of constructions are made.
+//! The making of constructions' surfaces.
 
 use std::collections::{HashMap, HashSet};
 
@@ -28,7 +28,7 @@ impl<S: Into<Surface>> From<S> for Made {
     }
 }
 
-/// Makes the surfaces of one part: knows what errors should call it, and where it stands.
+/// Makes the surfaces of one part, and knows its name and its place for errors.
 pub(super) struct Workshop<'a> {
     /// The surface's name.
     pub(super) surface: &'a str,
@@ -41,7 +41,7 @@ pub(super) struct Workshop<'a> {
 }
 
 impl Workshop<'_> {
-    /// The surfaces of a construction. What is wrong with one of its curves or numbers is told
+    /// Makes the surfaces of a construction. An error about one of its curves or numbers is placed
     /// where that was written.
     pub(super) fn make(&self, what: &Construction) -> Result<Vec<Made>, SceneError> {
         self.made(what).map_err(|error| match error.fault() {
@@ -145,7 +145,7 @@ impl Workshop<'_> {
         })
     }
 
-    /// What was made, or why not.
+    /// Passes on what was made, or gives the error its place.
     fn checked<T>(&self, made: Result<T, ConstructError>) -> Result<T, SceneError> {
         made.map_err(|error| self.blamed(error))
     }
@@ -156,7 +156,7 @@ impl Workshop<'_> {
     }
 }
 
-/// The key of the number that is at fault, if it is one that has a key.
+/// The key of the number that is at fault, if that has a key.
 fn key_of(error: &ConstructError) -> Option<&'static str> {
     Some(match error {
         ConstructError::Line { error, .. } => return key_of(error),
@@ -196,7 +196,7 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
     })
 }
 
-/// The pieces under names of their own: what each is, with a number where there are several.
+/// Names the pieces: what each is, with a number where there are several.
 fn numbered(pieces: Vec<Component>) -> Vec<Made> {
     let of = |what| pieces.iter().filter(|piece| piece.what == what).count();
     let several: HashSet<&str> = KINDS.into_iter().filter(|what| of(*what) > 1).collect();
@@ -217,5 +217,5 @@ fn numbered(pieces: Vec<Component>) -> Vec<Made> {
         .collect()
 }
 
-/// What pieces may be.
+/// The kinds of pieces.
 const KINDS: [&str; 6] = ["tube", "joint", "cap", "ribbon", "line", "point"];

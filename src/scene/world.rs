@@ -33,28 +33,28 @@ pub struct World {
 pub struct Instance {
     /// Its name, unique in the world.
     pub name: String,
-    /// Which object of the scene, and which of its parts, it is or is one of.
+    /// The index of its object in the scene, and of its part in the object.
     pub part: [usize; 2],
     /// The surface, placed in the world; its domain is as authored.
     pub surface: Surface,
     /// Its material, an index into [`World::materials`].
     pub material: usize,
-    /// How far it is at most from what the scene asks for, in space: 0 where it is exactly
-    /// that, a measured bound where a construction had to approximate.
+    /// Error bound of the surface in space, against what the scene asks for: 0 if it is exact, a
+    /// measured bound if a construction had to approximate.
     pub deviation: f64,
 }
 
-/// Paler than what stands in shade, darker than what stands in light, a little blue: every
-/// silhouette shows.
+/// Paler than things in shade, darker than things in light, a little blue: every silhouette
+/// shows.
 const DEFAULT_BACKGROUND: Rgb = [0.32, 0.38, 0.45];
 
 impl World {
-    /// Checks a scene and makes it ready to trace. A camera that nobody placed shows all of it in pictures of the
-    /// shape that its settings ask for.
+    /// Checks a scene and makes it ready to trace. A camera without a given place shows the whole scene in pictures
+    /// of the shape that its settings ask for.
     ///
     /// # Errors
-    /// When a surface, a transform, a light, a colour or the camera is not one, a name is unknown or taken,
-    /// there is nothing to show, or too much; the error says where it was written.
+    /// When a surface, a transform, a light, a colour or the camera is not valid, a name is unknown or taken,
+    /// or there is nothing to show, or too much; the error says where the fault was written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         Placed::new(scene)?.build()
     }
@@ -69,12 +69,12 @@ impl World {
         &self.surfaces
     }
 
-    /// What the surfaces' `material` indices mean.
+    /// The materials, to which the surfaces' `material` indices refer.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// The same with those surfaces only that a function names, by their index.
+    /// The same world with only the surfaces whose indices `keep` accepts.
     ///
     /// # Errors
     /// As [`SurfaceBvh::build`].
@@ -102,7 +102,7 @@ impl<'a> Placed<'a> {
     /// Checks a scene and puts its surfaces, camera and lights in their places.
     ///
     /// # Errors
-    /// As [`World::new`], but for what is too much to trace.
+    /// As [`World::new`], except when there is too much to trace.
     pub fn new(scene: &'a Scene) -> Result<Self, SceneError> {
         let (surfaces, materials) = check_and_place(scene)?;
         let Some(sphere) = BoundingSphere::of(surfaces.iter().map(|instance| &instance.surface))
@@ -123,7 +123,7 @@ impl<'a> Placed<'a> {
     /// Makes the surfaces ready to trace.
     ///
     /// # Errors
-    /// When they are too many.
+    /// When there are too many of them.
     pub fn build(self) -> Result<World, SceneError> {
         let Self { scene, surfaces, materials, lights, camera } = self;
         let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
@@ -139,7 +139,7 @@ impl Scene {
     /// The surfaces in their places, as [`World::new`] makes them, but not yet ready to trace.
     ///
     /// # Errors
-    /// As [`World::new`], but for the camera.
+    /// As [`World::new`], except for the camera.
     pub fn surfaces(&self) -> Result<Vec<Instance>, SceneError> {
         check_and_place(self).map(|(surfaces, _)| surfaces)
     }
@@ -161,7 +161,7 @@ fn check_and_place(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), Scen
     Ok(placed)
 }
 
-/// Refuses lights, colours and backgrounds that are none.
+/// Refuses lights, colours and backgrounds that are not valid.
 fn check_shades(scene: &Scene) -> Result<(), SceneError> {
     for (light, one) in scene.lights.iter().enumerate() {
         let fault = |error| SceneFault::Light { light, error };
@@ -175,7 +175,7 @@ fn check_shades(scene: &Scene) -> Result<(), SceneError> {
     background.map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Background(error)))
 }
 
-/// Refuses what would not fit in memory before any of it is copied.
+/// Refuses scenes that would not fit in memory, before any of their points are copied.
 fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
     let points = scene.objects.iter().map(Object::point_count).fold(0, usize::saturating_add);
     if points > Scene::MAX_POINTS {
@@ -185,8 +185,8 @@ fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The surfaces in their places and the materials. What is made of curves and drawn of other objects may be many times
-/// what is written: it is counted as it is made, and ends at `most_points` control points.
+/// The surfaces in their places and the materials. Surfaces made from curves or drawn from other objects may have many
+/// times the control points that are written: they are counted as they are made, up to `most_points`.
 fn place_objects(
     scene: &Scene,
     most_points: usize,
@@ -194,7 +194,7 @@ fn place_objects(
     let given = scene.objects.iter().filter_map(|object| object.name.as_ref());
     check_unique("object", given.clone().map(|name| (name.value.as_str(), &name.place)))?;
 
-    // Names that are given are kept; others move out of their way.
+    // Given names are kept; default names move out of their way.
     let mut names = Naming::new(given.map(|name| name.value.clone()));
     let mut palette = Palette::new(scene)?;
     let placer = Placer { scene, most_points };

@@ -16,14 +16,14 @@ use crate::truth::{Crossing, Line, Placed};
 /// Rays of each class on each form in each place.
 const COUNT: u64 = 100;
 
-/// Near tangency a root moves by more than `bound / |N·d|`: with a dip of twice the bound by
+/// Near tangency a root moves by more than `bound / |N·d|`: at a dip of twice the bound, by
 /// 1.18 times that.
 const SECOND_ORDER: f64 = 1.2;
 
-/// Where a stretch inside the form ends is found to this part of its size.
+/// The error of the ends of a stretch inside the form, as a part of the form's size.
 const INSIDE_ERROR: f64 = 1e-7;
 
-/// What was measured.
+/// Counts, largest errors and faults of some rays.
 #[derive(Clone, Debug, Default)]
 struct Tally {
     rays: u64,
@@ -77,7 +77,7 @@ impl Case<'_> {
         for hit in first.hit.iter().chain(&all) {
             faults.extend(self.judge_hit(&line, hit, &truth, bound, tally));
         }
-        // The first certain crossing bounds the first hit; all hits has every one of them, once.
+        // The first certain crossing bounds the first hit; all hits have each certain one once.
         if let Some(due) = truth.iter().find(|crossing| crossing.certain) {
             tally.certain += 1;
             let last = due.at.round() + SECOND_ORDER * bound / due.cosine;
@@ -116,9 +116,9 @@ impl Case<'_> {
         let off = (line.place(hit.t) - crossing.at).abs().round() * crossing.cosine / bound;
         tally.t_error = tally.t_error.max(off);
 
-        // A normal errs by its own rounding, which grows near a pole up to the place where the pole tells it (at a tip
-        // that is not known: up to half of the digits), and because the point may be off: along the ray by the
-        // error of t.
+        // A normal errs by its own rounding, and because the point is off along the ray by the
+        // error of t. The rounding grows near a pole, up to the place where the pole itself gives
+        // the normal; a tip gives none: there it grows up to half of the digits.
         let form = self.placed.form;
         let from_pole = form.pole_distance(crossing.point);
         let has_tip = form.tip_distance(crossing.point).is_finite();
@@ -133,8 +133,9 @@ impl Case<'_> {
 }
 
 impl Case<'_> {
-    /// A hit that no certain crossing accounts for is one only if rounding can have made it: the
-    /// line is there as near to the form, and to its border, as a computed point may be.
+    /// Returns the fault of a hit that no certain crossing accounts for, unless rounding can have
+    /// made it: if the line is there as near to the form, and to its border, as a computed point
+    /// may be.
     fn false_hit(&self, line: &Line, hit: &Hit, bound: f64) -> Option<String> {
         let form = self.placed.form;
         let at = line.place(hit.t);

@@ -114,7 +114,7 @@ fn eight_octants_are_met_as_the_bicubic_sphere_a_million_times() {
     compare(1_000_000);
 }
 
-/// A ray that leaves the sphere where triangles meet leaves all of them: outwards nothing is met,
+/// A ray that leaves the sphere where triangles meet leaves all of them: outwards it meets nothing,
 /// inwards the far side at twice the cosine.
 #[test]
 fn rays_leave_shared_edges_as_they_leave_one_surface() {
@@ -153,7 +153,7 @@ fn rays_leave_shared_edges_as_they_leave_one_surface() {
 }
 
 /// At the ridge of a roof the sides part: rays that go up leave both, rays that go down meet the
-/// floor, and of those between it is not said that nothing is met.
+/// floor, and for rays in between the answer is doubtful, not a miss.
 #[test]
 fn rays_leave_a_ridge_on_the_side_they_go_to() {
     let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

@@ -1,4 +1,4 @@
-//! Where a line truly meets a closed form, and what is certain of it.
+//! The true crossings of a line with a closed form, and which of them are certain.
 
 use glam::DVec3;
 use nurbray::math::Ray;
@@ -18,16 +18,16 @@ pub(crate) struct Placed {
 /// A root of the closed form along the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// Where along the line, in form sizes from its base.
+    /// The place along the line, in form sizes from its base.
     pub(crate) at: Double,
-    /// In the form's own coordinates.
+    /// The point in the form's own coordinates.
     pub(crate) point: DVec3,
     /// The unit normal, pointing outward.
     pub(crate) normal: DVec3,
     /// `|N · d|`.
     pub(crate) cosine: f64,
-    /// Whether rounding, as far as it is allowed, leaves it in place: it lies well inside the
-    /// border and the range, and the line dips deep enough into the form.
+    /// Whether the crossing exists whatever rounding does within what is allowed: it lies well
+    /// inside the border and the range, and the line dips deep enough into the form.
     pub(crate) certain: bool,
 }
 
@@ -86,13 +86,13 @@ impl Line {
         distance(form, &self.along(form), self.point(at), at)
     }
 
-    /// Where the line meets the form, in order. `bound` is how far a computed point may be
-    /// from the true one, in form sizes.
+    /// The crossings of the line with the form, in order. `bound` is the error bound of a computed
+    /// point, in form sizes.
     pub(crate) fn crossings(&self, form: Form, bound: f64) -> Vec<Crossing> {
         let along = self.along(form);
         let distance = |at: Double| distance(form, &along, self.point(at), at);
         let reach = 8.0; // the base is the line's nearest point to the form's centre
-        // Where the line turns around so near to the surface that it may as well not meet it.
+        // Turning points of the line so near to the surface that it may as well not meet it.
         let turns = along.derivative().roots(reach);
         let shallow: Vec<f64> =
             turns.iter().filter(|&&at| distance(at) <= 2.0 * bound).map(|at| at.round()).collect();

@@ -12,8 +12,8 @@ const ROOTS: [&str; 2] = ["lib", "main"];
 /// The one file that may say `unsafe`.
 const UNSAFE_HOME: &str = "io/embree.rs";
 
-/// Lines a file may have, tests included. The house style asks for fewer than 500; this is
-/// where asking ends.
+/// Lines a file may have, tests included. The house style asks for fewer than 500; this limit
+/// is enforced.
 const LINE_LIMIT: usize = 600;
 
 /// What no code outside the program's own floor may call.

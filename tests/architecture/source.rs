@@ -1,10 +1,10 @@
-//! Source text without comments and string contents, so that words are code.
+//! Source text without comments and string contents, so that every word found is code.
 
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What stands before code that only tests see.
+/// The attribute of code that only tests see.
 const TESTS_ONLY: &str = "#[cfg(test)]";
 
 /// One file below `src/`, or another folder.
@@ -101,8 +101,8 @@ fn mark_tests(files: &mut [SourceFile]) {
     }
 }
 
-/// Where items begin and end that only tests see, with the attribute: a function or a module with all it holds, a
-/// declaration up to its semicolon.
+/// The ranges of items that only tests see, attribute included: a function or a module with all
+/// it holds, a declaration up to its semicolon.
 fn test_items(code: &str) -> Vec<(usize, usize)> {
     let mut items = Vec::new();
     let mut from = 0;
@@ -160,7 +160,7 @@ fn blanked(text: &str) -> String {
     out
 }
 
-/// How many characters come next, whether they are code, and what follows them.
+/// Returns how many characters come next, whether they are code, and what follows them.
 fn step(rest: &[char], before: Option<char>, inside: Inside) -> (usize, bool, Inside) {
     let starts = |text: &str| text.chars().enumerate().all(|(k, c)| rest.get(k) == Some(&c));
     match inside {

@@ -22,7 +22,7 @@ fn a_row_for_each_class_and_one_for_all() {
     let classes: Vec<&str> = rows[1..].iter().map_while(|row| row.first().copied()).collect();
     assert_eq!(classes.len(), 26, "{classes:?}"); // 25 classes and the total
     assert!(run.stdout.contains("\nno unflagged miss, no wrong root, no false hit\ndoubtful: "));
-    // Every ray is of one of three kinds, every doubtful one, too; and the shares are theirs.
+    // Every ray, and every doubtful ray, is of one of three kinds, and the shares are of these.
     let (_, summary) = run.stdout.rsplit_once("\ndoubtful: ").unwrap();
     let (summary, of_any) = summary.split_once("\ndoubtful whether anything is hit: ").unwrap();
     let kinds = ["random", "nasty", "exactly tangent or starting on a surface"];
@@ -36,7 +36,7 @@ fn a_row_for_each_class_and_one_for_all() {
         sums = [sums[0] + doubtful, sums[1] + rays];
     }
     assert_eq!(sums.map(|sum| sum.to_string()), [total[6], total[1]]);
-    // A ray that certainly hits something needs no certain first hit.
+    // A ray may certainly hit something though its first hit is doubtful.
     let (doubtful, rays) = of_any.trim_end().split_once(" of ").unwrap();
     assert!((1..=sums[0]).contains(&doubtful.parse().unwrap()), "{doubtful}, {sums:?}");
     assert_eq!(rays, total[1]);
@@ -82,7 +82,7 @@ fn json_has_the_same_classes_on_any_day() {
     assert_eq!(Some(rays), a["total"]["rays"].as_u64());
     assert!(a["total"]["error_max"].as_f64().unwrap() < 1e-13);
 
-    // Whether a ray that starts on a surface meets it there is not to be decided.
+    // Whether a ray that starts on a surface meets it there cannot be decided.
     let [random, nasty, apart] = [0, 1, 2].map(|k| &a["groups"][k]);
     assert_eq!(apart["group"], "apart");
     assert_eq!((random["group"].as_str(), random["doubtful"].as_u64()), (Some("random"), Some(0)));

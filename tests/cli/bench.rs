@@ -56,11 +56,11 @@ fn an_object_for_each_model_ray_set_and_kernel() {
         assert!(line.get("rival").is_none() && line.get("ratio").is_none(), "{line}");
         assert_eq!(line.get("radius").is_some(), line["rays"] == "ao");
     }
-    // The same rays, handed over otherwise.
+    // The same rays, handed over in another way.
     assert_eq!(lines[0]["hits"], lines[1]["hits"]);
     assert_eq!(lines[2]["hits"], lines[3]["hits"]);
     assert_eq!(lines[0]["count"], 16 * 16);
-    // From each point seen one ray; nothing stands in its way over a sphere.
+    // One ray from each point seen; over a sphere nothing stands in its way.
     assert_eq!(lines[0]["hits"], lines[4]["count"]);
     assert_eq!((&lines[4]["hits"], &lines[5]["hits"]), (&0.into(), &0.into()));
 }
@@ -131,8 +131,8 @@ fn tables_for_people() {
     assert!(sets.eq(["primary", "single", "incoherent", "ao"]));
     // The disc a framed sphere shows takes up 71 % of the picture: 180 of its pixels.
     assert_eq!(rows[1][1..4], ["256", "70.3", "%"]);
-    // A fifth of the diagonal of the cube around a sphere, the square root of 12, about: leaves
-    // reach beyond it.
+    // About a fifth of the diagonal of the cube around a sphere, the square root of 12:
+    // leaves reach beyond the cube.
     let last = parts[0].lines().last().unwrap();
     assert!(
         last.starts_with("rays of ao are 0.6928") && last.ends_with(" long, 0.2 of the diagonal")

@@ -98,8 +98,8 @@ fn borders_are_marked() {
     assert_eq!(flags, [2.0, 0.0]);
 }
 
-/// The number of threads changes no bit; packets and kernels round in their own ways, and so
-/// may differ as far as a hit's error is promised.
+/// The number of threads changes no bit. Packets and kernels round in their own ways, and may
+/// differ by as much as the promised error of a hit.
 #[test]
 fn hits_are_reproducible() {
     let sandbox = sandbox();
@@ -139,8 +139,8 @@ fn hits_are_reproducible() {
             if !row[0].is_nan() {
                 let outward: f64 = (0..3).map(|k| row[4 + k] * row[7 + k]).sum();
                 assert!((outward - 1.0).abs() < 1e-14, "{row:?}"); // of a unit sphere
-                // Points are on both surface and ray to 40 ε · 3 or so; rays here graze at
-                // |N·d| > 1e-4, and t is off by so much more.
+                // Points are on both surface and ray to about 40 ε · 3; rays here graze at
+                // |N·d| > 1e-4, which makes the error of t that much larger.
                 assert!((row[0] - other[0]).abs() < 1e-10, "{row:?} {other:?}");
                 assert_eq!((row[1], row[10]), (other[1], other[10]));
             }

@@ -44,8 +44,8 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The rows of a report's tables by their names; those that begin with `…` are called after
-/// the last that does not, too.
+/// The rows of a report's tables by their names. A name that begins with `…` follows the last one
+/// that does not: both together are the row's name.
 fn rows(report: &str) -> HashMap<String, Vec<String>> {
     let mut rows = HashMap::new();
     let mut name = String::new();
@@ -63,7 +63,7 @@ fn rows(report: &str) -> HashMap<String, Vec<String>> {
     rows
 }
 
-/// The numbers of a row, ours first where it is one.
+/// The numbers of a row, ours first if it is one.
 #[track_caller]
 fn numbers(rows: &HashMap<String, Vec<String>>, name: &str) -> Vec<f64> {
     let cells = rows.get(name).unwrap_or_else(|| panic!("no row {name}: {:?}", rows.keys()));
@@ -116,16 +116,16 @@ fn a_report_against_embree() {
     // A tenth of the distance takes ten times the triangles.
     let triangles = numbers(&rows, "triangles");
     assert!((8.0..12.5).contains(&(triangles[1] / triangles[0])), "{triangles:?}");
-    // Chords of a sphere: within the tolerance, and most of it used; ours within rounding.
+    // Chords of a sphere use most of the tolerance, and no more; our error is rounding.
     let off = numbers(&rows, "position off the tangent plane, mean");
     assert!(off[0] < 1e-15 && off[1] < 1e-2 && off[2] < 1e-3, "{off:?}");
     assert!(off[1] > 1e-3 && (7.0..14.0).contains(&(off[1] / off[2])), "{off:?}");
-    // Facets are off by the angle of a cell, which falls with the square root.
+    // Facets are off by the angle of a cell, which falls with the square root of the tolerance.
     let facets = numbers(&rows, "normal error of the triangles, mean");
     assert!((2.5..4.0).contains(&(facets[0] / facets[1])), "{facets:?}");
     let normals = numbers(&rows, "normal error, interpolated, mean");
     assert!(normals[0] < 0.5 * facets[0] && normals[1] < 0.3 * facets[1], "{normals:?}");
-    // A convex thing from inside: triangles lose, and invent nothing.
+    // Triangles inside a convex surface lose rays, and invent none.
     assert_eq!(numbers(&rows, "rays invented"), [0.0; 3]);
     let lost = numbers(&rows, "rays lost");
     assert!(lost[1] > 0.0 && lost[1] < 60.0 && lost[2] <= lost[1], "{lost:?}");
@@ -280,7 +280,7 @@ fn what_is_not_povray_is_not_taken_for_it() {
     run.failed(1, "true --version does not tell of POV-Ray 3; its scenes are in \"out\"");
 }
 
-/// What was there is as it was, where all goes well until POV-Ray fails.
+/// What was there stays as it was if all goes well until POV-Ray fails.
 #[cfg(unix)]
 #[test]
 fn a_rendering_that_fails_changes_nothing() {

@@ -8,7 +8,7 @@ use crate::sandbox::Sandbox;
 /// The picture's own units in a pixel.
 pub(crate) const SUBPIXELS: f64 = 32.0;
 
-/// How far a vertex may be from its place: rounding to the picture's units, both ways.
+/// The error bound of a vertex, in pixels: rounding to the picture's units, both ways.
 pub(crate) const ROUNDING: f64 = 0.71 / SUBPIXELS;
 
 /// How far a curve may be from its polyline, in pixels, as `--help` says.

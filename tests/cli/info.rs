@@ -89,7 +89,7 @@ fn trims_are_listed() {
     assert!(whole["surfaces"][0]["trims"].is_null());
 }
 
-/// As CAD files have them.
+/// Such gaps occur in CAD files.
 #[test]
 fn gaps_in_trim_loops_are_closed_and_told() {
     let scene = |end: &str| {

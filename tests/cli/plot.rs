@@ -300,7 +300,7 @@ fn what_cannot_be_plotted_is_told_with_its_place() {
          \"m/rim\", curve \"m/rim\", curve \"m/rim\", 1 more; a scene draws a curve that its \
          [[plot]] gives",
     );
-    // What a file says of no [[plot]] at all is what every subcommand says.
+    // An empty scene has the same error with every subcommand.
     let sandbox = Sandbox::with(&[("empty.toml", "")]);
     let hint = "there is nothing to show: write an [[object]], with a shape such as \"sphere\"";
     sandbox.run("plot empty.toml -o p.svg").failed(2, &format!("empty.toml: {hint}"));
@@ -313,8 +313,8 @@ fn tokens(svg: &str) -> Vec<Result<f64, &str>> {
     words.map(|word| word.parse().map_err(|_| word)).collect()
 }
 
-/// The figures in `renders/` are those of `scenes/`, drawn again. Cosines and the like are the
-/// system library's: a number may be off by one unit, a 32nd of a pixel.
+/// The figures in `renders/` equal those drawn again from `scenes/`. Cosines and the like are the
+/// system library's, so a number may be off by one unit, a 32nd of a pixel.
 #[test]
 fn the_gallery_s_figures_are_their_scenes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

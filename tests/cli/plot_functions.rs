@@ -96,7 +96,7 @@ fn derivatives_of_basis_functions_are_the_deck_s() {
     }
 }
 
-/// N₇ has the colour of N₀, and dashes: half of it and more is drawn, in parts.
+/// N₇ has the colour of N₀ but is dashed: more than half of it is drawn, in parts.
 #[test]
 fn functions_whose_colours_come_again_are_dashed() {
     let text = "[[plot]]\nshow = { basis = { degree = 3, count = 12 } }\n";

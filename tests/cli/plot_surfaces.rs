@@ -18,7 +18,7 @@ fn areas(svg: &str, color: &str) -> Vec<Vec<[f64; 2]>> {
     drawn.map(|(points, _)| pixels(points)).collect()
 }
 
-/// The area a closed polygon winds around, each part as often as it does.
+/// The area that a closed polygon winds around, each part counted as often as it does so.
 fn area(polygon: &[[f64; 2]]) -> f64 {
     let pairs = polygon.iter().zip(polygon.iter().cycle().skip(1));
     0.5 * pairs.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs()
@@ -66,7 +66,7 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
     let bulge = bezier.iter().map(|&pixel| axes.point(pixel)[0]);
     assert!((bulge.fold(f64::MIN, f64::max) - 0.05).abs() * unit < 0.2);
 
-    // Filled is the square without the ring and without the part of the notch in it: of the
+    // The square is filled, except the ring and the part of the notch in the square: of the
     // curve (0.3 t − 0.3 t² … − 0.1, …), u = 0.6 t (1 − t) − 0.1, v = 0.1 + 0.6 t² − 0.4 t³.
     let filled = areas(&svg, KEPT);
     assert_eq!(filled.len(), 1);
@@ -93,7 +93,7 @@ fn trims_are_where_they_should_be_and_what_they_keep_is_filled() {
     ]);
     sandbox.run("plot s.toml -o s.svg").succeeded();
     let chosen = String::from_utf8(sandbox.bytes("s.svg")).unwrap();
-    // Nor does a corner given again at the end make another polygon.
+    // A corner given again at the end makes no other polygon.
     sandbox.run("plot c.toml -o c.svg").succeeded();
     assert_eq!(String::from_utf8(sandbox.bytes("c.svg")).unwrap(), chosen);
     assert!(chosen.contains("Trims of sheet") && areas(&chosen, KEPT).len() == 1);
@@ -142,8 +142,8 @@ fn triangles_and_cages_are_drawn_in_space() {
     }
 }
 
-/// A Doo–Sabin surface ends within the faces of an open cage: that of a flat grid of unit squares
-/// half a square inside its border, and no line of it leaves that square.
+/// The Doo–Sabin surface of an open cage ends within the cage's faces: over a flat grid of unit
+/// squares, half a square inside the border. No line of the figure leaves that square.
 #[test]
 fn lines_of_an_open_doo_sabin_surface_end_where_it_does() {
     let points: Vec<_> = (0..16).map(|k| format!("[{}, {}, 0]", k % 4, k / 4)).collect();

@@ -190,7 +190,7 @@ fn pixels_depend_on_neither_threads_nor_kernel_nor_time() {
 
 #[test]
 fn the_command_line_overrides_the_scene() {
-    // A plain ball looks alike from everywhere, for the default lights go with the camera.
+    // A plain ball looks alike from everywhere, as the default lights go with the camera.
     let material = "[[material]]\nname = \"default\"\nlines = { count = [3, 5] }\n";
     let sandbox = Sandbox::with(&[("sphere.toml", &format!("{SPHERE}{material}"))]);
     sandbox.run("render sphere.toml -o plain.png").succeeded();
@@ -366,7 +366,7 @@ fn a_failed_run_leaves_older_pictures_alone() {
     assert_eq!(sandbox.files(), ["a.png", "sphere.toml"]);
 }
 
-/// Of two outputs the first stays as it was where the second cannot be written.
+/// If the second of two outputs cannot be written, the first stays as it was.
 #[cfg(target_os = "linux")]
 #[test]
 fn no_picture_is_replaced_if_another_cannot_be_written() {

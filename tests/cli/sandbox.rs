@@ -19,7 +19,7 @@ name = \"ball\"
 shape = { sphere = { radius = 1 } }
 ";
 
-/// A sheet of two by two, twice: the second is a little off the first's right border.
+/// Two sheets of two by two; the second begins a little beyond the first's right border.
 pub(crate) const SHEETS_WITH_A_GAP: &str = "\
 [[object]]
 name = \"left\"
@@ -46,7 +46,7 @@ pub(crate) const SQUARE: &str = r#"{
 }
 "#;
 
-/// The same with a sense nothing is done about.
+/// The same square with `reversed`, which is not imported.
 pub(crate) fn turned_square() -> String {
     SQUARE.replace("[1, 1, 0]] }", "[1, 1, 0]] },\n        \"reversed\": true")
 }
@@ -64,7 +64,7 @@ loops = [
 ]
 "#;
 
-/// The folder.
+/// A temporary folder.
 pub(crate) struct Sandbox {
     folder: TempDir,
 }
@@ -89,14 +89,14 @@ impl Run {
         }
     }
 
-    /// The work was done; results are whatever they are.
+    /// Asserts that the work was done, whatever the results.
     #[track_caller]
     pub(crate) fn succeeded(self) -> Self {
         assert_eq!(self.code, 0, "{}", self.stderr);
         self
     }
 
-    /// The run ended with this code and this one error, and no results.
+    /// Asserts that the run ended with this code and this one error, and no results.
     #[track_caller]
     pub(crate) fn failed(self, code: i32, error: &str) {
         assert_eq!(self.stderr, format!("error: {error}\n"));

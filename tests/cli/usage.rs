@@ -23,7 +23,7 @@ fn help_is_an_answer_and_lists_what_works() {
     for subcommand in SUBCOMMANDS {
         let help = sandbox.run(&format!("{subcommand} --help")).succeeded();
         assert!(help.stdout.contains(&format!("Example:\n  nurbray {subcommand} ")));
-        // Whatever reads a model reads each kind of it.
+        // Every subcommand that reads models reads each kind of them.
         assert!(help.stdout.contains("(.json, .obj)"), "{subcommand}");
         assert!(help.stdout.lines().all(|line| line.chars().count() <= 100), "{subcommand}");
         assert_eq!(help.stderr, "");
@@ -54,7 +54,7 @@ fn wrong_use_is_explained_on_stderr() {
     );
 }
 
-/// No option is a number: what begins as a negative one is a value, and no good one.
+/// No option is a number: a word that begins like a negative number is a value, here a bad one.
 #[test]
 fn negative_numbers_are_values() {
     let sandbox = Sandbox::new();
@@ -77,7 +77,8 @@ fn negative_numbers_are_values() {
     sandbox.run(line).misused("a value is required for '--size <WxH>' but none was supplied");
 }
 
-/// As elsewhere it may: the message says so, before anything else is looked at.
+/// `-` does not stand for a stream, as it may elsewhere: the message says so before anything else
+/// is checked.
 #[test]
 fn a_dash_is_no_stream() {
     let sandbox = Sandbox::with(&[("s.toml", SPHERE)]);
@@ -143,7 +144,7 @@ fn every_subcommand_refuses_bad_input_with_the_place() {
     assert_eq!(sandbox.files(), ["cut.json", "rays.npy", "typo.toml", "wrong.json"]);
 }
 
-/// One name for a surface, whichever floor finds what is wrong with it.
+/// A surface has one name, whichever floor finds the fault.
 #[test]
 fn a_surface_has_one_name_in_all_messages() {
     let knots = SQUARE.replacen("[0, 0, 1, 1]", "[0, 1, 0, 1]", 1);
@@ -161,7 +162,8 @@ fn a_surface_has_one_name_in_all_messages() {
     }
 }
 
-/// The surface, the control point, and what would do; not the camera that cannot see it.
+/// The message names the surface, the control point and what would do, not the camera that
+/// cannot see it.
 #[test]
 fn magnitudes_that_are_not_supported_are_named() {
     let far = SQUARE.replace("[1, 1, 0]", "[1, 1, -1e308]");
@@ -173,7 +175,8 @@ fn magnitudes_that_are_not_supported_are_named() {
     );
 }
 
-/// A spline of so high a degree becomes many times as many Bézier points; a failed allocation would abort.
+/// A spline of so high a degree has many times as many Bézier points as control points; a failed
+/// allocation would abort.
 #[test]
 fn what_no_memory_holds_is_refused() {
     let (degree, size) = (32, 400);

@@ -26,7 +26,7 @@ impl Model {
         SurfaceBvh::build(&self.surfaces).unwrap()
     }
 
-    /// Whether a place on a surface is surely there.
+    /// Whether trims surely keep a place on a surface.
     pub(crate) fn keeps(&self, surface: usize, uv: DVec2) -> bool {
         let trimmed = self.surfaces[surface].trimmed();
         trimmed.is_none_or(|trimmed| trimmed.trims().contains(uv) == Side::Inside)
@@ -52,7 +52,7 @@ impl Model {
         0.5 * (low + high)
     }
 
-    /// That of a sphere around the bounding box.
+    /// The radius of a sphere around the bounding box.
     pub(crate) fn radius(&self) -> f64 {
         let (low, high) = self.bounds();
         0.5 * (high - low).length()

@@ -63,7 +63,7 @@ fn sheet() -> CageParts {
     }
 }
 
-/// To this share of the size; gaps of that order could not go unseen.
+/// The tolerance of limit surfaces, as a share of the size; gaps of that order could not go unseen.
 const TOLERANCE: f64 = 1e-3;
 
 /// The Catmull–Clark surface of the closed body.
@@ -71,7 +71,7 @@ pub(crate) fn catmull_clark() -> Surface {
     Cage::new(body()).unwrap().catmull_clark(TOLERANCE).unwrap().into()
 }
 
-/// The same with some edges sharp, for ever or for a while.
+/// The same with some edges creased, with infinite or finite sharpness.
 pub(crate) fn creased() -> Surface {
     let sharp = |k: usize, sharpness| Crease { vertices: [k, (k + 1) % 6], sharpness };
     let mut creases: Vec<Crease> = (0..6).map(|k| sharp(k, f64::INFINITY)).collect();

@@ -9,14 +9,14 @@ use crate::program::{Report, TheirHit};
 use crate::rays::Site;
 use crate::root::{self, Nearest, nearest};
 
-/// How far from a root, in sizes of the model, a library's hit may be to stand for it: SISL
-/// and OpenCASCADE stop at 1e-7 of a size, and at grazing rays at the root of that.
+/// How far from a root, in sizes of the model, a library's hit may be to stand for the root:
+/// SISL and OpenCASCADE stop at 1e-7 of a size, and for grazing rays at the square root of that.
 const THEIR_ACCURACY: f64 = 3e-4;
 
-/// How near, in sizes of the model, a library takes for a hit.
+/// The distance from a ray, in sizes of the model, that a library takes for a hit.
 const THEIR_RESOLUTION: f64 = 1e-6;
 
-/// What became of the rays of one class.
+/// Counts over the rays of one class.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) rays: usize,
@@ -30,11 +30,11 @@ pub(crate) struct Tally {
     /// Hits of the library where the surface does not come as near to the ray as we promise,
     /// but as near as the library does.
     pub(crate) near_misses: usize,
-    /// Hits of the library that are none.
+    /// Hits of the library where there is none.
     pub(crate) false_hits: usize,
     /// Hits of the library inside a stretch of which we report the ends.
     pub(crate) inside: usize,
-    /// Hits of the library where we say that we are in doubt.
+    /// Hits of the library where our answer is doubtful.
     pub(crate) doubted: usize,
     /// Rays the library gives up on, or sees inside a surface.
     pub(crate) failed: usize,
@@ -69,7 +69,7 @@ impl Tally {
     }
 }
 
-/// Compares what both say of some rays.
+/// Compares both answers for some rays.
 pub(crate) fn compare(model: &Model, bvh: &SurfaceBvh, rays: &[Ray], report: &Report) -> Tally {
     let judge = Judge::new(model);
     let mut tally = Tally {
@@ -111,7 +111,7 @@ pub(crate) fn compare(model: &Model, bvh: &SurfaceBvh, rays: &[Ray], report: &Re
             }
         }
 
-        // Where a ray runs inside a surface, or they give up, nothing is expected of them.
+        // Nothing is expected of the library if a ray runs inside a surface or it gives up.
         let spared = report.failed.contains(&index) || report.curves.contains(&index);
         let certain = HitFlags::DOUBTFUL.with(HitFlags::INSIDE);
         let certain = |hit: &&Hit| (hit.flags.bits() & certain.bits()) == 0;
@@ -130,15 +130,15 @@ fn late(judge: &Judge<'_>, ray: &Ray, first: &Hit, t: f64) -> bool {
     (first.t - t) * ray.direction().length() > 2.0 * slack
 }
 
-/// What is to be said of a hit of the library.
+/// The verdict on a hit of the library.
 enum Verdict {
-    /// We have it, too: `t` of the first of ours that may be it.
+    /// We have it, too; `t` of our first hit that may be the same.
     Shared(f64),
     /// It is behind the ray's origin, or at it.
     Behind,
     /// The surface passes the ray there, nearer than the library can tell.
     NearMiss,
-    /// The ray runs inside the surface there, as we say.
+    /// The ray runs inside the surface there, as our flags say.
     Inside,
     /// There is no root near it.
     False,
@@ -169,7 +169,7 @@ fn their_hit(
         return Verdict::Behind;
     }
     if !stayed || root.distance > promised {
-        // Of what slipped away, the place reported says how near the surface passes.
+        // If the iteration slipped away, the place reported says how near the surface passes.
         let there = if stayed { root } else { root::at(surface, ray, hit.uv) };
         let near = there.distance <= THEIR_RESOLUTION * size;
         return if near { Verdict::NearMiss } else { Verdict::False };
@@ -178,7 +178,7 @@ fn their_hit(
     let same = |ours: &Hit| {
         let apart = (ours.t - root.t).abs() * length;
         let reach = slack(&measure) + slack(&judge.measure(ray, ours));
-        // Or the surface between both cannot be told from the ray, which touches it.
+        // Or the ray touches the surface, and between both hits the two cannot be distinguished.
         let between = nearest(surface, ray, 0.5 * (ours.uv + root.uv));
         let touches = between.distance <= 2.0 * measure.promise
             && (between.t - 0.5 * (ours.t + root.t)).abs() * length <= 0.1 * apart;
@@ -192,7 +192,7 @@ fn their_hit(
 }
 
 /// Whether a place on the ray is in a stretch that runs inside a surface: between two ends that
-/// are flagged as such, or between one and the ray's origin, where the other is behind it.
+/// are flagged so, or between the ray's origin and one end if the other is behind the origin.
 fn is_inside(ours: &[Hit], t: f64) -> bool {
     let ends = ours.iter().filter(|hit| hit.flags.contains(HitFlags::INSIDE));
     let (mut before, mut behind) = (0, 0);
@@ -214,7 +214,8 @@ mod tests {
     use super::*;
     use crate::models;
 
-    /// A sphere met at t = 2 and t = 4, and what somebody says of it.
+    /// For a ray that meets a sphere at t = 2 and t = 4: compares hits on the model `of_whom` with a
+    /// library's hits at the places `their`, or at both crossings if there are none.
     fn tally(of_whom: &Model, their: &[DVec2]) -> Tally {
         let truth = models::sphere();
         let direction = DVec3::new(-0.6, -0.48, -0.64);
@@ -235,7 +236,7 @@ mod tests {
         let sphere = models::sphere();
         let agreed = tally(&sphere, &[]);
         assert_eq!((agreed.ours, agreed.confirmed, agreed.faults.len()), (2, 2, 0));
-        // A part of the sphere, its parameters the same, has but one of the hits.
+        // A part of the sphere, with the same parameters, has only one of the hits.
         let hits = [2.0, 4.0].map(|t| {
             let direction = DVec3::new(-0.6, -0.48, -0.64);
             let ray = Ray::with_range(-3.0 * direction, direction, t - 0.1, t + 0.1).unwrap();

@@ -1,4 +1,5 @@
-//! A program that meets lines with surfaces by somebody else's library: built, run, read.
+//! Builds and runs a program that intersects lines with surfaces by another library, and reads
+//! its answers.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -18,7 +19,7 @@ pub(crate) struct Library {
     source: &'static str,
     flags: &'static [&'static str],
     packages: &'static str,
-    /// The variable that allows to go without it.
+    /// The environment variable that allows going without it.
     without: &'static str,
 }
 
@@ -55,13 +56,13 @@ pub(crate) struct TheirHit {
     pub(crate) point: DVec3,
 }
 
-/// Everything a library says of some rays.
+/// All answers of a library for some rays.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Report {
     pub(crate) hits: Vec<TheirHit>,
-    /// Rays that run inside a surface, as it says.
+    /// Rays that run inside a surface, according to the library.
     pub(crate) curves: Vec<usize>,
-    /// Rays it gives up on.
+    /// Rays the library gives up on.
     pub(crate) failed: Vec<usize>,
 }
 
@@ -123,7 +124,7 @@ impl Program {
     }
 }
 
-/// As exchange.hpp says.
+/// The program's input, in the format that exchange.hpp describes.
 fn question(model: &Model, rays: &[Ray]) -> String {
     let mut text = format!("surfaces {}\n", model.surfaces.len());
     for surface in model.surfaces.iter().map(nurbs) {

@@ -1,11 +1,11 @@
-//! What is true of a place somebody calls a hit: the nearest the surface comes to the ray there.
+//! The truth about a place that a library calls a hit: how near the surface comes to the ray there.
 
 use glam::{DMat2, DVec2, DVec3};
 use nurbray::geometry::NurbsSurface;
 use nurbray::math::Ray;
 
-/// Steps: Newton's iteration doubles the digits each time, at a tangent point it halves the
-/// error, and 60 halvings leave nothing of it.
+/// The number of steps. Newton's iteration doubles the digits each time; at a tangent point it
+/// halves the error, and 60 halvings leave nothing of that.
 const STEPS: usize = 60;
 
 /// A place on a surface as near to a ray as can be found from a start, and its distance.
@@ -14,13 +14,13 @@ pub(crate) struct Nearest {
     pub(crate) uv: DVec2,
     /// The parameter of the ray's point nearest to it.
     pub(crate) t: f64,
-    /// How far apart both are.
+    /// The distance between both points.
     pub(crate) distance: f64,
 }
 
-/// Gauss and Newton's iteration for the least distance between a surface and a ray, damped
-/// (Levenberg 1944, Marquardt 1963) and kept in the closed domain. By the surface as authored;
-/// shares nothing with the tracer.
+/// Finds the least distance between a surface and a ray by Gauss and Newton's iteration, damped
+/// (Levenberg 1944, Marquardt 1963) and kept in the closed domain. Evaluates the surface as
+/// authored and shares nothing with the tracer.
 pub(crate) fn nearest(surface: &NurbsSurface, ray: &Ray, start: DVec2) -> Nearest {
     let [(u0, u1), (v0, v1)] = surface.domain();
     let (low, high) = (DVec2::new(u0, v0), DVec2::new(u1, v1));

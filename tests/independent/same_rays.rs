@@ -1,4 +1,4 @@
-//! The same rays of every class for everyone.
+//! The same rays of every class, for us and for each library.
 
 use nurbray::math::Ray;
 
@@ -9,11 +9,11 @@ use crate::program::{Library, OPENCASCADE, SISL};
 use crate::random::Random;
 use crate::rays::{Class, Rays};
 
-/// How many rays of each class of each model; `NURBRAY_INDEPENDENT_RAYS` asks for more.
+/// The number of rays of each class for each model; `NURBRAY_INDEPENDENT_RAYS` asks for more.
 const RAYS: usize = 40;
 
-/// The classes both libraries can be asked: not those that begin on a surface or far away,
-/// where their tolerances of 1e-7 are lengths somebody chose.
+/// The classes that both libraries can be asked about: not rays that begin on a surface or far
+/// away, where the libraries' tolerances of 1e-7 are lengths somebody chose.
 const CLASSES: [Class; 14] = [
     Class::Random,
     Class::Aimed,
@@ -50,8 +50,8 @@ fn count() -> usize {
     asked.map_or(RAYS, |count| count.parse().expect("NURBRAY_INDEPENDENT_RAYS is a number"))
 }
 
-/// Asks a library everything. `least` is the smallest share of our hits on random and aimed rays
-/// that it must find, too: else something is wrong with the comparison itself.
+/// Asks a library about all models and classes. `least` is the smallest share of our hits on random
+/// and aimed rays that the library must find, too: else the comparison itself is wrong.
 fn check(library: &'static Library, least: f64) {
     let Some(program) = library.program() else { return };
     for model in all_models() {

@@ -1,4 +1,4 @@
-//! What kernels answer, and how answers may differ.
+//! The answers of kernels, and how they may differ.
 
 use glam::{DAffine3, DVec2, DVec3};
 use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
@@ -30,8 +30,8 @@ pub(crate) fn occlusions(bvh: &SurfaceBvh, kernel: Kernel, queries: &[Query]) ->
     queries.iter().map(|query| tracer.occluded(query)).collect()
 }
 
-/// Everything a hit says: its numbers as bits, its surface, its flags, and of its root what it shows,
-/// which tells numbers apart.
+/// Everything that a hit says: its numbers as bits, its surface, its flags, and the debug text of
+/// its root, which tells numbers apart.
 pub(crate) type Said = (Vec<u64>, u32, u8, String);
 
 /// What an answer says, to the bit.
@@ -60,7 +60,7 @@ pub(crate) fn has_creases(bvh: &SurfaceBvh, surface: u32) -> bool {
     })
 }
 
-/// Whether a place of a subdivision surface is where patches meet, of the seventh halving or before.
+/// Whether a place of a subdivision surface is where patches of up to seven halvings meet.
 fn on_patch_border(uv: DVec2) -> bool {
     let lines = 128.0 * uv;
     (lines - lines.round()).abs().min_element() < 1e-3
@@ -83,11 +83,13 @@ pub(crate) fn compare(
             let direction = ray.direction().normalize();
             let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
             let [p, q] = pieces_of(bvh, a.surface).next().unwrap().patch.degree();
-            // Twice the promise, as if no control point were farther out: either answer may use all of it.
+            // Twice the promise, as either answer may use all of it; as if no control point were
+            // farther out.
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);
-            // Beside a pole either may be off by twice the promise, and control points count: a sphere's reach to 4.
+            // Beside a pole either answer may be off by twice the promise, and control points
+            // count: those of a sphere reach to 4.
             let control = pieces_of(bvh, a.surface).map(|piece| piece.patch.magnitude());
             let farthest = control.fold(magnitude, f64::max) / magnitude;
             let error = if to_tip <= 1e-2 * scale { 2.0 * farthest * twice } else { twice };
@@ -100,10 +102,10 @@ pub(crate) fn compare(
             let turned = a.normal.distance(b.normal);
             assert_eq!(a.normal.is_nan(), b.normal.is_nan(), "{}", context());
             let turned = if turned.is_nan() { 0.0 } else { turned };
-            // Where surfaces, or all sides of a tip, or those of a crease meet either may be named.
+            // Where surfaces, the sides of a tip or those of a crease meet, any may be named.
             let has_creases = name.starts_with("creased") || has_creases(bvh, a.surface);
             let same = a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !has_creases;
-            // Towards the tip of a cone normals turn as fast as it comes nearer.
+            // Near the tip of a cone, normals turn the faster the nearer the tip is.
             let is_cone = p.min(q) == 1 && to_tip > twice;
             let at_tip = if is_cone { 2.0 * a.point.distance(b.point) / to_tip } else { 0.0 };
             // Patches of a limit surface meet smoothly to within its tolerance only: 1.7e-3 was seen.
@@ -120,7 +122,7 @@ pub(crate) fn compare(
     }
 }
 
-/// What is done with a model, rays at it, and rays that leave it.
+/// A check of a model, with rays at it and rays that leave it.
 pub(crate) type Check = fn(&str, f64, &SurfaceBvh, &[Query], &[Query]);
 
 /// All models, at several sizes and places.
@@ -130,7 +132,7 @@ pub(crate) fn everywhere(check: Check) {
     {
         let mut models: Vec<_> = models().into_iter().map(|(n, s)| (n, s, scale)).collect();
         if shift == DVec3::ZERO {
-            // Elsewhere there are not enough numbers for something so small.
+            // Far from the origin there are not enough numbers for something so small.
             models.push(("small in large".into(), small_in_large(), SMALL * scale));
         }
         for (name, surfaces, scale_of_least) in models {
@@ -155,7 +157,7 @@ pub(crate) fn wide_kernels() -> impl Iterator<Item = Kernel> {
     kernels.filter(|&kernel| kernel.is_available() && kernel != Kernel::Scalar)
 }
 
-/// Compares all answers, and how many are doubtful.
+/// Compares all answers, and the numbers of doubtful ones.
 pub(crate) fn compare_all(
     (name, kernel, scale): (&str, Kernel, f64),
     bvh: &SurfaceBvh,

@@ -1,4 +1,4 @@
-//! What a ray is answered does not depend on its neighbours.
+//! The answer for a ray does not depend on the other rays of a batch.
 
 use glam::DVec3;
 use nurbray::geometry::{KnotVector, NurbsSurface, Surface};
@@ -24,7 +24,7 @@ fn an_answer_does_not_depend_on_the_company() {
     }
 }
 
-/// Nor does it where nets are made of a spline's control points, one by one or eight side by side.
+/// The same where nets are made from a spline's control points, one by one or eight side by side.
 #[test]
 fn nor_does_that_of_dense_sheets() {
     let mut random = Random::new(9);
@@ -39,7 +39,7 @@ fn nor_does_that_of_dense_sheets() {
     }
 }
 
-/// Nor where neighbouring weights differ by up to a million times.
+/// The same where neighbouring weights differ by a factor of up to a million.
 #[test]
 fn nor_does_that_of_sheets_of_wild_weights() {
     let mut random = Random::new(11);
@@ -56,8 +56,8 @@ fn nor_does_that_of_sheets_of_wild_weights() {
     }
 }
 
-/// Lines that touch a sheet in the shape of a cubic, to within rounding or a little more, and cross the same
-/// leaf elsewhere: of some of its parts one root is proved, of others nothing.
+/// Lines that touch a sheet in the shape of a cubic, to within rounding or a little more, and cross
+/// the same leaf elsewhere: in some parts of the leaf one root is proved, in others nothing.
 #[test]
 fn nor_does_that_of_a_ray_of_which_not_all_is_proved() {
     let bend = 0.012;
@@ -84,7 +84,7 @@ fn nor_does_that_of_a_ray_of_which_not_all_is_proved() {
     in_any_company("cubic sheet", &bvh, &queries, &mut random);
 }
 
-/// All kernels' answers to rays, and again in another order and in batches of another size.
+/// Checks that all kernels give the same answers in another order and in batches of another size.
 fn in_any_company(name: &str, bvh: &SurfaceBvh, queries: &[Query], random: &mut Random) {
     let kernels = Kernel::ALL.iter().filter(|kernel| kernel.is_available());
     let hints = [Coherence::Coherent, Coherence::Incoherent];

@@ -20,8 +20,8 @@ pub(crate) fn sheet(degree: (usize, usize), points: usize, rational: bool) -> Nu
     NurbsSurface::new(knots(degree.0), knots(degree.1), net.collect(), weights).unwrap()
 }
 
-/// The surface with some control points forty times as heavy as they were: the pieces that they govern are badly
-/// conditioned by powers, their neighbours are not.
+/// The surface with some control points forty times as heavy as they were: the pieces that they
+/// govern are badly conditioned in the power basis, their neighbours are not.
 pub(crate) fn with_heavy_points(surface: &NurbsSurface) -> NurbsSurface {
     let control = surface.control().iter().enumerate();
     let control = control.map(|(k, &point)| if k % 97 == 50 { 40.0 * point } else { point });

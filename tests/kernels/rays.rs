@@ -40,7 +40,7 @@ pub(crate) fn rays(
         rays.push((origin, target - origin));
     }
     for k in 0..150 {
-        // From as far away as rays may be that small things in large scenes are still seen by in f32.
+        // From as far away as rays may start and still see small things in large scenes in f32.
         let surface = &charts[k * 7919 % charts.len()].surface;
         let [(u0, u1), (v0, v1)] = surface.domain();
         let (a, b) = (random.unit(), random.unit());
@@ -90,7 +90,8 @@ pub(crate) fn leaving(answers: &[Answer], radius: f64, random: &mut Random) -> V
         .collect()
 }
 
-/// Rays past a pole in distances from 1e-13 to 1e-2, steep ones and others, some of which end near where they hit.
+/// Rays past a pole at distances from 1e-13 to 1e-2, steep ones and others, some of which end
+/// near where they hit.
 pub(crate) fn past_pole(pole: DVec3, random: &mut Random) -> Vec<Query> {
     let ray = |k: usize| {
         let aside = 10f64.powf(-2.0 - 11.0 * random.unit());

@@ -12,11 +12,11 @@ use crate::picture;
 /// Second order, less what four resolutions and a few thousand pixels leave uncertain.
 const LEAST_SLOPE: f64 = 1.8;
 
-/// Compared are pixels that see the surface at more than this sine of the angle between ray
+/// Pixels are compared if they see the surface at more than this sine of the angle between ray
 /// and tangent plane: nearer a silhouette, depth errors grow without bound.
 const STEEP: f64 = 0.25;
 
-/// What was measured at one resolution.
+/// The measurements at one resolution.
 struct Level {
     cells: usize,
     tessellation: Tessellation,
@@ -86,8 +86,8 @@ fn check(model: &Model) {
         depths.push((level.cells, root_mean_square(depth)));
         normals.push((level.cells, root_mean_square(angle)));
 
-        // No depth is off by more than the tessellation's deviation explains, up to what
-        // sampling missed, the curvature between both hits, and f32.
+        // No depth is off by more than the tessellation's deviation explains, with some room for
+        // what sampling missed, the curvature between both hits, and f32.
         let allowed = 1.25 * level.tessellation.deviation() + 1e-6 * level.tessellation.diagonal();
         for (at, ours, theirs) in pairs() {
             let sine = ours.normal.dot(rays[at].direction()).abs();

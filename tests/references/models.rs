@@ -1,4 +1,4 @@
-//! What is looked at, from where, and how finely it is cut.
+//! The models, the views of them, and how finely they are cut.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
-//! their seams, and none is said to enter without leaving, not even past a sharp edge. Sheets that cross: each is
-//! met.
+//! their seams, and none is said to enter without leaving, not even past a sharp edge. Of sheets
+//! that cross, each is met.
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::{Cage, KnotVector, NurbsSurface, Surface};
@@ -14,8 +14,8 @@ use crate::random::Random;
 use crate::rays::{Class, Rays, Shot};
 use crate::{models, patches};
 
-/// Lines through a body, in blocks, that do not enter and leave it in turn; and the share of
-/// doubtful ones.
+/// Returns the faults of lines through a body, which must enter and leave it in turn, and the
+/// share of doubtful lines.
 fn leaks(model: &Model, count: u64, aim: Aim) -> (Vec<String>, f64) {
     let classes =
         [Class::Random, Class::Aimed, Class::Lines, Class::Corners, Class::Borders, Class::Far];
@@ -47,8 +47,8 @@ fn leaks(model: &Model, count: u64, aim: Aim) -> (Vec<String>, f64) {
 enum Aim {
     /// To within rounding.
     True,
-    /// Past it, by up to one and a half times what rounding may do: about sharp edges this is
-    /// where a ray may be said to touch one of the two sides and not the other.
+    /// Past it, by up to one and a half times the promise: at sharp edges, this is where a ray may
+    /// be said to touch one of the two sides and not the other.
     Beside,
 }
 
@@ -94,14 +94,14 @@ fn no_ray_of_millions_leaks_through_seams() {
     none_leaks(1_000_000);
 }
 
-/// A ray through a pole that nearly touches the surface there meets it again soon: the two are
-/// told apart, or there is doubt.
+/// A ray through a pole that nearly touches the surface there meets it again soon: both crossings
+/// are found, or the answer is doubtful.
 #[test]
 fn no_crossing_is_lost_beside_a_pole() {
     crossings_are_even(|end| DVec2::new(end, 0.3));
 }
 
-/// So does one through the seam.
+/// The same for rays through the seam.
 #[test]
 fn no_crossing_is_lost_beside_the_seam() {
     crossings_are_even(|end| DVec2::new(0.3, end));
@@ -129,7 +129,7 @@ fn no_crossing_is_lost_through_the_seam() {
     }
 }
 
-/// Whether there is no doubt about a line, which must enter and leave in turn then.
+/// Whether the answer for a line is certain; the line must then enter and leave in turn.
 fn is_even(tracer: &mut Tracer<'_>, judge: &Judge<'_>, line: Ray) -> bool {
     let mut hits = Vec::new();
     let doubtful = tracer.all_hits(&Query::primary(line), &mut hits);
@@ -139,7 +139,7 @@ fn is_even(tracer: &mut Tracer<'_>, judge: &Judge<'_>, line: Ray) -> bool {
     !doubtful
 }
 
-/// Lines through places of a sphere at either end of a parameter that nearly touch it there.
+/// Checks lines that nearly touch a sphere at places at either end of a parameter.
 fn crossings_are_even(place: impl Fn(f64) -> DVec2) {
     let mut random = Random::new(60);
     for (scale, shift) in [(1.0, DVec3::ZERO), (1e-3, DVec3::ONE), (1.0, DVec3::splat(1e6))] {
@@ -158,8 +158,8 @@ fn crossings_are_even(place: impl Fn(f64) -> DVec2) {
             let line = Ray::with_range(origin, direction, f64::NEG_INFINITY, f64::INFINITY);
             certain += u32::from(is_even(&mut tracer, &judge, line.unwrap()));
         }
-        // Between two crossings the ray is `dip² / 2` radii off the sphere at most. Doubt is due where
-        // that is within what is promised of points; up to twenty times that dip it is granted.
+        // Between two crossings the ray is at most `dip² / 2` radii off the sphere. Doubt is due
+        // where that is within the promise for points; it is granted up to twenty times that dip.
         let magnitude = 4.0 * scale + shift.x; // of the control points
         let promised = 40.0 * 0.5 * f64::EPSILON * magnitude / scale;
         let granted = 20.0 * (2.0 * promised).sqrt();
@@ -168,8 +168,8 @@ fn crossings_are_even(place: impl Fn(f64) -> DVec2) {
     }
 }
 
-/// A steep ray that passes a pole by more than it may be off, but by too little for a root to be proved
-/// there, has a hit, be it a doubtful one: nobody looks out of a closed body beside its pole.
+/// A steep ray that passes a pole by more than its error bound, but by too little for a root to be
+/// proved there, has a hit, if only a doubtful one: no ray gets out of a closed body beside a pole.
 #[test]
 fn a_steep_ray_beside_a_pole_has_a_hit() {
     let mut random = Random::new(61);
@@ -189,7 +189,7 @@ fn a_steep_ray_beside_a_pole_has_a_hit() {
                 let said = || format!("{kernel}, {}: {aside}, {ray:?}", model.name);
                 let answer = tracer.first_hit(&query);
                 let hit = answer.hit.unwrap_or_else(|| panic!("{}: no hit", said()));
-                // In a pole twice the promise; what is doubtful may be off by some times that.
+                // At a pole twice the promise; a doubtful hit may be off by a few times that.
                 let allowed = if answer.doubtful { 8.0 } else { 2.0 };
                 let off_ray = hit.point.distance(ray.at(hit.t));
                 assert!(off_ray <= allowed * judge.measure(&ray, &hit).promise, "{}", said());
@@ -199,8 +199,9 @@ fn a_steep_ray_beside_a_pole_has_a_hit() {
     }
 }
 
-/// Chords between two points near the tip of a cone at which two rows of control points lie: `S = u² (v, v², 1)`,
-/// on `x² = y z`. Each is met, or doubted: what is found of the tip must not take a root's place unsaid.
+/// Chords between two points near the tip of a cone at which two rows of control points lie:
+/// `S = u² (v, v², 1)`, on `x² = y z`. Each point is met, or the answer is doubtful: a hit at the
+/// tip must not take a root's place without a flag.
 #[test]
 fn chords_near_a_tip_of_two_rows_are_met_twice() {
     let row = |z: f64| {
@@ -228,7 +229,7 @@ fn chords_near_a_tip_of_two_rows_are_met_twice() {
         let direction = (to - from).normalize();
         let ray = Ray::new(from - way * direction, direction).unwrap();
         let query = Query::primary(ray);
-        // To what rounding of the ray comes to, for angles of at least 0.02.
+        // To within the ray's own rounding, for angles of at least 0.02.
         let places = [way, way + from.distance(to)];
         let normal = |p: DVec3| DVec3::new(2.0 * p.x, -p.z, -p.y).normalize();
         let steep = [from, to].iter().all(|&p| normal(p).dot(direction).abs() > 0.02);
@@ -267,7 +268,7 @@ fn limit_surfaces_pass_through_the_limit_points_of_vertices() {
     for limit in cage.catmull_clark_limits().into_iter().flatten() {
         let normal = limit.normal.unwrap();
         for _ in 0..8 {
-            // Steep, so that what the surface is off shows by less than twice that.
+            // Steep, so that the surface's deviation shows by less than twice its amount.
             let direction = (random.direction() - 3.0 * normal).normalize();
             let ray = Ray::new(limit.point - 0.05 * direction, direction).unwrap();
             let hit = tracer.first_hit(&Query::primary(ray)).hit.unwrap();

@@ -7,8 +7,8 @@ use nurbray::math::Ray;
 
 use crate::random::Random;
 
-/// Near the corner where two collapsed sides meet, each of which leads to normals of its own: beside
-/// one of them every place is near the other one, too.
+/// Near the corner where two collapsed sides meet, each with normals of its own: beside one of
+/// them, every place is near the other one, too.
 #[test]
 fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     let knots = || KnotVector::clamped_uniform(2, 3).unwrap();
@@ -40,7 +40,7 @@ fn normals_beside_a_side_that_is_collapsed_as_is_the_one_across() {
     assert!(seen > 1000, "{seen}");
 }
 
-/// A ray along a straight side, as near as numbers can say: no end of the stretch may be looked for
+/// A ray along a straight side, as near as f64 allows: no end of the stretch may be searched for
 /// along the side, every point of which is as near.
 #[test]
 fn a_ray_along_a_side_does_not_slip_off_it() {

@@ -1,4 +1,4 @@
-//! Origins so far away that a point may be off a ray by more than f32 can tell.
+//! Origins so far away that a point may be off its ray by more than f32 resolves.
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
@@ -11,8 +11,8 @@ use crate::models;
 use crate::random::Random;
 use crate::ways::{all_ways, assert_met_or_doubted, kernels};
 
-/// Rays through a border of a square, or past it by less than a point may be off; all numbers are
-/// exact, and so is `o + t d`.
+/// Rays through a border of a square, or past it by less than the error bound of a point; all
+/// numbers are exact, and so is `o + t d`.
 #[test]
 fn borders_are_met_or_doubted_from_anywhere() {
     let model = Model::new("square", shapes::plane(2.0, 2.0).unwrap());
@@ -25,13 +25,13 @@ fn borders_are_met_or_doubted_from_anywhere() {
         ([10133099161583616.0, -6755399441055744.0, -2251799813685248.0], [-9.0, 6.0, 2.0]),
     ];
     let far = rays.map(|(o, d)| Ray::new(o.into(), d.into()).unwrap());
-    // Each also in the company of rays that come from nearby.
+    // Each is also traced in a batch with rays that come from nearby.
     let near = (0..20).map(|k| Ray::new(DVec3::new(0.1 * f64::from(k), 0.2, 3.0), DVec3::NEG_Z));
     let mut queries: Vec<Query> = near.map(|ray| Query::primary(ray.unwrap())).collect();
     for (k, ray) in far.into_iter().enumerate() {
         queries.insert(4 * k, Query::primary(ray));
     }
-    // And of rays for which there are no numbers of f32; they pass far away.
+    // And with rays that f32 cannot represent; these pass far away.
     for (k, axis) in [DVec3::X, DVec3::NEG_Y, DVec3::Z].into_iter().enumerate() {
         let ray = Ray::new(1e150 * axis + DVec3::splat(1e100), axis).unwrap();
         queries.insert(9 * k, Query::primary(ray));
@@ -57,8 +57,8 @@ fn borders_are_met_or_doubted_from_anywhere() {
     }
 }
 
-/// Rays past a border along which they touch the surface, where what it would go on with bends away: they meet it
-/// as far as half of what a point may be off.
+/// Rays past a border along which they touch the surface, where its continuation would bend away:
+/// they meet it at up to half of the error bound of a point.
 #[test]
 fn borders_that_are_silhouettes_are_met_or_doubted() {
     let (high, half) = (1.0, std::f64::consts::FRAC_1_SQRT_2);
@@ -85,8 +85,8 @@ fn borders_that_are_silhouettes_are_met_or_doubted() {
     }
 }
 
-/// Many small boxes side by side, met at steep angles: of a sheet of 8 × 8 pieces, past its border
-/// by less than a point may be off.
+/// Many small boxes side by side, met at steep angles: those of a sheet of 8 × 8 pieces, whose
+/// border the rays pass by less than the error bound of a point.
 #[test]
 fn boxes_are_met_as_far_off_as_points_may_be() {
     let knots = || KnotVector::clamped_uniform(1, 9).unwrap();
@@ -141,8 +141,8 @@ fn kernels_agree_from_anywhere() {
     }
 }
 
-/// A sheet far from the origin, and rays from farther away that pass its border by less than points may be
-/// off there, which is more than f32 tells of so small a thing.
+/// A sheet far from the origin, and rays from farther away that pass its border by less than the
+/// error bound of points there, which is more than f32 resolves for so small a thing.
 #[test]
 fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
     for distance in [1e8, 1e9, 1e10, 1e11, 1e12] {
@@ -151,7 +151,7 @@ fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
         let net = vec![at(-0.5, -0.5), at(-0.5, 0.5), at(0.5, -0.5), at(0.5, 0.5)];
         let model = Model::new("sheet", NurbsSurface::new(knots(), knots(), net, None).unwrap());
         for from in [0.9, 1.1, 1.9, 2.1, 9.0] {
-            // Four times the sum of the degrees and four, units of rounding.
+            // Four times the sum of the degrees and four, in units of rounding.
             let off = 24.0 * 0.5 * f64::EPSILON * distance * f64::max(from, 1.0);
             let rays = [0.1, 0.5, 0.8, 0.95].map(|part| {
                 let origin = DVec3::new(distance, 0.5 + part * off, from * distance);
@@ -168,7 +168,8 @@ fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
     }
 }
 
-/// The same of a hilly sheet of many leaves, where a leaf goes on straight for less than points may be off.
+/// The same for a hilly sheet of many leaves, where a leaf goes on straight for less than the error
+/// bound of points.
 #[test]
 fn borders_far_from_the_origin_are_met_or_doubted() {
     let knots = || KnotVector::clamped_uniform(3, 11).unwrap();
@@ -179,7 +180,7 @@ fn borders_far_from_the_origin_are_met_or_doubted() {
         let at = |k: usize| 0.2 * k as f64 - 1.0;
         let net = (0..121).map(|k| far + DVec3::new(at(k / 11), at(k % 11), heights[k])).collect();
         let model = Model::new("hills", NurbsSurface::new(knots(), knots(), net, None).unwrap());
-        // Four times the sum of the degrees and four, units of rounding.
+        // Four times the sum of the degrees and four, in units of rounding.
         let off = 40.0 * 0.5 * f64::EPSILON * distance;
         let rays: Vec<Query> = (0..400)
             .map(|k| {
@@ -193,8 +194,8 @@ fn borders_far_from_the_origin_are_met_or_doubted() {
     }
 }
 
-/// Rational surfaces so far away, with weights so different, that their boxes are soon within rounding: what is
-/// met in a range is not taken for something outside it.
+/// Rational surfaces so far away, with weights so different, that their boxes are soon within
+/// rounding: a crossing within the range must not be taken for one outside it.
 #[test]
 fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
     let mut random = Random::new(97);
@@ -209,7 +210,7 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
             let net = (0..9).map(|k| at(k, &mut random)).collect();
             let weights = (0..9).map(|_| 10f64.powf(6.0 * random.unit() - 3.0)).collect();
             let surface = NurbsSurface::new(knots(), knots(), net, Some(weights)).unwrap();
-            // Four times the sum of the degrees and four, units of rounding.
+            // Four times the sum of the degrees and four, in units of rounding.
             let error = 32.0 * 0.5 * f64::EPSILON * distance;
             let rays: Vec<Query> = (0..40)
                 .filter_map(|_| {
@@ -231,8 +232,8 @@ fn crossings_far_from_the_origin_are_met_or_doubted_in_every_range() {
     }
 }
 
-/// Rays that start in a plane far from the origin, or within what points may be off of it, and pass its border on
-/// their way by less than half of that.
+/// Rays that start in a plane far from the origin, or within the error bound of points from it, and
+/// pass its border on their way by less than half of that bound.
 #[test]
 fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
     let mut random = Random::new(101);
@@ -241,7 +242,7 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
         let corners = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.5], [1.0, 0.0, 0.25], [1.0, 1.0, 0.75]];
         let corners = corners.map(DVec3::from_array);
         let knots = || KnotVector::bezier(1).unwrap();
-        // These sums are exact, and so is what is taken off again.
+        // These sums are exact, and so are the differences that undo them.
         let net = corners.map(|corner| far + corner).to_vec();
         let plane = NurbsSurface::new(knots(), knots(), net, None).unwrap();
         let error = 24.0 * 0.5 * f64::EPSILON * 2.0 * distance;
@@ -276,7 +277,7 @@ fn rays_within_a_plane_far_from_the_origin_meet_its_border_or_are_doubted() {
     }
 }
 
-/// Where a line comes nearest to a segment, along its direction, and how near.
+/// Where along its direction a line comes nearest to a segment, and how near.
 fn passes(origin: DVec3, direction: DVec3, [from, to]: [DVec3; 2]) -> (f64, f64) {
     let (unit, side, w) = (direction.normalize(), to - from, from - origin);
     let across = side - side.dot(unit) * unit;

@@ -1,8 +1,8 @@
 //! A second opinion that shares nothing with the solver: all roots by halving alone.
 //!
-//! Pieces are halved again and again in both directions; what remains when boxes are a
-//! millionth of a piece wide, grouped by place, is one root each, if Newton's iteration on the
-//! surface as authored converges there and the ray is steep. Else nothing is said.
+//! Pieces are halved again and again in both directions. The boxes that remain when they are a
+//! millionth of a piece wide are grouped by place. Each group is one root if Newton's iteration on
+//! the surface as authored converges there and the ray is steep; else nothing is concluded.
 
 use std::ops::Range;
 
@@ -21,10 +21,10 @@ use crate::rays::{Class, Rays};
 /// Boxes are halved this often: to 1e-6 of a piece.
 const DEPTH: u32 = 20;
 
-/// More boxes than this at one depth are not roots, but a ray along the surface.
+/// More boxes than this at one depth do not mean roots, but a ray along the surface.
 const MOST_BOXES: usize = 400;
 
-/// What is left is one root if the ray is this steep there.
+/// What remains is one root if the ray is steeper than this there.
 const STEEP: f64 = 1e-2;
 
 /// Nearer to a border of the domain than this, a root may as well be outside.
@@ -86,7 +86,7 @@ impl Part {
     }
 }
 
-/// The Bézier pieces of a surface as a ray sees them.
+/// The Bézier pieces of a surface in ray coordinates.
 fn pieces(surface: &NurbsSurface, ray: &Ray, axes: [DVec3; 3]) -> Vec<Part> {
     let bezier = surface.bezier_form();
     let (_, columns) = bezier.size();

@@ -1,5 +1,5 @@
-//! A million hard rays: the fast path, one by one, in packets and in batches, against the exact solver, against points the rays were
-//! aimed at, and against the parity of closed models.
+//! A million hard rays: the fast path (one by one, in packets and in batches) against the exact
+//! solver, against points the rays were aimed at, and against the parity of closed models.
 
 use glam::DVec3;
 
@@ -21,8 +21,8 @@ fn plan(class: Class, share: u64) -> Plan {
 
 /// The largest share of doubtful first hits, on surfaces that are curved in all directions.
 ///
-/// Steep rays are decided, but for those that happen to graze a silhouette. A ray in a tangent
-/// plane cannot be decided there, nor one that begins on a surface; rays in planes of symmetry
+/// Steep rays are decided, except those that happen to graze a silhouette. A ray in a tangent
+/// plane cannot be decided, nor can one that begins on a surface; rays in planes of symmetry
 /// and along axes graze by design. From 1e6 sizes away, rounding grows to 1e-9.
 fn most_doubtful(class: Class) -> f64 {
     match class {
@@ -60,7 +60,7 @@ fn curved() -> Vec<(Model, u64)> {
     all
 }
 
-/// Surfaces with planes or rulings in them: rays inside them are doubtful by right.
+/// Surfaces with planes or rulings in them: rays inside them are rightly doubtful.
 fn ruled() -> Vec<(Model, u64)> {
     let all = [
         models::cylinder(),
@@ -75,7 +75,7 @@ fn ruled() -> Vec<(Model, u64)> {
     all.map(|model| (model, 50)).into()
 }
 
-/// Very small, very large, and far from the origin for their size.
+/// Models that are very small, very large, or far from the origin for their size.
 fn placed() -> Vec<(Model, u64)> {
     let some =
         || [models::sphere(), models::torus(), models::wavy_sheet(), models::random_rational(3)];
@@ -121,7 +121,7 @@ fn hard_rays_on_ruled_surfaces() {
     let tallies = ask(&ruled(), 72);
     without_faults(&tallies);
     for (class, tally) in tallies {
-        // In a plane everything lies along it but what is aimed at it from outside.
+        // All rays at a plane lie along it, except those that are aimed at it from outside.
         let decided = [Class::Aimed, Class::Lengths, Class::Lines, Class::Corners, Class::Borders];
         if decided.contains(&class) {
             assert!(tally.doubt() <= 0.0005, "{class}: {} doubtful", tally.doubt());

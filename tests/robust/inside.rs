@@ -1,5 +1,5 @@
-//! Rays that run inside a surface: in a plane, along a ruling. They have roots without end, so
-//! both ends of the stretch are reported, flagged, and the work is bounded.
+//! Rays that run inside a surface: in a plane, along a ruling. They have infinitely many roots, so
+//! both ends of the stretch are reported and flagged, and the work is bounded.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use crate::random::Random;
 /// A stretch of a straight line that lies in a surface, from end to end.
 type Stretch = [DVec3; 2];
 
-/// How exactly the ends of a stretch are found, as a part of the surface's size: the exact
-/// solver stops at 1e-9 of a leaf, and a border met at a small angle adds to that.
+/// The error of the ends of a stretch, as a part of the surface's size: the exact solver stops at
+/// 1e-9 of a leaf, and a border met at a small angle adds to that.
 const END_ERROR: f64 = 1e-7;
 
 /// Boxes the exact solver may look at for one first hit.
@@ -174,10 +174,10 @@ fn a_stretch_inside_a_surface_is_reported_by_its_ends() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The most boxes of the exact solver for one ray, and the few of the leaf that is the last.
+/// The most boxes of the exact solver for one ray, and the few more of the last leaf.
 const MOST_BOXES_OF_A_RAY: u64 = (1 << 17) + (1 << 13);
 
-/// Points `(x, y, 0)` that depend on the sum of two angles: no surface, but a circle.
+/// Points `(x, y, 0)` that depend on the sum of two angles: not a surface, but a circle.
 fn circle_twice() -> NurbsSurface {
     let circle = shapes::circle_arc(1.0, 0.0, 360.0).unwrap();
     let net = circle.control().iter().flat_map(|a| {
@@ -222,7 +222,7 @@ fn work_is_bounded_where_a_surface_is_but_a_curve() {
     assert!(most > 1 << 17, "the bound is not met: {most} boxes");
 }
 
-/// Which leaves are left when the work is used up is a matter of the ray, not of those traced beside it.
+/// Which leaves are left when the work is used up depends on the ray, not on those traced with it.
 #[test]
 fn what_is_left_where_work_is_bounded_depends_on_the_ray_alone() {
     let bvh = SurfaceBvh::build(&[circle_twice()]).unwrap();

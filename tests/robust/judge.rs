@@ -1,4 +1,4 @@
-//! What may be said against an answer.
+//! The faults of answers.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::Surface;
@@ -9,7 +9,7 @@ use nurbray::math::{Ray, RayFrame};
 use crate::model::{Model, bounds};
 use crate::rays::{Shot, Site};
 
-/// Everything a tracer says of one ray.
+/// All answers of a tracer to one ray.
 pub(crate) struct Answers {
     pub(crate) first: Answer,
     pub(crate) exact: Answer,
@@ -32,22 +32,22 @@ impl Answers {
     }
 }
 
-/// Where a hit is, and how exact it can be.
+/// The residual of a hit, and its bounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
     /// `|S(u, v) − (o + t d)|`, by the surface as authored.
     pub(crate) residual: f64,
     /// The promise: `C ε M`.
     pub(crate) promise: f64,
-    /// What `S(u, v)` may be off besides: it is evaluated once more, at rounded parameters.
+    /// The further error of `S(u, v)`, which is evaluated once more, at rounded parameters.
     pub(crate) excuse: f64,
     /// `|N · d|` for unit vectors, 0 without a normal.
     pub(crate) incidence: f64,
 }
 
-/// Where `|N · d| → 0`, a root moves by `√(8 r b)` for a distance `b` from a surface of
-/// radius of curvature `r`, one root on each side of the tangent point: `4 √(b radius)` for
-/// radii up to twice the model's. Flatter surfaces are compared between the two roots.
+/// As `|N · d| → 0`, a root moves by `√(8 r b)` for a distance `b` from a surface of radius of
+/// curvature `r`, with one root on each side of the tangent point: by `4 √(b radius)` for radii up
+/// to twice the model's. Flatter surfaces are compared between the two roots.
 const TANGENT_FACTOR: f64 = 4.0;
 
 /// A ray that passes a surface within rounding surely crosses it if it is this steep: the
@@ -85,7 +85,7 @@ impl<'a> Judge<'a> {
         faults
     }
 
-    /// What is wrong with a first hit alone.
+    /// The faults of a first hit alone.
     pub(crate) fn faults_of_first(&self, shot: &Shot, first: &Answer) -> Vec<String> {
         if let Some(hit) = first.hit
             && hit.flags.contains(HitFlags::DOUBTFUL) != first.doubtful
@@ -96,14 +96,14 @@ impl<'a> Judge<'a> {
         unsound.chain(self.target_passed(shot, "first hit", first)).collect()
     }
 
-    /// Whether a hit breaks a promise by itself.
+    /// Returns the promise that a hit breaks by itself, if any.
     pub(crate) fn unsound(&self, ray: &Ray, hit: &Hit) -> Option<String> {
         let in_range = ray.t_min() < hit.t && hit.t < ray.t_max();
         if !in_range {
             return Some(format!("t = {} out of range", hit.t));
         }
         let measure = self.measure(ray, hit);
-        // What is flagged may be off by some times the promise, but not by anything.
+        // A flagged hit may be off by a few times the promise, but not by more.
         let allowed = if hit.flags.contains(HitFlags::INSIDE) {
             16.0
         } else if hit.flags.contains(HitFlags::DOUBTFUL) {
@@ -173,7 +173,8 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// A ray aimed steeply at a point of a surface meets it there, if not before.
+    /// Returns a fault if a ray aimed steeply at a point of a surface meets it neither there nor
+    /// before.
     fn target_passed(&self, shot: &Shot, name: &str, answer: &Answer) -> Option<String> {
         let (site, t, slack) = self.target(shot)?;
         let late = |hit: Hit| (hit.t - t) * length(&shot.ray) > slack;
@@ -194,7 +195,7 @@ impl<'a> Judge<'a> {
             .or_else(|| self.target_passed(shot, "exact first hit", &answers.exact))
     }
 
-    /// The place a ray surely crosses, its `t`, and how far that may be off.
+    /// The place a ray surely crosses, its `t`, and the error bound of that place along the ray.
     fn target(&self, shot: &Shot) -> Option<(Site, f64, f64)> {
         let (site, t) = shot.target?;
         if !self.model.keeps(site.surface, DVec2::new(site.u, site.v)) {
@@ -215,8 +216,8 @@ impl<'a> Judge<'a> {
         wrong.then(|| format!("occluded {}, but first hit {:?}", said.occluded, first.hit))
     }
 
-    /// A line through a closed model enters and leaves in turn. Where it touches a sharp edge it
-    /// does both at one `t`, and either may come first.
+    /// Returns a fault if a line through a closed model does not enter and leave in turn. Where it
+    /// touches a sharp edge it does both at one `t`, and either may come first.
     pub(crate) fn parity_broken(&self, hits: &[Hit], line: &Ray) -> Option<String> {
         let mut outward: Vec<bool> =
             hits.iter().map(|hit| hit.normal.dot(line.direction()) > 0.0).collect();
@@ -240,8 +241,8 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Whether a hit has to be found by everyone: it is certain, well inside the range, and
-    /// not in the outer half of the slack around a border.
+    /// Whether every search has to find a hit: the hit is certain, well inside the range, and not
+    /// in the outer half of the slack around a border.
     pub(crate) fn due(&self, ray: &Ray, hit: &Hit) -> bool {
         let measure = self.measure(ray, hit);
         let outside = hit.flags.contains(HitFlags::BORDER)
@@ -253,7 +254,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether two hits are one root: their `t` agree to within their error bounds, or the
-    /// surface between them cannot be told from the ray.
+    /// surface between them cannot be distinguished from the ray.
     pub(crate) fn same_root(&self, ray: &Ray, a: &Hit, b: &Hit) -> bool {
         let (at_a, at_b) = (self.measure(ray, a), self.measure(ray, b));
         let bound = at_a.promise + at_a.excuse + at_b.promise + at_b.excuse;
@@ -266,7 +267,7 @@ impl<'a> Judge<'a> {
         a.surface == b.surface && between.residual <= 2.0 * bound
     }
 
-    /// How far along the ray a root may be off, as a length.
+    /// The error bound of a root along the ray, as a length.
     pub(crate) fn slack(&self, bound: f64, incidence: f64) -> f64 {
         (bound / incidence).min(TANGENT_FACTOR * (bound * self.radius).sqrt())
     }
@@ -294,7 +295,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The length of a ray's direction, also where its square has no number.
+/// The length of a ray's direction, also where its square cannot be represented.
 fn length(ray: &Ray) -> f64 {
     1.0 / RayFrame::new(ray).t_from_z
 }
@@ -306,7 +307,7 @@ mod tests {
     use super::*;
     use crate::models;
 
-    /// A sphere met head on at t = 2 and t = 4: what the judge says of falsified answers.
+    /// The faults found in falsified answers for a sphere met head on at t = 2 and t = 4.
     fn verdict(falsify: impl Fn(&mut Answers)) -> Vec<String> {
         let model = models::sphere();
         let bvh = model.bvh();

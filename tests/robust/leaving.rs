@@ -12,7 +12,7 @@ use crate::models;
 use crate::random::Random;
 use crate::rays::{Class, Rays};
 
-/// A ray that leaves a hit is given this many times the promise around its origin before a
+/// A ray that leaves a hit has this many times the promise as leeway around its origin before a
 /// root counts as another one: the origin is off by the promise, and so is the root.
 const START: f64 = 4.0;
 
@@ -71,9 +71,9 @@ impl Departure {
     }
 }
 
-/// All hits of the whole line but the root it starts on, told apart by place alone: a hit of
-/// the same surface no farther from the origin than errors reach. `None` where other roots are
-/// as near, or anything is doubtful.
+/// Searches the whole line and returns all hits ahead except the root the ray starts on, found by
+/// place alone: a hit of the same surface no farther from the origin than errors reach. Returns
+/// `None` if other roots are as near, or anything is doubtful.
 fn others(tracer: &mut Tracer<'_>, judge: &Judge<'_>, ray: &Ray, start: &Hit) -> Option<Vec<Hit>> {
     let (from, to) = (f64::NEG_INFINITY, f64::INFINITY);
     let line = Ray::with_range(ray.origin(), ray.direction(), from, to).unwrap();
@@ -241,7 +241,7 @@ fn grazing_departures() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// A ray whose origin was moved off the hit does not leave it: it meets what is between.
+/// A ray whose origin was moved off the hit does not leave it: it meets the surface in between.
 #[test]
 fn origins_moved_off_the_hit_meet_it_again() {
     let model = models::sphere();
@@ -266,8 +266,8 @@ fn origins_moved_off_the_hit_meet_it_again() {
     }
 }
 
-/// At a grazing hit the place along the ray is known a thousand or a million times worse than the height over the
-/// surface: what starts higher does not leave the hit.
+/// At a grazing hit the place along the ray is known a thousand or a million times less exactly
+/// than the height over the surface: a ray that starts higher does not leave the hit.
 #[test]
 fn origins_moved_off_a_grazing_hit_meet_it_again() {
     let model = models::sphere();
@@ -297,7 +297,7 @@ fn origins_moved_off_a_grazing_hit_meet_it_again() {
                         assert!(near || again.doubtful, "{cosine}, {moved}: {again:?}");
                     }
                 }
-                // But where `o + t d` comes to does.
+                // But a ray that starts at `o + t d` does leave it.
                 let there = Ray::new(normal - 3.0 * along + seen.t * along, along).unwrap();
                 assert!(Query::leaving(there, &seen).start_root().is_some());
             }
@@ -356,8 +356,8 @@ fn rays_along_the_tangent_plane_of_a_pole_are_no_certain_misses() {
     }
 }
 
-/// Where a surface crosses itself, a ray that leaves one sheet may or may not have the other still
-/// before it, whether both are of one piece or of two.
+/// Where a surface crosses itself, the other sheet may or may not lie ahead of a ray that leaves
+/// one sheet, whether both are of one piece or of two.
 #[test]
 fn where_a_surface_crosses_itself_the_other_sheet_is_doubtful() {
     // A ribbon along a line that crosses itself in the origin, in its first and its last piece.

@@ -38,7 +38,7 @@ impl Ellipsoid {
     }
 }
 
-/// Rays into a flat ellipsoid, from a hit on its surface: what they meet is the far side.
+/// Checks that rays into a flat ellipsoid, from a hit on its surface, meet the far side.
 /// Returns the share of doubtful answers.
 fn cross_ellipsoid(height: f64, random: &mut Random) -> f64 {
     let ellipsoid = Ellipsoid { height };
@@ -205,8 +205,8 @@ fn no_ray_leaves_a_closed_box() {
     }
 }
 
-/// Where a ray only just crosses a sphere, it may do so anywhere along some way: a plane on that way is not
-/// taken for the first that is met.
+/// Where a ray only just crosses a sphere, the crossing may lie anywhere along some stretch: a
+/// plane within that stretch must not be taken for the first surface met.
 #[test]
 fn what_may_be_met_before_a_plane_makes_it_doubtful() {
     let mut random = Random::new(59);
@@ -224,7 +224,7 @@ fn what_may_be_met_before_a_plane_makes_it_doubtful() {
             let mut told = 0;
             let rays: Vec<Query> = (0..2500)
                 .filter_map(|_| {
-                    // The sphere is crossed before the plane, by far more than points may be off.
+                    // The sphere is crossed before the plane, by far more than error bounds.
                     let half_chord = random.power_of_ten(x.abs().log10(), -3.0);
                     let depth = 0.5 * (half_chord * half_chord - x * x);
                     let (sine, cosine) = random.between(-0.1, 0.1).sin_cos();

@@ -20,7 +20,7 @@ fn cut(ray: &Ray, t_min: f64, t_max: f64) -> Option<Ray> {
     Ray::with_range(ray.origin(), ray.direction(), t_min, t_max).ok()
 }
 
-/// A hit is in a range, or not, or exactly at its end; what all queries say of each.
+/// What queries say of a hit inside a range, outside it, or exactly at its end.
 #[test]
 fn hits_at_the_ends_of_the_range_are_left_out_or_flagged() {
     let mut random = Random::new(31);
@@ -92,7 +92,7 @@ fn t_is_in_units_of_the_direction() {
     }
 }
 
-/// However far away a hit is and however short the direction, all queries tell of it, on every
+/// However far away a hit is and however short the direction, all queries find it, on every
 /// kernel, for every direction that a ray accepts.
 #[test]
 fn all_queries_agree_for_the_shortest_directions() {

@@ -1,5 +1,5 @@
-//! The same question has the same answer, bit for bit: whoever asks, in whatever order, however
-//! the surfaces were prepared, and wherever they stand in the list.
+//! The same query has the same answer, bit for bit: from whatever tracer, in whatever order,
+//! however the surfaces were prepared, and wherever they stand in the list.
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{Surface, shapes};
@@ -26,7 +26,7 @@ fn one(answer: &Answer) -> Said {
     (answer.hit.iter().map(bits).collect(), answer.doubtful)
 }
 
-/// All that is said of a ray: first hit, exact first hit, all hits, occlusion.
+/// All answers for a ray: first hit, exact first hit, all hits, occlusion.
 fn said(bvh: &SurfaceBvh, queries: &[Query]) -> Vec<(Said, Said, Said, Occlusion)> {
     let mut tracer = bvh.tracer();
     queries
@@ -81,7 +81,7 @@ fn whoever_asks_in_whatever_order() {
     }
 }
 
-/// So many indices in any order.
+/// The indices below `count` in random order.
 fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for k in (1..count).rev() {
@@ -204,7 +204,7 @@ fn ties_go_to_the_surface_given_first() {
     }
 }
 
-/// Of surfaces in the same place too, whose hits are one crossing or two.
+/// Also for surfaces in the same place, whose hits are one crossing or two.
 #[test]
 fn all_hits_come_by_increasing_t() {
     let model =

@@ -14,18 +14,18 @@ use crate::rays::{Class, Rays, Shot};
 pub(crate) struct Plan {
     /// All of them are asked for the first hit.
     pub(crate) rays: u64,
-    /// One in so many is also asked the exact solver, for all hits, and for occlusion.
+    /// One in this many is also asked of the exact solver, for all hits, and for occlusion.
     pub(crate) thorough: u64,
 }
 
-/// What was found of the rays of one class.
+/// Counts over the rays of one class.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) rays: u64,
     pub(crate) hits: u64,
     /// Rays with a doubtful first hit.
     pub(crate) doubtful: u64,
-    /// Rays asked everything, and those of them with doubt in all hits, or inside a surface.
+    /// Rays asked everything, and how many of them are doubtful in all hits, or inside a surface.
     pub(crate) thorough: u64,
     pub(crate) all_doubtful: u64,
     pub(crate) inside: u64,
@@ -36,7 +36,7 @@ pub(crate) struct Tally {
     pub(crate) faults: Vec<String>,
 }
 
-/// As many faults as one wants to read of one class.
+/// The most faults shown of one class.
 const FAULTS_SHOWN: usize = 5;
 
 impl Tally {
@@ -75,7 +75,7 @@ impl Tally {
     }
 }
 
-/// Asks rays of a class of a model.
+/// Traces and judges rays of a class at a model.
 pub(crate) struct Survey<'a> {
     model: &'a Model,
     bvh: SurfaceBvh,
@@ -97,7 +97,7 @@ impl<'a> Survey<'a> {
             let mut tally = Tally::default();
             let count = block_size.min(plan.rays - block * block_size);
             let shots = (0..count).map(|_| self.rays.shot(class, &mut random)).collect::<Vec<_>>();
-            // Those asked everything are of all three ways, too.
+            // The rays asked everything are of all three ways, too.
             let way = |k: u64| (k + k / plan.thorough) % 3;
             for (k, seen) in self.look(&shots, way, &mut tracer) {
                 let shot = &shots[k as usize];
@@ -120,8 +120,8 @@ impl<'a> Survey<'a> {
         sum
     }
 
-    /// First hits, and whether anything is in the way, of rays one by one, of others in packets, and of
-    /// others in batches: whatever their `way`, no answer may depend on it.
+    /// First hits and occlusions of rays, traced one by one, in packets or in batches, as their
+    /// `way` says: no answer may depend on it.
     fn look(
         &self,
         shots: &[Shot],
@@ -151,8 +151,8 @@ impl<'a> Survey<'a> {
         seen
     }
 
-    /// What is wrong with what was `seen` of a ray, and, if there is a tracer for it, with everything else that is
-    /// said of it.
+    /// Returns the faults of the answers given for a ray and, if there is a tracer, of all other
+    /// answers for it.
     fn ask(
         &self,
         shot: &Shot,

@@ -1,5 +1,5 @@
 //! Traps of the hierarchy's builder, obvhs 0.4.0: each was measured to lose hits or to end the
-//! program in some use of that crate; each is held shut here.
+//! program in some use of that crate. These tests hold each of them shut.
 
 use glam::{DAffine3, DVec3};
 use nurbray::geometry::{KnotVector, NurbsSurface, shapes};
@@ -9,7 +9,7 @@ use nurbray::math::rounding::residual_factor;
 
 use crate::random::Random;
 
-/// The first hits of rays by every kernel, with and without packets; and which it was.
+/// Judges the first hits of rays by every kernel, with and without packets, and says by which.
 fn by_every_kernel(bvh: &SurfaceBvh, rays: &[Ray], mut judge: impl FnMut(&Answer, &Ray, &str)) {
     for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
         for coherence in [Coherence::Coherent, Coherence::Incoherent] {
@@ -129,7 +129,7 @@ fn rays_in_the_faces_of_flat_boxes_are_not_lost() {
     }
 }
 
-/// A leaf thinner than f32 can see beside its length: what is proved in f32 must know that.
+/// A leaf too thin for f32 beside its length: proofs in f32 must take that into account.
 #[test]
 fn slivers_are_not_lost() {
     let mut random = Random::new(47);
@@ -151,7 +151,7 @@ fn slivers_are_not_lost() {
     }
 }
 
-/// What is proved in f32 must know where f32 ends.
+/// Proofs in f32 must take the limits of f32 into account.
 #[test]
 fn no_size_is_too_small_or_too_large() {
     let mut random = Random::new(48);
@@ -212,7 +212,7 @@ fn surfaces_are_not_taken_for_one_another() {
     }
 }
 
-/// `t` is an f32 there: a hit nearer by less than its last digit is not told apart.
+/// `t` is an f32 there, which does not tell apart hits that differ by less than its last digit.
 #[test]
 fn the_nearest_of_two_is_told_in_f64() {
     let square = shapes::plane(10.0, 10.0).unwrap();
@@ -226,7 +226,7 @@ fn the_nearest_of_two_is_told_in_f64() {
 }
 
 /// Weights of very different sizes make a surface run through most of its extent within a few
-/// roundings of its parameters: what cannot keep the promise there must say so.
+/// roundings of its parameters: an answer that cannot keep the promise there must be flagged.
 #[test]
 fn weights_of_many_magnitudes_are_answered_for() {
     let mut random = Random::new(49);
@@ -271,7 +271,7 @@ fn weights_of_many_magnitudes_are_answered_for() {
                 let magnitude = ray.origin().abs().max_element().max(p.max(q) as f64);
                 let promise = residual_factor(p, q) * magnitude;
                 let residual = hit.point.distance(ray.at(hit.t));
-                // What this sum rounds comes on top.
+                // The rounding of this sum comes on top.
                 assert!(residual <= 1.05 * promise, "{residual:e}: {}", context());
                 certain += 1;
             });

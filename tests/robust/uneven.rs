@@ -1,5 +1,5 @@
-//! Knots and weights that differ by many powers of ten: a share of a point that is next to nothing may count more than
-//! all the rest, where that point is far heavier.
+//! Knots and weights that differ by many powers of ten: a point with next to no share may count
+//! more than all others, if it is far heavier.
 
 use glam::DVec3;
 use nurbray::geometry::{KnotVector, NurbsSurface};
@@ -53,7 +53,8 @@ fn aimed(model: &Model, random: &mut Random, places: &[[f64; 2]]) -> Vec<Query> 
     places.iter().map(through).collect()
 }
 
-/// That all rays meet the sheet, and none where it is not: at the points they are aimed at, or before.
+/// Asserts that all rays meet the sheet, at the points they are aimed at or before, and not where
+/// the sheet is not.
 fn assert_met(model: &Model, queries: &[Query]) {
     assert_met_or_doubted(&model.name, model, queries);
     let surface = model.surfaces[0].nurbs().unwrap();
@@ -64,7 +65,7 @@ fn assert_met(model: &Model, queries: &[Query]) {
             let Some(hit) = answer.hit.filter(|_| !answer.doubtful) else { continue };
             let ray = query.ray();
             let magnitude = ray.origin().abs().max_element().max(1.0);
-            // What both may be off, along the ray.
+            // The error bound of both along the ray.
             let off =
                 2.0 * residual_factor(p, q) * magnitude / hit.normal.dot(ray.direction()).abs();
             assert!(hit.t <= 2.0 + off, "{}, {kernel}: {ray:?} {hit:?}", model.name);
@@ -74,7 +75,7 @@ fn assert_met(model: &Model, queries: &[Query]) {
     }
 }
 
-/// Of two spans one is next to nothing, and the points that govern the other are heavy.
+/// One of two spans is next to nothing, and the points that govern the other are heavy.
 #[test]
 fn short_spans_beside_heavy_points() {
     let mut random = Random::new(91);
@@ -100,7 +101,7 @@ fn short_spans_beside_heavy_points() {
     }
 }
 
-/// Dense sheets, whose pieces make their nets of the control points that govern them.
+/// Dense sheets, whose pieces compute their nets from the control points that govern them.
 #[test]
 fn dense_sheets_of_long_and_short_spans() {
     let mut random = Random::new(92);
@@ -140,8 +141,8 @@ fn dense_sheets_of_long_and_short_spans() {
     }
 }
 
-/// Between a long span and two short ones a middle control point has next to no share in a piece; a heavy one counts
-/// all the same, but what is made of differences from it has lost its digits.
+/// Between a long span and two short ones, a middle control point has next to no share in a piece.
+/// A heavy one counts all the same, but differences from it have lost their digits.
 #[test]
 fn heavy_points_of_small_shares_in_dense_sheets() {
     let mut random = Random::new(94);

@@ -1,4 +1,4 @@
-//! All the ways rays can be asked about.
+//! All the ways in which rays can be traced.
 
 use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query};
 
@@ -24,12 +24,12 @@ pub(crate) fn all_ways(
     (answers, occlusions)
 }
 
-/// Those that this processor has.
+/// The kernels that this processor has.
 pub(crate) fn kernels() -> impl Iterator<Item = Kernel> {
     Kernel::ALL.iter().copied().filter(|kernel| kernel.is_available())
 }
 
-/// That every ray meets the model, or is doubtful, whichever way and by whichever kernel it is asked about.
+/// Asserts that every ray meets the model, or is doubtful, in every way and by every kernel.
 pub(crate) fn assert_met_or_doubted(context: &str, model: &Model, rays: &[Query]) {
     for kernel in kernels() {
         let (answers, occlusions) = all_ways(model, kernel, rays);

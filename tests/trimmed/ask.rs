@@ -1,4 +1,4 @@
-//! Trimmed surfaces, and every way to ask of rays at them.
+//! Trimmed surfaces, and every way to trace rays at them.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
@@ -26,9 +26,9 @@ pub(crate) fn build(surfaces: &[Surface]) -> SurfaceBvh {
     SurfaceBvh::build(surfaces).unwrap()
 }
 
-/// What every way to ask says of each ray: in packets, alone, by the exact solver, and the first
-/// of all hits; any-hit searches must agree on whether there is one. Doubtful answers are `None`
-/// in the outer option.
+/// The first hits of rays by every way to trace them: in packets, alone, by the exact solver, and
+/// as the first of all hits. Any-hit searches must agree on whether there is a hit. Doubtful
+/// answers are `None` in the outer option.
 pub(crate) fn asked(
     bvh: &SurfaceBvh,
     queries: &[Query],

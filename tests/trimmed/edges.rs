@@ -41,8 +41,9 @@ fn rays_at_the_edge_are_hits_and_say_so() {
     }
 }
 
-/// Rays across what is left of the plane z = 0, at all small angles, are met where they cross it, or
-/// doubtful. `way` says from where to where a line in the plane passes over that, grown by a length.
+/// Checks that rays across what is left of the plane z = 0, at all small angles, are met where
+/// they cross it, or are doubtful. `way` gives the two ends of the way of a line in the plane over
+/// what is left, grown by a length.
 fn check_small_angles(
     name: &str,
     surface: TrimmedSurface,
@@ -66,14 +67,14 @@ fn check_small_angles(
         for (&(at, along), hit) in rays.iter().zip(&hits) {
             let context = || format!("{name}, {who}: {at} {along} {hit:?}");
             let Some(hit) = hit else {
-                // Only at angles at which rounding moves the crossing by some 1e-10 and more; the
-                // exact solver, that has nothing but boxes, may doubt some others.
+                // Only at angles at which rounding moves the crossing by a few 1e-10 or more; the
+                // exact solver, which has only boxes, may doubt some others.
                 let by_boxes = who == "exact" || who == "all hits";
                 assert!(by_boxes || along.z.abs() < 2e-5, "{}", context());
                 continue;
             };
             told[usize::from(hit.is_some())] += 1;
-            // The ray is known, and so is the place where it crosses the plane, to some roundings.
+            // The ray and the place where it crosses the plane are known to a few roundings.
             let rounding = 1e-14;
             let reach = rounding / along.z.abs();
             if hit.is_some() {

@@ -1,4 +1,4 @@
-//! What `nurbray bench` may be told.
+//! Arguments of `nurbray bench`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What `nurbray compare` may be told.
+//! Arguments of `nurbray compare`.
 
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-/// Reads `1000000`, `1_000_000`, `1e6` or `2.5e6`, exactly; `None` for what is no whole
-/// number from 0 on or does not fit.
+/// Reads `1000000`, `1_000_000`, `1e6` or `2.5e6`, exactly. Returns `None` if the text is not a
+/// whole number from 0 on or does not fit.
 pub(super) fn whole(text: &str) -> Option<u64> {
     let (mantissa, exponent) = match text.split_once(['e', 'E']) {
         Some((mantissa, exponent)) => {
@@ -17,7 +17,7 @@ pub(super) fn whole(text: &str) -> Option<u64> {
         None => (digits(mantissa)?, String::new()),
     };
 
-    // 2.5e6 is 25 with five zeros; digits behind the point that are left over must be zeros.
+    // 2.5e6 is 25 followed by five zeros; decimals beyond the exponent must be zeros.
     let fraction = fraction.trim_end_matches('0');
     let zeros = exponent.checked_sub(u32::try_from(fraction.len()).ok()?)?;
     let number: u64 = format!("{units}{fraction}").parse().ok()?;

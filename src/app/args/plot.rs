@@ -1,4 +1,4 @@
-//! What `nurbray plot` may be told.
+//! Arguments of `nurbray plot`.
 
 use std::path::PathBuf;
 

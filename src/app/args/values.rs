@@ -1,4 +1,4 @@
-//! Values of several numbers, and the ranges of single ones.
+//! Parsers of values made of several numbers, and of single numbers within a range.
 
 use glam::DVec3;
 use nurbray::render::PixelRect;
@@ -83,7 +83,7 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a tolerance: from 1 on it would allow any triangle in the box.
+/// Parses a tolerance, less than 1: a larger one would allow any triangle in the box.
 pub(super) fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
@@ -91,7 +91,7 @@ pub(super) fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a time: a day is too long for anyone to wait for.
+/// Parses a time in seconds, at most a day, which is too long for anyone to wait for.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     const DAY: f64 = 86_400.0;
     match text.parse::<f64>() {

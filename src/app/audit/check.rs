@@ -1,4 +1,4 @@
-//! The audit itself: every ray by the fast path and by the exact solver, on all threads.
+//! The audit itself: traces every ray by the fast path and by the exact solver, on all threads.
 
 use std::ops::Range;
 
@@ -11,8 +11,9 @@ use super::judge::{Judge, Truth};
 use super::rays::{RaySource, Shot};
 use super::tally::Tally;
 
-/// Rays a thread takes at a time: some milliseconds' work, and few enough that all threads are
-/// busy to the end of a short audit. No answer should depend on it, as none may on a ray's company.
+/// Rays a thread takes at a time: a few milliseconds' work, and few enough that all threads are
+/// busy to the end of a short audit. No answer should depend on it, as none may depend on the
+/// other rays of a batch.
 const CHUNK: u64 = 512;
 
 /// What to audit.
@@ -24,7 +25,7 @@ pub(crate) struct Audit<'a> {
     pub(crate) surfaces: &'a [Surface],
     /// The code to check.
     pub(crate) kernel: Kernel,
-    /// Which rays.
+    /// The seed of the rays.
     pub(crate) seed: u64,
 }
 
@@ -73,7 +74,7 @@ fn chunk(
     let mut tracer = what.bvh.tracer_with(what.kernel);
     let mut hits = Vec::new();
     let mut tally = Tally::default();
-    // Each third of the rays in its own way; in the order of the rays, whatever becomes of them.
+    // Each third of the rays is traced in its own way: by index, whatever becomes of other rays.
     let mut thirds = [const { Vec::new() }; 3];
     for index in indices {
         if let Some(shot) = source.shot(class, index, &mut tracer) {
@@ -98,8 +99,8 @@ fn chunk(
     tally
 }
 
-/// Asks the fast path for the first hits of some rays and for what is in their way, all in one batch or, if it is not
-/// told what they have in common, one by one.
+/// Asks the fast path for the first hit and the occlusion of each ray: all rays in one batch, or
+/// one by one if `way` is `None`.
 fn look(
     tracer: &mut Tracer<'_>,
     way: Option<Coherence>,

@@ -125,8 +125,8 @@ impl Class {
         }
     }
 
-    /// Its share of the rays, in parts. What renderers do most has the largest share; of the
-    /// ten grazing classes each has the smallest.
+    /// Its share of the rays, in parts. The rays that renderers trace most have the largest share;
+    /// each of the ten grazing classes has the smallest.
     pub(crate) fn parts(self) -> u64 {
         match self {
             Self::Random | Self::Aimed | Self::Leaving => 4,
@@ -162,7 +162,7 @@ impl Class {
     }
 }
 
-/// How many of `rays` each class gets: in proportion to its parts, `rays` in all.
+/// Returns how many of `rays` each class gets: in proportion to its parts, `rays` in total.
 pub(crate) fn shares(classes: &[Class], rays: u64) -> Vec<u64> {
     let whole: u64 = classes.iter().map(|class| class.parts()).sum();
     let mut parts = 0;

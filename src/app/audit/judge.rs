@@ -15,34 +15,34 @@ use super::sites::{Site, radius};
 /// What is wrong with an answer that carries no doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// There is a certain hit, the fast path has none, or sees nothing in the way. Certain are hits of the exact
-    /// solver without doubt, and the point of a surface the ray was aimed at.
+    /// There is a certain hit, but the fast path reports no hit or no occlusion. Certain hits are
+    /// those of the exact solver without doubt, and the surface point the ray was aimed at.
     Miss,
     /// The fast path's hit lies behind a certain hit, by more than the error bound of `t`.
     WrongRoot,
-    /// The fast path's hit is not on the surface and the ray to within the error bound, or not
-    /// in the ray's range, or in a part that trims have cut off, or no root of the exact solver
-    /// lies there; or something is said to be in the way of a ray that meets nothing.
+    /// The fast path's hit is off the surface or the ray by more than the error bound, outside the
+    /// ray's range, in a part that trims have cut off, or not a root of the exact solver; or the
+    /// fast path reports a ray that meets nothing as occluded.
     FalseHit,
 }
 
-/// What was found out about one ray.
+/// The audit's finding on one ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Finding {
     /// What is wrong, if anything.
     pub(crate) fault: Option<Fault>,
     /// The residual of the fast path's hit over the largest coordinate magnitude.
     pub(crate) error: Option<f64>,
-    /// Whether the fast path left anything about the first hit open.
+    /// Whether the fast path's first-hit answer is doubtful.
     pub(crate) doubtful: bool,
-    /// Whether it left open if anything is hit.
+    /// Whether the fast path's occlusion answer is doubtful.
     pub(crate) doubtful_any: bool,
-    /// Whether the ray touches a surface exactly, as far as floating point can tell, or runs
-    /// inside one.
+    /// Whether the ray is exactly tangent to a surface, as far as floating point can tell, or
+    /// runs inside one.
     pub(crate) tangent: bool,
 }
 
-/// What is known of the answer.
+/// The exact solver's result for the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Truth<'a> {
     /// All hits by the exact solver, in order of `t`.
@@ -51,30 +51,30 @@ pub(crate) struct Truth<'a> {
     pub(crate) undecided: bool,
 }
 
-/// Where a hit is and how exact it can be.
+/// The error of a hit and its bounds.
 #[derive(Clone, Copy, Debug)]
 struct Measure {
     /// `|S(u, v) − (o + t d)|`, by the surface as authored.
     residual: f64,
     /// The largest coordinate magnitude of the ray's origin and the surface's control points.
     magnitude: f64,
-    /// What the residual may be by the promise.
+    /// The largest residual that the promise allows.
     promise: f64,
-    /// What it may be as measured here.
+    /// The largest residual allowed as measured here.
     bound: f64,
     /// `|N·d|` for unit vectors; 0 where there is no normal.
     incidence: f64,
 }
 
-/// At `|N·d| → 0` a root moves by the square root of the residual: by `√(8 r b)` for a
-/// residual of `b` on a radius of curvature `r`, one root on each side of the tangent point.
-/// With r up to two radii of the model (flatter ones are compared by the residual between the
-/// roots) this is `4 √(b · radius)`.
+/// As `|N·d| → 0`, a root moves with the square root of the residual: a residual of `b` on a
+/// radius of curvature `r` moves it by `√(8 r b)`, with one root on each side of the tangent point.
+/// For `r` up to two radii of the model this is `4 √(b · radius)`; flatter surfaces are compared
+/// by the residual between the roots.
 const TANGENT_FACTOR: f64 = 4.0;
 
-/// A ray that passes a surface at a distance `b` with `|N·d| = c` surely crosses it if the
-/// radius of curvature exceeds `2 b / c²`: with rounding for `b` and this for `c` that is
-/// 1e-11 of the coordinates' size.
+/// The `|N·d|` from which on an aimed ray surely crosses the surface. A ray that passes the
+/// surface at a distance `b` with `|N·d| = c` does if the radius of curvature exceeds `2 b / c²`:
+/// with rounding for `b` and this constant for `c`, that is 1e-11 of the coordinates' size.
 const SURE_INCIDENCE: f64 = 0.01;
 
 /// Compares answers for one set of surfaces.
@@ -82,13 +82,13 @@ const SURE_INCIDENCE: f64 = 0.01;
 pub(crate) struct Judge<'a> {
     surfaces: &'a [Surface],
     magnitudes: Vec<f64>,
-    /// What trims keep, found without the tracer's own test.
+    /// The kept parts of the surfaces, found without the tracer's own trim test.
     outlines: Vec<Outline>,
     radius: f64,
 }
 
 impl<'a> Judge<'a> {
-    /// A judge for the surfaces hits refer to.
+    /// Makes a judge for the surfaces that hits refer to.
     pub(crate) fn new(surfaces: &'a [Surface]) -> Self {
         Self {
             surfaces,
@@ -98,7 +98,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Compares the fast path's answers with what is known: its first hit, and whether it sees anything in the way.
+    /// Compares the fast path's first hit and its occlusion answer with the truth.
     pub(crate) fn judge(
         &self,
         shot: &Shot,
@@ -119,11 +119,12 @@ impl<'a> Judge<'a> {
         Finding { fault, error, doubtful, doubtful_any: shadow.doubtful, tangent }
     }
 
-    /// What is wrong with the answer to whether anything is in the way of the ray, whose first hit the fast path
-    /// says to be `first`.
+    /// Returns the fault of the occlusion answer `shadow`, if any. `first` is the fast path's
+    /// answer for the first hit of the same ray.
     ///
-    /// What passes a border or an end of the range within rounding may be seen by one and not by the others: where
-    /// both others see nothing at all, that would be called false, too. No such ray is known.
+    /// A root within rounding of a border or of an end of the range may be found by one of the
+    /// three searches and not by the others. If only the occlusion search finds one, it would be
+    /// called a false hit, too. No such ray is known.
     fn fault_of_shadow(
         &self,
         shot: &Shot,
@@ -135,14 +136,14 @@ impl<'a> Judge<'a> {
             return None;
         }
         if shadow.occluded {
-            // Where in the way is not told: any root will do, certain or not.
+            // The occlusion answer does not say where: any root justifies it, certain or not.
             let nothing = truth.hits.is_empty() && !truth.undecided;
             return (nothing && first.hit.is_none() && !first.doubtful).then_some(Fault::FalseHit);
         }
         self.is_owed(shot, truth).then_some(Fault::Miss)
     }
 
-    /// Whether there is anything that must be seen.
+    /// Whether the fast path must report a hit.
     fn is_owed(&self, shot: &Shot, truth: &Truth<'_>) -> bool {
         let due = |hit| self.is_due(shot.query.ray(), hit);
         truth.hits.iter().any(due) || self.target(shot).is_some()
@@ -172,8 +173,8 @@ impl<'a> Judge<'a> {
         (!known && !excused).then_some(Fault::FalseHit)
     }
 
-    /// Whether a hit is surely in a part that trims have cut off: no edge is as near as the hit may
-    /// be off. Near a pole that is far in the parameter that leads around it.
+    /// Whether a hit is surely in a part that trims have cut off: no trim edge lies within the
+    /// hit's error bound, which near a pole is large in the parameter that runs around the pole.
     fn cut_off(&self, hit: &Hit, measure: &Measure) -> bool {
         let outlines = self.outlines.get(hit.surface as usize).and_then(Outline::lines);
         outlines.is_some_and(|outlines| {
@@ -184,10 +185,11 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// The last `t` at which the first hit of a ray may lie that is aimed at a point of a
-    /// surface; `None` if it is not, or too flatly to be sure that it crosses the surface, or if
-    /// trims may have cut the point off, as far as is known. On a border or a trim edge it need not cross: whatever
-    /// passes within rounding has to be reported.
+    /// Returns the last `t` at which the first hit of a ray aimed at a point of a surface may lie.
+    /// Returns `None` if the ray is not aimed at a point, if it is too flat there to be sure that
+    /// it crosses the surface, or if trims may have cut the point off, as far as is known. On a
+    /// border or a trim edge the ray need not cross: whatever passes within rounding has to be
+    /// reported.
     fn target(&self, shot: &Shot) -> Option<f64> {
         let (site, t) = shot.target?;
         let (on_edge, kept) = match &self.outlines[site.surface] {
@@ -205,8 +207,8 @@ impl<'a> Judge<'a> {
         let incidence = normal.dot(ray.direction()).abs() / length;
         let Measure { bound, promise, .. } = self.at(ray, site, t);
         let on_border = surface.on_border(site.uv);
-        // Rounded parameters may lie beyond a side that no number of theirs is on, as the third one
-        // of a triangle; where weights make points move fast, by more than the promise.
+        // Rounded parameters may lie beyond a side along which neither is constant, such as the
+        // third side of a triangle; where weights make points move fast, by more than the promise.
         if on_border && surface.nurbs().is_none() && bound > 2.5 * promise {
             return None;
         }
@@ -214,9 +216,9 @@ impl<'a> Judge<'a> {
         due.then(|| t + self.slack(bound, incidence) / length)
     }
 
-    /// Whether the fast path owes this root: it is certain, well inside the range, and not in
-    /// the outer half of the slack around a border, nor beyond a trim edge, where the promise
-    /// leaves both answers open.
+    /// Whether the fast path owes this root: the root is certain, well inside the range, and
+    /// neither in the outer half of the slack around a border nor beyond a trim edge, where the
+    /// promise leaves both answers open.
     fn is_due(&self, ray: &Ray, root: &Hit) -> bool {
         let measure = self.measure(ray, root);
         !root.flags.contains(HitFlags::DOUBTFUL)
@@ -224,29 +226,29 @@ impl<'a> Judge<'a> {
             && !self.is_beyond(root, &measure)
     }
 
-    /// Whether the ray passes a border on its outside, farther off than half the slack; or a trim edge
-    /// in what is cut off, farther than the promise and what the curve may be off: by no more than the hit
-    /// may, as far as the tracer can tell.
+    /// Whether the ray passes outside a border by more than half the slack, or on the cut-off side
+    /// of a trim edge by more than the promise and the curve's error together. As far as the tracer
+    /// can tell, the distance is within the hit's error bound.
     fn is_beyond(&self, hit: &Hit, measure: &Measure) -> bool {
         (hit.flags.contains(HitFlags::BORDER) && measure.residual > 0.25 * measure.bound)
             || (hit.flags.contains(HitFlags::TRIM_EDGE)
                 && self.is_beyond_edge(hit, measure.promise))
     }
 
-    /// Whether all is cut off that is as near to a hit as this, in space.
+    /// Whether everything within the distance `near` of a hit, in space, is cut off.
     fn is_beyond_edge(&self, hit: &Hit, near: f64) -> bool {
         let Some(surface) = self.surfaces.get(hit.surface as usize) else { return false };
         let Some(trimmed) = surface.trimmed() else { return false };
         let at = surface.derivatives(hit.uv);
         let lengths = DVec2::new(at.du.length(), at.dv.length());
         let sine = at.du.cross(at.dv).length() / (lengths.x * lengths.y);
-        let reach = near / (lengths * sine); // no number, or infinite, at a pole
+        let reach = near / (lengths * sine); // NaN or infinite at a pole
         let reach = DVec2::select(reach.cmpge(DVec2::ZERO), reach, DVec2::INFINITY);
         trimmed.trims().contains_within(hit.uv, reach) == Side::Outside
     }
 
     /// Whether two hits are one root: their `t` agree to within their error bounds, or the
-    /// surface between them cannot be told from the ray.
+    /// surface between them cannot be distinguished from the ray.
     fn same_root(&self, ray: &Ray, (hit, measure): (&Hit, &Measure), root: &Hit) -> bool {
         let other = self.measure(ray, root);
         let bound = measure.bound + other.bound;
@@ -258,7 +260,8 @@ impl<'a> Judge<'a> {
         if hit.surface != root.surface {
             return false;
         }
-        // Where the ray comes nearest to a point of the surface between them: weights may put that near one of them.
+        // Where the ray comes nearest to a surface point between them; weights may put this point
+        // near one of them.
         let uv = 0.5 * (hit.uv + root.uv);
         let offset = self.surfaces[hit.surface as usize].point_at(uv) - ray.origin();
         let t = offset.dot(ray.direction()) / ray.direction().length_squared();
@@ -273,9 +276,9 @@ impl<'a> Judge<'a> {
         near(ray.t_min()) || near(ray.t_max())
     }
 
-    /// Whether at one of these hits the ray is so flat that it leaves the surface by no more
-    /// than the bound of the residual on its way to the point where it is tangent: with the
-    /// radius of curvature `r` and `|N·d| = c` that way is `r c`, and the distance `r c² / 2`.
+    /// Whether the ray is exactly tangent at one of these hits: on its way from the hit to the
+    /// tangent point it departs from the surface by no more than the bound of the residual. With
+    /// the radius of curvature `r` and `|N·d| = c`, the way is `r c`, and the departure `r c² / 2`.
     fn tangent<'h>(&self, ray: &Ray, mut hits: impl Iterator<Item = &'h Hit>) -> bool {
         hits.any(|hit| {
             let incidence = hit.normal.dot(ray.direction().normalize()); // NaN without a normal
@@ -285,7 +288,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// How far along the ray a root may be off, as a length.
+    /// The error bound of a root along the ray, as a length.
     fn slack(&self, bound: f64, incidence: f64) -> f64 {
         (bound / incidence).min(TANGENT_FACTOR * (bound * self.radius).sqrt())
     }
@@ -306,9 +309,9 @@ impl<'a> Judge<'a> {
         let magnitude = ray.origin().abs().max_element().max(self.magnitudes[site.surface]);
         let normal = at.du.cross(at.dv).normalize_or_zero();
 
-        // The promise, twice: once for the hit and once for this evaluation of the surface as
-        // authored, not by its pieces. What (u, v) lose by being rounded in their own domain
-        // comes on top: at a knot perhaps more before it than behind it.
+        // Twice the promise: once for the hit and once for this evaluation, which uses the surface
+        // as authored and not its pieces. The rounding of (u, v) in their own domain comes on top;
+        // at a knot its effect may be larger before the knot than behind it.
         let [p, q] = surface.degree();
         let factor = residual_factor(p, q);
         let [u, v] = site.uv.to_array();
@@ -338,10 +341,10 @@ mod tests {
 
     use super::*;
 
-    /// Nothing is said of what is in the way.
+    /// A doubtful occlusion answer, which is not judged.
     const OPEN: Occlusion = Occlusion { occluded: false, doubtful: true };
 
-    /// A unit sphere met head on at t = 2 and t = 4, and what both solvers say.
+    /// Calls `check` with what both solvers say of a unit sphere met head on at t = 2 and t = 4.
     fn head_on(check: impl Fn(&dyn Fn(Answer, &[Hit]) -> Finding, Answer, &[Hit])) {
         let surfaces = [shapes::sphere(1.0).unwrap().into()];
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
@@ -360,7 +363,7 @@ mod tests {
         check(&ruling, answer, &hits);
     }
 
-    /// A sheet over `y` from 0 to 3, a third of it in next to no parameters.
+    /// A sheet over `y` from 0 to 3, a third of which lies in a tiny knot span.
     #[test]
     fn parameters_are_rounded_before_a_knot_too() {
         let knot = 1.0 + 1e-6;
@@ -376,7 +379,7 @@ mod tests {
         assert!(bound(knot + 0.1) < 1e3 * UNIT_ROUNDOFF, "{:e}", bound(knot + 0.1));
     }
 
-    /// Beside a trim edge by this many times what a point of the plane may be off, is what was seen there owed?
+    /// Whether a hit is owed that lies beyond a trim edge by `off` times the promise of a point.
     #[test]
     fn what_lies_beyond_a_trim_edge_by_more_than_the_promise_is_not_owed() {
         let knots = KnotVector::bezier(1).unwrap();
@@ -390,7 +393,7 @@ mod tests {
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let judge = Judge::new(&surfaces);
         let promise = residual_factor(1, 1);
-        // Within twice as far as curves are off themselves, and much farther off.
+        // Within twice the error bound of the curves themselves, and far beyond it.
         for (off, owed) in [(-10.0, true), (-1.0, true), (0.0, true), (0.5, true), (10.0, false)] {
             let x = 0.5 + off * promise;
             let ray = Ray::new(DVec3::new(x, 0.5, 1.0), -DVec3::Z).unwrap();
@@ -484,7 +487,7 @@ mod tests {
         }
     }
 
-    /// A ray within a plane meets it all along: whichever of its points is named, it is one root.
+    /// A ray that runs within a plane meets it all along: any of these points is the same root.
     #[test]
     fn roots_between_which_a_ray_stays_on_the_surface_are_one() {
         let knots = || KnotVector::bezier(1).unwrap();

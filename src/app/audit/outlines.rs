@@ -1,25 +1,25 @@
-//! Which part of a surface is kept, found anew: by even–odd against polylines.
+//! Which part of a surface trims keep, found a second way: by even–odd against polylines.
 
 use glam::DVec2;
 use nurbray::geometry::Surface;
 use nurbray::geometry::trim::Kept;
 
-/// How far polylines may be from their curves, as a share of the domain's shorter side.
+/// The largest distance of polylines from their curves, as a share of the domain's shorter side.
 const TOLERANCE: f64 = 1e-3;
 
-/// What trims keep of a surface.
+/// The part of a surface that trims keep.
 #[derive(Clone, Debug)]
 pub(crate) enum Outline {
     /// All of it.
     Whole,
-    /// What lies within these loops, or outside.
+    /// The inside of these loops, or the outside.
     Within(Outlines),
-    /// That is not known: it is so large beside its trims that no polyline is fine enough.
+    /// Unknown: the surface is so large beside its trims that no polyline is fine enough.
     Unknown,
 }
 
 impl Outline {
-    /// That of a surface.
+    /// Returns the outline of a surface.
     pub(crate) fn of(surface: &Surface) -> Self {
         let Some(trimmed) = surface.trimmed() else { return Self::Whole };
         let (trims, domain) = (trimmed.trims(), surface.domain());
@@ -37,8 +37,8 @@ impl Outline {
     }
 }
 
-/// The loops of a surface's trims as closed polylines; for a check on what the tracer says, which
-/// asks the curves.
+/// The loops of a surface's trims as closed polylines. They check the tracer, which uses the
+/// curves themselves.
 #[derive(Clone, Debug)]
 pub(crate) struct Outlines {
     lines: Vec<Vec<DVec2>>,
@@ -49,7 +49,7 @@ pub(crate) struct Outlines {
 }
 
 impl Outlines {
-    /// Whether a point is kept; `None` where a curve may pass on its other side.
+    /// Whether a point is kept; `None` if a curve may pass on the point's other side.
     pub(crate) fn keeps(&self, uv: DVec2) -> Option<bool> {
         let mut odd = false;
         for pair in self.sides() {
@@ -65,7 +65,7 @@ impl Outlines {
         Some(odd == (self.kept == Kept::Odd))
     }
 
-    /// Whether a polyline passes within `reach` of a point, in u and in v by themselves.
+    /// Whether a polyline passes within `reach` of a point, in u and in v separately.
     pub(crate) fn passes(&self, uv: DVec2, reach: DVec2) -> bool {
         let reach = reach + self.tolerance; // infinite where a tangent vanishes
         self.sides().any(|[from, to]| {
@@ -130,7 +130,7 @@ mod tests {
             assert_eq!(outlines.keeps(DVec2::new(u, 0.5)), Some(kept), "{u}");
         }
         assert_eq!(outlines.keeps(DVec2::new(0.9005, 0.5)), None);
-        // From the middle the inner circle is 0.2 away, at a slant more than 0.14 in u and in v.
+        // The inner circle is 0.2 from the middle: along a diagonal, more than 0.14 in u and in v.
         let middle = DVec2::splat(0.5);
         for (reach, near) in [((0.3, 0.0), true), ((0.15, 0.15), true), ((0.13, 0.13), false)] {
             assert_eq!(outlines.passes(middle, reach.into()), near, "{reach:?}");

@@ -9,15 +9,15 @@ use super::super::random::Random;
 use super::class::Class;
 use super::sites::{Site, Sites};
 
-/// How often a ray is tried anew whose random numbers make none: a normal that is undefined, two
-/// points that coincide, a first ray that misses. One ray in a thousand of a reasonable model
-/// needs a second try.
+/// The most tries for one ray. A try fails if its random numbers make no ray: a normal is
+/// undefined, two points coincide, or a first ray misses. One ray in a thousand of a reasonable
+/// model needs a second try.
 const TRIES: u64 = 16;
 
 /// How many sizes of the model away the rays of [`Class::Far`] start.
 const FAR: f64 = 1e6;
 
-/// A ray to ask about, and what is known of the answer.
+/// A ray to trace, and what is known of the answer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shot {
     /// The ray, and the root it leaves, if it leaves one.
@@ -45,8 +45,8 @@ impl<'a> RaySource<'a> {
         Some(Self { sites: Sites::new(surfaces)?, seed })
     }
 
-    /// The classes this model has rays of: without a collapsed edge there are no poles, without
-    /// a border no seams, and without trims no edges of theirs.
+    /// The classes this model has rays of: poles need a collapsed edge, seams a border, and trim
+    /// edges need trims.
     pub(crate) fn classes(&self) -> Vec<Class> {
         let exists = |class: &Class| match class {
             Class::Poles => self.sites.has_poles(),
@@ -150,7 +150,7 @@ impl<'a> RaySource<'a> {
         Some(Shot { query: Query::primary(ray), ..shot })
     }
 
-    /// Through a point of a surface at `t`.
+    /// A ray that passes a point of a surface at `t`.
     fn shoot(&self, site: Site, t: f64, direction: DVec3) -> Option<Shot> {
         let ray = Ray::new(self.sites.point(site) - t * direction, direction).ok()?;
         Some(Shot { query: Query::primary(ray), target: Some((site, t)) })
@@ -163,7 +163,7 @@ impl<'a> RaySource<'a> {
         Ray::new(point - back * direction, direction).ok()
     }
 
-    /// A point of a surface: half of them where pieces meet or are halved.
+    /// A point of a surface: every other one where pieces meet or are halved.
     fn anywhere_or_on_line(&self, random: &mut Random) -> Site {
         if random.coin() { self.sites.anywhere(random) } else { self.sites.on_line(random) }
     }
@@ -182,8 +182,8 @@ impl<'a> RaySource<'a> {
         self.along(random, target, direction)
     }
 
-    /// Parallel to an axis: through one point, or with one coordinate of each of two points, so
-    /// that the ray runs in faces and edges of the boxes around pieces and leaves.
+    /// A ray parallel to an axis: through one point, or with one coordinate taken from a second
+    /// point, so that the ray runs in faces and edges of the boxes around pieces and leaves.
     fn along_axis(&self, random: &mut Random) -> Option<Ray> {
         let [a, b] = [(); 2].map(|()| match random.coin() {
             true => self.sites.point(self.sites.on_corner(random)),

@@ -1,4 +1,4 @@
-//! Places on surfaces where rays are hard to meet: borders, knot lines, corners, poles.
+//! Places on surfaces that are hard for rays: borders, knot lines, corners, poles.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::{Chart, Charts, Surface, SurfaceDerivatives};
@@ -16,8 +16,8 @@ pub(crate) struct Site {
     pub(crate) uv: DVec2,
 }
 
-/// The deepest halving of a piece whose lines are aimed at: leaves are rarely smaller than a
-/// sixteenth of a piece.
+/// The deepest halving of a piece at whose lines rays are aimed: leaves are rarely smaller than
+/// a sixteenth of a piece.
 const HALVINGS: i32 = 4;
 
 /// The surfaces of a model, and how to find places on them.
@@ -106,7 +106,7 @@ impl<'a> Sites<'a> {
         self.surfaces[site.surface].point_at(site.uv)
     }
 
-    /// Any point of any surface; each chart and each of its spans as often as the others.
+    /// A random point of any surface; all charts, and all spans of a chart, are equally likely.
     pub(crate) fn anywhere(&self, random: &mut Random) -> Site {
         let chart = self.chart(random);
         let u = self.within_span(random, chart, 0);
@@ -114,7 +114,7 @@ impl<'a> Sites<'a> {
         self.site(chart, u, v)
     }
 
-    /// Some border, and the chart it belongs to; `None` where no surface ends.
+    /// A random border, and the chart it belongs to; `None` where no surface ends.
     pub(crate) fn border(&self, random: &mut Random) -> Option<(usize, Border)> {
         self.borders.get(random.below(self.borders.len().max(1))).copied()
     }
@@ -188,7 +188,7 @@ impl<'a> Sites<'a> {
         random.below(self.charts.len())
     }
 
-    /// The place on its surface of one on a chart.
+    /// Returns the site at `(u, v)` of a chart.
     fn site(&self, chart: usize, u: f64, v: f64) -> Site {
         let (surface, chart) = &self.charts[chart];
         Site { surface: *surface, uv: chart.uv(DVec2::new(u, v)) }
@@ -198,7 +198,7 @@ impl<'a> Sites<'a> {
         within(random, &self.spans[chart][direction])
     }
 
-    /// A knot, or a point that halves a span up to `HALVINGS` times.
+    /// A knot, or a division point of a span that is halved up to `HALVINGS` times.
     fn on_division(&self, random: &mut Random, chart: usize, direction: usize) -> f64 {
         let spans = &self.spans[chart][direction];
         let (start, end) = spans[random.below(spans.len())];
@@ -221,7 +221,7 @@ fn trim_edges(surfaces: &[Surface]) -> Vec<Site> {
     sites
 }
 
-/// Anywhere in one of these spans, each as often as the others.
+/// A random parameter in one of these spans, all of which are equally likely.
 fn within(random: &mut Random, spans: &[(f64, f64)]) -> f64 {
     let (start, end) = spans[random.below(spans.len())];
     random.between(start, end)

@@ -1,4 +1,4 @@
-//! What one class of rays came to.
+//! The counts and errors of one class of rays.
 
 use std::collections::BTreeMap;
 
@@ -17,11 +17,11 @@ pub(crate) struct Tally {
     pub(crate) misses: u64,
     /// Hits behind a certain hit.
     pub(crate) wrong_roots: u64,
-    /// Hits that are none.
+    /// Hits of the fast path where there is none.
     pub(crate) false_hits: u64,
     /// Rays whose first hit the fast path flags as doubtful.
     pub(crate) doubtful: u64,
-    /// Rays of which it says that it is doubtful whether anything is hit.
+    /// Rays whose occlusion answer the fast path flags as doubtful.
     pub(crate) doubtful_any: u64,
     /// Rays that are exactly tangent, and how many of them are doubtful.
     pub(crate) tangent: [u64; 2],
@@ -85,26 +85,26 @@ impl Tally {
         self.doubtful_error
     }
 
-    /// The error that this share of the hits without doubt does not exceed: `share` = 1 is
-    /// the largest, others are up to 1/256 too large. `None` without such hits. An error that
-    /// is not a number counts as larger than any.
+    /// Returns the error that this share of the hits without doubt does not exceed. `share` = 1
+    /// gives the largest error; others are up to 1/256 too large. `None` without such hits. NaN
+    /// counts as larger than any error.
     pub(crate) fn error_quantile(&self, share: f64) -> Option<f64> {
         self.errors.quantile(share)
     }
 }
 
-/// How many errors there are of each size: as many sizes as 8 bits of mantissa tell apart, some
-/// thousands for errors of rounding, however many rays there are.
+/// A histogram of errors. Sizes are told apart by 8 bits of mantissa: a few thousand sizes for
+/// rounding errors, however many rays there are.
 #[derive(Clone, Debug, Default)]
 struct Errors {
-    /// By the largest error of each size, in bits: those of positive numbers are in their order,
-    /// and NaN comes last.
+    /// Counts by the bits of the largest error of each size: the bits of positive numbers are in
+    /// the order of the numbers, and NaN comes last.
     counts: BTreeMap<u64, u64>,
     largest: Option<f64>,
 }
 
 impl Errors {
-    /// The bits of an error that make no difference.
+    /// The bits of an error that the histogram ignores.
     const FINER: u64 = (1 << (f64::MANTISSA_DIGITS - 1 - 8)) - 1;
 
     fn add(&mut self, error: f64) {
@@ -133,7 +133,7 @@ impl Errors {
     }
 }
 
-/// The larger of two errors; one that is not a number is larger than any.
+/// The larger of two errors; NaN is larger than any.
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     a.into_iter().chain(b).max_by(f64::total_cmp)
 }

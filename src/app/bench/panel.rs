@@ -1,4 +1,4 @@
-//! Speed over tolerance: our speed knows no tolerance and is a flat line.
+//! Speed over tolerance: our speed does not depend on the tolerance and is a flat line.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What was measured of one model, as JSON and as tables.
+//! The results of one model, as JSON and as tables.
 
 use serde_json::{Value, json};
 
@@ -110,8 +110,8 @@ impl Report<'_> {
         text
     }
 
-    /// Everything in one line, for a table of several models: what it takes, and our fastest
-    /// kernel's speed for each of these ray sets.
+    /// One row for a table of several models: what the model takes, and our fastest kernel's speed
+    /// for each of these ray sets.
     pub(super) fn row(&self, sets: &[RaySet]) -> Vec<String> {
         let bvh = self.model.world.bvh();
         let pieces = bvh.patches().pieces().len();
@@ -125,7 +125,7 @@ impl Report<'_> {
         row
     }
 
-    /// What there is, how large it is, how long it took to prepare.
+    /// What the model holds, how large it is, how long it took to prepare.
     fn preparation(&self) -> String {
         let Self { model, .. } = self;
         let bvh = model.world.bvh();
@@ -217,7 +217,7 @@ impl Report<'_> {
         rows
     }
 
-    /// From the file to the last primary ray, step by step: everyone has the same file to read.
+    /// From the file to the last primary ray, step by step: all have the same file to read.
     fn totals(&self) -> Vec<Vec<String>> {
         let primary = self.measurements.iter().find(|measured| measured.set == RaySet::Primary);
         let Some((measured, ours)) =
@@ -248,7 +248,7 @@ impl Report<'_> {
     }
 }
 
-/// A table of such rows.
+/// A table of the rows that `Report::row` returns.
 pub(super) fn summary(sets: &[RaySet], rows: Vec<Vec<String>>) -> String {
     let mut heading = vec!["Mrays/s of the fastest kernel".to_owned(), "threads".into()];
     heading.extend(["Bézier patches".into(), "bytes a patch".into()]);

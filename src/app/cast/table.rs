@@ -17,8 +17,8 @@ pub(super) fn first_row(answer: &Answer) -> [f64; COLUMNS] {
     }
 }
 
-/// The rows of all hits of ray `index`. A doubt that belongs to no hit is every row's, or has
-/// a row of its own.
+/// The rows of all hits of ray `index`. A doubt that belongs to no hit is flagged in every row,
+/// or has a row of its own if there is none.
 pub(super) fn all_rows(
     index: usize,
     hits: &[Hit],
@@ -41,7 +41,7 @@ pub(super) fn all_rows(
 /// Whether a ray's answer leaves something open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Doubt {
-    /// Every hit is there, and is one.
+    /// Every hit was found, and each is one.
     None,
     /// Floating point could not decide.
     Open,

@@ -1,4 +1,4 @@
-//! Rays to rows, on all threads of the pool this runs in, in the order of the rays.
+//! Traces rays into rows on all threads of the current pool, in the order of the rays.
 
 use nurbray::intersect::{Coherence, HitFlags, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
@@ -8,7 +8,7 @@ use super::super::progress::Progress;
 use super::table::{ALL_COLUMNS, COLUMNS, Doubt, all_rows, first_row};
 
 /// Rays a thread takes at a time. Fixed, so that neither packets nor hits depend on the number
-/// of threads; some milliseconds' work.
+/// of threads; a few milliseconds' work.
 const CHUNK: usize = 4096;
 
 /// What to trace, and how.

@@ -20,21 +20,21 @@ use super::report::Report;
 use super::sight::{self, View, degrees};
 use super::verdict::{Cause, Judge, Verdict};
 
-/// Samples a pixel of the picture that shows what is looked at: enough for smooth edges.
+/// Samples a pixel of the picture of the model: enough for smooth edges.
 const PICTURE_SAMPLES: u32 = 16;
 
-/// The colours of position errors: from what f32 can tell, to the coarsest tolerance in use.
+/// The colours of position errors: from the resolution of f32 to the coarsest tolerance in use.
 pub(super) const POSITION: Scale =
     Scale { quantity: "position error / diagonal, along the ray", low: -8, high: -3 };
 /// The colours of normal errors.
 pub(super) const NORMAL: Scale = Scale { quantity: "normal error, degrees", low: -4, high: 1 };
 
-/// What the triangles of one tolerance got wrong.
+/// The errors of the triangles of one tolerance.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
-    /// Rays that hit triangles, of those we are certain of.
+    /// Rays that hit triangles, among those we are certain of.
     pub(super) hits: usize,
-    /// Rays with which both see the same place.
+    /// Rays for which both sides see the same place.
     pub(super) same: usize,
     /// Distances along the ray, as fractions of the diagonal.
     pub(super) along: Option<Errors>,
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let tolerances = arguments.tolerances();
     let files = files(&tolerances);
     let folder = Folder::new(&arguments.output, &files, &[&arguments.input])?;
-    input::read(&arguments.input)?; // what is wrong with it is told first
+    input::read(&arguments.input)?; // reports errors in the input first
     let embree = Embree::load_with_threads(arguments.threads).or_failed()?;
     let progress = Progress::new("comparing", tolerances.len() as u64 + 2);
     let race = threads::pool(Some(arguments.threads))?
@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 }
 
 impl Race {
-    /// Prepares both sides and lets them race, on the threads of the pool this runs in.
+    /// Prepares and times both sides on the threads of the current pool.
     fn run(
         arguments: &CompareArguments,
         embree: &Embree,
@@ -178,7 +178,7 @@ fn files(tolerances: &[f64]) -> Vec<String> {
     fixed.into_iter().chain(of_tolerances).collect()
 }
 
-/// Renders what is looked at as the scene says, with fewer samples.
+/// Renders the camera's view with the scene's settings, but fewer samples.
 fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
     let settings = RenderSettings {
         size: (width, height),
@@ -188,7 +188,7 @@ fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
     render(world, &settings, &|_| {}).or_failed()
 }
 
-/// What both sides look at.
+/// The model and the rays on which both sides are compared.
 #[derive(Clone, Copy)]
 struct Compared<'a> {
     model: &'a Model,
@@ -200,7 +200,7 @@ struct Compared<'a> {
 impl Compared<'_> {
     /// Compares the triangles of one tolerance with the surfaces, ray by ray.
     fn look(self, rival: &Rival, meshes: &[GridMesh]) -> (Findings, Pictures) {
-        // One width for all runs, that all may say the same.
+        // One width for all runs, so that all give the same report.
         let mut entry = Entry::new(rival, self.rays, PacketWidth::Sixteen);
         entry.pass();
         let judge = Judge { bvh: self.model.world.bvh(), tolerance: rival.distance };

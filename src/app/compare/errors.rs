@@ -15,7 +15,7 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    /// Sums up; `None` of no errors at all. What is not a number is left out.
+    /// Summarises errors, leaving out NaN. Returns `None` if none is left.
     pub(super) fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = errors.into_iter().filter(|error| !error.is_nan()).collect();
         sorted.sort_by(f64::total_cmp);

@@ -10,7 +10,7 @@ use nurbray::io::{Quoted, check_writable, write_atomically};
 use super::super::failure::{Failure, OrFail};
 use super::super::output;
 
-/// A folder that is there, or can be made when its files are ready.
+/// A folder that exists, or can be made when its files are ready.
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
@@ -21,7 +21,7 @@ impl Folder {
     /// nothing yet.
     ///
     /// # Errors
-    /// When they cannot: wrong use.
+    /// When one cannot be written or is an input: wrong use.
     pub(super) fn new(path: &Path, files: &[String], inputs: &[&Path]) -> Result<Self, Failure> {
         if path.is_dir() {
             let files: Vec<_> = files.iter().map(|file| path.join(file)).collect();
@@ -35,7 +35,7 @@ impl Folder {
         Ok(Self { path: path.to_owned() })
     }
 
-    /// Makes the folder, unless it is there.
+    /// Makes the folder, unless it exists.
     ///
     /// # Errors
     /// When the system refuses.

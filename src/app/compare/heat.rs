@@ -18,7 +18,7 @@ const STOPS: [Color; 6] = [
     [0xfc, 0xff, 0xa4],
 ];
 
-/// Nothing is seen, by either.
+/// Neither side sees anything.
 pub(super) const NOTHING: Color = [0xe6, 0xe6, 0xe6];
 /// The rival lacks what is there: sky blue of Okabe and Ito (2008).
 pub(super) const LOST: Color = [86, 180, 233];
@@ -28,7 +28,7 @@ pub(super) const INVENTED: Color = [0, 158, 115];
 /// We could not tell what is there: their reddish purple.
 pub(super) const DOUBTFUL: Color = [204, 121, 167];
 
-/// What stands in a legend beside these.
+/// The labels of these colours in a legend.
 pub(super) const WORDS: [(Color, &str); 4] =
     [(LOST, "lost"), (INVENTED, "invented"), (NOTHING, "nothing"), (DOUBTFUL, "doubtful")];
 
@@ -44,7 +44,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The colour of an error; grey of what is no number.
+    /// The colour of an error; grey for NaN.
     pub(super) fn color(self, error: f64) -> Color {
         if error.is_nan() {
             return NOTHING;

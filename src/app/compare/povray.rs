@@ -21,7 +21,7 @@ use super::sight::{self, Sight, View};
 const BRIGHTNESS: Scale =
     Scale { quantity: "error of brightness (cosine between ray and normal)", low: -5, high: 0 };
 
-/// How many surfaces left out for one reason are named: a line or two of names, as `--help` says.
+/// The most surfaces named of those left out for one reason: a line or two, as `--help` says.
 const NAMES: usize = 12;
 
 /// The files of a report.
@@ -37,10 +37,10 @@ pub(super) fn difference_file(tolerance: f64) -> String {
     format!("difference-{tolerance:e}.png")
 }
 
-/// What one of POV-Ray's pictures got wrong.
+/// The errors of one of POV-Ray's pictures.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Findings {
-    /// Pixels that are hit, of those we are certain of.
+    /// Pixels that POV-Ray hits, among those we are certain of.
     pub(super) hits: usize,
     /// Errors of brightness where both hit.
     pub(super) brightness: Option<Errors>,
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let povray = match Povray::find() {
         Ok(povray) => povray,
         Err(reason) => {
-            // They are what can be had without it: somebody may render them elsewhere.
+            // The scenes can be had without POV-Ray: somebody may render them elsewhere.
             folder.make()?;
             write_scenes(&folder, (&tolerances, &scenes))?;
             let place = Quoted(&arguments.output);
@@ -164,7 +164,7 @@ fn files(tolerances: &[f64]) -> Vec<String> {
     fixed.into_iter().chain(of_tolerances).collect()
 }
 
-/// Refuses scenes that hold nothing, or lack something for the tolerance alone.
+/// Refuses scenes that hold nothing, or leave out a surface because of the tolerance alone.
 fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure> {
     let fine = |reason: &PovrayGap| matches!(reason, PovrayGap::TooFine { .. });
     if let Some(skip) = scene.skipped.iter().find(|skip| fine(&skip.reason)) {
@@ -180,7 +180,7 @@ fn check(scene: &PovrayScene, tolerance: f64, name: &str) -> Result<(), Failure>
     }
 }
 
-/// What is left out of this many surfaces, a line for each reason.
+/// Describes what is left out of this many surfaces, a line for each reason.
 fn left_out(skipped: &[PovraySkip], surfaces: usize) -> Vec<String> {
     let mut reasons: Vec<(PovrayGap, Vec<&PovraySkip>)> = Vec::new();
     for skip in skipped {
@@ -207,7 +207,7 @@ fn left_out(skipped: &[PovraySkip], surfaces: usize) -> Vec<String> {
     reasons.iter().map(line).collect()
 }
 
-/// What the lamp at the camera shows.
+/// A pixel lit by the lamp at the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pixel {
     /// The cosine between ray and normal, or nothing.
@@ -261,8 +261,8 @@ fn look(ours: &[Pixel], rendering: &Rendering) -> (Findings, Vec<Color>) {
     (findings, colors)
 }
 
-/// A brightness as grey on a screen (a power law near that of sRGB), all else as the pictures
-/// of errors show it.
+/// The colour of a pixel on a screen: brightness as grey (a power law near that of sRGB),
+/// everything else as in the pictures of errors.
 fn shade(pixel: Pixel) -> Color {
     match pixel {
         Pixel::Known(Some(cosine)) => [(255.0 * cosine.powf(1.0 / 2.2)).round() as u8; 3],

@@ -7,7 +7,7 @@ use super::povray::{Findings, LEGEND, PICTURE, difference_file, scene_file};
 use super::povray_run::Rendering;
 use super::table::{NONE, Table, fraction};
 
-/// What stands behind the tables.
+/// The text after the tables.
 const NOTES: &str = "\
 ## What the words mean
 
@@ -27,7 +27,7 @@ const NOTES: &str = "\
   only nurbray sees the model, **invented** those where only POV-Ray does.
 ";
 
-/// Everything a report tells.
+/// The contents of a report.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Report<'a> {
     pub(super) model: &'a Model,
@@ -119,7 +119,7 @@ impl Report<'_> {
     }
 }
 
-/// A time as POV-Ray tells it, in whole milliseconds.
+/// A time as POV-Ray reports it, in whole milliseconds.
 fn told(seconds: f64) -> String {
     if seconds < 1e-3 { "under 1 ms".into() } else { time(seconds) }
 }

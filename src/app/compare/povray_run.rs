@@ -1,4 +1,4 @@
-//! The program POV-Ray: running it, and what it says.
+//! Runs the program POV-Ray and reads its output.
 
 use std::env;
 use std::ffi::OsString;
@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Error, anyhow};
 
-/// The variable that names another program.
+/// The environment variable that names another program.
 pub(super) const OVERRIDE: &str = "POVRAY";
 
 /// What POV-Ray made of a scene.
@@ -26,11 +26,11 @@ pub(super) struct Rendering {
     pub(super) total_seconds: f64,
 }
 
-/// POV-Ray, found.
+/// POV-Ray as found on this machine.
 #[derive(Clone, Debug)]
 pub(super) struct Povray {
     program: OsString,
-    /// What it calls itself.
+    /// Its name and version as it prints them.
     pub(super) name: String,
 }
 
@@ -65,14 +65,14 @@ impl Povray {
     /// Renders a scene, one ray through the middle of each pixel.
     ///
     /// # Errors
-    /// When it cannot: with the end of what it says.
+    /// When POV-Ray cannot render it; the error holds the end of POV-Ray's output.
     pub(super) fn render(
         &self,
         text: &str,
         size: [u32; 2],
         threads: u16,
     ) -> Result<Rendering, Error> {
-        // Its usual permissions are the current folder.
+        // By default POV-Ray has permission for the current folder.
         let folder = tempfile::tempdir().context("cannot make a folder for POV-Ray")?;
         let picture = folder.path().join("picture.png");
         fs::write(folder.path().join("scene.pov"), text).context("cannot write for POV-Ray")?;

@@ -8,7 +8,7 @@ use super::errors::Errors;
 use super::folder::files_written;
 use super::table::{NONE, Table, fraction};
 
-/// What stands behind the tables.
+/// The text after the tables.
 const NOTES: &str = "\
 ## What the words mean
 
@@ -37,7 +37,7 @@ const NOTES: &str = "\
   gap** between triangles, or met one that juts out there.
 ";
 
-/// Everything a report tells.
+/// The contents of a report.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Report<'a> {
     pub(super) model: &'a Model,
@@ -50,7 +50,7 @@ pub(super) struct Report<'a> {
     pub(super) rivals: &'a [Rival],
     /// One for each tolerance.
     pub(super) findings: &'a [Findings],
-    /// How far our hits are from their rays, as fractions of the diagonal.
+    /// Distances of our hits from their rays, as fractions of the diagonal.
     pub(super) residual: Option<Errors>,
     /// Rays that hit the surfaces for certain.
     pub(super) hits: usize,
@@ -224,7 +224,7 @@ fn two_digits(number: f64) -> String {
     format!("{number:.*}", decimals as usize)
 }
 
-/// Rays at silhouettes and elsewhere, together; those elsewhere are named if there are any.
+/// Rays at silhouettes and elsewhere, added up; those elsewhere are also shown apart, if any.
 fn lost([silhouette, gap]: [usize; 2]) -> String {
     match gap {
         0 => silhouette.to_string(),

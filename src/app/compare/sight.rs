@@ -21,9 +21,9 @@ pub(super) struct Sight {
     pub(super) point: DVec3,
     /// The unit normal, interpolated on a triangle; NaN where there is none.
     pub(super) normal: DVec3,
-    /// The unit normal of the triangle hit; of a surface its normal.
+    /// The unit normal of the triangle hit; on a surface, the same as `normal`.
     pub(super) facet: DVec3,
-    /// How far the point of the surface with the `(u, v)` reported is from the ray; 0 of a
+    /// The distance from the ray of the surface point at the reported `(u, v)`; 0 for a
     /// triangle, which has no such point.
     pub(super) residual: f64,
 }
@@ -31,9 +31,9 @@ pub(super) struct Sight {
 /// What a ray meets on the surfaces, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum View {
-    /// This, or nothing.
+    /// This hit, or a miss.
     Known(Option<Sight>),
-    /// Floating point could not decide: nobody can be blamed for another answer.
+    /// Floating point could not decide: the rival cannot be blamed for another answer.
     Doubtful,
 }
 
@@ -45,7 +45,7 @@ impl View {
         }
     }
 
-    /// What is there for certain.
+    /// The hit, if there is one for certain.
     pub(super) fn sight(&self) -> Option<&Sight> {
         match self {
             Self::Known(sight) => sight.as_ref(),
@@ -107,8 +107,8 @@ impl Sight {
 
 /// The angle between two unit normals in degrees, whichever sides they point to.
 ///
-/// From the chord between them, at most √2: the arc cosine has no digits left for small angles.
-/// NaN where one is.
+/// Computed from the chord between them, at most √2: the arc cosine has no digits left for small
+/// angles. NaN if either normal is.
 pub(super) fn degrees(a: DVec3, b: DVec3) -> f64 {
     let chord = (a - b).length().min((a + b).length());
     2.0 * (0.5 * chord).asin().to_degrees()

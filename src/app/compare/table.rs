@@ -28,7 +28,7 @@ impl Table {
     }
 }
 
-/// The cell of what is not measured, or does not exist.
+/// The cell for what is not measured, or does not exist.
 pub(super) const NONE: &str = "–";
 
 /// `1.2e-7`, or a dash.

@@ -1,4 +1,4 @@
-//! Whether two answers for one ray mean the same place, and if not, who is to blame.
+//! Whether two answers for one ray mean the same place, and if not, why.
 
 use glam::DVec3;
 use nurbray::intersect::{Query, SurfaceBvh};
@@ -6,24 +6,24 @@ use nurbray::math::Ray;
 
 use super::sight::{self, Sight, View};
 
-/// How far from our tangent plane, in tolerances, a triangle's hit may be to count as the same
-/// place.
+/// The largest distance from our tangent plane, in tolerances, at which a triangle's hit counts
+/// as the same place.
 ///
-/// Let triangles lie up to `e` inside a sphere, and a ray pass `h ≥ e` inside its outline: the
+/// If triangles lie up to `e` inside a sphere and a ray passes `h ≥ e` inside its outline, the
 /// hits are `√(2Rh) − √(2R(h − e))` apart along the ray, that is
-/// `2 (h − √(h (h − e))) ≤ 2 e` from the tangent plane, the more the nearer the outline.
-/// A tenth is for what the sampling that made the triangles overlooks.
+/// `2 (h − √(h (h − e))) ≤ 2 e` from the tangent plane: the nearer the outline, the more.
+/// The further tenth allows for what the sampling that made the triangles overlooks.
 const SAME_PLACE: f64 = 2.2;
 
 /// Rounding of Embree's f32 distances, relative: its sums of a few products lose a few ulp.
 const F32_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// How far to the side, in tolerances, is looked for what the other one sees, and in how many
-/// directions: triangles and surface are a tolerance apart at most, so their outlines are.
+/// How far to the side, in tolerances, rays look for what the other side sees, and in how many
+/// directions. Triangles and surface are at most a tolerance apart, and so are their outlines.
 const ASIDE: [f64; 2] = [1.0, SAME_PLACE];
 const DIRECTIONS: u32 = 8;
 
-/// What became of one ray.
+/// The outcome of one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// Both miss.
@@ -77,7 +77,7 @@ impl Judge<'_> {
         if lost { Verdict::Lost(cause) } else { Verdict::Invented(cause) }
     }
 
-    /// How far from a tangent plane is the same place.
+    /// The largest distance from a tangent plane that counts as the same place.
     fn reach(self, theirs: &Sight) -> f64 {
         SAME_PLACE * self.tolerance + F32_ROUNDING * theirs.distance
     }
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// Where a ray at a distance from the axis meets a sphere smaller or larger than 1.
+    /// The distance at which a ray beside the axis meets a sphere smaller or larger than 1.
     fn met(radius: f64, beside: f64) -> Option<f64> {
         let square = radius * radius - beside * beside;
         (square >= 0.0).then(|| 3.0 - square.sqrt())
@@ -193,7 +193,7 @@ mod tests {
         let ray = Setting::ray(1.0, 0.5);
         let judge = Judge { bvh: &setting.bvh, tolerance: setting.tolerance };
         assert_eq!(judge.judge(&ray, &View::Doubtful, None), Verdict::Open);
-        // Through the front, and out of nothing.
+        // The triangles lack the front, or show something where nothing is.
         assert_eq!(setting.verdict(&ray, None), Verdict::Lost(Cause::Gap));
         let back = 6.0 - met(1.0, 0.5).unwrap();
         assert_eq!(setting.verdict(&ray, Some(back)), Verdict::Lost(Cause::Gap));

@@ -1,4 +1,4 @@
-//! A border or a trim edge, sampled, and how far points are from it.
+//! A border or a trim edge as a sampled curve, and the distances of points from it.
 
 use std::sync::Arc;
 
@@ -9,17 +9,19 @@ use nurbray::math::Aabb;
 
 use super::super::border::Border;
 
-/// The least number of intervals a border is sampled in; spans get equal numbers of them, and long ones more.
+/// The least number of intervals a border is sampled in. Spans get equal numbers of intervals,
+/// and long spans more.
 pub(crate) const INTERVALS: usize = 32;
 
-/// Newton's steps to a nearest point. They double the correct digits from a start within one
-/// of 32 intervals, so that six would do for a smooth piece; the rest is for corners.
+/// The most Newton steps to a nearest point. They double the correct digits from a start within
+/// one of 32 intervals, so six would do for a smooth piece; the rest are for corners.
 const STEPS: usize = 16;
 
-/// What a curve is.
+/// What a curve is made from.
 #[derive(Debug)]
 enum Source<'a> {
-    /// A border of a surface, of which trims may have cut off a part; `bare` where their edges are not known.
+    /// A border of a surface, a part of which trims may have cut off; `bare` if the trim edges
+    /// are not known.
     Border { surface: &'a NurbsSurface, trims: Option<&'a Trims>, border: Border, bare: bool },
     /// A part of a trim edge, between two corners.
     Edge(Arc<NurbsCurve>),
@@ -40,7 +42,7 @@ impl Source<'_> {
         }
     }
 
-    /// The point at `t`, and how fast it moves with `t`.
+    /// The point at `t`, and its derivative.
     fn tangent(&self, t: f64) -> (DVec3, DVec3) {
         match self {
             Self::Border { surface, border, .. } => border.tangent(surface, t),
@@ -51,7 +53,8 @@ impl Source<'_> {
         }
     }
 
-    /// Whether a point of it is where the surface ends. Where a trim edge runs along a border, that is the edge.
+    /// Whether the surface ends at this curve's point at `t`. Where a trim edge runs along a border,
+    /// it ends at the trim edge, and not at the border unless `bare`.
     fn keeps(&self, t: f64) -> bool {
         let Self::Border { trims: Some(trims), border, bare, .. } = self else { return true };
         let (u, v) = border.uv(t);
@@ -68,9 +71,10 @@ impl Source<'_> {
 pub(crate) struct Sample {
     t: f64,
     pub(crate) point: DVec3,
-    /// Half of the way to the samples before and behind: what part of the curve's length it stands for.
+    /// The part of the curve's length that the sample stands for: half of the way to the samples
+    /// before and behind.
     pub(crate) length: f64,
-    /// Whether the surface ends there: else trims have cut it off.
+    /// Whether the surface ends there; if not, trims have cut the point off.
     pub(crate) kept: bool,
 }
 
@@ -83,13 +87,13 @@ pub(crate) struct BorderCurve<'a> {
     samples: Vec<Sample>,
     bounds: Aabb,
     length: f64,
-    /// How far the curve bulges from the polyline through its samples, at most, as it seems.
+    /// The estimated largest distance of the curve from the polyline through its samples.
     sag: f64,
 }
 
 impl<'a> BorderCurve<'a> {
-    /// Samples a border; `None` if trims leave nothing of it, or only what runs along their own edges (if these are
-    /// not known, that is left, too: `bare`).
+    /// Samples a border. Returns `None` if trims leave nothing of it, or only what runs along trim
+    /// edges; with `bare`, where these are not known, such parts count as well.
     pub(crate) fn new(chart: &'a Chart<'_>, border: Border, bare: bool) -> Option<Self> {
         let (surface, trims) = (&*chart.surface, chart.trims.as_deref());
         let source = Source::Border { surface, trims, border, bare };
@@ -97,7 +101,8 @@ impl<'a> BorderCurve<'a> {
         curve.samples.iter().any(|sample| sample.kept).then_some(curve)
     }
 
-    /// Samples a trim edge, corner by corner; without parts that are points, to within `rounding`, as along a pole.
+    /// Samples a trim edge, corner by corner. Leaves out parts that are points, to within
+    /// `rounding`, as along a pole.
     pub(crate) fn of_edge(edge: NurbsCurve, rounding: f64) -> Vec<Self> {
         let (start, end) = edge.domain();
         let corners = corners(&edge);
@@ -120,12 +125,12 @@ impl<'a> BorderCurve<'a> {
         let coarse: Vec<(f64, DVec3)> =
             within.chain([domain.1]).map(|t| (t, source.point(t))).collect();
 
-        // Spans may be of very different lengths: no interval is to stand for much of the curve.
+        // Spans may be of very different lengths, but no interval may stand for much of the curve.
         let chord = |pair: &[(f64, DVec3)]| pair[0].1.distance(pair[1].1);
         let length: f64 = coarse.windows(2).map(chord).sum();
         let most = length / INTERVALS as f64;
         let finer = coarse.windows(2).flat_map(|pair| {
-            // One for NaN, as of a curve that is a point.
+            // One part for NaN, as of a curve that is a point.
             let parts = (chord(pair) / most).ceil().max(1.0).min(INTERVALS as f64) as usize;
             divided([pair[0].0, pair[1].0], parts)
         });
@@ -146,7 +151,7 @@ impl<'a> BorderCurve<'a> {
         Self { samples: samples.collect(), source, domain, bounds, length, sag }
     }
 
-    /// Holds the curve.
+    /// A box that holds the curve.
     pub(crate) fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -161,8 +166,8 @@ impl<'a> BorderCurve<'a> {
         &self.samples
     }
 
-    /// The distance of a point from the curve; `None` if that is more than `near`, or if the
-    /// nearest point is an end of the curve that the point lies beyond, or cut off by trims.
+    /// The distance of a point from the curve; `None` if it is more than `near`, if the point lies
+    /// beyond the end of the curve nearest to it, or if trims have cut the nearest point off.
     pub(crate) fn distance(&self, point: DVec3, near: f64) -> Option<f64> {
         let reach = near + self.sag;
         let grown = self.bounds.grown(near);
@@ -170,7 +175,7 @@ impl<'a> BorderCurve<'a> {
             return None;
         }
 
-        // The nearest interval of the polyline tells where to look.
+        // The search starts on the nearest interval of the polyline.
         let interval = |pair: &[Sample]| {
             let (distance, share) = to_segment(point, [pair[0].point, pair[1].point]);
             (distance, pair[0].t + share * (pair[1].t - pair[0].t))
@@ -185,8 +190,8 @@ impl<'a> BorderCurve<'a> {
         (there && self.source.keeps(t)).then_some(distance)
     }
 
-    /// The distance from the point of the curve nearest to `point`, searched from `t` on, how
-    /// far `point` lies beyond an end, along the curve, and where that nearest point is.
+    /// Searches from `t` on for the point of the curve nearest to `point`. Returns the distance,
+    /// how far `point` lies beyond an end, along the curve, and the parameter of the nearest point.
     ///
     /// Gauss–Newton: `C(t + δ) ≈ C + δ C'` is nearest for `δ = (point − C) · C' / |C'|²`. On
     /// curves that meet, the residual is 0 and convergence quadratic.
@@ -220,18 +225,19 @@ fn corners(curve: &NurbsCurve) -> Vec<f64> {
     let inner = knots.spans().skip(1).map(|span| span.start);
     let turns = |&t: &f64| {
         let [before, behind] = [t.next_down(), t].map(|t| curve.derivatives(t).first);
-        let goes_on = before.angle_between(behind) <= CORNER; // false for NaN, as where it stands still
+        let goes_on = before.angle_between(behind) <= CORNER; // false for NaN, as for derivative 0
         !goes_on
     };
     inner.filter(|&t| knots.multiplicity(t) >= knots.degree()).filter(turns).collect()
 }
 
-/// Parameters that cut a range into equal parts, but for its end.
+/// Parameters that cut a range into equal parts, without the range's end.
 fn divided([start, end]: [f64; 2], parts: usize) -> impl Iterator<Item = f64> {
     (0..parts).map(move |k| start + (end - start) * k as f64 / parts as f64)
 }
 
-/// A trim edge that turns by more, in radians, has a corner there: 12°, as in [`SIDE_BY_SIDE`](super::neighbours::SIDE_BY_SIDE).
+/// The turn of a trim edge, in radians, above which it has a corner: 12°, as in
+/// [`SIDE_BY_SIDE`](super::neighbours::SIDE_BY_SIDE).
 const CORNER: f64 = 0.21;
 
 /// A point that lies beyond the end of a curve by more than this share of what counts as near

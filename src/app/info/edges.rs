@@ -38,7 +38,7 @@ impl fmt::Display for Which {
 
 /// The borders and trim edges of surfaces.
 pub(super) struct Edges<'a> {
-    /// Those that are curves, borders first.
+    /// The edges that are curves, borders first.
     pub(super) curves: Vec<(Edge, BorderCurve<'a>)>,
     /// How many others are collapsed to a point.
     pub(super) collapsed: usize,
@@ -46,12 +46,12 @@ pub(super) struct Edges<'a> {
     pub(super) trim_edges: usize,
     /// Surfaces whose trim edges are not known, with the reason.
     pub(super) left_out: Vec<(usize, CurveError)>,
-    /// How far a point of each surface may be off.
+    /// The error bound of a point of each surface.
     rounding: Vec<f64>,
 }
 
 impl<'a> Edges<'a> {
-    /// Those of surfaces with these charts.
+    /// Collects the edges of surfaces with these charts.
     pub(super) fn of(surfaces: &[Surface], charts: &'a [Vec<Chart<'a>>]) -> Self {
         let mut borders: Vec<(usize, &Chart<'_>, Border)> = Vec::new();
         for (surface, charts) in charts.iter().enumerate() {
@@ -96,7 +96,7 @@ impl<'a> Edges<'a> {
         Self { curves, collapsed, trim_edges, left_out, rounding }
     }
 
-    /// How far points of two curves may be apart that meet.
+    /// The largest distance between points of two curves that meet.
     pub(super) fn rounding(&self, pair: [usize; 2]) -> f64 {
         pair.iter().map(|&k| self.rounding[self.curves[k].0.surface]).sum()
     }

@@ -9,32 +9,32 @@ use nurbray::math::Aabb;
 use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
 
-/// How near to the truth the sides of a box are, as a share of the control points' box. A
-/// part of a surface bulges from its control points by the square of its size, so that two
-/// halvings more would be needed for each further digit and a half; f64 itself has 16.
+/// The error allowed for the sides of a box, as a share of the control points' box. A part of a
+/// surface bulges from its control points by the square of its size, so two more halvings
+/// would be needed for each further digit and a half; f64 itself has 16 digits.
 const TIGHTNESS: f64 = 1e-12;
 
-/// Roundings of the largest coordinate below which nothing can be told: halving a net some
-/// forty times rounds as often.
+/// The error of a side that cannot be avoided, relative to the largest coordinate: halving a
+/// net about forty times rounds as often.
 const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
-/// The most halvings for one side of a box, a tenth of a second's work. A surface that touches
-/// its box in points needs a hundred; one that touches it along a curve that is no parameter
-/// line needs more, the finer the more, and has reached about 1e-9 of its size then.
+/// The most halvings for one side of a box: a tenth of a second's work. A surface that touches
+/// its box in points needs a hundred. One that touches it along a curve that is not a parameter
+/// line needs more, the more the finer, and has by then reached about 1e-9 of its size.
 const MOST_HALVINGS: usize = 100_000;
 
-/// How well the sides of such a box are known, from itself or the control points' box.
+/// The error bound of such a box's sides; `bounds` is the box itself or the control points'.
 pub(super) fn tolerance(bounds: Aabb) -> f64 {
     f64::max(TIGHTNESS * bounds.size().max_element(), ROUNDINGS * bounds.magnitude())
 }
 
 /// The smallest box around these pieces of a surface, with sides parallel to the axes, to
-/// within [`TIGHTNESS`] (and the smallest there is that surely holds all, where that takes
-/// too long).
+/// within [`TIGHTNESS`]. Where that takes too long, it is the smallest box found that surely
+/// holds all pieces.
 ///
 /// For each side, the parts that may reach farthest are halved until none can reach farther
-/// than a point known to be on the surface: the Euclidean control points of a part hold it
-/// in their hull, as weights are positive, and its corners lie on it.
+/// than a point known to be on the surface. A part lies in the hull of its Euclidean control
+/// points, as weights are positive, and its corners lie on the surface.
 pub(super) fn extent<'a>(pieces: impl Iterator<Item = &'a TensorPatch>) -> Aabb {
     extent_of_parts(pieces.map(|piece| (piece, [[0.0, 1.0]; 2])))
 }
@@ -54,7 +54,7 @@ pub(super) fn extent_of_parts<'a>(
     }
 }
 
-/// How far the pieces reach along an axis.
+/// The largest coordinate of the pieces along an axis.
 fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {
     let parts = nets.iter().map(|net| Part::of(net, axis));
     let mut reached = parts.map(|part| part.reached()).fold(f64::NEG_INFINITY, f64::max);
@@ -66,7 +66,7 @@ fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {
     for _ in 0..MOST_HALVINGS {
         let Some(part) = open.pop() else { return reached };
         if part.limit <= reached + tolerance {
-            return reached; // and so are all others
+            return reached; // and so do all others
         }
         for half in part.halves() {
             reached = reached.max(half.reached());
@@ -170,7 +170,7 @@ fn halved(line: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
     (narrow(below), narrow(above))
 }
 
-/// Parts come in the order of how far they may reach.
+/// Parts are ordered by how far they may reach.
 impl Ord for Part {
     fn cmp(&self, other: &Self) -> Ordering {
         self.limit.total_cmp(&other.limit)
@@ -204,7 +204,7 @@ mod tests {
         extent(bvh.patches().pieces().iter().map(|piece| &piece.patch))
     }
 
-    /// The box, and how far it may be off.
+    /// Checks the box of a surface, to `within`.
     fn check(surface: &NurbsSurface, [min, max]: [DVec3; 2], within: f64) {
         let found = tight(surface);
         let off = (found.min - min).abs().max((found.max - max).abs()).max_element();

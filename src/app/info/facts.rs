@@ -1,4 +1,4 @@
-//! What is known of each surface that is ready to trace.
+//! Facts about each surface that is ready to trace.
 
 use glam::DVec3;
 use nurbray::geometry::trim::Kept;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::super::border::Border;
 use super::extent::{extent, extent_of_parts};
 
-/// What is known of all surfaces.
+/// Facts about all surfaces.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
     /// The surfaces, in the order hits count them.
@@ -22,7 +22,7 @@ pub(super) struct Facts {
     pub(super) bounds: Aabb,
 }
 
-/// What is known of one surface.
+/// Facts about one surface.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceFacts {
     pub(super) index: usize,
@@ -47,11 +47,11 @@ pub(super) struct SurfaceFacts {
     pub(super) deviation: f64,
     /// The patches of a limit surface, and how many of them are exact.
     pub(super) patches: Option<[usize; 2]>,
-    /// What is known of its trims, if it has any.
+    /// Facts about its trims, if it has any.
     pub(super) trims: Option<TrimFacts>,
 }
 
-/// What is known of a surface's trims.
+/// Facts about a surface's trims.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrimFacts {
     /// Which side of the loops stays.
@@ -68,7 +68,7 @@ pub(super) struct TrimFacts {
 }
 
 impl Facts {
-    /// Collects them.
+    /// Collects the facts.
     pub(super) fn new(world: &World) -> Self {
         let mut surfaces: Vec<SurfaceFacts> =
             (0..world.surfaces().len()).map(|index| authored(world, index)).collect();
@@ -77,7 +77,7 @@ impl Facts {
             surface.pieces = patches.pieces_of(surface.index).len();
             surface.bytes = patches.bytes_of(surface.index);
         }
-        // Those of trimmed surfaces, whose bounds are theirs.
+        // The leaves of trimmed surfaces: their bounds are those of the surfaces.
         let mut trimmed: Vec<Vec<&Leaf>> = vec![Vec::new(); surfaces.len()];
         for leaf in world.bvh().leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];
@@ -124,7 +124,7 @@ impl Facts {
     }
 }
 
-/// What the author of a surface knows of it; the pieces are counted elsewhere.
+/// The facts about a surface as authored; its pieces are counted elsewhere.
 fn authored(world: &World, index: usize) -> SurfaceFacts {
     let instance = &world.surfaces()[index];
     let surface = &instance.surface;
@@ -166,8 +166,8 @@ fn authored(world: &World, index: usize) -> SurfaceFacts {
     }
 }
 
-/// The part of a rectangle of a piece's unit square that reaches no farther than its trims do: all
-/// of it if that is nothing, as where they just touch.
+/// The part of a rectangle of a piece's unit square within the bounds of the piece's trims; the
+/// whole rectangle if that part is empty, as where the two just touch.
 fn kept_part(piece: &Piece, rect: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let Some(trims) = piece.trims() else { return rect };
     let (kept, domain) = (trims.bounds(), piece.domain());

@@ -22,8 +22,8 @@ pub(crate) struct Gap {
 /// How the borders of a model fit together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fit {
-    /// Borders in all, with all trim edges: four a surface, two at each knot where it may jump, but for those that
-    /// trims have cut off or run along.
+    /// Borders in total, trim edges included: four a surface and two at each knot where it may
+    /// jump, except those that trims have cut off or run along.
     pub(crate) borders: usize,
     /// Of these, trim edges, counted from corner to corner.
     pub(crate) trim_edges: usize,
@@ -31,7 +31,7 @@ pub(crate) struct Fit {
     pub(crate) collapsed: usize,
     /// Of the others, those that meet another to within rounding.
     pub(crate) meeting: usize,
-    /// Those that run beside another, but nearly meet it only.
+    /// Those that run beside another and only nearly meet it.
     pub(crate) nearly: usize,
     /// Those with no other beside them.
     pub(crate) free: usize,
@@ -43,9 +43,9 @@ pub(crate) struct Fit {
 
 /// Compares every border and trim edge with every other that comes near it.
 ///
-/// `drawings` says of each surface which drawing (a tube, a net) it belongs to, if to one. Tubes and
-/// joints of one drawing run into each other: what nearly meets there is no gap. `sizes` are those of the objects
-/// that the surfaces belong to.
+/// `drawings` gives the drawing (a tube, a net) that each surface belongs to, if any. Tubes and
+/// joints of one drawing run into each other, so borders that nearly meet there have no gap.
+/// `sizes` are the sizes of the objects that the surfaces belong to.
 pub(crate) fn fit(surfaces: &[Surface], drawings: &[Option<[usize; 2]>], sizes: &[f64]) -> Fit {
     let charts: Vec<Vec<Chart<'_>>> = surfaces.iter().map(Charts::charts).collect();
     let edges = Edges::of(surfaces, &charts);
@@ -180,7 +180,7 @@ mod tests {
         uneven(&x.map(|x| [DVec3::new(x, 0.0, 0.0), DVec3::new(x, 1.0, 0.0)]), inner)
     }
 
-    /// Parameters say nothing of lengths.
+    /// Distances between knots say nothing about lengths in space.
     #[test]
     fn knots_may_be_uneven() {
         let early = [0.002, 0.004, 0.006, 0.008];
@@ -214,7 +214,7 @@ mod tests {
         assert!((open.gaps[0].width - 5e-4).abs() < 1e-14, "{}", open.gaps[0].width);
     }
 
-    /// Where the borders of a sheet meet each other, at its corner.
+    /// The widest place is where the borders of a sheet meet each other, at its corner.
     #[test]
     fn gaps_may_be_widest_at_a_corner() {
         let turned = [[1.0, 1.0 + 1e-4], [2.0, 2.0]];
@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// A border is no other edge than the trim edge along it.
+    /// A border and the trim edge along it are one edge.
     #[test]
     fn trims_may_run_along_borders() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!((borders, trim_edges), (4, 2), "one along u = 0");
     }
 
-    /// Of edges that no curve of a supported degree is, the borders that they run along are left.
+    /// Where no curve of a supported degree is a trim edge, the border that it runs along is kept.
     #[test]
     fn borders_stand_for_edges_that_are_not_known() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
@@ -293,7 +293,7 @@ mod tests {
         assert_eq!((fit.left_out.len(), fit.borders, fit.trim_edges, fit.free), (1, 4, 0, 4));
     }
 
-    /// Three sides of an octant, of which the fourth is a point: its trim edge has no length there.
+    /// An octant has three sides and a pole, where its trim edge has no length.
     #[test]
     fn trim_edges_have_no_parts_along_poles() {
         let octant = shapes::octant_biquadratic(1.0).unwrap();

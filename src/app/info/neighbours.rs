@@ -7,15 +7,15 @@ use rayon::prelude::*;
 use super::border_curve::{BorderCurve, Sample};
 use super::edges::{Edge, Edges};
 
-/// Borders farther apart than this share of the size of the larger of the objects that they belong to are
-/// apart on purpose: what is modelled at that size is as exact as that.
+/// Borders farther apart than this share of the larger one of their objects' sizes are apart on
+/// purpose: a model of that size is as exact as that.
 pub(crate) const NEAR: f64 = 1e-3;
 
-/// Nor is a gap what is wider than this share of the smaller object: a teapot on a large table has no
-/// more of them.
+/// Nor is there a gap between borders farther apart than this share of the smaller object's
+/// size: a teapot on a large table has no more gaps than without the table.
 pub(crate) const NEAR_SMALLER: f64 = 1e-2;
 
-/// Nor do borders nearly meet that are farther apart than this share of the shorter one's
+/// Nor do borders nearly meet if they are farther apart than this share of the shorter one's
 /// length: at a corner of a small surface all of its borders are near one another.
 pub(crate) const NEAR_LENGTH: f64 = 0.05;
 
@@ -27,18 +27,18 @@ pub(crate) const SIDE_BY_SIDE: f64 = 0.25;
 struct Neighbours {
     /// Which two.
     pair: [usize; 2],
-    /// How far the points of each are from the other one, with their numbers: of those that are near and where the
-    /// surface ends.
+    /// For each, the numbers of its samples and their distances from the other curve: only of
+    /// samples that are near it and where the surface ends.
     distances: [Vec<(usize, f64)>; 2],
-    /// How far apart points may be that meet.
+    /// The largest distance between points that meet.
     rounding: f64,
 }
 
 impl Neighbours {
-    /// All pairs that come near each other; `sizes` are those of the objects that surfaces belong to.
+    /// All pairs that come near each other; `sizes` are those of the objects of the surfaces.
     fn all(edges: &Edges<'_>, sizes: &[f64]) -> Vec<Self> {
         let largest = sizes.iter().fold(0.0, |a: f64, &b| a.max(b));
-        // That of the larger object is grown by at least as much as the two may be apart.
+        // The larger object's box is grown by at least as much as the two may be apart.
         let grown = |(edge, curve): &(Edge, BorderCurve<'_>)| {
             curve.bounds().grown(near([sizes[edge.surface], largest]))
         };
@@ -55,18 +55,19 @@ impl Neighbours {
         overlapping(&boxes).par_iter().filter_map(looked_at).collect()
     }
 
-    /// The points of one of the two along which the other one meets it. A single point is none of them: at a corner
-    /// borders meet that go different ways.
+    /// The samples of one of the two along which the other one meets it. A single sample does not
+    /// count: at a corner, borders meet that go different ways.
     fn joints(&self, which: usize) -> Vec<usize> {
         let met = self.distances[which].iter().filter(|(_, distance)| *distance <= self.rounding);
         let met: Vec<usize> = met.map(|&(k, _)| k).collect();
         met.windows(2).filter(|pair| pair[0] + 1 == pair[1]).flatten().copied().collect()
     }
 
-    /// Whether the two meet or lie open where they run side by side; `None` if they do not.
+    /// How the two run side by side: whether they meet, and how far they lie open; `None` if they
+    /// do not run side by side.
     fn beside(&self, edges: &Edges<'_>, joints: &[Vec<bool>]) -> Option<Beside> {
         let (mut all, mut open): (Option<Widest>, Option<Widest>) = (None, None);
-        // One may run along a part of the other only: then not all points of the longer are near.
+        // One may run along only a part of the other: then not all points of the longer one are near.
         for (curve, distances) in self.pair.into_iter().zip(&self.distances) {
             let samples = edges.curves[curve].1.samples();
             let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
@@ -89,7 +90,7 @@ impl Neighbours {
 /// The pairs that run side by side, and how.
 pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2], Beside)> {
     let neighbours = Neighbours::all(edges, sizes);
-    // For each curve the points where another one meets it: there is no way through.
+    // For each curve, the samples where another one meets it: rays cannot pass there.
     let mut joints: Vec<Vec<bool>> =
         edges.curves.iter().map(|(_, curve)| vec![false; curve.samples().len()]).collect();
     for two in &neighbours {
@@ -101,7 +102,8 @@ pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2],
     neighbours.iter().filter_map(beside).collect()
 }
 
-/// The distances of the points of a curve from another one, of those that are `near` and where the surface ends.
+/// The distances of a curve's samples from another curve, with the samples' numbers: only of
+/// samples within `near` and where the surface ends.
 fn distances(from: &BorderCurve<'_>, to: &BorderCurve<'_>, near: f64) -> Vec<(usize, f64)> {
     let distance = |(k, sample): (usize, &Sample)| Some((k, to.distance(sample.point, near)?));
     from.samples().iter().enumerate().filter(|(_, s)| s.kept).filter_map(distance).collect()
@@ -121,7 +123,7 @@ impl Widest {
     }
 }
 
-/// How far objects of these sizes may be apart and nearly meet.
+/// The largest distance at which borders of objects of these sizes nearly meet.
 fn near([a, b]: [f64; 2]) -> f64 {
     (NEAR * a.max(b)).min(NEAR_SMALLER * a.min(b))
 }
@@ -130,7 +132,7 @@ fn near([a, b]: [f64; 2]) -> f64 {
 pub(super) struct Beside {
     /// Whether they meet, to within rounding, all the way.
     pub(super) met: bool,
-    /// The largest distance from one to the other of points along which nothing meets the first.
+    /// The largest distance from one to the other, over points where nothing else meets the first.
     pub(super) open: Option<Widest>,
 }
 

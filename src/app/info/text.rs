@@ -212,7 +212,7 @@ fn not_imported(notes: &[ImportNote]) -> String {
     text
 }
 
-/// A box; what is no more than its sides may be off is shown as 0.
+/// Formats a box. Coordinates within the error bound of its sides are shown as 0.
 fn bounds(bounds: Aabb) -> String {
     let padding = tolerance(bounds);
     let shown = |corner: DVec3| {

@@ -28,9 +28,10 @@ pub(super) fn clipped(ring: &[DVec2], [low, high]: [DVec2; 2]) -> Vec<DVec2> {
     if ring.len() < 3 { Vec::new() } else { ring }
 }
 
-/// One closed polygon that winds once around what lies within an odd number of rings, none of
-/// which cross, and not at all around the rest: the rings in turn, each run counterclockwise if
-/// an even number of others lies around it, and joined by slits that are run both ways.
+/// Joins rings, none of which cross, into one closed polygon that winds once around what lies
+/// within an odd number of them, and not at all around the rest. It runs the rings in turn, each
+/// counterclockwise if an even number of others lies around it, and joins them by slits that
+/// it runs both ways.
 pub(super) fn keyhole(rings: &[Vec<DVec2>]) -> Vec<DVec2> {
     let mut outline = Vec::new();
     let Some(start) = rings.iter().find_map(|ring| ring.first()) else { return outline };
@@ -38,7 +39,7 @@ pub(super) fn keyhole(rings: &[Vec<DVec2>]) -> Vec<DVec2> {
     let bounds: Vec<[DVec2; 2]> = rings.iter().map(|ring| bounds(ring)).collect();
     for (index, ring) in rings.iter().enumerate() {
         let Some(&first) = ring.first() else { continue };
-        // Most rings lie beside each other, which their bounds tell.
+        // Most rings lie beside each other, as their bounds show.
         let [low, high] = bounds[index];
         let around = (0..rings.len()).filter(|&other| {
             let [outer_low, outer_high] = bounds[other];
@@ -73,8 +74,8 @@ fn area(ring: &[DVec2]) -> f64 {
     0.5 * pairs.map(|(a, b)| (*a - origin).perp_dot(*b - origin)).sum::<f64>()
 }
 
-/// Whether a polygon lies around another that does not cross it: most of the points just inside
-/// the other's edges are within. They may touch.
+/// Whether a polygon lies around another one, which does not cross it but may touch it: most of
+/// the points just inside the other one's edges lie within it.
 fn surrounds(outer: &[DVec2], inner: &[DVec2]) -> bool {
     let side = area(inner).signum();
     let pairs = inner.iter().zip(inner.iter().cycle().skip(1));
@@ -115,7 +116,7 @@ mod tests {
                     ring.reverse();
                 }
             }
-            // Of areas counted as often as the outline winds around them, holes are left out.
+            // The area, counted as often as the outline winds around it, leaves out holes.
             assert!((area(&keyhole(&rings)) - (64.0 - 16.0 + 4.0)).abs() < 1e-12);
             rings.reverse();
             assert!((area(&keyhole(&rings)) - (64.0 - 16.0 + 4.0)).abs() < 1e-12);

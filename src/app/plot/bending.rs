@@ -1,18 +1,19 @@
-//! How curves bend, as far as rounding lets it be known.
+//! The curvature of curves, as far as rounding lets it be known.
 
 use glam::DVec3;
 use nurbray::geometry::NurbsCurve;
 use nurbray::math::Aabb;
 
-/// A curve, and how well it must be known how it bends.
+/// A curve, and how well its curvature must be known.
 #[derive(Clone, Debug)]
 pub(super) struct Bending {
     curve: NurbsCurve,
-    /// Curvatures that are known no better than this are not known.
+    /// A curvature no larger than its error bound counts as 0 if the bound is at most this, and as
+    /// unknown if not.
     coarsest: f64,
 }
 
-/// Curvatures may be off by this, over the curve's size.
+/// The error allowed for curvatures, as a share of 1 over the curve's size.
 const COARSEST: f64 = 1e-3;
 
 impl Bending {
@@ -22,8 +23,9 @@ impl Bending {
         Self { curve: curve.clone(), coarsest }
     }
 
-    /// The curve's point at `t` and its curvature vector there, zero where that is no more than rounding; `None` where
-    /// the curve stands still, or so nearly that rounding leaves nothing of how it bends.
+    /// The curve's point at `t` and its curvature vector there, which is zero where it is no more
+    /// than rounding. `None` where the derivative vanishes, or is so small that rounding leaves
+    /// nothing of the curvature.
     pub(super) fn at(&self, t: f64) -> Option<(DVec3, DVec3)> {
         let at = self.curve.derivatives(t);
         let bend = at.curvature_vector()?;
@@ -49,7 +51,7 @@ mod tests {
         let line = Bending::of(&NurbsCurve::bezier(&points).unwrap());
         assert!((0..=100).all(|k| line.at(f64::from(k) / 100.0).unwrap().1 == DVec3::ZERO));
 
-        // One of whose points is so heavy that it all but rests there: a bend like any other.
+        // One point is so heavy that the curve all but rests there: a bend like any other.
         let points = [[0.0, 0.0], [1.0, 1.0], [2.0, -1.0], [3.0, 0.0]];
         let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let knots = KnotVector::bezier(3).unwrap();
@@ -60,7 +62,8 @@ mod tests {
         let most = known.flatten().map(|(_, bend)| bend.length()).fold(0.0, f64::max);
         assert!((8000.0..9000.0).contains(&most), "{most}");
 
-        // A B-spline that comes to rest in a point that is three times its last: it ends straight.
+        // A B-spline that comes to rest in its last point, which is there three times: it ends
+        // straight.
         let points = [[0.1, 0.0], [1.0, 2.3], [3.0, 1.1], [4.2, 0.7], [4.2, 0.7], [4.2, 0.7]];
         let turned = |[x, y]: [f64; 2]| DVec3::new(0.94 * x - 0.34 * y, 0.34 * x + 0.94 * y, 0.0);
         let knots = KnotVector::uniform(3, points.len()).unwrap();

@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-/// A line longer than this leaves every picture: it is not worth its dashes.
+/// The longest line that is worth dashes: longer ones leave every picture.
 const LONGEST: f64 = 1e5;
 
-/// The dashes of a line, by the lengths of dashes and gaps in turn; the line itself if there are
-/// none. It begins with a dash.
+/// Cuts a line into dashes, the first at its beginning. `lengths` are those of dashes and gaps in
+/// turn; if there are none, the line stays whole.
 pub(super) fn dashed(line: &[DVec2], lengths: &[f64]) -> Vec<Vec<DVec2>> {
     let whole: f64 = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
     let Some(&first) = line.first().filter(|_| lengths.len() > 1 && whole < LONGEST) else {

@@ -13,7 +13,8 @@ use super::super::console;
 use super::super::failure::{Failure, OrFail};
 use super::super::table::count;
 
-/// Of cages with more faces than this, the faces' borders alone are drawn: more is one dark spot.
+/// Of cages with more faces than this, only the faces' borders are drawn: more lines would make
+/// one dark spot.
 const MOST_FACES: usize = 200;
 
 /// The plots that suit a scene, curves first.
@@ -21,7 +22,7 @@ const MOST_FACES: usize = 200;
 /// # Errors
 /// When the scene cannot be built as its author wrote it.
 pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
-    // Whatever is wrong with the scene is told in the words of every other subcommand.
+    // Errors in the scene are worded as by every other subcommand.
     let surfaces = scene.surfaces().map_err(|error| match error.fault() {
         SceneFault::Empty { notes } if !notes.is_empty() => nothing_imported(&error, notes),
         _ => Failure::Input(error.into()),
@@ -60,7 +61,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Vec<Plot> {
     let mut too_many: Vec<String> = Vec::new();
     for instance in surfaces {
         let [object, part] = instance.part;
-        // What only draws another object has nothing of its own.
+        // A drawing of another object has no functions of its own.
         let draws = match &scene.objects[object].parts[part].shape {
             Shape::Built(construction, _) => construction.draws().is_some(),
             _ => false,
@@ -94,7 +95,7 @@ fn bases(scene: &Scene, surfaces: &[Instance]) -> Vec<Plot> {
     bases.into_iter().map(plot).collect()
 }
 
-/// There may be curves in a model file; of these nothing is imported, and so nothing is plotted.
+/// A model file may hold curves, but none of them is imported, and so nothing is plotted.
 fn nothing_imported(error: &SceneError, notes: &[ImportNote]) -> Failure {
     const SHOWN: usize = 3;
     let mut what: Vec<&str> = notes.iter().take(SHOWN).map(|note| note.what.as_str()).collect();
@@ -111,13 +112,14 @@ fn nothing_imported(error: &SceneError, notes: &[ImportNote]) -> Failure {
     ))
 }
 
-/// Whether functions over the knots of a surface, in one direction at least, are drawn.
+/// Whether basis functions of a surface are drawn, in one direction at least.
 fn has_basis(surface: &Surface) -> bool {
     let few = |knots: &KnotVector| knots.point_count() <= Plot::MAX_FUNCTIONS;
     surface.nurbs().is_some_and(|surface| few(surface.knots_u()) || few(surface.knots_v()))
 }
 
-/// Objects of surfaces of which no basis is drawn, in space: of those that differ in their places only, one.
+/// Plots in space of the objects with surfaces of which no basis is drawn. Objects that differ
+/// only in their places share one plot.
 fn in_space(scene: &Scene, surfaces: &[Instance]) -> Result<Vec<Plot>, Failure> {
     type Same<'a> = (Vec<&'a Shape>, Vec<String>, Vec<PlottedSurface>);
     let mut found: Vec<Same<'_>> = Vec::new();

@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-/// The parts each piece of a curve is cut into before any is looked at: a piece's wiggles are
-/// no shorter, for a polynomial of degree p has at most p − 1 turns.
+/// The parts that each piece of a curve is cut into before any is tested for flatness. A piece's
+/// wiggles are no shorter, for a polynomial of degree p has at most p − 1 turns.
 const FIRST_PARTS: u32 = 8;
 
-/// How often a part is halved at most. A curve of 8192 pixels has parts of 10⁻³ pixels by then.
+/// The most halvings of a part. A curve of 8192 pixels has parts of 10⁻³ pixels by then.
 const DEEPEST: u32 = 20;
 
 /// A curve `at` as polylines, one for each of its unbroken parts: it breaks where it jumps and
@@ -22,7 +22,7 @@ pub(super) fn flatten(
     let mut lines: Vec<Vec<DVec2>> = Vec::new();
     let mut line: Vec<DVec2> = Vec::new();
     for (index, &[start, end]) in pieces.iter().enumerate() {
-        // At its end an inner piece is taken just before it, where it is still itself.
+        // An inner piece ends just before its last parameter, where the next piece begins.
         let last = if index + 1 == pieces.len() { end } else { end.next_down() };
         let parameter = |k: u32| {
             let share = f64::from(k) / f64::from(FIRST_PARTS);
@@ -71,7 +71,7 @@ fn distance(point: DVec2, from: DVec2, to: DVec2) -> f64 {
     point.distance(from + along * chord)
 }
 
-/// The parts of a line that are numbers, of two points or more.
+/// The finite parts of a line that have two points or more.
 fn finite(line: Vec<DVec2>) -> Vec<Vec<DVec2>> {
     let parts = line.split(|point| !point.is_finite());
     parts.filter(|part| part.len() > 1).map(<[DVec2]>::to_vec).collect()
@@ -99,7 +99,7 @@ mod tests {
             let lines = flatten(circle, &[whole], tolerance);
             assert_eq!(lines.len(), 1);
             assert!(worst(circle, whole, &lines[0]) <= tolerance);
-            // The chord of an arc of r and angle 2x is r (1 - cos x) off: the fewest chords.
+            // The chord of an arc of radius r and angle 2x is r (1 - cos x) off: the fewest chords.
             let fewest = whole[1] / (2.0 * (1.0 - tolerance / 100.0_f64).acos());
             assert!((lines[0].len() as f64) < 2.5 * fewest, "{} for {fewest}", lines[0].len());
 

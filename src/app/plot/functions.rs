@@ -11,10 +11,10 @@ use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 use super::peaks::{Cut, Shown, shown};
 use super::space::{indexed, measured, pieces};
 
-/// Of more knots than this only the outermost say how often they are there.
+/// With more knots than this, only the outermost show their multiplicities.
 const MOST_MULTIPLICITIES: usize = 24;
 
-/// More functions than this are told apart by their places, not by a legend.
+/// More functions than this are told apart by their places, and not named one by one in the legend.
 const MOST_NAMES: usize = 14;
 
 /// The functions of a basis.
@@ -33,13 +33,13 @@ pub(super) fn basis(title: Option<String>, basis: PlottedBasis) -> Panel {
     let spans: Vec<_> = spans.filter(|&[a, b]| a < b && first <= a && b <= last).collect();
     let basis = Rc::new(basis);
     let named = (0..basis.count()).map(|index| {
-        // Where it vanishes nothing is drawn: the others are seen there.
+        // Nothing is drawn where a function vanishes, so that the others are seen there.
         let vanishes = basis.vanishes(index);
         let lives = |span: &&[f64; 2]| {
             !vanishes && knots[index] <= span[0] && span[1] <= knots[index + p + 1]
         };
         let mut pieces: Vec<_> = spans.iter().filter(lives).copied().collect();
-        // At its last knot it is over, perhaps by a jump: there the value is that of the
+        // A function ends at its last knot, perhaps with a jump: the value there is that of the
         // functions that begin.
         if let Some([_, end]) = pieces.last_mut().filter(|[_, end]| *end < knots[knots.len() - 1]) {
             *end = end.next_down();
@@ -83,7 +83,7 @@ fn ordinal(number: usize) -> String {
     }
 }
 
-/// Knots on the axis, those on it several times with how often.
+/// Marks of knots on the axis, the multiple ones with their multiplicities.
 fn knot_marks(knots: impl Iterator<Item = (f64, usize)>, scale: Scale) -> Vec<Item> {
     let Scale::Function([start, end]) = scale else { return Vec::new() };
     let mut items = Vec::new();
@@ -94,7 +94,7 @@ fn knot_marks(knots: impl Iterator<Item = (f64, usize)>, scale: Scale) -> Vec<It
         let at = DVec2::new(knot, 0.0);
         points.push(at);
         if times > 1 && (few || knot == start || knot == end) {
-            // Within the plot at its ends.
+            // Labels at the ends of the plot lie within it.
             let side = if knot == start {
                 1.0
             } else if knot == end {
@@ -124,7 +124,7 @@ impl Function {
     }
 }
 
-/// Functions over a parameter that runs through these pieces.
+/// A panel of functions over a parameter that runs through these pieces.
 fn functions(
     (title, value): (String, &str),
     pieces: &[[f64; 2]],
@@ -187,7 +187,8 @@ pub(super) fn derivatives(title: Option<String>, curve: &NurbsCurve) -> Panel {
     with_knots(functions((title, "C′"), &spans, values.chain([speed])), curve)
 }
 
-/// The curvature; where it has no bound, or a spike far above the rest, cut off and marked.
+/// A plot of the curvature. Where it has no bound, or a spike far above the rest, it is cut off
+/// and marked.
 pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
     let (bending, spans) = (Bending::of(curve), pieces(curve.knots()));
     let value = move |t: f64| bending.at(t).map_or(f64::NAN, |(_, bend)| bend.length());
@@ -203,7 +204,7 @@ pub(super) fn curvature(title: Option<String>, curve: &NurbsCurve) -> Panel {
     with_knots(panel, curve)
 }
 
-/// A line where a function is cut off, and on it arrows where it is higher.
+/// Adds a line where a function is cut off, and arrows on the line where the function is higher.
 fn mark_cut(panel: &mut Panel, cut: &Cut) {
     let Scale::Function(domain) = panel.scale else { return };
     let stroke = Stroke { dashes: &[4.0, 3.0], ..Stroke::thin(GREY) };

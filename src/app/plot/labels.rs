@@ -9,12 +9,12 @@ use super::view::View;
 /// The directions a label may lie in from its point.
 const DIRECTIONS: u32 = 24;
 
-/// How far a label may lie from its point, in pixels between the two: better near.
+/// The gaps allowed between a label and its point, in pixels: nearer is better.
 const GAPS: [f64; 4] = [6.0, 11.0, 18.0, 28.0];
 
-/// What it costs to lie over a line (for each pixel of its length), over a point, over another
-/// label, off the plot (much: it would be cut off), in another direction than wished (for a
-/// right angle), farther off.
+/// Costs of a place for a label: over a line (for each pixel of its length), over a point, over
+/// another label, off the plot (high: the label would be cut off), in another direction than
+/// wished (for a right angle), farther off.
 const ON_LINE: f64 = 1.0;
 const ON_MARK: f64 = 20.0;
 const ON_LABEL: f64 = 60.0;
@@ -39,8 +39,8 @@ impl LabelBox {
     }
 }
 
-/// The boxes of a panel's labels, whose sizes `size` knows, in their order; in pixels from the
-/// lower left of the plot. One after the other takes the cheapest place left.
+/// The boxes of a panel's labels, in their order, in pixels from the lower left of the plot.
+/// `size` gives the size of a text. Each label in turn takes the cheapest place left.
 pub(super) fn placed(panel: &Panel, view: View, size: impl Fn(&str) -> DVec2) -> Vec<LabelBox> {
     let (lines, marks) = obstacles(panel, view);
     let mut boxes: Vec<LabelBox> = Vec::new();

@@ -15,10 +15,10 @@ pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(60, 60, 60),
 ];
 
-/// How lines are dashed whose colours come again, and again: so many more can be told apart.
+/// The dashes of lines whose colours repeat, so that more lines can be told apart.
 const DASHES: [&[f64]; 4] = [&[], &[7.0, 3.5], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]];
 
-/// Control polygons and points: there, but behind the curves.
+/// The colour of control polygons and points, which stay in the background of the curves.
 pub(super) const GREY: RGBColor = RGBColor(130, 130, 130);
 
 /// The colour of the curve of this number.
@@ -28,15 +28,15 @@ pub(super) fn color(index: usize) -> RGBColor {
 
 /// One plot.
 pub(super) struct Panel {
-    /// What stands above it.
+    /// The text above the plot.
     pub(super) title: String,
-    /// What the axes are called.
+    /// The names of the axes.
     pub(super) axes: [String; 2],
     /// What the axes measure.
     pub(super) scale: Scale,
     /// What is drawn, from back to front.
     pub(super) items: Vec<Item>,
-    /// What the legend says.
+    /// The entries of the legend.
     pub(super) legend: Vec<(Key, String)>,
 }
 
@@ -83,7 +83,7 @@ pub(super) struct Stroke {
     /// Its width in pixels.
     pub(super) width: f64,
     /// The lengths of its dashes and of the gaps behind them in pixels; a line without any is
-    /// whole.
+    /// solid.
     pub(super) dashes: &'static [f64],
 }
 
@@ -110,28 +110,28 @@ pub(super) enum Key {
 }
 
 impl Stroke {
-    /// A whole line.
+    /// A solid line.
     pub(super) fn new(color: RGBColor, width: f64) -> Self {
         Self { color, width, dashes: &[] }
     }
 
-    /// That of a curve: what the plot is about.
+    /// The stroke of a curve that the plot is about.
     pub(super) fn curve(color: RGBColor) -> Self {
         Self::new(color, 2.2)
     }
 
-    /// That of the curve of this number: of as many as there are colours and kinds of dashes, no
-    /// two are drawn alike.
+    /// The stroke of the curve of this number. Among as many curves as there are combinations of
+    /// colours and dashes, no two are drawn alike.
     pub(super) fn numbered(index: usize) -> Self {
         Self { dashes: DASHES[index / COLORS.len() % DASHES.len()], ..Self::curve(color(index)) }
     }
 
-    /// The same, so wide.
+    /// The same stroke in another width.
     pub(super) fn wide(self, width: f64) -> Self {
         Self { width, ..self }
     }
 
-    /// That of a polygon and other lines to be guided by.
+    /// The stroke of polygons and other guide lines.
     pub(super) fn thin(color: RGBColor) -> Self {
         Self::new(color, 1.0)
     }

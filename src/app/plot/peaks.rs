@@ -1,25 +1,25 @@
 //! Where a function rises so far above the rest of it that no plot shows both.
 
-/// A function is looked at this often a piece, as for the extent of a plot.
+/// A function is sampled this often a piece, as for the extent of a plot; a sample is a "look".
 const LOOKS: usize = 64;
 
-/// A peak more than so many times as high as all that is not beside it would leave nothing of the
-/// rest to be seen.
+/// A peak more than this many times as high as everything that is not beside it would leave
+/// nothing of the rest to be seen.
 const FAR: f64 = 4.0;
 
-/// Of a peak no more than this share may be missed between two looks.
+/// The largest share of a peak that may be missed between two looks.
 const MISSED: f64 = 0.01;
 
-/// A look that is no more than this share above its neighbours is no peak: rounding makes such.
+/// A look no more than this share above its neighbours is not a peak: rounding alone makes such.
 const RIPPLE: f64 = 1e-4;
 
 /// Peaks of neighbouring looks are one if they are no farther apart than this share of their piece.
 const ONE: f64 = 1e-6;
 
-/// A third of what is left is taken away so often: what is left then is 1e-7 of it.
+/// How often the search for a highest place removes a third of its interval: 1e-7 of it is left.
 const THIRDS: usize = 40;
 
-/// What is to be shown of a function that is not negative.
+/// The part to be shown of a function that is not negative.
 pub(super) struct Shown {
     /// The pieces, parted at peaks that might be missed.
     pub(super) pieces: Vec<[f64; 2]>,
@@ -35,7 +35,7 @@ pub(super) struct Cut {
     pub(super) peaks: Vec<f64>,
 }
 
-/// A highest place, and the look it was found at.
+/// A highest place of a function, and the look it was found at.
 struct Peak {
     piece: usize,
     look: usize,
@@ -46,7 +46,7 @@ struct Peak {
 /// Finds the peaks of a function on its pieces, and whether to cut it off. It may be NaN where it
 /// has no bound.
 pub(super) fn shown(value: &dyn Fn(f64) -> f64, pieces: &[[f64; 2]]) -> Shown {
-    // NaN counts as higher than all else, so that what leads there is followed.
+    // NaN counts as higher than everything else, so that the search follows a rise towards it.
     let high = |t: f64| Some(value(t)).filter(|v| !v.is_nan()).unwrap_or(f64::INFINITY);
     let looks: Vec<Vec<f64>> = pieces
         .iter()
@@ -85,7 +85,7 @@ fn found(high: &dyn Fn(f64) -> f64, pieces: &[[f64; 2]], looks: &[Vec<f64>]) -> 
             Peak { piece, look, t, height: height.max(finite(looks[piece][look])) }
         });
     let mut peaks: Vec<Peak> = all.collect();
-    // One in the middle between two looks is found from both.
+    // A peak in the middle between two looks is found from both.
     peaks.dedup_by(|next, peak| {
         let [start, end] = pieces[peak.piece];
         next.piece == peak.piece && (next.t - peak.t).abs() <= ONE * (end - start)
@@ -93,14 +93,14 @@ fn found(high: &dyn Fn(f64) -> f64, pieces: &[[f64; 2]], looks: &[Vec<f64>]) -> 
     peaks
 }
 
-/// Whether a peak is far above what is two looks beside it.
+/// Whether a peak is far above the looks two places beside it.
 fn is_spike(looks: &[Vec<f64>], peak: &Peak) -> bool {
     let beside = [peak.look.checked_sub(2), Some(peak.look + 2)].into_iter().flatten();
     let beside = beside.filter_map(|look| looks[peak.piece].get(look));
     peak.height > FAR * beside.map(|&value| finite(value)).fold(0.0, f64::max)
 }
 
-/// The highest look that is not at a spike or next to one: what must be seen.
+/// The highest look that is not at a spike or next to one: it must be seen.
 fn rest(looks: &[Vec<f64>], spikes: &[&Peak]) -> f64 {
     let rest = looks.iter().enumerate().flat_map(|(piece, values)| {
         values.iter().enumerate().filter_map(move |(look, &value)| {
@@ -111,7 +111,8 @@ fn rest(looks: &[Vec<f64>], spikes: &[&Peak]) -> f64 {
     rest.fold(0.0, f64::max)
 }
 
-/// The parameter of a look at a piece; the last is just before its end, where it is still itself.
+/// The parameter of a look at a piece; the last look is just before the piece's end, where the
+/// next piece begins.
 fn parameter([start, end]: [f64; 2], look: usize) -> f64 {
     (start + look as f64 / LOOKS as f64 * (end - start)).min(end.next_down())
 }
@@ -124,7 +125,7 @@ fn is_peak(looks: &[f64], look: usize) -> bool {
     beside.iter().all(|&other| looks[look] >= other) && looks[look] > (1.0 + RIPPLE) * lowest
 }
 
-/// The highest place of a function between two parameters, and what is finite of its height.
+/// The highest place of a function between two parameters, and the largest finite value found.
 fn highest(high: &dyn Fn(f64) -> f64, [mut start, mut end]: [f64; 2]) -> [f64; 2] {
     let mut best = 0.0_f64;
     for _ in 0..THIRDS {
@@ -141,12 +142,12 @@ fn highest(high: &dyn Fn(f64) -> f64, [mut start, mut end]: [f64; 2]) -> [f64; 2
     [0.5 * (start + end), best]
 }
 
-/// What is not finite counts as nothing.
+/// The value, or 0 if it is not finite.
 fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// The next number of two digits.
+/// The value rounded up to two digits.
 fn rounded_up(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
@@ -161,7 +162,8 @@ mod tests {
 
     #[test]
     fn what_has_no_bound_is_cut_off_beside_it() {
-        // A pole between two looks, on one, and at an end: two looks off it is 64 / 2, one is 64.
+        // A pole between two looks, on one, and at an end: two looks off it the value is 64 / 2,
+        // one look off 64.
         for pole in [0.3001, 0.5, 0.5 + 1.0 / 128.0, 0.0] {
             let value = |t: f64| if t == pole { f64::NAN } else { 1.0 / (t - pole).abs() };
             let shown = shown(&value, &[[0.0, 1.0]]);

@@ -1,4 +1,4 @@
-//! An SVG picture as a PNG, with letters of its own: no font of the system is looked for.
+//! An SVG picture as a PNG, with a font of its own: no font of the system is looked for.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use nurbray::io::{StagedFile, stage_png_bytes};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb::Database};
 
-/// Draws the picture and writes it, but for putting the file in its place.
+/// Draws the picture and writes it to a file that is not yet put in its place.
 ///
 /// # Errors
 /// When there is no memory for it, or the file cannot be written.

@@ -11,7 +11,7 @@ use super::panel::{GREY, Item, Key, Mark, Panel, Path, Scale, Stroke, color};
 /// More control points or knots than this are not labelled: labels would cover them.
 const MOST_LABELS: usize = 12;
 
-/// How a plot looks at space.
+/// The projection of space onto a plot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection(Plane);
 
@@ -33,7 +33,7 @@ impl Projection {
         }))
     }
 
-    /// The coordinates that are shown.
+    /// The coordinates of a point that are shown.
     pub(super) fn of(self, point: DVec3) -> DVec2 {
         match self.0 {
             Plane::Xy => DVec2::new(point.x, point.y),
@@ -42,7 +42,7 @@ impl Projection {
         }
     }
 
-    /// Their names.
+    /// The names of the coordinates that are shown.
     pub(super) fn axes(self) -> [String; 2] {
         match self.0 {
             Plane::Xy => ["x", "y"],
@@ -58,7 +58,7 @@ pub(super) fn pieces(knots: &KnotVector) -> Vec<[f64; 2]> {
     knots.spans().map(|span| [span.start, span.end]).collect()
 }
 
-/// A curve as it is seen.
+/// The path of a curve in the projection.
 pub(super) fn path(curve: &PlottedCurve, projection: Projection) -> Path {
     let pieces = pieces(curve.knots());
     let curve = curve.clone();
@@ -77,12 +77,13 @@ pub(super) fn short(value: f64) -> String {
     text.replace('-', "−")
 }
 
-/// A number that a figure tells: its first six digits.
+/// A number in the text of a figure: its first six digits.
 pub(super) fn measured(value: f64) -> String {
     Measured(value).to_string().replace('-', "−")
 }
 
-/// One of numbers that are spread over so much: as many digits as tell a millionth of that, six or more.
+/// One of several numbers that differ by up to `spread`: with as many digits as show a millionth
+/// of that, six or more.
 pub(super) fn told(value: f64, spread: f64) -> String {
     let before = (value.abs() / spread).log10().floor();
     let before = if before.is_finite() { before.clamp(0.0, 9.0) } else { 0.0 };
@@ -99,8 +100,8 @@ pub(super) fn indexed(letter: &str, index: usize) -> String {
     letter.chars().chain(below).collect()
 }
 
-/// The labels of points that lie in one place, joined: each place once. One place is what no
-/// picture shows as two, or what rounding makes two of one.
+/// Joins the labels of points that lie in one place, so that each place has one label. Points lie
+/// in one place if no picture shows them apart, or if only rounding parts them.
 fn joined(points: &[DVec2], texts: impl Iterator<Item = String>) -> Vec<(DVec2, String)> {
     let (low, high) = points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |around, &p| {
         (around.0.min(p), around.1.max(p))
@@ -125,7 +126,7 @@ pub(super) fn bare_polygon(points: &[DVec2]) -> Vec<Item> {
     ]
 }
 
-/// A control polygon with its points, named and, if they differ, with their weights.
+/// A control polygon with its points and their names and, if the weights differ, their weights.
 pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<Item> {
     let mut items = bare_polygon(points);
     if points.len() > MOST_LABELS {
@@ -146,7 +147,8 @@ pub(super) fn polygon(points: &[DVec2], weights: &[f64], letter: &str) -> Vec<It
     items
 }
 
-/// Away from the polygon's edges at a point of it, or from its middle where it runs straight.
+/// The direction away from the polygon's edges at a point of it, or away from its middle where
+/// it runs straight.
 fn outwards(points: &[DVec2], at: DVec2, middle: DVec2) -> DVec2 {
     let toward_neighbours = points.windows(2).filter(|edge| edge[0] != edge[1]).map(|edge| {
         if edge[0] == at {
@@ -259,7 +261,7 @@ pub(super) fn described(curve: &PlottedCurve) -> String {
     format!("{kind} of degree {}", curve.knots().degree())
 }
 
-/// The line of the curve of this number in a legend.
+/// The legend's entry for the curve of this number.
 pub(super) fn entry(index: usize, text: &str) -> (Key, String) {
     (Key::Line(Stroke::numbered(index)), text.to_owned())
 }
@@ -268,7 +270,7 @@ pub(super) fn entry(index: usize, text: &str) -> (Key, String) {
 mod tests {
     use super::*;
 
-    /// Far from the origin, too, points that a picture tells apart have labels of their own.
+    /// Points that a picture shows apart have labels of their own, far from the origin, too.
     #[test]
     fn labels_of_one_place_are_joined() {
         for far in [0.0, 1.0, 1e8] {

@@ -16,7 +16,7 @@ use super::space::{
 /// does not say how long a tooth is.
 const COMB_REACH: f64 = 0.3;
 
-/// The curve that is constructed; what constructs it is coloured.
+/// The colour of the curve that is constructed; the construction is drawn in other colours.
 const CURVE: RGBColor = RGBColor(60, 60, 60);
 
 fn projected(curve: &PlottedCurve, plane: Option<Plane>) -> (Projection, Vec<DVec2>, Vec<f64>) {
@@ -25,9 +25,9 @@ fn projected(curve: &PlottedCurve, plane: Option<Plane>) -> (Projection, Vec<DVe
     (projection, points, curve.weights())
 }
 
-/// The rounds of de Boor's algorithm at `t`, the control points of its span first, all in
-/// homogeneous coordinates: on a Bézier curve they are de Casteljau's. In each, neighbours are
-/// mixed in the ratio in which `t` divides the knots they share (de Boor 1972).
+/// The rounds of de Boor's algorithm at `t`, beginning with the control points of its span, all in
+/// homogeneous coordinates. On a Bézier curve they are de Casteljau's. Each round mixes
+/// neighbours in the ratio in which `t` divides the knots they share (de Boor 1972).
 fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     let (p, knots) = (curve.knots().degree(), curve.knots().values());
     let span = curve.knots().span(t);
@@ -53,9 +53,10 @@ fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     rounds
 }
 
-/// A point constructed from a curve's: `(1.25, 0.5)`; with z, unless the curve lies in z = 0.
+/// A point constructed from a curve's as text: `(1.25, 0.5)`; with z, unless the curve lies in
+/// z = 0.
 fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
-    // What the rounds' rounding may leave of a coordinate that is 0, as a share of the largest.
+    // What rounding in the rounds may leave of a coordinate that is 0, as a share of the largest.
     const ROUNDING: f64 = 1e-14;
     let bounds = Aabb::around(curve.points());
     let (reach, spread) = (bounds.magnitude(), bounds.size().max_element());
@@ -68,7 +69,7 @@ fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
     format!("({})", words.collect::<Vec<_>>().join(", "))
 }
 
-/// The construction of a point.
+/// The construction of a point by de Casteljau's or de Boor's algorithm.
 pub(super) fn de_casteljau(
     title: Option<String>,
     plane: Option<Plane>,
@@ -83,7 +84,7 @@ pub(super) fn de_casteljau(
     let (start, end) = curve.knots().domain();
     for (round, control) in rounds.iter().enumerate().skip(1) {
         let shade = color(round - 1);
-        // Without weight a point has no place.
+        // A point without weight has no place.
         let weighty = control.iter().filter(|point| point.w > 0.0);
         let points: Vec<DVec2> =
             weighty.map(|point| projection.of(point.xyz() / point.w)).collect();
@@ -110,7 +111,7 @@ pub(super) fn de_casteljau(
     Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
 }
 
-/// The control polygons of a curve while knots come in.
+/// The control polygons of a curve while knots are inserted.
 ///
 /// # Errors
 /// When a knot cannot be inserted.
@@ -132,7 +133,7 @@ pub(super) fn insertion(
         let (shade, is_new) = (color(index), |point: &DVec3| !old.contains(point));
         let seen = |points: &[DVec3]| points.iter().map(|&p| projection.of(p)).collect();
 
-        // Most of the polygon stays: drawn is what changes.
+        // Most of the polygon stays: only what changes is drawn.
         for edge in all.windows(2).filter(|edge| edge.iter().any(is_new)) {
             items
                 .push(Item::Line { points: seen(edge), stroke: Stroke::numbered(index).wide(1.5) });
@@ -169,7 +170,7 @@ pub(super) fn elevation(
         items.push(Item::Marks { points, mark: Mark::Dot, color: shade });
         rounds.push(entry(round, &format!("of degree {}", elevated.knots().degree())));
     }
-    // Behind the curve, which all of them come closer to.
+    // The polygons lie behind the curve, to which all of them come closer.
     let drawn = Stroke::curve(CURVE);
     let curve = PlottedCurve::from(curve.clone());
     items.push(Item::Curve { path: path(&curve, projection), stroke: drawn });
@@ -227,7 +228,7 @@ fn times(number: usize) -> String {
     }
 }
 
-/// A curve with teeth as long as it bends, on its outer side.
+/// A curvature comb: a curve with teeth in proportion to its curvature, on its outer side.
 pub(super) fn comb(
     title: Option<String>,
     plane: Option<Plane>,

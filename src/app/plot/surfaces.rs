@@ -37,7 +37,7 @@ impl Line {
     }
 }
 
-/// What is drawn of surfaces.
+/// The lines drawn of surfaces.
 #[derive(Default)]
 struct Lines {
     borders: Vec<Line>,
@@ -62,7 +62,7 @@ pub(super) fn surfaces(
             Surface::Trimmed(surface) => drawn.trimmed(surface, lines)?,
             Surface::Triangle(patch) => drawn.triangle(patch, lines),
             Surface::Limit(surface) => drawn.limit(surface, lines),
-            // Whatever kinds come, their points are known.
+            // Of any other kind of surface, points are known.
             other => drawn.any(other, lines),
         }
     }
@@ -104,7 +104,7 @@ pub(super) fn surfaces(
     Ok(Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend })
 }
 
-/// So many values between two, evenly spaced.
+/// `count` evenly spaced values between two others.
 fn between((start, end): (f64, f64), count: usize) -> impl Iterator<Item = f64> {
     (1..=count).map(move |k| start + k as f64 / (count + 1) as f64 * (end - start))
 }

@@ -17,14 +17,14 @@ use super::panel::{Item, Key, Mark, Panel, Stroke};
 use super::ticks::{NUMBER_SIZE, Ticks, width};
 use super::view::View;
 
-/// Plotters counts in whole pixels. It is given a picture this many times as large, which the
-/// first line of the file makes small again.
+/// Plotters counts in whole pixels. It draws a picture this many times as large, and the first
+/// line of the file makes that small again.
 pub(crate) const SUBPIXELS: u32 = 32;
 
 /// Curves are drawn to within this much of a pixel: a tenth of the width of a thin line.
 pub(super) const TOLERANCE: f64 = 0.1;
 
-/// What stands around a plot, in pixels.
+/// The sizes of what stands around a plot, in pixels.
 pub(super) const LEFT: f64 = 54.0;
 pub(super) const RIGHT: f64 = 18.0;
 const TITLE: f64 = 34.0;
@@ -33,10 +33,10 @@ const AXIS_NAME: f64 = 16.0;
 const LEGEND_LINE: f64 = 18.0;
 const BOTTOM: f64 = 10.0;
 
-/// What is left free beside words that begin at the picture's border.
+/// The gap, in pixels, between the picture's border and words that begin there.
 const MARGIN: f64 = 3.0;
 
-/// How long the line in a legend is, in pixels.
+/// The length of the line in a legend, in pixels.
 const KEY_LENGTH: f64 = 18.0;
 
 /// Sizes of letters in pixels.
@@ -44,10 +44,10 @@ const TITLE_SIZE: f64 = 15.0;
 const TEXT_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 11.0;
 
-/// A letter is about so wide, in shares of its size: legends are laid out by it.
+/// The approximate width of a letter, in shares of its size, for the layout of legends.
 const LETTER: f64 = 0.56;
 
-/// A smaller plot shows nothing: pixels each way.
+/// The size of the smallest plot that shows anything, in pixels each way.
 const LEAST: f64 = 60.0;
 
 const INK: RGBColor = RGBColor(40, 40, 40);
@@ -85,7 +85,7 @@ impl Ranged for Axis<'_> {
 pub(super) enum Unable {
     /// The picture is too small: the least width and height that would do.
     TooSmall([u32; 2]),
-    /// A panel, counted from 0, has nothing in it or reaches beyond numbers.
+    /// A panel, counted from 0, has nothing in it, or its extent is not finite.
     NoExtent(usize),
     /// Plotters fails.
     Drawing(Error),
@@ -127,7 +127,7 @@ pub(super) fn svg(panels: &[Panel], columns: usize, size: [u32; 2]) -> Result<St
     Ok(text.replacen(&format!("<svg width=\"{width}\" height=\"{height}\""), &shown, 1))
 }
 
-/// What stands around the plot of a panel in a cell of this width.
+/// The width and height that a panel in a cell of this width needs around its plot.
 fn around(panel: &Panel, width: f64) -> DVec2 {
     let legend = legend_lines(panel, width - LEFT - RIGHT).len() as f64 * LEGEND_LINE;
     DVec2::new(LEFT + RIGHT, TITLE + NUMBERS + AXIS_NAME + legend + BOTTOM)
@@ -143,14 +143,14 @@ fn style(stroke: Stroke) -> ShapeStyle {
 }
 
 fn font(size: f64, color: RGBColor, pos: Pos) -> TextStyle<'static> {
-    // Plotters takes sizes for the height of a line, of which letters have 1/1.24.
+    // Plotters takes a size for the height of a line, of which letters have 1/1.24.
     let size = size * 1.24 * f64::from(SUBPIXELS);
     let mut style = TextStyle::from(("sans-serif", size).into_font()).pos(pos);
     style.color = color.to_backend_color();
     style
 }
 
-/// The entries of a legend line by line, each with where it begins.
+/// The entries of a legend line by line, each with the position where it begins.
 fn legend_lines(panel: &Panel, width: f64) -> Vec<Vec<(f64, usize)>> {
     const KEY: f64 = 26.0;
     const BETWEEN: f64 = 16.0;
@@ -288,7 +288,7 @@ impl Drawing<'_, '_> {
         Ok(())
     }
 
-    /// A line of pixels, dashed as its stroke is.
+    /// Draws a line given in pixels, dashed as its stroke is.
     fn dashes(
         &self,
         chart: &mut Chart<'_, '_>,
@@ -303,7 +303,7 @@ impl Drawing<'_, '_> {
         Ok(())
     }
 
-    /// Title, names of the axes, legend.
+    /// Draws the title, the names of the axes and the legend.
     fn words(&self, [across, up]: [String; 2]) -> Result<(), Unable> {
         let (panel, plot) = (self.panel, self.view.pixels);
         let middle = LEFT + 0.5 * plot.x;

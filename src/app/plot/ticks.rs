@@ -16,15 +16,15 @@ pub(super) struct Ticks {
 
 impl Ticks {
     fn new([low, high]: [f64; 2], step: f64) -> Self {
-        // A hair beyond the ends belongs to them.
+        // Values a hair beyond the ends belong to the range.
         let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
         let count = (last - first).clamp(0.0, 1e4) as u32;
         let values = (0..=count).map(|k| (first + f64::from(k)) * step);
         Self { values: values.collect(), step, offset: 0.0, unit: 1.0 }
     }
 
-    /// Numbers with room: as they are if they fit so, else their differences from the roundest
-    /// of them, else these in a unit of their own, where three digits are enough.
+    /// Chooses numbers that fit: plain ones, else their differences from the roundest of them, else
+    /// these differences in a unit of their own, where three digits are enough.
     pub(super) fn fitting(range: [f64; 2], step: f64, fits: impl Fn(&Self) -> bool) -> Self {
         let plain = Self::new(range, step);
         if fits(&plain) {
@@ -39,7 +39,7 @@ impl Ticks {
 
     /// The value that takes the fewest digits: 0, or a multiple of the highest power of ten.
     fn roundest(&self) -> f64 {
-        // No digits are left of numbers that are 1e15 steps or more: any will do.
+        // Numbers of 1e15 steps or more have no digits left: any of them will do.
         let steps = |value: f64| (value / self.step).round().clamp(-1e15, 1e15) as i64;
         let leading = (self.step / power_below(self.step)).round() as i64;
         let zeros = |value: &f64| {
@@ -49,7 +49,7 @@ impl Ticks {
         self.values.iter().copied().rev().max_by_key(zeros).unwrap_or(0.0)
     }
 
-    /// What stands beside a value: as many digits as the step has.
+    /// The text beside a value, with as many digits as the step has.
     pub(super) fn text(&self, value: f64) -> String {
         let (mut value, mut step) = (value, self.step);
         if self.offset != 0.0 || self.unit != 1.0 {
@@ -70,7 +70,7 @@ impl Ticks {
         text.replace('-', "−")
     }
 
-    /// The values with the widths of what stands beside them, in pixels.
+    /// The values with the widths of the texts beside them, in pixels.
     pub(super) fn labels(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.values.iter().map(|&value| (value, width(&self.text(value), NUMBER_SIZE)))
     }
@@ -80,7 +80,7 @@ impl Ticks {
         let mut name = axis.to_owned();
         if self.offset != 0.0 {
             let sign = if self.offset > 0.0 { '−' } else { '+' };
-            // Its digits down to the step's; behind them there is rounding.
+            // The digits of the offset down to the step's; those behind them are rounding.
             let digits = (self.offset.abs() / self.step).log10().floor() + 1.0;
             let text = format!("{:.1$e}", self.offset.abs(), digits.clamp(0.0, 16.0) as usize);
             name += &format!(" {sign} {}", text.parse().map_or(text, brief));
@@ -109,14 +109,14 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     size * shares.sum::<f64>()
 }
 
-/// The least of 1, 2, 5 times a power of ten that is no smaller.
+/// The smallest number that is 1, 2 or 5 times a power of ten and not smaller than `least`.
 pub(super) fn round_step(least: f64) -> f64 {
     let power = power_below(least);
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
     step.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)
 }
 
-/// The highest power of ten that is no larger, to the last digit.
+/// The highest power of ten that is not larger than a number, exact to the last digit.
 fn power_below(number: f64) -> f64 {
     let power = number.log10().floor();
     format!("1e{power}").parse().unwrap_or(10_f64.powf(power))

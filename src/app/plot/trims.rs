@@ -9,14 +9,14 @@ use super::area::clipped;
 use super::panel::{COLORS, GREY, Item, Key, Mark, Panel, Path, Scale, Stroke};
 use super::space::pieces;
 
-/// What is kept: pale, so that loops and the grid's numbers show.
+/// The colour of what is kept: pale, so that loops and the grid's numbers show.
 const KEPT: RGBColor = RGBColor(222, 236, 246);
 
-/// The border of the domain.
+/// The colour of the domain's border.
 const BORDER: RGBColor = RGBColor(40, 40, 40);
 
-/// How exact the filled area is, in shares of the domain: a twentieth of a pixel in a picture of
-/// a thousand. The curves drawn over its edges are exact to a tenth of a pixel in any.
+/// The tolerance of the filled area, in shares of the domain: a twentieth of a pixel in a picture
+/// of a thousand. The curves drawn over its edges are exact to a tenth of a pixel in any picture.
 const AREA: f64 = 5e-5;
 
 /// A domain more than this many times as long as wide is stretched to fill the plot.
@@ -49,7 +49,7 @@ pub(super) fn trims(title: Option<String>, plotted: &PlottedSurface) -> Result<P
     rings.extend(inside.filter(|ring| !ring.is_empty()));
     let mut items = vec![Item::Area { rings, color: KEPT }];
     items.push(Item::Line { points: border, stroke: Stroke::thin(BORDER) });
-    // Of a loop that comes several times, moved by periods, only one is drawn as it was written.
+    // If a loop comes several times, moved by periods, only one copy is drawn as written.
     for outline in &outlines {
         items.push(Item::Line { points: outline.clone(), stroke: Stroke::thin(GREY) });
     }
@@ -123,7 +123,7 @@ fn controls(loops: &[Vec<LoopCurve>], legend: &mut Vec<(Key, String)>) -> Vec<It
     polygons.into_iter().flat_map(polygon).collect()
 }
 
-/// Which way the loops run.
+/// Arrows that show which way the loops run.
 fn arrows(outlines: &[Vec<DVec2>], bounds: UvBox) -> Item {
     let mut steps = Vec::new();
     for outline in outlines {
@@ -146,7 +146,7 @@ fn arrows(outlines: &[Vec<DVec2>], bounds: UvBox) -> Item {
     Item::Arrows { steps, color: BORDER }
 }
 
-/// Two points close together about the place so far along a line.
+/// Two points close together around the place at a length `along` of a line.
 fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
     for chord in line.windows(2) {
         let length = chord[0].distance(chord[1]);
@@ -160,7 +160,7 @@ fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
     None
 }
 
-/// Where each loop begins, with its number: errors count loops so.
+/// Marks where each loop begins, with the number that errors give the loop.
 fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;

@@ -6,26 +6,26 @@ use super::panel::{Item, Panel, Scale};
 use super::svg::{LEFT, RIGHT};
 use super::ticks::{Ticks, round_step};
 
-/// What is left free around the things shown: this share of the plot's width and height.
+/// The share of the plot's width and height that is left free around the things shown.
 const ROOM: f64 = 0.07;
 
-/// Where points of space have labels, this many pixels are left free for these; at most so large
-/// a share of the plot.
+/// The pixels left free for labels, where points of space have any, and the largest share of the
+/// plot that these may take.
 const LABEL_ROOM: DVec2 = DVec2::new(48.0, 18.0);
 const MOST_LABEL_ROOM: f64 = 0.16;
 
-/// Curves are looked at this often a piece to find how far they reach: what is between stays
-/// within [`ROOM`].
+/// Curves are sampled this often a piece to find their extent. What lies between the samples
+/// stays within [`ROOM`].
 const LOOKS: u32 = 64;
 
-/// About the distance of numbers along an axis in pixels: none touches the next.
+/// The approximate distance of numbers along an axis in pixels: none touches the next.
 const NUMBERS_APART: f64 = 62.0;
 
-/// What must be free between numbers side by side, and beside those on the left, in pixels.
+/// The smallest gaps between numbers side by side, and beside those on the left, in pixels.
 const BETWEEN_NUMBERS: f64 = 6.0;
 const BESIDE_NUMBERS: f64 = 9.0;
 
-/// From where to where the axes go, and the size of the plot in pixels.
+/// The ranges of both axes, and the size of the plot in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
     pub(super) low: DVec2,
@@ -35,7 +35,7 @@ pub(super) struct View {
 
 impl View {
     /// The view that shows all of a panel in this many pixels; `None` if there is nothing to show,
-    /// or its extent is beyond numbers.
+    /// or its extent is not finite.
     pub(super) fn of(panel: &Panel, pixels: DVec2) -> Option<Self> {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut include = |point: DVec2| {
@@ -77,7 +77,7 @@ impl View {
             return None;
         }
 
-        // What has no extent, as a straight line along an axis, still needs a plot.
+        // Things without extent, such as a straight line along an axis, still need a plot.
         let size = extent.max_element();
         let least = if size > 0.0 { 1e-3 * size } else { low.abs().max_element().max(1.0) };
         let room = 1.0 - 2.0 * room(panel, pixels);
@@ -133,7 +133,7 @@ impl View {
     }
 }
 
-/// What is left free on each side, in shares of the plot.
+/// The share of the plot that is left free on each side.
 fn room(panel: &Panel, pixels: DVec2) -> DVec2 {
     let labelled = panel.items.iter().any(|item| matches!(item, Item::Label { .. }));
     match panel.scale {

@@ -1,8 +1,8 @@
-//! Who is how fast: rounds in turn, medians, spread.
+//! How fast each competitor is: rounds in turn, medians, spread.
 
 use std::time::{Duration, Instant};
 
-/// Rounds: each competitor is timed so often. An odd number, to have a middle; few, since
+/// The number of rounds in which each competitor is timed. Odd, to have a middle; small, since
 /// the slowest traces all rays in every round.
 const ROUNDS: u32 = 5;
 
@@ -18,9 +18,9 @@ pub(crate) struct Speed {
 /// Something to time that traces all rays once a call.
 pub(crate) type Pass<'a> = Box<dyn FnMut() + 'a>;
 
-/// Times passes over `rays` rays, the competitors in turn, so that all of them meet the same
-/// moods of the machine. Each round gives everyone an equal share of `seconds`, and one pass
-/// at least.
+/// Times passes over `rays` rays, the competitors in turn, so that changes in the machine's speed
+/// meet all of them alike. Each round gives every competitor an equal share of `seconds`, and one
+/// pass at least.
 pub(crate) fn race(passes: &mut [Pass<'_>], rays: usize, seconds: f64) -> Vec<Speed> {
     let turn = Duration::from_secs_f64(seconds / f64::from(ROUNDS));
     let mut rates: Vec<Vec<f64>> = vec![Vec::new(); passes.len()];
@@ -32,7 +32,7 @@ pub(crate) fn race(passes: &mut [Pass<'_>], rays: usize, seconds: f64) -> Vec<Sp
     rates.iter_mut().map(|rates| speed(rates)).collect()
 }
 
-/// Repeats a pass until its turn is over; the mean time it takes.
+/// Repeats a pass until its turn is over. Returns the mean time that a pass takes.
 pub(crate) fn seconds_a_pass(pass: &mut dyn FnMut(), turn: Duration) -> f64 {
     let start = Instant::now();
     let mut count = 0;
@@ -53,7 +53,8 @@ fn speed(rates: &mut [f64]) -> Speed {
     Speed { mrays_per_s: middle, spread: range / middle }
 }
 
-/// Sorts numbers; the one in the middle, or the mean of the two there. NaN of none.
+/// Sorts numbers and returns their median: the one in the middle, or the mean of the two there.
+/// NaN if there are none.
 pub(crate) fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let half = numbers.len() / 2;

@@ -11,7 +11,7 @@ use super::rays::Rays;
 use super::rival::Rival;
 use super::steps::{Preparation, Steps};
 
-/// How fast everyone traced one set of rays, and what they found.
+/// How fast each competitor traced one set of rays, and what it found.
 #[derive(Clone, Debug)]
 pub(crate) struct Measurement {
     pub(crate) set: RaySet,
@@ -41,13 +41,13 @@ pub(crate) struct RivalResult {
     pub(crate) t_near: f64,
     pub(crate) speed: Speed,
     pub(crate) hits: usize,
-    /// With each of our kernels, in their order.
+    /// Disagreements with each of our kernels, in their order.
     pub(crate) disagreements: Vec<Disagreements>,
 }
 
 impl Measurement {
-    /// Traces the rays on the threads of the pool this runs in: everyone once to compare the
-    /// answers and to warm up, then as long as `seconds` says for each.
+    /// Traces the rays on the threads of the current pool: each competitor once to compare the
+    /// answers and to warm up, then each for about `seconds`.
     pub(crate) fn new(
         model: &Model,
         kernels: &[Kernel],
@@ -99,18 +99,18 @@ impl Measurement {
         self.kernels.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)))
     }
 
-    /// The kernel that is used if nobody asks for another; if it was not measured, the fastest.
+    /// The default kernel; if it was not measured, the fastest.
     pub(crate) fn usual(&self) -> Option<&KernelResult> {
         let usual = self.kernels.iter().find(|result| result.kernel == Kernel::default());
         usual.or_else(|| self.fastest())
     }
 
-    /// From the file to our last ray.
+    /// The steps from the file to our last ray.
     pub(crate) fn our_steps(&self, model: &Model, ours: &KernelResult) -> Steps {
         model.preparation.then_trace(self.tracing_seconds(ours.speed))
     }
 
-    /// The same for a rival: it has the same file to read.
+    /// The same steps of a rival, which has the same file to read.
     pub(crate) fn rival_steps(&self, model: &Model, rival: &Rival, result: &RivalResult) -> Steps {
         let preparation = Preparation { build: rival.build_seconds, ..model.preparation };
         preparation.then_trace(self.tracing_seconds(result.speed))

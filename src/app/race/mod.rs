@@ -1,4 +1,4 @@
-//! A race: everyone traces the same rays in the same run, and says what they met.
+//! A race: all competitors trace the same rays in the same run, and report what these met.
 //!
 //! `bench` prints the speeds, `compare` also what a rival's tessellation gets wrong.
 

@@ -12,8 +12,8 @@ use super::super::failure::{Failure, OrFail};
 use super::super::input;
 use super::steps::{Preparation, repeat, repeat_preparing};
 
-/// The bounding sphere is wider than the farthest point found by this factor. Chords of a
-/// sphere would otherwise start on it, which is a class of its own (see `audit`).
+/// The factor by which the bounding sphere is wider than the farthest point found. Without it,
+/// chords would start on a model that is a sphere, which is a class of its own (see `audit`).
 const MARGIN: f64 = 1.01;
 
 /// A model ready to trace.
@@ -38,7 +38,7 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// How a report calls the camera.
+    /// What reports call the camera.
     pub(crate) fn camera(&self) -> &'static str {
         let CameraSpec { place, .. } = &self.scene.camera;
         let unsaid = CameraSpec { place: place.clone(), ..Default::default() };
@@ -64,8 +64,9 @@ impl Model {
         Ok(self)
     }
 
-    /// Reads an input and prepares it, again and again for about as long as the budget says. A camera that nobody
-    /// placed shows all in pictures of this size; of the scene's, if there is none.
+    /// Reads an input and prepares it, again and again for about as long as `budget`. A camera
+    /// that nobody placed shows the whole model in pictures of this size or, without one, of the
+    /// scene's.
     ///
     /// # Errors
     /// When the input is missing, damaged or wrong.

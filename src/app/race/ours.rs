@@ -19,7 +19,7 @@ pub(crate) struct Ours<'a> {
     pub(crate) rays: &'a Rays,
 }
 
-/// What a thread needs: used again for every chunk, as a renderer does for every tile.
+/// A thread's tracer and buffers: reused for every chunk, as a renderer does for every tile.
 struct Desk<'a> {
     tracer: Tracer<'a>,
     answers: Vec<Answer>,
@@ -31,7 +31,7 @@ struct Desk<'a> {
 struct Desks<'a>(Mutex<Vec<Desk<'a>>>);
 
 impl<'a> Desks<'a> {
-    /// Does something at one of them, or at a new one.
+    /// Does `work` at an unused desk, or at a new one.
     fn with<T>(&self, ours: &Ours<'a>, work: impl FnOnce(&mut Desk<'a>) -> T) -> T {
         let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let unused = free().pop();
@@ -43,8 +43,7 @@ impl<'a> Desks<'a> {
 }
 
 impl<'a> Ours<'a> {
-    /// Traces all rays once, on the threads of the pool this runs in. The answers are made and
-    /// dropped.
+    /// Traces all rays once, on the threads of the current pool, and drops the answers.
     pub(crate) fn pass(&self) {
         let desks = Desks::default();
         self.chunks().for_each(|chunk| {
@@ -58,7 +57,8 @@ impl<'a> Ours<'a> {
         });
     }
 
-    /// Traces rays one by one, each answer looked at as it comes: who wants them together asks for a batch.
+    /// Traces rays one by one and drops each answer as it comes: a caller that wants them together
+    /// asks for a batch.
     fn ask(&self, Desk { tracer, .. }: &mut Desk<'_>, (queries, alone): (&[Query], &[Ray])) {
         match self.rays.set.question() {
             Question::FirstHit => alone.iter().for_each(|ray| {
@@ -70,7 +70,7 @@ impl<'a> Ours<'a> {
         }
     }
 
-    /// Traces all rays once and keeps what became of them.
+    /// Traces all rays once and returns their outcomes.
     pub(crate) fn outcomes(&self) -> Vec<Outcome> {
         let desks = Desks::default();
         let chunks = self.chunks().map(|chunk| {
@@ -105,7 +105,7 @@ impl<'a> Ours<'a> {
                 tracer.first_hits(alone, coherence, answers);
             }
             (Question::AnyHit, Calls::Batch(told)) => {
-                // All of these leave hits of neighbouring pixels.
+                // All of these rays leave hits of neighbouring pixels.
                 let coherence = match told {
                     Coherence::Coherent => self.rays.neighbours.occlusions,
                     Coherence::Incoherent => self.rays.neighbours.scattered,

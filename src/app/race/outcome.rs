@@ -1,10 +1,10 @@
 //! What a competitor found, and where two of them disagree.
 
-/// What became of one ray.
+/// The outcome of one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Outcome {
-    /// How far the first hit is, in scene units; any number where only the existence of a hit
-    /// was asked.
+    /// The distance of the first hit, in scene units; any number if only the existence of a hit
+    /// was asked for.
     pub(crate) distance: Option<f64>,
     /// The cosine between ray and normal at the hit; 1 where there is no normal.
     pub(crate) incidence: f64,
@@ -12,7 +12,7 @@ pub(crate) struct Outcome {
     pub(crate) doubtful: bool,
 }
 
-/// Where two competitors disagree, in rays.
+/// The numbers of rays about which two competitors disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Disagreements {
     /// One has a hit, the other has not.

@@ -1,4 +1,4 @@
-//! In which order the pixels of a picture are traced.
+//! The order in which the pixels of a picture are traced.
 
 /// The side of a tile in pixels: a power of 2, for the Z-order curve.
 pub(super) const TILE: usize = 64;

@@ -50,7 +50,7 @@ impl RaySet {
         Self::Shadow,
     ];
 
-    /// What is measured if nobody says.
+    /// The sets that are measured by default.
     pub(crate) const DEFAULT: &str = "primary,single,incoherent,ao";
 
     /// Its name on the command line and in results.

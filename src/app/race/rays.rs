@@ -1,4 +1,4 @@
-//! The rays that are timed: made once, for everyone.
+//! The rays that are timed: made once, for all competitors.
 
 use glam::{DVec2, DVec3};
 use nurbray::intersect::{Hit, Kernel, Neighbours, Query};
@@ -11,39 +11,39 @@ use super::model::Model;
 use super::pixels::{TILE, tiled_pixels};
 use super::ray_set::RaySet;
 
-/// Rays a thread takes at a time. Fixed, so that packets do not depend on the number of
-/// threads; a tile of 64 × 64 pixels. No thread should take more than one (`with_max_len`): left to
-/// itself rayon hands out a quarter of all to each of two threads, and one waits for the other.
+/// Rays a thread takes at a time: a tile of 64 × 64 pixels. Fixed, so that packets do not depend
+/// on the number of threads. No thread should take more than one chunk (`with_max_len`): left to
+/// itself, rayon hands out a quarter of all to each of two threads, and one waits for the other.
 pub(crate) const CHUNK: usize = TILE * TILE;
 
 /// How far ambient-occlusion rays reach, as a fraction of the model's diagonal: into the next
 /// hollow, not across the model.
 pub(crate) const REACH: f64 = 0.2;
 
-/// Which random rays: fixed, so that two runs trace the same ones.
+/// The seed of the random rays: fixed, so that two runs trace the same ones.
 const SEED: u64 = 1;
 
 /// The streams of random numbers, one a purpose.
 const CHORDS: u64 = 0;
 const OCCLUSION: u64 = 1;
 
-/// Rays to trace, in the order everyone traces them.
+/// Rays to trace, in the order in which all competitors trace them.
 #[derive(Debug)]
 pub(crate) struct Rays {
     /// Which set this is.
     pub(crate) set: RaySet,
     /// The rays, with the roots they leave.
     pub(crate) queries: Vec<Query>,
-    /// The rays alone, which is all there is to those that ask for first hits.
+    /// The rays without the roots they leave: all that a query for a first hit consists of.
     pub(crate) alone: Vec<Ray>,
-    /// How the coherent ones of them are best traced: as in pictures.
+    /// How the coherent ones among them are best traced: as in pictures.
     pub(crate) neighbours: Neighbours,
 }
 
 impl Rays {
     /// Makes the rays of a set; `size` is the picture's width and height in pixels.
     ///
-    /// There may be none: of a scene without a lamp, or seen past.
+    /// There may be none: if a scene has no lamp, or the camera sees nothing of it.
     pub(crate) fn new(set: RaySet, model: &Model, size: [u32; 2]) -> Self {
         let queries = match set {
             RaySet::Primary | RaySet::Single => primary(&model.world, size),
@@ -120,8 +120,8 @@ fn seen(world: &World, size: [u32; 2]) -> Vec<Seen> {
     chunks.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
-/// A ray over the camera's side of a surface, its direction distributed as the cosine to the
-/// normal: a random point of the unit sphere that touches the surface.
+/// A ray on the camera's side of a surface, its direction distributed as the cosine to the
+/// normal: towards a random point of the unit sphere that touches the surface.
 fn occlusion_ray(seen: &Seen, reach: f64, index: u64) -> Option<Query> {
     let mut random = Random::new(SEED, OCCLUSION, index);
     let direction = (seen.facing + random.direction()).normalize_or(seen.facing);
@@ -133,7 +133,7 @@ fn is_lamp(light: &Light) -> bool {
     !matches!(light, Light::Ambient { .. })
 }
 
-/// A ray to a lamp; `None` where it stands behind the surface.
+/// A ray to a lamp; `None` where the lamp stands behind the surface.
 fn shadow_ray(seen: &Seen, lamp: &Light) -> Option<Query> {
     let origin = seen.hit.point;
     let ray = match *lamp {

@@ -17,13 +17,13 @@ use super::ray_set::{Calls, Question};
 use super::rays::{CHUNK, Rays};
 use super::steps::repeat;
 
-/// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface,
-/// and the triangles up to one tolerance above it: less would make rays at 30° to the surface
-/// meet the triangles they start from. Flatter ones still may.
+/// Where rays that leave a surface begin, in tolerances. Their origins lie on the surface, and
+/// the triangles up to one tolerance above it. With less, rays at 30° to the surface would meet
+/// the triangles they start from; flatter ones still may.
 pub(crate) const CLEARANCE: f64 = 2.0;
 
 /// How often, and for how long each time, a packet width is tried. The best one is measured
-/// properly later; of those that are nearly as good any will do.
+/// properly later; among those that are nearly as good, any will do.
 const HEATS: usize = 3;
 const HEAT: Duration = Duration::from_millis(50);
 
@@ -49,7 +49,7 @@ pub(crate) struct Rival {
 
 impl Rival {
     /// Tessellates surfaces and builds the hierarchy, again and again for about as long as
-    /// the budget says. The meshes are handed over, too: no ray needs them any more.
+    /// `budget`. Also returns the meshes, which no ray needs any more.
     ///
     /// # Errors
     /// When the mesh becomes too large.
@@ -101,7 +101,8 @@ impl Rival {
     }
 }
 
-/// Whose fault it is that there is no mesh: a tolerance too fine for any was asked for.
+/// Makes a mesh error bad input if the tolerance asked for is too fine for any mesh, else failed
+/// work.
 fn fault(tolerance: f64, error: MeshError) -> Failure {
     let too_fine = matches!(
         error,
@@ -157,8 +158,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// Traces all rays once, on the threads of the pool this runs in. The answers stay in
-    /// the packets.
+    /// Traces all rays once, on the threads of the current pool. The answers stay in the packets.
     pub(crate) fn pass(&mut self) {
         let scene = &self.rival.scene;
         let chunks = self.chunks.par_iter_mut().with_max_len(1);
@@ -173,7 +173,7 @@ impl<'a> Entry<'a> {
         self.chunks.iter().flat_map(EmbreeRays::hits)
     }
 
-    /// What became of the rays in the last pass.
+    /// The outcomes of the rays in the last pass.
     pub(crate) fn outcomes(&self) -> Vec<Outcome> {
         let certain = |distance| Outcome { distance, incidence: 1.0, doubtful: false };
         match self.question {
@@ -189,7 +189,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// The ray from a distance `t_near` on; a shorter one from its middle on.
+/// The ray from a distance `t_near` on; one that ends before, from its middle on.
 fn clear(ray: &Ray, t_near: f64) -> Ray {
     let start = t_near / ray.direction().length();
     let start = ray.t_min().max(start).min(0.5 * ray.t_min() + 0.5 * ray.t_max());

@@ -7,11 +7,11 @@ use super::super::failure::Failure;
 /// The most times a preparation is repeated: an odd number, to have a middle.
 const MOST_RUNS: usize = 9;
 
-/// How long one run took to make an input ready, in seconds. The whole is the sum of the
-/// parts: nobody measures it by itself.
+/// How long one run took to make an input ready, in seconds. The total is the sum of the
+/// parts and not measured by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Preparation {
-    /// From the file to the surfaces in their places: everyone needs that.
+    /// From the file to the surfaces in their places: every competitor needs that.
     pub(crate) read: f64,
     /// From there to what is traced.
     pub(crate) build: f64,
@@ -23,7 +23,7 @@ impl Preparation {
         self.read + self.build
     }
 
-    /// All steps, when the rays take so long.
+    /// All steps, if the rays take `trace` seconds.
     pub(crate) fn then_trace(self, trace: f64) -> Steps {
         Steps { preparation: self, trace }
     }
@@ -45,8 +45,8 @@ impl Steps {
     }
 }
 
-/// Does something at least once, and until it was done for as long as the budget says; the
-/// last result, and the seconds of the run that took neither long nor short.
+/// Repeats `work`, at least once, for as long as `budget`. Returns the last result, and the
+/// seconds of the run with the median time.
 ///
 /// # Errors
 /// The first error met.
@@ -62,8 +62,8 @@ pub(crate) fn repeat<T>(
     Ok((result, preparation.build))
 }
 
-/// As [`repeat`], of work that times its parts: those of the run with the median total, that
-/// they belong together. Of two in the middle, the longer.
+/// Like [`repeat`], for work that times its parts. Returns the parts of the run with the median
+/// total, so that they belong together; of two runs in the middle, those of the longer.
 ///
 /// # Errors
 /// The first error met.

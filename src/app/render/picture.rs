@@ -17,16 +17,16 @@ pub(super) enum Format {
 /// A picture to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Picture<'a> {
-    /// Where.
+    /// The file.
     pub(super) path: &'a Path,
-    /// How.
+    /// Its format.
     pub(super) format: Format,
 }
 
-/// Tells the formats by the extensions, in upper or lower case.
+/// Finds the formats by the extensions, in upper or lower case.
 ///
 /// # Errors
-/// When an extension is missing or none of a format that is written: wrong use.
+/// When an extension is missing or not that of a format that is written: wrong use.
 pub(super) fn pictures(outputs: &[PathBuf]) -> Result<Vec<Picture<'_>>, Failure> {
     let picture = |path| {
         let format = match output::format(path, &["exr", "png"])? {

@@ -1,4 +1,4 @@
-//! Cages as authored, and checked.
+//! Cages as authored, and their checks.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::math::Aabb;
 pub struct CageParts {
     /// The vertices.
     pub positions: Vec<DVec3>,
-    /// The vertices of each face, counterclockwise seen from outside, counted from 0.
+    /// The vertices of each face, as indices from 0, counterclockwise seen from outside.
     pub faces: Vec<Vec<usize>>,
     /// Edges that are more or less sharp.
     pub creases: Vec<Crease>,
@@ -42,12 +42,12 @@ pub struct Corner {
     pub sharpness: f64,
 }
 
-/// What Catmull–Clark subdivision does where a cage ends. Boundary edges are always sharp:
+/// What Catmull–Clark subdivision does at the boundary of a cage. Boundary edges are always sharp:
 /// the surface's border is the cubic B-spline of the cage's border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoundaryRule {
-    /// Boundary vertices of a single face are sharp corners, where the border curve begins
-    /// and ends: a grid has the corners of a clamped B-spline.
+    /// Boundary vertices of a single face are sharp corners, at which the border curve begins and
+    /// ends: a grid has the corners of a clamped B-spline.
     #[default]
     EdgeAndCorner,
     /// The border curve runs smoothly past all boundary vertices.
@@ -60,7 +60,7 @@ pub enum BoundaryRule {
 /// - there is a face; faces have 3 or more corners at different vertices;
 /// - coordinates are finite and at most [`MAX_MAGNITUDE`];
 /// - no two faces have the same vertices;
-/// - an edge belongs to one face (a boundary) or to two that run along it opposite ways;
+/// - an edge belongs to one face (a boundary) or to two that run along it in opposite directions;
 /// - the faces around a vertex are one fan, open or closed; each vertex has a face;
 /// - sharpness is from 0 to 10, or infinite.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,19 +68,19 @@ pub struct Cage {
     mesh: Mesh,
 }
 
-/// The most corners of faces, 2²⁸: refinement counts four times as many in 32 bits.
+/// The most corners of all faces, 2²⁸: refinement counts four times as many in 32 bits.
 const MAX_CORNERS: usize = 1 << 28;
 
-/// The largest finite sharpness: a crease of sharpness 10 is rounded over a thousandth of
-/// a face, and needs some four thousand patches an edge. OpenSubdiv calls 10 infinite.
+/// The largest finite sharpness: a crease of sharpness 10 is rounded over a thousandth of a face,
+/// and needs about four thousand patches per edge. OpenSubdiv treats 10 as infinite.
 pub(super) const MAX_SHARPNESS: f64 = 10.0;
 
 impl Cage {
     /// A cage from its parts.
     ///
     /// # Errors
-    /// When one of the invariants above does not hold, or a crease or corner is nowhere or
-    /// contradicts another.
+    /// When one of the invariants above does not hold, or a crease or corner names a missing edge
+    /// or vertex or contradicts another.
     pub fn new(parts: CageParts) -> Result<Self, CageError> {
         check_sizes(&parts)?;
         for (face, vertices) in parts.faces.iter().enumerate() {
@@ -104,7 +104,7 @@ impl Cage {
         Ok(Self { mesh: Mesh { topology, positions: parts.positions, creases, corners } })
     }
 
-    /// A cage that refinement of a valid one has left valid.
+    /// The cage of a mesh that came from refining a valid cage, and is therefore valid.
     pub(super) fn from_mesh(mesh: Mesh) -> Self {
         Self { mesh }
     }
@@ -133,7 +133,7 @@ impl Cage {
         (face < self.face_count()).then(|| self.mesh.topology.face(face))
     }
 
-    /// The two vertices of each edge, once.
+    /// The two vertices of each edge; each edge comes once.
     pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let topology = &self.mesh.topology;
         (0..topology.edge_count()).map(|edge| topology.edge_ends(topology.edge_corner(edge)))
@@ -165,25 +165,25 @@ impl Cage {
         self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 
-    /// The largest side of its bounding box.
+    /// The largest side of the bounding box.
     pub(super) fn largest_side(&self) -> f64 {
         Aabb::around(self.positions().iter().copied()).size().max_element()
     }
 
-    /// The smallest tolerance that its limit surface may be asked to: 1e-9 of half its largest side, or what rounding
-    /// needs of its largest coordinate, 1e-12, where it lies more than 500 of its sides from the origin. (Around
-    /// vertices of many faces it may not be reached, which is an error then.)
+    /// The smallest tolerance that may be requested for the limit surface: 1e-9 of half the cage's largest side or,
+    /// where the cage lies more than 500 of its sides from the origin, what rounding requires, 1e-12 of the largest
+    /// coordinate. (Around vertices of many faces this tolerance may not be reached; that is an error.)
     pub fn smallest_tolerance(&self) -> f64 {
         let by_steps = SMALLEST_OF_SIZE * 0.5 * self.largest_side();
         by_steps.max(SMALLEST_OF_MAGNITUDE * self.magnitude())
     }
 }
 
-/// It is about what the steps of halving reach that there are: the worst vertices shrink by 0.6545 a step.
+/// About what the available halving steps reach: the worst vertices shrink by 0.6545 a step.
 const SMALLEST_OF_SIZE: f64 = 1e-9;
 
-/// Patches are asked to be within a share of the tolerance, 0.0064 of it at least: that is 50 roundings of the largest
-/// coordinate. A step makes averages, and errs by a few.
+/// Patches must be within a fraction of the tolerance, 0.0064 of it at least: 50 rounding errors of the largest
+/// coordinate. A refinement step computes averages, with a few rounding errors.
 const SMALLEST_OF_MAGNITUDE: f64 = 1e-12;
 
 fn check_sizes(parts: &CageParts) -> Result<(), CageError> {
@@ -217,7 +217,7 @@ fn check_face(face: usize, corners: &[usize], vertices: usize) -> Result<(), Cag
     }
 }
 
-/// Faces on the same vertices would cover each other, whichever way round they are.
+/// Fails if two faces have the same vertices: they would cover each other, in either orientation.
 fn check_distinct(faces: &[Vec<usize>]) -> Result<(), CageError> {
     let sorted = |face: &Vec<usize>| {
         let mut corners = face.clone();
@@ -260,7 +260,7 @@ fn check_vertices(topology: &Topology) -> Result<(), CageError> {
     Ok(())
 }
 
-/// The sharpness of each edge: what the author says, and infinite at boundaries.
+/// The sharpness of each edge: as authored, but infinite at boundaries.
 fn edge_sharpness(topology: &Topology, creases: &[Crease]) -> Result<Vec<f64>, CageError> {
     let mut sharpness = vec![None; topology.edge_count()];
     for (index, crease) in creases.iter().enumerate() {
@@ -277,7 +277,7 @@ fn edge_sharpness(topology: &Topology, creases: &[Crease]) -> Result<Vec<f64>, C
         .collect())
 }
 
-/// The sharpness of each vertex: what the author says, and by the boundary rule.
+/// The sharpness of each vertex: as authored, or infinite by the boundary rule.
 fn vertex_sharpness(topology: &Topology, parts: &CageParts) -> Result<Vec<f64>, CageError> {
     let mut sharpness = vec![None; topology.vertex_count()];
     for (index, corner) in parts.corners.iter().enumerate() {

@@ -8,15 +8,15 @@ use super::ring::Ring;
 use super::topology::{NONE, Star};
 use super::tree::Net;
 
-/// What a vertex looks like from one of the quads around it, if it is regular: the quad's
-/// part of the surface is then that of a uniform B-spline, mirrored at sharp edges.
+/// How a vertex is regular, as seen from one of the quads around it. If it is, the quad's part of
+/// the surface is that of a uniform B-spline, mirrored at sharp edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Regular {
     /// Four quads, nothing sharp.
     Smooth,
-    /// On an infinitely sharp crease, with two quads on this side of it.
+    /// On an infinitely sharp crease, with two quads on this side.
     Crease,
-    /// An infinitely sharp corner of this quad alone.
+    /// An infinitely sharp corner that belongs to this quad alone.
     Corner,
 }
 
@@ -56,7 +56,7 @@ fn regular(mesh: &Mesh, corner: u32) -> Option<Regular> {
     }
 }
 
-/// Whether the quad beyond the smooth edge of a corner ends at a sharp one.
+/// Whether the quad beyond the smooth edge at a corner ends at a sharp edge.
 fn mate_ends_sharp(mesh: &Mesh, corner: u32, leaving_is_sharp: bool) -> bool {
     let topology = &mesh.topology;
     if leaving_is_sharp {
@@ -71,13 +71,13 @@ fn mate_ends_sharp(mesh: &Mesh, corner: u32, leaving_is_sharp: bool) -> bool {
 /// The 4 × 4 control points, v fastest: u runs from corner 0 to corner 1, v from corner 0
 /// to corner 3.
 ///
-/// At regular corners they are those of the B-spline. Elsewhere the corner is the limit
-/// point, and the points beside it are moved with it; `None` where a limit is not known
-/// because not all faces around are quads. Quads that share an edge get the same bits for
-/// its points: each sum adds what lies on opposite sides first.
+/// At regular corners they are those of the B-spline. Elsewhere the corner point is the limit
+/// point, and the points beside it move with it. `None` where a limit point is unknown because not
+/// all faces around the corner are quads. Quads that share an edge get the same bits for its
+/// points, because each sum adds points on opposite sides first.
 pub(super) fn net(mesh: &Mesh, face: usize) -> Option<Net> {
-    /// Where corner k's point, the one towards the next corner, the one towards the
-    /// previous corner, and the inner one belong in the net.
+    /// The positions in the net of corner k's point, the one towards the next corner, the one
+    /// towards the previous corner, and the inner one.
     const PLACES: [[usize; 4]; 4] = [[0, 4, 1, 5], [12, 13, 8, 9], [15, 11, 14, 10], [3, 2, 7, 6]];
     let topology = &mesh.topology;
     let mut net = [DVec3::ZERO; 16];
@@ -92,7 +92,7 @@ pub(super) fn net(mesh: &Mesh, face: usize) -> Option<Net> {
     Some(net)
 }
 
-/// A corner of a quad: its vertex's limit point and, if it is not regular, its ring.
+/// A corner of a quad: the limit point of its vertex and, if the corner is not regular, the ring.
 struct Vertex {
     limit: DVec3,
     irregular: Option<(Star, Ring)>,
@@ -119,10 +119,10 @@ impl Vertex {
 
     /// The control point on an edge beside the limit point of one of its ends.
     ///
-    /// On a sharp edge it is a third of the way along it. Else it is the B-spline's, of the
-    /// rows across both ends, `(2 v' + w')/3` with `v' = (a + 4 v + b)/6`; at a smooth
-    /// extraordinary vertex it is in the tangent plane; at what else is irregular it is
-    /// moved with the limit point.
+    /// On a sharp edge it is a third of the way along the edge. Otherwise it is the B-spline's,
+    /// `(2 v' + w')/3`, from the rows across both ends with `v' = (a + 4 v + b)/6`; at a smooth
+    /// extraordinary vertex it lies in the tangent plane; at other irregular vertices it is moved
+    /// with the limit point.
     fn beside(&self, mesh: &Mesh, half_edge: u32, end: End) -> DVec3 {
         let topology = &mesh.topology;
         let [first, last] = topology.edge_ends(half_edge).map(|end| mesh.positions[end as usize]);
@@ -155,9 +155,8 @@ impl Vertex {
         }
     }
 
-    /// The inner control point of a corner: `(n v + 2 a + 2 b + c)/(n + 5)`, for n = 4 the
-    /// B-spline's, with the number of edges at vertices that are not regular (Loop &
-    /// Schaefer 2008).
+    /// The inner control point of a corner: `(n v + 2 a + 2 b + c)/(n + 5)` (Loop & Schaefer 2008).
+    /// n is the number of edges at irregular vertices; n = 4 gives the B-spline's point.
     fn inner(&self, mesh: &Mesh, corner: u32) -> DVec3 {
         let topology = &mesh.topology;
         let n = match &self.irregular {

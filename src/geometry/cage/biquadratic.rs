@@ -11,40 +11,40 @@ use super::topology::NONE;
 use super::tree::{MAX_LEVELS, Net, Tree, within};
 use crate::math::Aabb;
 
-/// A vertex of the current mesh with four faces around it. The patch over it reaches to the
-/// middles of these faces.
+/// A vertex of the current mesh with four faces around it. The patch over it extends to the middles
+/// of these faces.
 #[derive(Clone, Copy, Debug)]
 struct Element {
-    /// The corner of the vertex in the face whose middle is (u, v) = (0, 0).
+    /// The corner at this vertex in the face whose middle is (u, v) = (0, 0).
     first: u32,
     /// Its square.
     node: u32,
 }
 
-/// A mesh and those of its vertices that are looked at; the others only surround them.
+/// A mesh and the vertices of it that are to be processed; the others only surround them.
 type Level = (Mesh, Vec<Element>);
 
 impl Cage {
     /// The Doo–Sabin limit surface to a tolerance in scene units, see [`LimitSurface`].
     ///
-    /// A vertex with four quads around it brings a biquadratic patch. Vertices at other
-    /// faces are refined until what is left is proved to be within the tolerance, as in
-    /// [`Cage::catmull_clark`]. The squares are those of Catmull–Clark surfaces: each corner
-    /// of a face brings the patch that reaches from its vertex to the face's middle.
+    /// A vertex with four quads around it gives a biquadratic patch. Vertices at other faces are
+    /// refined until the remainder is proved to be within the tolerance, as in
+    /// [`Cage::catmull_clark`]. The squares are those of Catmull–Clark surfaces: each corner of a
+    /// face gives the patch that reaches from its vertex to the face's middle.
     ///
-    /// Where the cage ends the surface ends inside of it, as a uniform B-spline does: the
-    /// corners at boundary vertices bring none.
+    /// At the boundary the surface ends inside the cage, as a uniform B-spline does: corners at
+    /// boundary vertices give no patch.
     ///
     /// # Errors
-    /// When the tolerance is no length, less than [`Cage::smallest_tolerance`], or would
-    /// need millions of patches; when inner edges or vertices are sharp, which this scheme
-    /// does not know; when all vertices are on the boundary; when a vertex has two faces.
+    /// When the tolerance is not a length, is less than [`Cage::smallest_tolerance`], or would need
+    /// millions of patches; when inner edges or vertices are sharp, which this scheme does not
+    /// support; when all vertices are on the boundary; when a vertex has two faces.
     pub fn doo_sabin(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
         check(self.mesh())?;
         within(tolerance, self.mesh(), |share| self.doo_sabin_patches(tolerance, share))
     }
 
-    /// Patches within a share of the tolerance; where they are not exact they may not meet.
+    /// The patches within a share of the tolerance; where they are not exact they may not meet.
     fn doo_sabin_patches(&self, tolerance: f64, share: f64) -> Result<LimitSurface, LimitError> {
         let mut tree = Tree::new(2, (tolerance, share), self)?;
         let mut level = Some(start(self.mesh(), &mut tree)?);
@@ -59,7 +59,7 @@ impl Cage {
     }
 }
 
-/// Refuses what Doo–Sabin surfaces do not have.
+/// Refuses cages that have no Doo–Sabin surface.
 fn check(mesh: &Mesh) -> Result<(), LimitError> {
     let topology = &mesh.topology;
     let inner_edge = |edge: usize| topology.twin(topology.edge_corner(edge)) != NONE;
@@ -93,7 +93,8 @@ fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
             if !topology.star(topology.vertex(corner as u32)).closed {
                 continue;
             }
-            // The vertex's own middle is at corner k of a quad, at (0, 0) of other squares.
+            // The middle of the face around the vertex is at corner k of a quad, at (0, 0) of other
+            // squares.
             let (square, turn) = if sides == 4 {
                 (FaceSquare::whole(face, unit).quarter(k), k)
             } else {
@@ -107,9 +108,9 @@ fn start(mesh: &Mesh, tree: &mut Tree) -> Result<Level, LimitError> {
     Ok((once, elements))
 }
 
-/// Which sides of a corner's patch are borders of the surface: those towards neighbours in the
-/// same face that bring no patch. Turned by this many quarters: at corner 0 of a square, u runs
-/// towards the next corner, v towards the previous one.
+/// Which sides of a corner's patch are borders of the surface: those towards neighbours in the same
+/// face that give no patch. The result is turned by `turn` quarters: at corner 0 of a square, u
+/// runs towards the next corner, v towards the previous one.
 fn borders(mesh: &Mesh, corner: u32, turn: usize) -> [bool; 4] {
     let topology = &mesh.topology;
     let open = |corner: u32| !topology.star(topology.vertex(corner)).closed;
@@ -125,9 +126,9 @@ fn borders(mesh: &Mesh, corner: u32, turn: usize) -> [bool; 4] {
 
 /// The corner at (0, 0) of a new vertex.
 ///
-/// `in_face` is its corner in the face that was there before. Counterclockwise from the
-/// face around the old vertex come: that one, the one along the edge that leaves, the face
-/// that was there, the one along the edge that arrives. The first is at corner `turn`.
+/// `in_face` is its corner in the shrunken face. Around the new vertex lie, counterclockwise from
+/// the face around the old vertex: that face, the face along the edge that leaves, the shrunken
+/// face, the face along the edge that arrives. The first of these is at corner `turn`.
 fn first_corner(refined: &Mesh, in_face: u32, turn: usize) -> u32 {
     let topology = &refined.topology;
     let steps = (4 - turn % 4 + 2) % 4;
@@ -175,7 +176,8 @@ fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<L
     let mut children = Vec::with_capacity(4 * kept.len());
     for (corners, first_child) in kept {
         for (k, corner) in corners.into_iter().enumerate() {
-            // The old vertex's middle is opposite of corner k, where its face is.
+            // The middle of the face around the old vertex is opposite corner k, where the corner's
+            // own face is.
             let first = first_corner(&once, in_part(corner), k + 2);
             children.push(Element { first, node: first_child + k as u32 });
         }
@@ -183,11 +185,11 @@ fn settle(mesh: &Mesh, elements: &[Element], tree: &mut Tree) -> Result<Option<L
     Ok(Some((once, children)))
 }
 
-/// The 3 × 3 control points, v fastest: the vertex, the middles of its edges, the centroids
-/// of its faces. They are the B-spline's if all faces are quads; a centroid is a point of
-/// the limit surface in any case.
+/// The 3 × 3 control points, v fastest: the vertex, the middles of its edges, the centroids of its
+/// faces. They are the B-spline's if all faces are quads; a centroid is always a point of the limit
+/// surface.
 fn net(mesh: &Mesh, corners: [u32; 4]) -> Net {
-    /// Where the face of corner k, and the edge that leaves it, belong in the net.
+    /// The positions in the net of the face of corner k, and of the edge that leaves the corner.
     const PLACES: [[usize; 2]; 4] = [[0, 1], [6, 3], [8, 7], [2, 5]];
     let topology = &mesh.topology;
     let mut net = [DVec3::ZERO; 16];
@@ -200,8 +202,8 @@ fn net(mesh: &Mesh, corners: [u32; 4]) -> Net {
     net
 }
 
-/// A box around the faces of an element: the surface over it lies inside, since all points
-/// of a refined mesh are means of those around them, with weights from 0 to 1.
+/// A box around the faces of an element. The surface over the element lies inside, because all
+/// points of a refined mesh are means of those around them, with weights from 0 to 1.
 fn hull(mesh: &Mesh, corners: [u32; 4]) -> Aabb {
     let faces = corners.map(|corner| mesh.topology.face_of(corner) as usize);
     let vertices = faces.iter().flat_map(|&face| mesh.topology.face(face));

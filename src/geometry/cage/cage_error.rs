@@ -16,7 +16,7 @@ pub enum CageError {
     /// There is no face.
     #[error("the cage has no faces")]
     Empty,
-    /// There are more corners than can be counted.
+    /// There are too many corners to count.
     #[error("the cage has {corners} corners of faces: at most {limit} can be handled")]
     TooLarge {
         /// The sum of all faces' corners, or the number of vertices.
@@ -43,7 +43,7 @@ pub enum CageError {
         /// How many it has.
         corners: usize,
     },
-    /// A face names a vertex that is not there.
+    /// A face names a vertex that does not exist.
     #[error(
         "face {face} names vertex {vertex}, but there {} only {}",
         are(*.vertices), Counted(*.vertices, "vertex")
@@ -83,7 +83,7 @@ pub enum CageError {
         /// All faces that have it.
         faces: Vec<usize>,
     },
-    /// Two faces run along their common edge the same way.
+    /// Two faces run along their common edge in the same direction.
     #[error(
         "faces {} and {} both run from vertex {} to vertex {}: one of them is inside out",
         .faces[0], .faces[1], .vertices[0], .vertices[1]
@@ -100,7 +100,7 @@ pub enum CageError {
         /// Which vertex.
         vertex: usize,
     },
-    /// The faces around a vertex touch there only.
+    /// The faces around a vertex form separate fans that touch only there.
     #[error(
         "vertex {vertex}: its {faces} faces form separate fans (one of {fan}) that touch in \
          this vertex only"
@@ -110,10 +110,10 @@ pub enum CageError {
         vertex: usize,
         /// The number of its faces.
         faces: usize,
-        /// The number of those that hang together with the first.
+        /// The number of faces connected with the first.
         fan: usize,
     },
-    /// A crease is asked for where there is no edge.
+    /// A crease is requested where there is no edge.
     #[error("crease {crease}: there is no edge between vertices {} and {}", .vertices[0], .vertices[1])]
     NoSuchEdge {
         /// Which crease.
@@ -121,7 +121,7 @@ pub enum CageError {
         /// The vertices it names.
         vertices: [usize; 2],
     },
-    /// A sharp corner is asked for where there is no vertex.
+    /// A sharp corner is requested where there is no vertex.
     #[error(
         "corner {corner} names vertex {vertex}, but there {} only {}",
         are(*.vertices), Counted(*.vertices, "vertex")
@@ -134,7 +134,7 @@ pub enum CageError {
         /// The number of vertices.
         vertices: usize,
     },
-    /// A sharpness is not one.
+    /// A sharpness is out of range.
     #[error("{feature} {index} has sharpness {sharpness}: it must be from 0 to 10, or infinite")]
     Sharpness {
         /// What should be sharp.
@@ -159,8 +159,8 @@ pub enum CageError {
 }
 
 impl CageError {
-    /// The same of a cage whose vertices and faces are some of another one's, in whose numbers they are then told:
-    /// which are kept, and how many vertices there are.
+    /// The same error in the numbers of a larger cage, of whose vertices and faces only some were kept. `kept` and
+    /// `kept_faces` give the original number of each; `count` is the number of vertices.
     #[must_use]
     pub(crate) fn of_kept(
         mut self,
@@ -223,12 +223,12 @@ impl fmt::Display for Feature {
     }
 }
 
-/// The verb for this many things.
+/// The verb form for this number of things.
 fn are(count: usize) -> &'static str {
     if count == 1 { "is" } else { "are" }
 }
 
-/// Numbers as in `1, 2 and 3`.
+/// Displays numbers as in `1, 2 and 3`.
 struct Listed<'a>(&'a [usize]);
 
 impl fmt::Display for Listed<'_> {
@@ -245,11 +245,11 @@ impl fmt::Display for Listed<'_> {
     }
 }
 
-/// Why a limit surface cannot be had to a tolerance.
+/// Why a limit surface cannot be computed to a tolerance.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LimitError {
-    /// The tolerance is no length, or finer than the arithmetic allows.
+    /// The tolerance is not a length, or is finer than the arithmetic allows.
     #[error(
         "tolerance {}: for a cage of this size with coordinates up to {} it must be finite and at least {}",
         Shown(*.tolerance), Shown(*.magnitude), Shown(*.smallest)
@@ -259,7 +259,7 @@ pub enum LimitError {
         tolerance: f64,
         /// The largest absolute coordinate of the cage.
         magnitude: f64,
-        /// The smallest tolerance for it.
+        /// The smallest tolerance for the cage.
         smallest: f64,
     },
     /// There would be too many patches.
@@ -269,12 +269,13 @@ pub enum LimitError {
         Shown(*.tolerance)
     )]
     TooManyPatches {
-        /// The largest number of patches and the squares they are found through.
+        /// The largest number of squares: the patches, and the squares through which they are
+        /// found.
         limit: usize,
         /// The tolerance, in scene units.
         tolerance: f64,
     },
-    /// The refinement did not get there within the number of steps squares can be halved.
+    /// The refinement did not reach the tolerance within the number of steps squares can be halved.
     #[error("tolerance {} is not reached after {levels} steps of refinement", Shown(*.tolerance))]
     TooDeep {
         /// The tolerance, in scene units.
@@ -282,13 +283,13 @@ pub enum LimitError {
         /// The number of steps.
         levels: u32,
     },
-    /// A Doo–Sabin surface cannot have the creases and corners the cage has.
+    /// The cage has creases or corners, which a Doo–Sabin surface cannot have.
     #[error(
         "{} and {} are sharp: Doo–Sabin surfaces have no creases",
         Counted(*.edges, "inner edge"), Counted(*.vertices, "inner vertex")
     )]
     Sharp {
-        /// The number of sharp edges that are no boundary.
+        /// The number of sharp edges that are not on the boundary.
         edges: usize,
         /// The number of sharp vertices that are not on the boundary.
         vertices: usize,
@@ -298,10 +299,10 @@ pub enum LimitError {
         "all vertices are on the boundary: a Doo–Sabin surface lies around the vertices inside"
     )]
     NothingInside,
-    /// The surface is but a point or a line, as its cage.
+    /// The surface, like its cage, is only a point or a line.
     #[error("{0}")]
     Surface(Box<SurfaceError>),
-    /// The faces of a Doo–Sabin surface would have two corners only.
+    /// A face of the Doo–Sabin surface would have only two corners.
     #[error("vertex {vertex} has two faces: Doo–Sabin surfaces need three or more around it")]
     TwoFaces {
         /// Which vertex.

@@ -11,10 +11,10 @@ impl Cage {
     /// The cage of the same Catmull–Clark surface after one step of refinement: each face
     /// of n corners becomes n quads.
     ///
-    /// The vertices are those of this cage, moved, then one for each edge and one for each
-    /// face. The quad of corner k of a face is counted where that corner is. The quads of
-    /// a quad keep its directions: its corner k is corner k of the k-th of them. The quads
-    /// of another face begin with the face's corner.
+    /// The vertices are those of this cage, moved, then one for each edge and one for each face.
+    /// The quad at corner k of a face has the index of that corner. The quads of a quad keep its
+    /// directions: its corner k is corner k of the k-th of them. The quads of any other face begin
+    /// with the face's corner.
     ///
     /// Source: Catmull & Clark 1978; DeRose, Kass & Truong 1998 for creases, with the rules
     /// for fractions and boundaries of OpenSubdiv (creasing method "uniform").
@@ -76,8 +76,8 @@ fn middle(mesh: &Mesh, centroids: &[DVec3], edge: usize) -> DVec3 {
     edge_point(ends, sides, mesh.creases[edge])
 }
 
-/// Quads around each corner: the vertex, the edge that leaves it, the face, the edge that
-/// arrives; turned, in a quad, until the vertex stands where it stood in the quad.
+/// A quad for each corner: the vertex, the edge that leaves it, the face, the edge that arrives. In
+/// a quad they are rotated so that the vertex keeps its place.
 fn child_topology(topology: &Topology, vertex_count: usize) -> Topology {
     let first_edge = topology.vertex_count() as u32;
     let first_face = first_edge + topology.edge_count() as u32;

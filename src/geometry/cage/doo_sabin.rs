@@ -12,9 +12,9 @@ impl Cage {
     /// The cage of the same Doo–Sabin surface after one step of refinement: a shrunken face
     /// in each face, a quad along each inner edge, a face around each inner vertex.
     ///
-    /// The vertices are the corners of this cage's faces, and its faces come first, with
-    /// their corners in the same order. Creases and corners are no part of the scheme: the
-    /// new cage has none. Boundary vertices bring no faces, so the border moves inwards.
+    /// The vertices correspond to the corners of this cage's faces. The shrunken faces come first,
+    /// with their corners in the same order. The scheme has no creases and corners, so the new cage
+    /// has none. Boundary vertices give no faces, so the border moves inwards.
     ///
     /// Source: Doo & Sabin 1978, with their weights: `(n + 5)/(4n)` for the corner itself,
     /// `(3 + 2 cos(2π j/n))/(4n)` for the corner j places further.

@@ -15,19 +15,19 @@ impl Cage {
     /// [`LimitSurface`]; [`Cage::default_tolerance`] is a sensible one.
     ///
     /// Regular quads (four around each corner, or the mirrored halves and quarters of that
-    /// at infinitely sharp creases, corners and boundaries) are bicubic patches. The others,
-    /// and their neighbours, are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose
-    /// 2012) until what is left is proved to be within the tolerance; then the largest
-    /// squares that a single patch fits are taken.
+    /// at infinitely sharp creases, corners and boundaries) are bicubic patches. The others, and
+    /// their neighbours, are refined (feature-adaptively: Nießner, Loop, Meyer & DeRose 2012) until
+    /// the remainder is proved to be within the tolerance; then the largest squares that a single
+    /// patch fits are used.
     ///
     /// # Errors
-    /// When the tolerance is no length, less than [`Cage::smallest_tolerance`], or would
-    /// need millions of patches.
+    /// When the tolerance is not a length, is less than [`Cage::smallest_tolerance`], or would need
+    /// millions of patches.
     pub fn catmull_clark(&self, tolerance: f64) -> Result<LimitSurface, LimitError> {
         within(tolerance, self.mesh(), |share| self.catmull_clark_patches(tolerance, share))
     }
 
-    /// Patches within a share of the tolerance; where they are not exact they may not meet.
+    /// The patches within a share of the tolerance; where they are not exact they may not meet.
     fn catmull_clark_patches(
         &self,
         tolerance: f64,
@@ -59,21 +59,21 @@ impl Cage {
     }
 
     /// A tolerance for pictures: 1e-4 of the cage's largest side, a tenth of a pixel where that
-    /// fills a thousand.
+    /// side spans a thousand pixels.
     ///
-    /// It bounds the distance at the same (u, v), most of which is along the surface near
-    /// extraordinary vertices: there, patches of this tolerance measure less than 1e-12 of the
-    /// side off the surface, of ten times this tolerance some 1e-7. Semi-sharp creases are what
-    /// it is for: a crease of sharpness 6 is rounded over a 64th of a face, in as many patches
-    /// as that takes, and at 1e-3 would be a tenth of that many and 2e-4 of the side off.
+    /// It bounds the distance at the same (u, v), which near extraordinary vertices is mostly along
+    /// the surface. Measured: there, patches of this tolerance are less than 1e-12 of the side off
+    /// the surface, patches of ten times this tolerance about 1e-7. The tolerance is needed for
+    /// semi-sharp creases: a crease of sharpness 6 is rounded over a 64th of a face, in as many
+    /// patches as that takes; at 1e-3 it would take a tenth as many and be 2e-4 of the side off.
     pub fn default_tolerance(&self) -> f64 {
         let size = self.largest_side();
-        // A cage very far away from the origin, or one with no extent, cannot have that.
+        // A cage very far from the origin, or one without extent, cannot have that tolerance.
         (1e-4 * size).max(self.smallest_tolerance()).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Where unit squares of a cage's faces end at its boundary.
+/// The sides of unit squares that lie on the cage's boundary.
 #[derive(Clone, Copy)]
 struct Borders<'a>(&'a Topology);
 
@@ -82,13 +82,13 @@ impl Borders<'_> {
         self.0.twin(corner as u32) == NONE
     }
 
-    /// The sides of a quad: first u, last u, first v, last v.
+    /// Which sides of a quad are borders: first u, last u, first v, last v.
     fn of_quad(&self, face: usize) -> [bool; 4] {
         let first = self.0.face_range(face).start;
         [3, 1, 0, 2].map(|k| self.at(first + k))
     }
 
-    /// The sides of the unit square at a corner of another face.
+    /// Which sides of the unit square at a corner of any other face are borders.
     fn of_corner(&self, face: usize, k: usize) -> [bool; 4] {
         let corner = self.0.face_range(face).start + k;
         [self.at(self.0.previous(corner as u32) as usize), false, self.at(corner), false]
@@ -104,14 +104,14 @@ enum Known {
     Polygon { face: usize, unit: usize },
 }
 
-/// A mesh and those of its faces that are looked at; the others only surround them.
+/// A mesh and the faces of it that are to be processed; the others only surround them.
 type Level = (Mesh, Vec<(u32, Known)>);
 
-/// Gives the squares of faces their patches, and refines where more is needed.
+/// Sets the patches of the faces' squares, and refines the mesh where more is needed.
 ///
-/// The vertices of a face that is kept have all their faces in the part that is refined. So
-/// the quads at these vertices have the right corners, and they are all that surrounds the
-/// face's own quads: what is made of the part's other borders is not looked at again.
+/// The refined part contains all faces at the vertices of each kept face. So the quads at these
+/// vertices have the right corners, and they are all that surrounds the quads of the kept face.
+/// What refinement makes of the part's other borders is not used again.
 fn settle(
     mesh: &Mesh,
     faces: &[(u32, Known)],
@@ -163,16 +163,16 @@ fn settle(
     Ok(Some((refined(&part.mesh), children)))
 }
 
-/// What becomes of a kept face's quads.
+/// What the quads of a kept face become.
 #[derive(Clone, Copy, Debug)]
 enum Next {
-    /// They are these squares, one after the other.
+    /// Four consecutive squares from this one on.
     Quarters(u32),
-    /// They are unit squares of a face of the cage.
+    /// Unit squares of a face of the cage.
     Units(usize, usize),
 }
 
-/// A box around all faces that touch a face: the surface over it lies inside, since all
+/// A box around all faces that touch a face. The surface over the face lies inside, because all
 /// points of a refined mesh are means of those around them, with weights from 0 to 1.
 fn hull(mesh: &Mesh, face: usize) -> Aabb {
     let topology = &mesh.topology;

@@ -10,8 +10,8 @@ use crate::geometry::{
 };
 
 impl Charts for LimitSurface {
-    /// The patches, each over its square moved by the number of its unit square along u. The
-    /// last u and v of a square that others lie beyond belong to those.
+    /// The patches, each over its square, shifted along u by the index of its unit square. Where
+    /// other squares adjoin a square's last u or v, that border belongs to them.
     fn charts(&self) -> Vec<Chart<'_>> {
         let count = (self.degree + 1) * (self.degree + 1);
         self.patches.iter().zip(self.control.chunks(count)).map(|one| self.chart(one)).collect()
@@ -39,7 +39,7 @@ impl LimitSurface {
         }
     }
 
-    /// The patch at a place, and where on it that is; off the surface, the patch before it.
+    /// The patch at a place, and its local parameters; off the surface, the patch before the place.
     fn find(&self, uv: DVec2) -> (usize, DVec2) {
         let last = self.unit_count.saturating_sub(1);
         let unit = (uv.x as usize).min(last); // whole numbers below; 0 for NaN
@@ -58,8 +58,8 @@ impl LimitSurface {
         self.sum(patch, &basis(n, st.x), &basis(n, st.y))
     }
 
-    /// The point at (u, v) with its first and second derivatives; between patches of those
-    /// that begin there.
+    /// The point at (u, v) with its first and second derivatives; between patches, those of the
+    /// patch that begins there.
     pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
         let (patch, st) = self.find(uv);
         let [[u0, u1, u2], [v0, v1, v2]] = [st.x, st.y].map(|t| self.basis_derivatives(t));
@@ -75,15 +75,15 @@ impl LimitSurface {
         }
     }
 
-    /// The unit normal; where derivatives vanish, its limit on the way into the patch. `None`
-    /// where there is none.
+    /// The unit normal; where derivatives vanish, its limit on the way into the patch. `None` if
+    /// there is no normal.
     pub fn normal(&self, uv: DVec2) -> Option<DVec3> {
         let (_, st) = self.find(uv);
         let inward = DVec2::splat(0.5) - st;
         self.derivatives(uv).unit_normal(inward)
     }
 
-    /// Whether a place is on a border, to the rounding of u and v.
+    /// Whether a place is on a border, up to the rounding of u and v.
     pub fn on_border(&self, uv: DVec2) -> bool {
         let (patch, st) = self.find(uv);
         let LimitPatch { square, border, .. } = self.patches[patch];
@@ -109,7 +109,7 @@ impl LimitSurface {
     }
 }
 
-/// Those of degree 3, or less.
+/// Values of the Bernstein polynomials of degree 3 or less.
 type Basis = [f64; 4];
 
 fn basis(degree: usize, t: f64) -> Basis {

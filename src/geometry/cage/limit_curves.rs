@@ -8,11 +8,11 @@ use crate::geometry::{Direction, KnotVector, NurbsCurve, bernstein};
 impl LimitSurface {
     /// The curves on which one parameter of a unit square is fixed at `at`, from 0 to 1, exactly
     /// those of the patches: one for each unbroken part, over its part of the domain, in order.
-    /// Where the unit square is no part of the surface (Doo–Sabin surfaces end in the middle of
-    /// faces) there is none.
+    /// There is none where the unit square is not part of the surface (Doo–Sabin surfaces end in
+    /// the middle of faces).
     ///
-    /// Between two patches it is the one that begins there. Inner knots are there as often as
-    /// the degree says, for each patch brings a Bézier piece.
+    /// A line between two patches takes the curve of the patch that begins there. Inner knots have
+    /// full multiplicity, the degree, because each patch gives a Bézier piece.
     pub fn unit_curves(&self, unit: usize, direction: Direction, at: f64) -> Vec<NurbsCurve> {
         let (fixed, along) = match direction {
             Direction::U => (0, 1),
@@ -21,7 +21,7 @@ impl LimitSurface {
         let first = self.patches.partition_point(|patch| patch.square.unit < unit);
         let beyond = self.patches.partition_point(|patch| patch.square.unit <= unit);
 
-        // The patches that the line meets, of two beside it the one that begins there first.
+        // The patches that the line meets; of two beside it, the one that begins there comes first.
         let mut met: Vec<(FaceSquare, bool, usize)> = (first..beyond)
             .filter_map(|index| {
                 let square = self.patches[index].square;
@@ -57,7 +57,7 @@ impl LimitSurface {
         curves.into_iter().map(|(breaks, control)| self.joined(&breaks, control)).collect()
     }
 
-    /// The Bézier points of a line of a patch, at a share of the patch.
+    /// The Bézier points of a line of constant parameter, at a fraction of the patch.
     fn piece(&self, patch: usize, direction: Direction, share: f64) -> Vec<DVec4> {
         let n = self.degree + 1;
         let net = &self.control[patch * n * n..][..n * n];

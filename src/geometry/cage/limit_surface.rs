@@ -8,13 +8,13 @@ use crate::geometry::construct::ControlNet;
 use crate::geometry::surface::{Extent, extent};
 use crate::geometry::{KnotVector, MAX_MAGNITUDE, NurbsSurface, SurfaceError};
 
-/// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark,
-/// biquadratic for Doo–Sabin: most of them exact, those near extraordinary points within a
-/// bound that is proved for each (see [`LimitPatch::deviation`]).
+/// The limit surface of a cage as polynomial Bézier patches, bicubic for Catmull–Clark, biquadratic
+/// for Doo–Sabin. Most patches are exact; those near extraordinary points are within a bound that
+/// is proved for each (see [`LimitPatch::deviation`]).
 ///
-/// There are no gaps: patches of one size share the control points of their common border bit
-/// for bit; where sizes differ, borders agree to rounding. (Borders of patches that are not exact
-/// are moved for that, within the tolerance.)
+/// There are no gaps: patches of one size share the control points of their common border bit for
+/// bit; where sizes differ, borders agree up to rounding. (To achieve this, borders of patches that
+/// are not exact are moved, within the tolerance.)
 ///
 /// As a whole it is a surface over `(u, v)`: unit square k of the cage's faces, counted as
 /// [`FaceSquare`] says, is `k ≤ u < k + 1`, `0 ≤ v ≤ 1`.
@@ -23,33 +23,33 @@ pub struct LimitSurface {
     pub(super) degree: usize,
     tolerance: f64,
     pub(super) unit_count: usize,
-    /// In the order of their place: see [`FaceSquare::order`].
+    /// Sorted by place: see [`FaceSquare::order`].
     pub(super) patches: Vec<LimitPatch>,
     pub(super) control: Vec<DVec3>,
     /// The cage.
     net: ControlNet,
 }
 
-/// Which part of the surface a patch is, and how well it fits.
+/// The part of the surface that a patch covers, and its accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitPatch {
     /// The part of the cage.
     pub square: FaceSquare,
     /// Which sides are borders of the surface: first u, last u, first v, last v.
     pub border: [bool; 4],
-    /// At no (u, v) is the patch farther from the limit surface than this, in scene units
-    /// (but for rounding, some ulps of the coordinates); 0 if it is exact.
+    /// Upper bound on the distance between the patch and the limit surface at the same (u, v), in
+    /// scene units (except for rounding by some ulps of the coordinates); 0 if the patch is exact.
     pub deviation: f64,
-    /// Whether the patch is the limit surface, to rounding.
+    /// Whether the patch is the limit surface, up to rounding.
     pub exact: bool,
 }
 
 /// A part of a face of a cage: a square of its unit square.
 ///
-/// Quads have one unit square, with corner 0 at (0, 0), corner 1 at (1, 0), corner 2 at
-/// (1, 1). A face of n ≠ 4 corners has n, one for each corner: that corner at (0, 0), the
-/// face's middle at (1, 1), the edge that leaves the corner along u. They are counted face
-/// after face, as Ptex does.
+/// A quad has one unit square, with corner 0 at (0, 0), corner 1 at (1, 0), corner 2 at (1, 1). A
+/// face of n ≠ 4 corners has n unit squares, one for each corner: the corner at (0, 0), the face's
+/// middle at (1, 1), the edge that leaves the corner along u. They are counted face after face, as
+/// in Ptex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceSquare {
     /// The face of the cage.
@@ -58,12 +58,12 @@ pub struct FaceSquare {
     pub unit: usize,
     /// The smallest u and v.
     pub low: [f64; 2],
-    /// The side: a power of ½, so that low and low + side are exact.
+    /// The side length: a power of ½, so that low and low + side are exact.
     pub side: f64,
 }
 
 impl FaceSquare {
-    /// The whole unit square of that number.
+    /// The whole unit square with index `unit`.
     pub(super) fn whole(face: usize, unit: usize) -> Self {
         Self { face, unit, low: [0.0; 2], side: 1.0 }
     }
@@ -75,8 +75,9 @@ impl FaceSquare {
         Self { low: [self.low[0] + u * side, self.low[1] + v * side], side, ..*self }
     }
 
-    /// Sorts squares that do not overlap so that the one that holds a place is the last one
-    /// not after it: by unit squares, then by the bits of v and u in turn (Morton's order).
+    /// Sort key for squares that do not overlap: the square that contains a place is the last one
+    /// not after that place. Sorts by unit square, then by the interleaved bits of v and u (Morton
+    /// order).
     pub(super) fn order(&self) -> (usize, u128) {
         (self.unit, place_order(self.low))
     }
@@ -86,13 +87,13 @@ impl FaceSquare {
         self.low.map(|low| low + self.side == 1.0)
     }
 
-    /// The place in the unit square of a patch's (u, v) in [0, 1]².
+    /// The place in the unit square that corresponds to a patch's (u, v) in [0, 1]².
     pub fn unit_uv(&self, u: f64, v: f64) -> [f64; 2] {
         [self.low[0] + self.side * u, self.low[1] + self.side * v]
     }
 }
 
-/// The bits of two numbers from 0 to 1, in turn, the second one's first.
+/// The interleaved bits of two numbers from 0 to 1, the second one's first.
 pub(super) fn place_order(at: [f64; 2]) -> u128 {
     // As many bits as the corners of squares have.
     let most = f64::powi(2.0, 52);
@@ -124,7 +125,7 @@ impl LimitSurface {
         self.control.extend_from_slice(net);
     }
 
-    /// What the control points span.
+    /// The extent of the control points.
     pub(super) fn extent(&self) -> Extent {
         extent(|| self.control.iter().copied(), [self.degree; 2])
     }
@@ -134,7 +135,7 @@ impl LimitSurface {
         self.degree
     }
 
-    /// The patches, those of a face together, faces in the order of the cage.
+    /// The patches, grouped by face, with the faces in the order of the cage.
     pub fn patches(&self) -> &[LimitPatch] {
         &self.patches
     }
@@ -159,7 +160,7 @@ impl LimitSurface {
         Some(knots.and_then(|knots| NurbsSurface::new(knots.clone(), knots, points, None)))
     }
 
-    /// What was asked for, in scene units: no gap between patches is wider.
+    /// The requested tolerance, in scene units: no gap between patches is wider.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
@@ -169,7 +170,7 @@ impl LimitSurface {
         self.patches.iter().map(|patch| patch.deviation).fold(0.0, f64::max)
     }
 
-    /// The number of unit squares: the domain is from 0 to that in u, from 0 to 1 in v.
+    /// The number of unit squares. The domain is from 0 to this number in u, from 0 to 1 in v.
     pub fn unit_count(&self) -> usize {
         self.unit_count
     }
@@ -206,12 +207,12 @@ impl LimitSurface {
         surface
     }
 
-    /// The surface moved by an affine map, parameters in their places. Deviations and the
-    /// tolerance grow with the lengths the map can stretch most.
+    /// The surface moved by an affine map; parameters stay the same. Deviations and the tolerance
+    /// are scaled by the largest factor by which the map stretches lengths.
     ///
     /// # Errors
-    /// When the map is not finite, flattens space, or takes a vertex of the cage or a patch too
-    /// far, or all of them to one point.
+    /// When the map is not finite or flattens space, or moves a vertex of the cage or a patch too
+    /// far out, or all of them to one point.
     pub fn transformed(&self, map: &DAffine3) -> Result<Self, SurfaceError> {
         check_invertible(map)?;
         let moved = |points: &[DVec3]| -> Vec<DVec3> {
@@ -237,7 +238,7 @@ impl LimitSurface {
         Ok(moved)
     }
 
-    /// The number of patches that are the limit surface to rounding.
+    /// The number of patches that are the limit surface up to rounding.
     pub fn exact_count(&self) -> usize {
         self.patches.iter().filter(|patch| patch.exact).count()
     }

@@ -1,4 +1,4 @@
-//! Points and normals of limit surfaces, straight from the cage by masks.
+//! Points and normals of limit surfaces, computed directly from the cage by limit masks.
 
 use std::f64::consts::TAU;
 
@@ -11,28 +11,28 @@ use super::ring::Ring;
 /// A point of a limit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitPoint {
-    /// Where it is.
+    /// The position.
     pub point: DVec3,
-    /// The unit normal there, outward for a cage oriented outward; `None` where the surface
+    /// The unit normal at the point, outward for a cage oriented outward; `None` where the surface
     /// has no tangent plane.
     pub normal: Option<DVec3>,
 }
 
 impl Cage {
-    /// Where the Catmull–Clark limit surface passes each vertex, by limit masks; for each
-    /// face, in the order of its corners, with the normal as seen from that face: across a
-    /// crease faces see different ones.
+    /// The points of the Catmull–Clark limit surface for the vertices, by limit masks. They are
+    /// listed per face, in the order of its corners, with the normal as seen from that face: the
+    /// faces beside a crease see different normals.
     ///
     /// Source: Halstead, Kass & DeRose 1993; Biermann, Levin & Zorin 2000 for creases. At
-    /// sharp corners that more than one face meets there is no tangent plane, as Biermann
-    /// and others remark, and no normal.
+    /// sharp corners where more than one face meets there is no tangent plane, as Biermann and
+    /// others remark, and so no normal.
     pub fn catmull_clark_limits(&self) -> Vec<Vec<LimitPoint>> {
         let mesh = self.mesh();
         let topology = &mesh.topology;
         let all_quads = (0..topology.face_count()).all(|face| topology.face(face).len() == 4);
         let once = if all_quads { None } else { Some(refined(mesh)) };
         let ring = |vertex| Ring::of(mesh, vertex).or_else(|| Ring::of(once.as_ref()?, vertex));
-        // One ring a vertex; its quads are counted as the corners of the vertex's star.
+        // One ring per vertex; its quads have the order of the corners of the vertex's star.
         let mut limits = vec![None; topology.corner_count()];
         for vertex in 0..topology.vertex_count() as u32 {
             let Some(ring) = ring(vertex) else { continue };
@@ -45,8 +45,8 @@ impl Cage {
         (0..topology.face_count()).map(of_face).collect()
     }
 
-    /// Where the Doo–Sabin limit surface passes the middle of each face: its centroid, with
-    /// the normal of the face's first Fourier mode (Doo & Sabin 1978).
+    /// The point of the Doo–Sabin limit surface for the middle of each face: the face's centroid,
+    /// with the normal of the face's first Fourier mode (Doo & Sabin 1978).
     pub fn doo_sabin_limits(&self) -> Vec<LimitPoint> {
         let mesh = self.mesh();
         let of_face = |face: usize| {

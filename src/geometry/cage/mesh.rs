@@ -1,4 +1,4 @@
-//! A polygon mesh with sharp edges and vertices: the cage, or what refinement made of it.
+//! A polygon mesh with sharp edges and vertices: the cage, or the result of its refinement.
 
 use glam::DVec3;
 
@@ -7,9 +7,9 @@ use crate::geometry::construct::ControlNet;
 
 /// Positions, neighbourhoods and sharpness.
 ///
-/// Sharpness is the number of refinement steps for which an edge is a crease and a vertex
-/// stays where it is (DeRose, Kass & Truong 1998); it may be fractional or infinite. Edges
-/// on the boundary are creases for ever.
+/// Sharpness is the number of refinement steps for which an edge is a crease or a vertex stays
+/// where it is (DeRose, Kass & Truong 1998); it may be fractional or infinite. Edges on the
+/// boundary are always creases.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mesh {
     pub(super) topology: Topology,
@@ -23,7 +23,7 @@ pub(super) struct Mesh {
 /// Some faces of a mesh as a mesh of their own.
 pub(super) struct Part {
     pub(super) mesh: Mesh,
-    /// The face each of its faces was.
+    /// The original face of each of its faces.
     pub(super) faces: Vec<u32>,
 }
 
@@ -57,7 +57,7 @@ impl Mesh {
 
     /// All faces that have one of the marked vertices, with their vertices.
     ///
-    /// Where faces are missing, edges keep their sharpness: they become no creases.
+    /// Edges that lose a face keep their sharpness: they do not become creases.
     pub(super) fn part_around(&self, marked: &[bool]) -> Part {
         let topology = &self.topology;
         let touches = |face: &u32| {
@@ -65,7 +65,7 @@ impl Mesh {
         };
         let faces: Vec<u32> = (0..topology.face_count() as u32).filter(touches).collect();
 
-        // New numbers for the vertices, in the order they are met.
+        // Number the vertices anew, in the order in which they occur.
         let mut number = vec![u32::MAX; topology.vertex_count()];
         let (mut old_vertices, mut old_corners) = (Vec::new(), Vec::new());
         let (mut starts, mut vertices) = (vec![0], Vec::new());

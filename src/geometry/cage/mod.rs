@@ -1,9 +1,9 @@
 //! Subdivision surfaces: polygon cages and their limit surfaces.
 //!
-//! A [`Cage`] is a polygon mesh, checked once. Its limit surface, Catmull–Clark's or
-//! Doo–Sabin's, comes as Bézier patches ([`LimitSurface`]): exact ones where the cage is
-//! regular, and near extraordinary points, where no finite number of patches is exact, ones
-//! within a tolerance that is proved for each.
+//! A [`Cage`] is a polygon mesh, checked once. Its limit surface, Catmull–Clark's or Doo–Sabin's,
+//! is a set of Bézier patches ([`LimitSurface`]). They are exact where the cage is regular. Near
+//! extraordinary points, where no finite number of patches is exact, each is proved to be within a
+//! tolerance.
 //!
 //! ```
 //! use glam::DVec3;

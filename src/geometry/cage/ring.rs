@@ -1,5 +1,5 @@
-//! The quads around a vertex: where refinement takes the vertex in the end, and the normal
-//! of the surface there.
+//! The quads around a vertex: the limit point of the vertex under refinement, and the normal of the
+//! limit surface there.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,11 +8,11 @@ use glam::DVec3;
 use super::mesh::Mesh;
 use super::vertex_rule::{Rule, Surroundings, decayed, edge_point};
 
-/// A vertex with the quads around it, counterclockwise. Refined, it has as many.
+/// A vertex with the quads around it, counterclockwise. Refinement keeps their number.
 #[derive(Clone, Debug)]
 pub(super) struct Ring {
     centre: DVec3,
-    /// Its own sharpness.
+    /// The sharpness of the vertex.
     corner: f64,
     /// The ends of its edges: one for each quad and, if the ring is open, one more.
     spokes: Vec<DVec3>,
@@ -22,11 +22,11 @@ pub(super) struct Ring {
     diagonals: Vec<DVec3>,
 }
 
-/// Steps after which a dart's ring has shrunk to nothing: a step leaves at most 0.66 of it
-/// (the largest subdominant eigenvalue for any number of edges), and 0.66¹⁰⁰ < 1e-18.
+/// The steps after which a dart's ring has shrunk to nothing: a step leaves at most 0.66 of it (the
+/// largest subdominant eigenvalue for any number of edges), and 0.66¹⁰⁰ < 1e-18.
 const DART_STEPS: usize = 100;
 
-/// Steps after which the finite sharpness, 10 at most, is used up.
+/// The steps after which all finite sharpness, at most 10, is used up.
 const SHARP_STEPS: usize = 10;
 
 impl Ring {
@@ -56,7 +56,7 @@ impl Ring {
         Rule::of(self.corner, self.creases.iter().copied())
     }
 
-    /// Whether one edge alone is sharp.
+    /// Whether exactly one edge is sharp, and not the vertex.
     fn is_dart(&self) -> bool {
         self.corner == 0.0 && self.creases.iter().filter(|&&s| s > 0.0).count() == 1
     }
@@ -91,7 +91,7 @@ impl Ring {
         }
     }
 
-    /// The ring when all sharpness that is finite has run out.
+    /// The ring after refinement has used up all finite sharpness.
     fn settled(&self) -> Self {
         let finite = |s: f64| s > 0.0 && s.is_finite();
         let mut ring = self.clone();
@@ -104,12 +104,12 @@ impl Ring {
         ring
     }
 
-    /// The point of the limit surface the vertex ends at.
+    /// The limit point of the vertex.
     ///
-    /// With n edges: `(n² v + 4 Σ spokes + Σ diagonals) / (n (n + 5))` (Halstead, Kass &
-    /// DeRose 1993); on a crease from a to b the cubic B-spline's `(a + 4 v + b)/6`; at a
-    /// corner v itself. At a dart, for whose rules no such mask is known, the ring is
-    /// refined until it has shrunk below rounding.
+    /// With n edges it is `(n² v + 4 Σ spokes + Σ diagonals) / (n (n + 5))` (Halstead, Kass &
+    /// DeRose 1993); on a crease from a to b the cubic B-spline's `(a + 4 v + b)/6`; at a corner v
+    /// itself. For a dart no such mask is known, so its ring is refined until it has shrunk below
+    /// rounding.
     pub(super) fn limit(&self) -> DVec3 {
         let mut ring = self.settled();
         if ring.is_dart() {
@@ -130,16 +130,16 @@ impl Ring {
         }
     }
 
-    /// The unit normal of the limit surface there, as seen from one of the quads.
+    /// The unit normal of the limit surface at the limit point, as seen from one of the quads.
     ///
-    /// Smooth vertices by the tangent masks of Halstead, Kass & DeRose (1993), those on
-    /// creases by the same eigenvectors fitted to the crease, corners of a single quad by
-    /// its two edges, darts by refining the ring.
+    /// Smooth vertices use the tangent masks of Halstead, Kass & DeRose (1993), vertices on creases
+    /// the same eigenvectors fitted to the crease, corners of a single quad its two edges. For
+    /// darts the ring is refined.
     ///
-    /// `None` where there is no tangent plane: where the tangents are parallel or vanish, at
-    /// sharp corners of two or more quads without a crease between them, and at creases
-    /// with four or more. (From four on, an eigenvalue across the crease is as large as the
-    /// 1/2 along it: Biermann, Levin & Zorin 2000 change the rules for that reason.)
+    /// `None` where there is no tangent plane: where the tangents are parallel or vanish, at sharp
+    /// corners of two or more quads without a crease between them, and at creases with four or more
+    /// quads on this side. (From four on, an eigenvalue across the crease is as large as the 1/2
+    /// along it: Biermann, Levin & Zorin 2000 change the rules for that reason.)
     pub(super) fn normal(&self, quad: usize) -> Option<DVec3> {
         let ring = self.settled();
         let [first, second] = match ring.rule() {
@@ -158,10 +158,10 @@ impl Ring {
         unit_normal(first, second, ring.extent())
     }
 
-    /// The step from the limit point of a smooth vertex to the control point beside it on
-    /// the border along a spoke, a third of the tangent there; for four spokes it is the
-    /// B-spline's (Loop, Schaefer, Ni & Castaño 2009). `None` if something is
-    /// sharp, or there are two spokes only.
+    /// The vector from the limit point of a smooth vertex to the next control point on the patch
+    /// border along a spoke, a third of the tangent there; for four spokes it is the B-spline's
+    /// (Loop, Schaefer, Ni & Castaño 2009). `None` if anything is sharp, the ring is open, or there
+    /// are only two spokes.
     pub(super) fn handle(&self, along: usize) -> Option<DVec3> {
         let smooth = self.corner == 0.0 && self.creases.iter().all(|&s| s == 0.0);
         if !(smooth && self.is_closed() && self.spokes.len() > 2) {
@@ -176,7 +176,7 @@ impl Ring {
             let (here, next) = (turn.cos(), (turn + angle).cos());
             sum + a * here * (*spoke - self.centre) + (here + next) * (*diagonal - self.centre)
         });
-        // The length is that of the cited paper, written for this scale of the eigenvector.
+        // The length is that of the cited paper, written for this scaling of the eigenvector.
         let eigenvalue = (a + 4.0) / 16.0;
         let half = (0.5 * angle).cos();
         Some(sum * (eigenvalue / (3.0 * n * half * (4.0 + half * half).sqrt())))
@@ -196,7 +196,7 @@ impl Ring {
         [tangent(f64::cos), tangent(f64::sin)]
     }
 
-    /// The spokes of the quads that hang together with one without crossing a sharp edge.
+    /// The spokes of the quads that are connected to a quad without crossing a sharp edge.
     fn sector(&self, quad: usize) -> Option<Vec<usize>> {
         let n = self.spokes.len();
         let mut first = quad;
@@ -217,7 +217,7 @@ impl Ring {
         Some(sector)
     }
 
-    /// Along the crease and across it, for k quads between its two edges.
+    /// The tangents along the crease and across it, for k quads between its two edges.
     fn crease_tangents(&self, sector: &[usize]) -> [DVec3; 2] {
         let k = sector.len() - 1;
         let offset = |spoke: usize| self.spokes[spoke] - self.centre;
@@ -225,9 +225,9 @@ impl Ring {
         if k == 1 {
             return [first - last, first + last];
         }
-        // Inside, the eigenvector is that of a smooth vertex with the angle π/k. What it
-        // gives the two ends follows from their column of the refinement matrix, and from
-        // weights that add up to 0.
+        // Inside, the eigenvector is that of a smooth vertex with the angle π/k. Its values at the
+        // two ends follow from their column of the refinement matrix, and from the weights' sum,
+        // which is 0.
         let angle = PI / k as f64;
         let a = spoke_weight(angle);
         let eigenvalue = (a + 4.0) / 16.0;
@@ -244,8 +244,8 @@ impl Ring {
         [first - last, across]
     }
 
-    /// The normal of a dart's ring when it has become flat. It is kept about the origin, so
-    /// that its size does not vanish beside its place.
+    /// The normal of a dart's ring, refined until it is flat. The ring is kept about the origin, so
+    /// that its size does not vanish relative to its position.
     fn dart_normal(&self) -> Option<DVec3> {
         let mut ring = self.clone();
         for _ in 0..DART_STEPS {
@@ -268,13 +268,13 @@ impl Ring {
     }
 }
 
-/// The weight of spokes beside that of diagonals in the subdominant eigenvectors, for quads
-/// an angle apart; the eigenvalue is (weight + 4)/16.
+/// The weight of spokes relative to that of diagonals in the subdominant eigenvectors, for quads
+/// `angle` apart; the eigenvalue is (weight + 4)/16.
 fn spoke_weight(angle: f64) -> f64 {
     1.0 + angle.cos() + (0.5 * angle).cos() * (2.0 * (9.0 + angle.cos())).sqrt()
 }
 
-/// The direction of a cross product; `None` if it is rounding.
+/// The direction of a cross product; `None` if the product is rounding error.
 pub(super) fn unit_normal(first: DVec3, second: DVec3, extent: f64) -> Option<DVec3> {
     // Rounding leaves some ulps of the ring's extent in each tangent.
     let noise = 64.0 * f64::EPSILON * extent;

@@ -1,4 +1,4 @@
-//! Where patches of a limit surface meet: each seam gets one curve, each vertex one point.
+//! Makes patches of a limit surface meet: each seam gets one curve, each vertex one point.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,15 +12,15 @@ use super::tree::halve;
 /// A line on the cage along which squares lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Line {
-    /// An edge of the cage, run from the vertex of its first corner.
+    /// An edge of the cage, directed from the vertex of its first corner.
     Edge(u32),
     /// From the middle of the edge that leaves a corner to the middle of the face.
     Spoke(u32),
-    /// Within a unit square: the parameter that is constant, and the bits of its value.
+    /// A line inside a unit square: the constant parameter, and the bits of its value.
     Inside { unit: usize, axis: usize, at: u64 },
 }
 
-/// A point of the cage at which squares have corners; parameters by their bits.
+/// A point of the cage at which squares have corners; parameters are stored as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Spot {
     Vertex(u32),
@@ -34,28 +34,30 @@ enum Spot {
 #[derive(Clone, Copy, Debug)]
 struct Side {
     line: Line,
-    /// From where to where on the line.
+    /// Where the side begins and ends on the line.
     from: f64,
     to: f64,
     /// Whether the patch's parameter runs against the line.
     reversed: bool,
-    /// Its length in sides of quads: squares of other faces are half as large.
+    /// Its length relative to the side of a quad; squares of other faces are half as large.
     length: f64,
     exact: bool,
     patch: usize,
-    /// Counted as borders are: first u, last u, first v, last v.
+    /// The index of the side, as for borders: first u, last u, first v, last v.
     side: usize,
 }
 
-/// Moves the borders of patches that are not exact, or not of one size, so that neighbours
-/// meet: sides of one length get the same control points bit for bit, those beside a longer
-/// one the control points of that one's part, to rounding. Inner control points stay.
+/// Moves the borders of patches that are not exact, or not of the same size, so that neighbours
+/// meet: sides of one length get the same control points bit for bit; a side beside a longer one
+/// gets the control points of that part of the longer one, up to rounding. Inner control points
+/// stay.
 ///
-/// On every line the longest sides are kept, of equal ones the exact one; shorter ones follow
-/// them. Ends are settled before the shorter sides that end there: a point within a side is
-/// the corner of squares no longer than half of it.
+/// On every line the longest sides are kept, and among equally long ones the exact one; shorter
+/// ones follow them. Ends are settled before the shorter sides that end there: a point within a
+/// side is the corner of squares at most half as long.
 ///
-/// A patch that is moved is off by the way its control points went, at most, in addition.
+/// Moving a patch adds to its deviation at most the largest distance by which a control point
+/// moved.
 pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
     let layout = Layout::new(&mesh.topology);
     let old = surface.control.clone();
@@ -76,7 +78,7 @@ pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
         }
     }
 
-    // What moves by a few roundings only is as exact as before.
+    // A patch that moves by only a few rounding errors is as exact as before.
     let magnitude = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let rounding = 16.0 * f64::EPSILON * magnitude;
     let count = (surface.degree + 1) * (surface.degree + 1);
@@ -92,7 +94,7 @@ pub(super) fn close(surface: &mut LimitSurface, mesh: &Mesh) {
     }
 }
 
-/// Sides with those that follow them, long ones first.
+/// Leading sides, each with the sides that follow it, long ones first.
 fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)> {
     let mut sides: Vec<Side> = (0..surface.patches.len())
         .flat_map(|patch| (0..4).map(move |side| (patch, side)))
@@ -104,7 +106,7 @@ fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)>
     });
     let mut groups: Vec<(Side, Vec<Side>)> = Vec::new();
     for on_line in sides.chunk_by(|a, b| a.line == b.line) {
-        // By the bits of where they begin, which are in order for numbers from 0 on.
+        // Keyed by the bits of where the sides begin; for numbers from 0 on these are in order.
         let mut leaders: BTreeMap<u64, usize> = BTreeMap::new();
         for side in on_line {
             let before = leaders.range(..=side.from.to_bits()).next_back();
@@ -121,7 +123,7 @@ fn groups(surface: &LimitSurface, layout: &Layout<'_>) -> Vec<(Side, Vec<Side>)>
     groups
 }
 
-/// Where in the net the control points of a side are, along its line.
+/// The indices in the net of the control points of a side, along its line.
 fn places(surface: &LimitSurface, side: &Side) -> Vec<usize> {
     let n = surface.degree;
     let first = side.patch * (n + 1) * (n + 1);
@@ -144,7 +146,7 @@ fn set_row(surface: &mut LimitSurface, side: &Side, points: &[DVec3]) {
     }
 }
 
-/// The part of a curve that a whole number of halvings leaves.
+/// The part `wanted` of a curve over `whole`, reached by a whole number of halvings.
 fn part(curve: &[DVec3], whole: [f64; 2], wanted: [f64; 2]) -> Vec<DVec3> {
     let (mut part, [mut from, mut to]) = (curve.to_vec(), whole);
     while [from, to] != wanted {
@@ -163,7 +165,8 @@ fn part(curve: &[DVec3], whole: [f64; 2], wanted: [f64; 2]) -> Vec<DVec3> {
 /// Where the unit squares of a cage lie.
 struct Layout<'a> {
     topology: &'a Topology,
-    /// The corner of the cage at (0, 0) of each unit square, and whether that is a whole quad.
+    /// The corner of the cage at (0, 0) of each unit square, and whether the square is a whole
+    /// quad.
     units: Vec<(u32, bool)>,
 }
 
@@ -191,14 +194,15 @@ impl<'a> Layout<'a> {
     }
 
     /// The line `u = fixed` or `v = fixed` of a unit square, whether it runs against the other
-    /// parameter, and where two values of that are on it.
+    /// parameter, and where two values of the other parameter lie on it.
     fn line(&self, unit: usize, axis: usize, fixed: f64, at: [f64; 2]) -> (Line, bool, [f64; 2]) {
         if fixed > 0.0 && fixed < 1.0 {
             return (Line::Inside { unit, axis, at: fixed.to_bits() }, false, at);
         }
         let (corner, quad) = self.units[unit];
         let first = fixed == 0.0;
-        // The half-edge, how much of it one side of the unit square is, and which way.
+        // The half-edge, which share of it one side of the unit square is, and whether it runs
+        // backwards.
         let (half, share, backward) = match (axis, first, quad) {
             (1, true, true) => (corner, 1.0, false),
             (0, false, true) => (corner + 1, 1.0, false),
@@ -216,7 +220,7 @@ impl<'a> Layout<'a> {
         (Line::Edge(edge), backward != twin, at)
     }
 
-    /// The points where a side begins and ends, along its line.
+    /// The points at which a side begins and ends, along its line.
     fn ends(&self, surface: &LimitSurface, side: &Side) -> [Spot; 2] {
         let square = surface.patches[side.patch].square;
         let axis = side.side / 2;

@@ -1,16 +1,16 @@
-//! Which corners, edges and faces of a polygon mesh touch: a half-edge table.
+//! The adjacency of corners, edges and faces of a polygon mesh: a half-edge table.
 
-/// No such half-edge: the edge is a boundary.
+/// Marks a missing half-edge: the edge is a boundary.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The neighbourhoods of a polygon mesh.
+/// The adjacency of a polygon mesh.
 ///
-/// A *corner* is one vertex of one face; corners are counted face after face. Each stands
-/// for the half-edge that leaves it along the border of its face, counterclockwise seen
-/// from outside. The half-edge the other way, on the face next door, is its twin.
+/// A *corner* is one vertex of one face; corners are counted face after face. Each stands for the
+/// half-edge that leaves it along the border of its face, counterclockwise seen from outside. Its
+/// twin is the opposite half-edge, which belongs to the adjacent face.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
-    /// The first corner of each face, and behind the last face the number of corners.
+    /// The first corner of each face, followed by the number of corners.
     starts: Vec<u32>,
     /// The vertex of each corner.
     vertices: Vec<u32>,
@@ -22,12 +22,12 @@ pub(super) struct Topology {
     edges: Vec<u32>,
     /// One corner of each edge; edges are in the order of their two vertices, the lower one first.
     edge_corners: Vec<u32>,
-    /// One corner of each vertex, or [`NONE`]: the clockwise-most where the faces around it
-    /// do not close.
+    /// One corner of each vertex, or [`NONE`]; the most clockwise one where the faces around the
+    /// vertex do not close.
     vertex_corners: Vec<u32>,
 }
 
-/// The half-edges of one edge that do not make a surface: more than two, or two the same way.
+/// The half-edges of one edge that do not form a surface: more than two, or two the same way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct EdgeFault {
     /// Their corners.
@@ -44,8 +44,8 @@ pub(super) struct Star {
 }
 
 impl Topology {
-    /// The table of faces given by their corners' vertices, and the first edge at fault, if
-    /// any; the half-edges of such edges stay without twins.
+    /// Builds the table from the vertices of the faces' corners; also returns the first faulty
+    /// edge, if any. The half-edges of faulty edges have no twins.
     pub(super) fn build(
         vertex_count: usize,
         starts: Vec<u32>,
@@ -172,7 +172,7 @@ impl Topology {
         if corner as usize == range.start { range.end as u32 - 1 } else { corner - 1 }
     }
 
-    /// Where a corner's half-edge ends.
+    /// The vertex at which a corner's half-edge ends.
     pub(super) fn tip(&self, corner: u32) -> u32 {
         self.vertex(self.next(corner))
     }
@@ -182,7 +182,8 @@ impl Topology {
         [self.vertex(corner), self.tip(corner)]
     }
 
-    /// The edge between two vertices: edges are numbered in the order of these.
+    /// The edge between two vertices, found by binary search: edges are numbered in the order of
+    /// these.
     pub(super) fn edge_between(&self, a: u32, b: u32) -> Option<u32> {
         let wanted = [a.min(b), a.max(b)];
         let found =
@@ -196,8 +197,7 @@ impl Topology {
         [a.min(b), a.max(b)]
     }
 
-    /// The corners of a vertex, counterclockwise; of a vertex whose faces form several fans
-    /// only one of these.
+    /// The corners of a vertex, counterclockwise; if its faces form several fans, those of one fan.
     pub(super) fn star(&self, vertex: u32) -> Star {
         let first = self.vertex_corners[vertex as usize];
         if first == NONE {
@@ -214,8 +214,8 @@ impl Topology {
         }
     }
 
-    /// The half-edges of the edges at a star's vertex, counterclockwise: its corners and, if
-    /// it is open, the half-edge that arrives along its last border.
+    /// The half-edges of the edges at a star's vertex, counterclockwise: its corners and, if the
+    /// star is open, the half-edge that arrives along its last border.
     pub(super) fn spokes(&self, star: &Star) -> Vec<u32> {
         let mut spokes = star.corners.clone();
         if !star.closed {

@@ -1,4 +1,4 @@
-//! Squares of faces, halved and halved again, until a Bézier patch is the surface or near it.
+//! Squares of faces, halved repeatedly until a Bézier patch is the surface or near it.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use super::seams;
 use super::topology::Topology;
 use crate::math::Aabb;
 
-/// The control points of a patch, `(degree + 1)²` of them in use, v fastest.
+/// The control points of a patch, v fastest; `(degree + 1)²` of them are in use.
 pub(super) type Net = [DVec3; 16];
 
 /// How well a square is known.
@@ -18,15 +18,15 @@ pub(super) type Net = [DVec3; 16];
 enum Kind {
     /// The patch is the surface.
     Exact,
-    /// The four squares from this one on know more; the patch may be near enough.
+    /// The four squares from this one on are more accurate; the patch may be near enough.
     Open { first_child: u32 },
     /// As `Open`, without a patch.
     Split { first_child: u32 },
-    /// The patch and the surface both lie near this box: the surface in it.
+    /// The surface lies in this box, and the patch lies near it.
     End { hull: Aabb },
 }
 
-/// The squares of all faces: the roots cover a face each, others a quarter of their parent.
+/// The squares of all faces: each root covers a face, each other square a quarter of its parent.
 ///
 /// Quarter k of a square is the one at its corner k: (0, 0), (1, 0), (1, 1), (0, 1).
 #[derive(Clone, Debug)]
@@ -34,12 +34,12 @@ pub(super) struct Tree {
     degree: usize,
     nodes: Vec<(Kind, Net)>,
     roots: Vec<Root>,
-    /// How far a patch may be from the surface.
+    /// The largest allowed distance of a patch from the surface.
     limit: f64,
     tolerance: f64,
 }
 
-/// A square that is no quarter of another.
+/// A square that is not a quarter of another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     pub(super) square: FaceSquare,
@@ -51,11 +51,11 @@ pub(super) struct Root {
 /// The most squares, 2²²: they take 2 GB.
 const MAX_SQUARES: usize = 1 << 22;
 
-/// Steps of halving after which the corners of squares no longer are exact in f64.
+/// The halving steps after which the corners of squares are no longer exact in f64.
 pub(super) const MAX_LEVELS: u32 = 52;
 
 impl Tree {
-    /// No squares yet. Patches may be a share of the tolerance from the surface.
+    /// A tree without squares. Patches may be at most a share of the tolerance from the surface.
     pub(super) fn new(
         degree: usize,
         (tolerance, share): (f64, f64),
@@ -69,7 +69,7 @@ impl Tree {
         Ok(Self { degree, nodes: Vec::new(), roots: Vec::new(), limit, tolerance })
     }
 
-    /// A new square that is a face of its own.
+    /// Adds a square that is not part of another.
     pub(super) fn add_root(
         &mut self,
         square: FaceSquare,
@@ -80,7 +80,7 @@ impl Tree {
         Ok(node)
     }
 
-    /// Squares not yet known.
+    /// Adds squares that have no patch yet.
     fn add(&mut self, count: usize) -> Result<u32, LimitError> {
         let first = self.nodes.len();
         if first + count > MAX_SQUARES {
@@ -97,8 +97,8 @@ impl Tree {
         self.nodes[node as usize] = (Kind::Exact, net);
     }
 
-    /// Looks whether a square is small enough to end with. The surface over it lies in
-    /// `hull`, by the convex hull property of the scheme.
+    /// Ends at a square if it is small enough, and returns whether it does. The surface over it
+    /// lies in `hull`, by the convex hull property of the scheme.
     pub(super) fn end(&mut self, node: u32, net: Net, hull: Aabb) -> bool {
         let ends = self.farthest_from(&net, &hull) <= self.limit;
         if ends {
@@ -107,7 +107,7 @@ impl Tree {
         ends
     }
 
-    /// Gives a square its four quarters, and a patch that may stand for all of them.
+    /// Gives a square its four quarters and, optionally, a patch that may stand for all of them.
     pub(super) fn open(&mut self, node: u32, net: Option<Net>) -> Result<u32, LimitError> {
         let first_child = self.add(4)?;
         self.nodes[node as usize] = match net {
@@ -117,18 +117,18 @@ impl Tree {
         Ok(first_child)
     }
 
-    /// The largest possible distance between a point of the patch and one in the box.
+    /// Upper bound on the distance between a point of the patch and one in the box.
     fn farthest_from(&self, net: &Net, hull: &Aabb) -> f64 {
         let used = (self.degree + 1) * (self.degree + 1);
         let far = |p: &DVec3| (*p - hull.min).abs().max((*p - hull.max).abs()).length();
         net[..used].iter().map(far).fold(0.0, f64::max)
     }
 
-    /// How far a patch over a square can be from the surface, parameter by parameter;
-    /// `None` if farther than the limit.
+    /// Upper bound on the distance of a patch over a square from the surface at the same
+    /// parameters; `None` if it exceeds the limit.
     ///
-    /// A difference of Bézier patches is no larger than the largest difference of their
-    /// control points, so the bound is proved but for the rounding of some ulps.
+    /// A difference of Bézier patches is no larger than the largest difference of their control
+    /// points, so the bound is proved except for rounding by some ulps.
     fn deviation(&self, net: &Net, node: u32) -> Option<f64> {
         let (kind, own) = &self.nodes[node as usize];
         let found = match *kind {
@@ -150,7 +150,7 @@ impl Tree {
         (found <= self.limit).then_some(found)
     }
 
-    /// The patches: as few squares as are within the limit.
+    /// The patches: the fewest squares that are within the limit.
     pub(super) fn patches(&self, cage: &Mesh) -> Result<LimitSurface, LimitError> {
         let units = unit_count(&cage.topology);
         let mut surface =
@@ -160,7 +160,7 @@ impl Tree {
         for root in &roots {
             self.collect(root, &mut surface);
         }
-        // u counts unit squares, and has to tell the places within the smallest squares apart.
+        // u counts unit squares and must still distinguish the places within the smallest squares.
         let smallest = surface.patches.iter().map(|patch| patch.square.side).fold(1.0, f64::min);
         if smallest < units as f64 * SMALLEST_SIDE {
             let levels = -smallest.log2() as u32;
@@ -185,11 +185,11 @@ impl Tree {
                 surface.push(LimitPatch { square, border, deviation, exact }, &net[..used]);
             }
             (None, Some(first)) => {
-                // In the order of their places.
+                // In the order of places.
                 for k in [0, 1, 3, 2] {
                     let node = first + k as u32;
                     let square = square.quarter(k);
-                    // Quarter k has kept those sides that meet at corner k.
+                    // Quarter k keeps those sides that meet at corner k.
                     let (u, v) = (usize::from(k == 1 || k == 2), usize::from(k >= 2));
                     let mut kept = [false; 4];
                     kept[u] = border[u];
@@ -202,7 +202,7 @@ impl Tree {
     }
 }
 
-/// The smallest side of a square for each unit square: 2⁸ places within it can be told apart.
+/// The smallest side of a square, per unit square: 2⁸ places within it can be told apart.
 const SMALLEST_SIDE: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// The number of unit squares of all faces.
@@ -211,9 +211,9 @@ fn unit_count(topology: &Topology) -> usize {
     sides.map(|sides| if sides == 4 { 1 } else { sides }).sum()
 }
 
-/// Shares of the tolerance that patches may be from the surface at first. Where patches are
-/// moved to meet their neighbours they get farther from it; they may end at half of the
-/// tolerance. The first share is nearly always enough; each other one is a new beginning.
+/// The shares of the tolerance that patches may initially be from the surface. Moving patches to
+/// meet their neighbours takes them farther from it, up to half of the tolerance. The first share
+/// is nearly always enough; each further one starts again from the beginning.
 const SHARES: [f64; 5] = [0.25, 0.1, 0.04, 0.016, 0.0064];
 
 /// A limit surface without gaps, from patches within a share of the tolerance.
@@ -249,7 +249,7 @@ fn quarter(net: &Net, n: usize, k: usize) -> Net {
     result
 }
 
-/// Keeps one half of a curve of n points, `start`, `start + stride` and so on.
+/// Keeps one half of a curve of n points at the indices `start`, `start + stride` and so on.
 pub(super) fn halve(net: &mut [DVec3], n: usize, (start, stride): (usize, usize), upper: bool) {
     let at = |index: usize| start + index * stride;
     for round in 1..n {

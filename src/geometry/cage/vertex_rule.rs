@@ -1,8 +1,8 @@
-//! Where a refinement step of Catmull and Clark puts a vertex, sharp or not.
+//! Where a step of Catmull–Clark refinement puts a vertex, sharp or not.
 
 use glam::DVec3;
 
-/// The rule a vertex moves by. A dart, the end of a single crease, moves as if smooth.
+/// The rule by which a vertex moves. A dart, the end of a single crease, moves as if smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
     /// By all its neighbours.
@@ -13,7 +13,7 @@ pub(super) enum Rule {
     Corner,
 }
 
-/// The sharpness that is left after a step: one less, and never less than none.
+/// The sharpness left after a step: one less, but at least 0.
 pub(super) fn decayed(sharpness: f64) -> f64 {
     (sharpness - 1.0).max(0.0)
 }
@@ -36,7 +36,7 @@ impl Rule {
     }
 }
 
-/// A vertex and what it moves by.
+/// A vertex and everything its new position depends on.
 pub(super) struct Surroundings<'a> {
     /// The vertex.
     pub(super) centre: DVec3,
@@ -51,12 +51,12 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Where a step puts the vertex.
+    /// The position of the vertex after a step.
     ///
-    /// With n edges: `(n − 2)/n v + (Σ spokes + Σ centroids)/n²` if smooth (Catmull & Clark
-    /// 1978), `3/4 v + 1/8 (a + b)` on a crease from a to b, `v` at a corner (DeRose, Kass
-    /// & Truong 1998). Where the rule after the step is another one, because sharpness
-    /// below 1 has run out, the two are blended by the mean of the sharpness that ends.
+    /// With n edges it is `(n − 2)/n v + (Σ spokes + Σ centroids)/n²` if smooth (Catmull & Clark
+    /// 1978), `3/4 v + 1/8 (a + b)` on a crease from a to b, `v` at a corner (DeRose, Kass & Truong
+    /// 1998). Where the rule changes after the step, because sharpness below 1 has run out, the two
+    /// rules are blended by the mean of the sharpness that runs out.
     pub(super) fn moved(&self) -> DVec3 {
         let before = Rule::of(self.corner, self.creases.iter().copied());
         let after = Rule::of(decayed(self.corner), self.creases.iter().map(|&s| decayed(s)));
@@ -75,7 +75,7 @@ impl Surroundings<'_> {
         match rule {
             Rule::Corner => self.centre,
             Rule::Crease([a, b]) => 0.75 * self.centre + 0.125 * (self.spokes[a] + self.spokes[b]),
-            // The border of a part of a mesh, never of a cage: nothing depends on it.
+            // This is the border of a part of a mesh, never of a cage: nothing depends on it.
             Rule::Smooth if self.spokes.len() != self.centroids.len() => self.centre,
             Rule::Smooth => {
                 let spokes: DVec3 = self.spokes.iter().sum();
@@ -86,8 +86,8 @@ impl Surroundings<'_> {
     }
 }
 
-/// Where a step puts the middle of an edge: `(ends + centroids)/4` if smooth, the mean of
-/// the ends if sharp, blended for sharpness below 1. Boundaries have no `centroids`.
+/// The position of the new vertex of an edge after a step: `(ends + centroids)/4` if smooth, the
+/// mean of the ends if sharp, blended for sharpness below 1. Boundaries have no `centroids`.
 pub(super) fn edge_point(ends: [DVec3; 2], centroids: Option<[DVec3; 2]>, sharpness: f64) -> DVec3 {
     let middle = 0.5 * (ends[0] + ends[1]);
     match centroids {

@@ -13,18 +13,18 @@ pub(crate) struct UnitArc {
     pub(crate) points: Vec<(f64, f64, f64)>,
 }
 
-/// No piece of an arc turns by more than this: the weight of its middle point, the cosine of
+/// The largest turn of a piece of an arc, in degrees: the weight of its middle point, the cosine of
 /// half the angle, is then at least √½, and the arc stays near its control points.
 const QUARTER: f64 = 90.0;
 
 impl UnitArc {
     /// The arc from one angle by a turn, in degrees; clockwise if the turn is negative.
     ///
-    /// With `n` equal pieces, each has its ends on the circle, and in the middle the point
-    /// where the tangents meet, weighted by the cosine of half the angle (Piegl & Tiller
-    /// 1997, 7.3). Ends at multiples of 90° are exact, so that a full turn closes bit for bit.
+    /// Each of the `n` equal pieces has its ends on the circle, and in the middle the point where
+    /// the tangents meet, weighted by the cosine of half the angle (Piegl & Tiller 1997, 7.3). Ends
+    /// at multiples of 90° are exact, so that a full turn closes bit for bit.
     pub(crate) fn new(from: f64, turn: f64) -> Self {
-        // A file may say 90.00000000000001: no piece for that.
+        // A file may say 90.00000000000001, which must not add a piece.
         let pieces = (turn.abs() / QUARTER * (1.0 - f64::EPSILON)).ceil().max(1.0);
         let step = turn / pieces;
         let (tan, weight) = if step.abs() == QUARTER {

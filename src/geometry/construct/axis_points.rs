@@ -1,7 +1,7 @@
 //! Profiles cut where they meet the axis that they are turned about.
 //!
-//! A surface of revolution has a singular point wherever its profile meets the axis. Within a patch,
-//! rays near that point keep the solver busy, and never are certain of it; as a side that is
+//! A surface of revolution has a singular point wherever its profile meets the axis. Inside a patch,
+//! rays near that point keep the solver busy, and their hits are never certain; on a side that is
 //! collapsed to a point it is a pole like any other.
 
 use glam::{DVec3, DVec4};
@@ -14,18 +14,19 @@ use crate::geometry::extremes::{add_extremes, add_sign_changes};
 use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::math::unit;
 
-/// How far from the axis the point of a curve may be that is on it, in roundings of the largest
-/// coordinate for each control point that a piece has: as many products as it is the sum of, with half
-/// a dozen operations each.
+/// The distance from the axis up to which a point of a curve counts as on it, in rounding errors of
+/// the largest coordinate per control point of a piece: the point is a sum of that many products, with
+/// half a dozen operations each.
 const ROUNDINGS: f64 = 8.0;
 
-/// The same curve with knots where it meets the axis within its domain, as many as make these places
-/// control points; and these exactly on the axis, from which rounding only had taken them.
+/// The same curve with knots inserted where it meets the axis inside its domain, so many that these
+/// places become control points; these are put exactly on the axis, from which only rounding had
+/// moved them.
 ///
 /// Where a whole piece lies on the axis, its ends are such places.
 ///
 /// # Errors
-/// When a curve with this many knots is none.
+/// When the curve with these knots is not valid.
 pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurve, ConstructError> {
     let mut cut = profile.clone();
     for t in meetings(profile, axis) {
@@ -49,8 +50,9 @@ pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurv
     Ok(cut)
 }
 
-/// How far from the axis a curve may be at a parameter that meets it there: what rounding makes of its
-/// coordinates, and how far it runs while the parameter does not change.
+/// The distance from the axis up to which a curve counts as meeting it at a parameter: the rounding
+/// error of its coordinates, plus the distance that the curve runs while the parameter stays the same
+/// number.
 fn tolerance(profile: &NurbsCurve, axis: &Axis, t: f64) -> f64 {
     let magnitude = profile.magnitude().max(axis.magnitude());
     let count = (profile.knots().degree() + 1) as f64;
@@ -72,8 +74,9 @@ fn meetings(profile: &NurbsCurve, axis: &Axis) -> Vec<f64> {
     found.sort_by(f64::total_cmp);
     found.dedup();
 
-    // One place may have been found several times, each a little aside: all of what lies between
-    // is on the axis then, too. A knot of the curve is the best of them.
+    // One place may have been found several times, at slightly different parameters: then
+    // everything between these is on the axis, too. Of these parameters a knot of the curve is the
+    // best.
     let mut meetings: Vec<f64> = Vec::new();
     for t in found {
         let Some(last) = meetings.last_mut() else {
@@ -92,9 +95,9 @@ fn meetings(profile: &NurbsCurve, axis: &Axis) -> Vec<f64> {
 
 /// The parameters within a Bézier piece where it may meet the axis.
 ///
-/// Its vector from the axis has two coordinates. Where both vanish, one changes its sign or touches
-/// zero with an extreme: whatever the order of the zero, one of the two is known so well that the
-/// coordinate itself vanishes to within rounding.
+/// The vector from the axis has two coordinates. Where both vanish, one changes its sign or touches
+/// zero at an extreme: whatever the order of the zero, one of these two events is located so
+/// accurately that the coordinate itself vanishes up to rounding.
 fn candidates(piece: &NurbsCurve, axis: &Axis) -> Vec<f64> {
     let count = piece.control().len();
     let away = |index: usize| across(piece.point(index), axis);
@@ -171,7 +174,7 @@ mod tests {
         ]
     }
 
-    /// The surface is the same, and each place on the axis is a row of control points that are one.
+    /// The surface is the same, and each place on the axis is a row of equal control points.
     #[test]
     fn places_on_the_axis_become_collapsed_rows() {
         let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
@@ -184,7 +187,7 @@ mod tests {
             let axis = Axis::new(at, place.transform_vector3(DVec3::Z)).unwrap();
             for (name, profile, count) in profiles() {
                 let profile = profile.transformed(&place).unwrap();
-                // Other parameters, of other rounding.
+                // Other parameters, with other rounding errors.
                 for profile in [profile.clone(), profile.on_domain(100.3, 107.0).unwrap()] {
                     check(name, &profile, &axis, count);
                 }
@@ -199,7 +202,7 @@ mod tests {
         let collapsed = |t: &f64| {
             let row = knots.span(*t) - degree;
             let first = surface.point(0, row);
-            // One homogeneous point but for the weights around, which divide with a rounding.
+            // The same homogeneous point except for the weights around, division by which rounds.
             let one = 2.0 * f64::EPSILON * first.abs().max_element();
             let mut around = 1..surface.size().0;
             knots.multiplicity(*t) == degree

@@ -4,12 +4,14 @@ use glam::DVec3;
 
 use crate::math::unit;
 
-/// What each of some segments becomes when those that overlap along a line are joined: the first
-/// one all of them, the others nothing. Segments that only touch, or cross, stay as they are.
+/// Joins segments that overlap along a line. Returns what each segment becomes: the first of the
+/// joined segments becomes all of them, the others `None`. Segments that only touch, or cross, are
+/// unchanged.
 ///
-/// Two are on one line if the ends of the shorter are no farther from the line of the longer
-/// than `tolerance`, and overlap if they have more than four times that in common. Segments are
-/// sorted by a number that those on one line share, so that none is compared with many others.
+/// Two segments are on one line if the ends of the shorter are no farther than `tolerance` from the
+/// line of the longer, and overlap if they have more than four times that length in common.
+/// Segments are sorted by a number that is the same for all segments of a line, so that none is
+/// compared with many others.
 pub(super) fn united(segments: &[[DVec3; 2]], tolerance: f64) -> Vec<Option<[DVec3; 2]>> {
     let mut united: Vec<Option<[DVec3; 2]>> = segments.iter().copied().map(Some).collect();
     let points = || segments.iter().flatten();
@@ -20,7 +22,7 @@ pub(super) fn united(segments: &[[DVec3; 2]], tolerance: f64) -> Vec<Option<[DVe
         .filter_map(|index| Line::of(index, &segments[index], &frame, tolerance))
         .collect();
 
-    // Those that may lie on one line, in a row.
+    // Group those that may lie on one line into rows.
     lines.sort_by(|a, b| a.range[0].total_cmp(&b.range[0]).then(a.index.cmp(&b.index)));
     let mut rest = &lines[..];
     while let Some(first) = rest.first() {
@@ -40,7 +42,7 @@ pub(super) fn united(segments: &[[DVec3; 2]], tolerance: f64) -> Vec<Option<[DVe
     united
 }
 
-/// What the numbers of lines are measured by: the box around all segments.
+/// The reference frame for the numbers of lines: the box around all segments.
 struct Frame {
     middle: DVec3,
     size: f64,
@@ -51,17 +53,17 @@ struct Frame {
 struct Line {
     index: usize,
     length: f64,
-    /// Where the number of its line lies.
+    /// The interval that contains the number of its line.
     range: [f64; 2],
 }
 
-/// Factors of a line's six coordinates in its number: no whole numbers nor their roots, so that lines of
-/// usual figures have numbers of their own.
+/// The factors of a line's six coordinates in its number: no integers or roots of integers, so that the
+/// lines of usual figures have different numbers.
 const MIXED: [DVec3; 2] =
     [DVec3::new(0.7390851, 0.4142879, 0.5671433), DVec3::new(0.2614972, 0.9159656, 0.3275823)];
 
-/// A segment whose line is known to less than this, in directions and in shares of the box, is left
-/// alone: it is some ten thousand tolerances long, and many would be compared with many.
+/// A segment whose line is known less accurately than this, in direction and relative to the box,
+/// is left alone: it is about ten thousand tolerances long, and many would be compared with many.
 const VAGUE: f64 = 1e-4;
 
 impl Line {
@@ -70,17 +72,17 @@ impl Line {
         let along = unit(b - a)?;
         let from = a - frame.middle;
         let foot = (from - from.dot(along) * along) / frame.size;
-        // The same whichever way round the segment is.
+        // The number does not depend on the direction of the segment.
         let number = MIXED[0].dot(along).abs() + MIXED[1].dot(foot);
-        // Ends that are off by the tolerance turn the direction by twice its share of the length,
-        // and carry the foot along from as far as the box reaches.
+        // Ends that are off by the tolerance turn the direction by twice the tolerance over the
+        // length, and move the foot, which may be as far away as the box reaches.
         let doubt = 8.0 * tolerance / length;
         let clear = doubt <= VAGUE; // false for NaN
         clear.then_some(Self { index, length, range: [number - doubt, number + doubt] })
     }
 }
 
-/// Unites those segments of a row that overlap on one line, line by line.
+/// Joins those segments of a row that overlap on one line, line by line.
 fn unite_row(
     row: &[Line],
     segments: &[[DVec3; 2]],
@@ -90,7 +92,7 @@ fn unite_row(
     let mut rest = row.to_vec();
     rest.sort_by(|a, b| b.length.total_cmp(&a.length).then(a.index.cmp(&b.index)));
     while rest.len() > 1 {
-        // The longest one knows best where the line runs.
+        // The longest segment determines the line most accurately.
         let [start, end] = segments[rest[0].index];
         let along = (end - start) / rest[0].length;
         let away = |point: DVec3| (point - start).reject_from_normalized(along).length();
@@ -121,7 +123,7 @@ fn unite_row(
     }
 }
 
-/// A segment along a line: its ends, each with how far along it is.
+/// A segment along a line: its ends, each with its position along the line.
 #[derive(Clone, Copy)]
 struct Stretch {
     index: usize,

@@ -1,28 +1,28 @@
-//! Curves made compatible: of one degree, over the same knots.
+//! Makes curves compatible: of the same degree, over the same knots.
 
 use super::ConstructError;
 use super::error::net_size;
 use crate::geometry::line::{merged, refine};
 use crate::geometry::{CurveError, KnotError, KnotVector, NurbsCurve};
 
-/// Knots of two curves that differ by no more than this share of their common domain are one
-/// knot: proportional moving of a knot costs a few roundings. Kept apart, they would leave
-/// spans of no use to anyone; joined, a curve moves by no more than rounding.
+/// Knots of two curves that differ by no more than this fraction of their common domain are the
+/// same: mapping a knot to another domain costs a few rounding errors. Kept apart, they would leave
+/// useless spans; merged, they move a curve by no more than rounding error.
 const SAME_KNOT: f64 = 8.0 * f64::EPSILON;
 
-/// Weights that differ by no more than this share of themselves are one: some roundings of each,
-/// as of control points.
+/// Weights whose relative difference is at most this are the same: several rounding errors of each,
+/// as for control points.
 const SAME_WEIGHT: f64 = 16.0 * f64::EPSILON;
 
 /// The same curves, of their highest degree, clamped, over one common knot vector.
 ///
-/// Curves whose domains are the same keep theirs; otherwise all are moved to `[0, 1]`. Degrees
-/// are elevated, then each gets the knots it lacks (Piegl & Tiller 1997, 10.3): none changes
-/// its shape or its speed.
+/// If all domains are the same, the curves keep theirs; otherwise all are moved to `[0, 1]`.
+/// Degrees are elevated, then each curve gets the knots it lacks (Piegl & Tiller 1997, 10.3): no
+/// curve changes its shape or its speed.
 ///
 /// # Errors
-/// When a curve has two knots too close together; `which` says how to call a curve. When together they would have
-/// more control points than a surface made may.
+/// When a curve has two knots too close together (`which` gives the curve's name), or when the curves together
+/// would have more control points than a constructed surface may have.
 pub(crate) fn compatible(
     curves: &[NurbsCurve],
     which: &dyn Fn(usize) -> String,
@@ -35,8 +35,8 @@ pub(crate) fn compatible(
         let curve = curve.clamped().on_domain(domain.0, domain.1)?;
         curve.elevated(degree - curve.knots().degree())
     };
-    // A short curve of a high degree makes long ones of a low degree many times as long, and each has the knots of
-    // all: what comes of it is known before it is made.
+    // A short curve of high degree makes long curves of low degree many times as long, and each curve gets the
+    // knots of all. So the size of the result is computed before the result is made.
     let elevated = |curve: &NurbsCurve| {
         let raised = degree - curve.knots().degree();
         curve.control().len().saturating_add(raised.saturating_mul(curve.knots().spans().count()))
@@ -71,8 +71,8 @@ pub(crate) fn compatible(
     Ok(prepared.iter().map(with_all).collect())
 }
 
-/// Whether the weights of two compatible curves are in proportion, to within rounding: where they
-/// are, curves of the same control points are the same.
+/// Whether the weights of two compatible curves are proportional, up to rounding. If they are,
+/// curves with the same control points are the same.
 pub(crate) fn same_weights(a: &NurbsCurve, b: &NurbsCurve) -> bool {
     let factor = a.weight(0) / b.weight(0);
     (0..a.control().len()).all(|i| {
@@ -81,8 +81,8 @@ pub(crate) fn same_weights(a: &NurbsCurve, b: &NurbsCurve) -> bool {
     })
 }
 
-/// The values of the inner knots of all curves, in order, those that are the same within
-/// `tolerance` as one: the first of them.
+/// The distinct values of the inner knots of all curves, in order; knots that are the same within
+/// `tolerance` are represented by the first of them.
 fn distinct_knots(curves: &[NurbsCurve], tolerance: f64) -> Vec<f64> {
     let inner = |curve: &NurbsCurve| {
         let (values, p) = (curve.knots().values(), curve.knots().degree());
@@ -100,12 +100,13 @@ fn distinct_knots(curves: &[NurbsCurve], tolerance: f64) -> Vec<f64> {
     distinct
 }
 
-/// The knots with each inner one moved to the place it belongs to.
+/// The knot vector with each inner knot moved to the common value it belongs to.
 fn snapped(knots: &KnotVector, places: &[f64]) -> Result<KnotVector, KnotError> {
     let (p, n) = (knots.degree(), knots.point_count());
     let mut values = knots.values().to_vec();
     for value in &mut values[p + 1..n] {
-        // Places are named by their first knot: the last one at or below.
+        // A place has the value of its first knot, so this knot's place is the last one at or below
+        // it.
         let above = places.partition_point(|place| place <= value);
         if let Some(place) = above.checked_sub(1).and_then(|index| places.get(index)) {
             *value = *place;
@@ -114,7 +115,7 @@ fn snapped(knots: &KnotVector, places: &[f64]) -> Result<KnotVector, KnotError> 
     KnotVector::new(p, values)
 }
 
-/// The knots, in order, that a vector lacks to have all the common ones.
+/// The knots, in order, that a knot vector lacks to have all common ones.
 fn lacking(common: &[(f64, usize)], knots: &KnotVector) -> Vec<f64> {
     let missing = |&(knot, times): &(f64, usize)| {
         std::iter::repeat_n(knot, times.saturating_sub(knots.multiplicity(knot)))
@@ -154,7 +155,7 @@ mod tests {
                 assert!(off < 2e-15 * new.magnitude(), "{s}: {off:e}");
             }
         }
-        // A third of the way twice, from a knot of its own and from one moved: one knot.
+        // One third occurs twice, as a knot of its own and as a moved one: they are one knot.
         assert_eq!(same[0].knots().spans().count(), 4);
     }
 

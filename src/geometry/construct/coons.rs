@@ -45,30 +45,30 @@ const CORNERS: [CoonsCorner; 4] = [
     CoonsCorner { u: 1, v: 1 },
 ];
 
-/// Two ends agree if they are no farther apart than a few roundings of their coordinates: a
-/// rotation costs some six operations of half an ulp, a weight divided out another.
+/// Two ends agree if they are no farther apart than a few rounding errors of their coordinates: a
+/// rotation costs about six operations of half an ulp, division by a weight another.
 const SAME_CORNER: f64 = 8.0 * f64::EPSILON;
 
-/// Weights closer together than this share of themselves are equal but for rounding.
+/// Weights whose relative difference is at most this are equal up to rounding.
 const SAME_WEIGHT: f64 = 4.0 * f64::EPSILON;
 
-/// The bilinearly blended patch of Coons (1967) between four borders, on `[0, 1]²`: the
-/// ruled surface between `v0` and `v1`, plus that between `u0` and `u1`, less the bilinear
-/// one between the corners.
+/// The bilinearly blended patch of Coons (1967) between four borders, on `[0, 1]²`: the ruled
+/// surface between `v0` and `v1`, plus the one between `u0` and `u1`, minus the bilinear surface
+/// between the corners.
 ///
-/// The borders are met exactly, their speeds too where they begin and end with equal
-/// weights; a border with unequal ones is run at another speed (a linear rational
-/// reparametrisation, Piegl & Tiller 1997, 6.4), its shape unchanged. The inside is exactly
-/// the sum above where the borders are polynomial; rational ones are blended in homogeneous
-/// coordinates, weights 1 at the corners, which is a surface of the same degrees, but not
-/// the sum of the three surfaces in space. All the control net is made at once: linear
+/// The patch meets its borders exactly, and with their own speeds where these begin and end with
+/// equal weights. A border with unequal end weights is run at another speed (a linear rational
+/// reparametrisation, Piegl & Tiller 1997, 6.4); its shape is unchanged. The inside is exactly the
+/// sum above if the borders are polynomial. Rational borders are blended in homogeneous
+/// coordinates, with weights 1 at the corners: that gives a surface of the same degrees, but not
+/// the sum of the three surfaces in space. The whole control net is computed at once: linear
 /// functions have their Greville abscissae as coefficients.
 ///
 /// # Errors
-/// When two borders do not end in the same point (within rounding of their coordinates), two that
-/// are opposite run back over themselves and so does all between them (it need not, where the other
-/// two part), or weights inside the patch would not be positive: borders of very small weights may
-/// do that.
+/// When two borders do not end in the same point (within rounding of their coordinates); when two
+/// opposite borders run back over themselves and so does everything between them (it need not where
+/// the other two borders part); or when weights inside the patch would not be positive, which
+/// borders of very small weights may cause.
 pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     check_corners(borders)?;
@@ -78,7 +78,7 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     let [c0, c1] = along_u.each_ref().map(|curve| curve.control());
     let [mut d0, mut d1] = along_v.each_ref().map(|curve| curve.control().to_vec());
 
-    // Corners that agree but for rounding are made the same.
+    // Corners that agree up to rounding are made equal.
     let (last_i, last_j) = (c0.len() - 1, d0.len() - 1);
     let corners = [[c0[0], c1[0]], [c0[last_i], c1[last_i]]];
     [d0[0], d0[last_j]] = corners[0];
@@ -106,11 +106,11 @@ pub fn coons(borders: &Borders) -> Result<NurbsSurface, ConstructError> {
     Ok(patch)
 }
 
-/// Where lines between two borders are looked at for folds: no places that borders or their
-/// symmetry single out.
+/// The parameters at which lines between two borders are checked for folds: no places that borders
+/// or their symmetry single out.
 const BETWEEN: [f64; 3] = [0.23, 0.47, 0.81];
 
-/// Fails when two opposite borders, and lines between them, run back over themselves.
+/// Fails if two opposite borders, and the lines between them, run back over themselves.
 fn check_folds(borders: &Borders, patch: &NurbsSurface) -> Result<(), ConstructError> {
     let Borders { u0, u1, v0, v1 } = borders;
     for (pair, direction) in [([u0, u1], Direction::U), ([v0, v1], Direction::V)] {
@@ -190,7 +190,7 @@ fn with_unit_ends(curve: &NurbsCurve) -> Result<NurbsCurve, crate::geometry::Cur
     NurbsCurve::from_homogeneous(KnotVector::new(p, new)?, ends_at_one(control))
 }
 
-/// Ends whose weights are 1 but for rounding, made so.
+/// Sets end weights that are 1 up to rounding to exactly 1.
 fn ends_at_one(mut control: Vec<DVec4>) -> Vec<DVec4> {
     let last = control.len() - 1;
     for index in [0, last] {

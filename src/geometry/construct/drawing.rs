@@ -1,8 +1,8 @@
-//! Tubes, lines and balls drawn together: what several of them share is drawn once.
+//! Tubes, lines and balls drawn together: parts that several of them share are drawn once.
 //!
 //! Surfaces that coincide make speckled pictures and doubtful rays. Patches share borders and rows of
-//! control points, lines end where others do: parts that are equal to within rounding, whichever
-//! way round they were made, become one.
+//! control points, and lines end where others do. So parts that are equal up to rounding become one,
+//! whatever their direction.
 
 use std::collections::HashMap;
 
@@ -14,26 +14,26 @@ use super::tube::{Caps, Component, Parts, TubeStyle, ball, cap, cylinder, parts,
 use super::{ConstructError, ControlNet, NetStyle, Tightest};
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
 
-/// Things to see that are drawn together.
+/// Tubes, lines and balls that are drawn together.
 ///
-/// Straight parts that overlap along a line become one. Curved ones must be run through at
-/// proportional speeds to be known as equal. Where two half balls would end tubes in one place,
-/// or one is where a joint is, there is a ball.
+/// Straight parts that overlap along a line become one. Curved parts are recognised as equal only
+/// if they run at proportional speeds. Where two half balls would end tubes in one place, or a half
+/// ball would lie at a joint, a whole ball is drawn.
 #[derive(Debug)]
 pub struct Drawing {
     style: TubeStyle,
     places: Places,
     /// In the order in which they came.
     items: Vec<Item>,
-    /// The index of the ball, or half ball, of some radius (its bits) at a place.
+    /// The index of the ball or half ball of a given radius (its bits) at a place.
     round: HashMap<(usize, u64), usize>,
     /// The directions of the disks that end tubes at a place.
     flat: HashMap<usize, Vec<DVec3>>,
-    /// The ends of straight parts.
+    /// Straight parts by the places of their ends.
     straight: HashMap<[usize; 2], usize>,
-    /// Curved parts by their ends and middle.
+    /// Curved parts by the places of their ends and middle.
     curved: HashMap<[usize; 3], Vec<NurbsCurve>>,
-    /// How many control points the items have.
+    /// The number of control points of the items.
     points: usize,
 }
 
@@ -58,8 +58,8 @@ enum Item {
 }
 
 impl Item {
-    /// The number of control points of its surface, or more: nine around, times those of a line, of
-    /// half a circle or of a quarter of one.
+    /// Upper bound on the number of control points of the item's surface: nine around, times those
+    /// of a line, of half a circle or of a quarter circle.
     fn point_count(&self) -> usize {
         match self {
             Self::Rod { .. } => 9 * 2,
@@ -71,8 +71,8 @@ impl Item {
 }
 
 impl Drawing {
-    /// An empty one of tubes and lines of this style, which will show things among these points: what
-    /// rounding is, is told by their largest coordinate.
+    /// An empty drawing whose tubes and lines have this style, for things among these points; their
+    /// largest coordinate determines the rounding tolerance.
     pub fn among(points: impl IntoIterator<Item = DVec3>, style: TubeStyle) -> Self {
         let largest = |point: DVec3| point.abs().max_element();
         let magnitude = points.into_iter().map(largest).fold(f64::MIN_POSITIVE, f64::max);
@@ -88,7 +88,7 @@ impl Drawing {
         }
     }
 
-    /// How many control points its surfaces have, at most.
+    /// Upper bound on the number of control points of the drawing's surfaces.
     pub fn point_count(&self) -> usize {
         self.points
     }
@@ -143,7 +143,7 @@ impl Drawing {
                 return Err(ConstructError::NetLine { line, vertex, count });
             }
         }
-        // Point by point, after the lines that begin there.
+        // Draw point by point, after the lines that begin at the point.
         let mut lines = vec![Vec::new(); count];
         for &[a, b] in &net.lines {
             lines[a].push(b);
@@ -174,7 +174,7 @@ impl Drawing {
         for item in self.items {
             match item {
                 Item::Rod { what, .. } => {
-                    // Those that are part of another one are drawn with it.
+                    // Rods that are part of another one are drawn with it.
                     if let Some(ends) = united.next().flatten() {
                         pieces.push(Component { what, ..cylinder(ends, self.style.radius)? });
                     }
@@ -242,7 +242,7 @@ impl Drawing {
         }
     }
 
-    /// Whether a curved part is there already; it is known from now on.
+    /// Whether a curved part is there already; if not, it is recorded.
     fn knows(&mut self, curve: &NurbsCurve) -> bool {
         let (start, end) = curve.domain();
         let middle = curve.point_at(0.5 * (start + end));
@@ -260,15 +260,15 @@ impl Drawing {
     }
 }
 
-/// Disks around one point are one if their axes differ by no more than this angle, in radians:
-/// what rounding to [`SAME`] does to the direction of a curve a thousandth as long as its
-/// coordinates. Others meet along a line.
+/// Disks around one point are the same if their axes differ by no more than this angle, in radians:
+/// the effect of an error of [`SAME`] on the direction of a curve a thousandth as long as its
+/// coordinates. Other disks meet along a line.
 const SAME_PLANE: f64 = 1000.0 * SAME;
 
-/// Whether two clamped curves are one, and run through at proportional speeds.
+/// Whether two clamped curves are the same and run at proportional speeds.
 ///
-/// Between two knots of either, the difference of curves of degree `p` and `q` has a numerator
-/// of degree `p + q`: it vanishes if it does at as many places and one.
+/// Between two knots of either, the difference of curves of degree `p` and `q` has a numerator of
+/// degree `p + q`: it vanishes if it does so at `p + q + 1` places.
 fn coincide(a: &NurbsCurve, b: &NurbsCurve, tolerance: f64) -> bool {
     let share_to_t = |curve: &NurbsCurve, share: f64| {
         let (start, end) = curve.domain();

@@ -1,4 +1,4 @@
-//! What is drawn together: equal parts once, and no other ones.
+//! Things drawn together: equal parts become one, others do not.
 
 use glam::{DAffine3, DVec3};
 
@@ -28,7 +28,7 @@ fn drawn(curves: &[NurbsCurve], caps: Caps, size: f64) -> Vec<Component> {
     pieces
 }
 
-/// The four sides of a square, each from another corner: at every one two tubes end.
+/// The four sides of a square, each from a different corner: two tubes end at every corner.
 #[test]
 fn ends_that_meet_become_one_ball() {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -46,10 +46,10 @@ fn ends_that_meet_become_one_ball() {
             };
             assert_eq!(pieces.iter().filter(around).count(), 1, "{corner}");
         }
-        // Alone, half a ball; disks across each other stay two.
+        // A tube alone has half balls; disks at an angle to each other stay two.
         assert_eq!(counts(&drawn(&sides[..1], Caps::Round, size)), [1, 0, 2]);
         assert_eq!(counts(&drawn(&sides, Caps::Flat, size)), [4, 0, 8]);
-        // Those in one plane are one, on whichever side the tubes are.
+        // Disks in one plane become one, on whichever side the tubes are.
         let on = NurbsCurve::polyline(&flat(&[[1.0, 0.0], [2.0, 0.0]], size)).unwrap();
         assert_eq!(counts(&drawn(&[side(0, 1, size), on], Caps::Flat, size)), [2, 0, 3]);
     }
@@ -76,7 +76,7 @@ fn tubes_are_made_once_whichever_way_they_run() {
         let all = [curve.clone(), curve.reversed(), moved, finer.reversed(), finer];
         assert_eq!(counts(&drawn(&all, Caps::Open, 1.0)), [1, 0, 0]);
     }
-    // Ends and middle are the same; the rest is not.
+    // Curves with the same ends and middle, but otherwise different.
     let through = |y: f64| {
         let points = [[0.0, 0.0], [0.5, y], [1.0, 0.0], [1.5, -y], [2.0, 0.0]];
         NurbsCurve::bezier(&flat(&points, 1.0)).unwrap()
@@ -84,7 +84,7 @@ fn tubes_are_made_once_whichever_way_they_run() {
     assert_eq!(counts(&drawn(&[through(0.5), through(0.6)], Caps::Open, 1.0)), [2, 0, 0]);
 }
 
-/// Two patches side by side have a row of control points in common, of which each knows with other
+/// Adjacent patches have a row of control points in common, which each computes with different
 /// rounding.
 #[test]
 fn rows_that_nets_share_are_drawn_once() {
@@ -135,7 +135,7 @@ fn lines_that_overlap_are_joined() {
     let pieces = control_net(&net, &NetStyle { radius: 0.01, joints: 0.02 }).unwrap();
     let lines: Vec<&Component> = pieces.iter().filter(|piece| piece.what == "line").collect();
     assert_eq!(lines.len(), 4);
-    // The joined one goes all the way.
+    // The joined line spans the whole length.
     let [_, (c, d)] = lines[0].surface.domain();
     let length = lines[0].surface.point_at(0.0, c).distance(lines[0].surface.point_at(0.0, d));
     assert!((length - 3.0 * along.length()).abs() < 1e-14, "{length}");
@@ -186,7 +186,7 @@ fn nets_of_tubes_with_corners_have_no_rods_within_others() {
     }
 }
 
-/// However many lines meet at two poles, and lie side by side.
+/// Many lines that meet at two poles and lie side by side take little time.
 #[test]
 fn many_lines_are_drawn_in_no_time() {
     let half = circle_arc(1.0, -90.0, 180.0).unwrap();

@@ -20,10 +20,10 @@ pub enum ConstructError {
         /// What is wrong with it.
         error: CurveError,
     },
-    /// The net that results is no surface.
+    /// The resulting net is not a valid surface.
     #[error("the surface made: {0}")]
     Surface(#[from] SurfaceError),
-    /// A line of constant parameter is none of the surface's.
+    /// The surface does not have the line of constant parameter.
     #[error("{0}")]
     Iso(SurfaceError),
     /// A line of constant parameter lies off a surface.
@@ -36,7 +36,7 @@ pub enum ConstructError {
         parameter: char,
         /// Its value.
         t: f64,
-        /// The largest there is.
+        /// The largest value of the parameter.
         end: usize,
     },
     /// There is no line of constant parameter to draw.
@@ -51,7 +51,7 @@ pub enum ConstructError {
     /// An object without trim edges.
     #[error("there are no trim edges to draw: no surface of that object is trimmed")]
     NoTrims,
-    /// A trim edge is no curve that can be drawn.
+    /// A trim edge is not a curve that can be drawn.
     #[error("a trim edge in space: {0}")]
     TrimEdge(CurveError),
     /// A line of constant parameter lies where trims keep nothing.
@@ -62,7 +62,7 @@ pub enum ConstructError {
         /// Its value.
         t: f64,
     },
-    /// A line of constant parameter is but a point, as at a pole.
+    /// A line of constant parameter is only a point, as at a pole.
     #[error("the line {parameter} = {} is a single point, where there is nothing to draw", Shown(*.t))]
     IsoPoint {
         /// Which parameter is constant.
@@ -88,10 +88,10 @@ pub enum ConstructError {
         /// How many it may have.
         limit: usize,
     },
-    /// There are more steps of subdivision than lead anywhere.
+    /// There are more steps of subdivision than are useful.
     #[error("{steps} steps: a cage is drawn after up to {most}")]
     Steps {
-        /// How many are asked for.
+        /// How many are requested.
         steps: usize,
         /// How many there can be.
         most: usize,
@@ -99,16 +99,16 @@ pub enum ConstructError {
     /// A cage has more vertices than can be drawn before all steps are done.
     #[error("{count} vertices after {after} of {steps} steps: nets of up to {limit} can be drawn")]
     LargeCage {
-        /// After how many steps.
+        /// The number of steps done.
         after: usize,
-        /// Of how many.
+        /// The number of steps requested.
         steps: usize,
         /// How many vertices it has by then.
         count: usize,
         /// How many it may have.
         limit: usize,
     },
-    /// Steps of subdivision are asked of what is not subdivided.
+    /// Steps of subdivision are requested for an object that is not subdivided.
     #[error("steps are those of subdivision, and the object is not only subdivision surfaces")]
     NoSteps,
     /// A line of a net ends at a vertex that the net does not have.
@@ -124,7 +124,7 @@ pub enum ConstructError {
         /// How many the net has.
         count: usize,
     },
-    /// A point of a net is NaN, or beyond what surfaces have.
+    /// A point of a net is NaN, or too large for surfaces.
     #[error(
         "control point {index} of the net is {}: coordinates must be finite (up to {MAX_MAGNITUDE:e})",
         ShownVector(*.point)
@@ -157,7 +157,7 @@ pub enum ConstructError {
         /// Its coordinates.
         point: DVec3,
     },
-    /// An axis is given by a point from which nothing near the origin can be told apart.
+    /// An axis is given by a point so far away that nothing near the origin can be told apart.
     #[error(
         "the axis goes through {}: that is too far away; give a point of it with coordinates of up \
          to {MAX_MAGNITUDE:e}",
@@ -173,7 +173,7 @@ pub enum ConstructError {
         /// The angle.
         degrees: f64,
     },
-    /// A profile has no distance from the axis it is turned about.
+    /// A profile lies on the axis it is turned about.
     #[error("the profile lies on the axis: turned about it, it remains a line")]
     OnAxis,
     /// The degree across sections is 0 or above [`MAX_DEGREE`].
@@ -236,7 +236,7 @@ pub enum ConstructError {
         /// How wide it is.
         gap: f64,
     },
-    /// A path turns all at once.
+    /// The direction of a path jumps.
     #[error(
         "the {path} has a kink of {}° at t = {}: it must be smooth; split it there",
         Measured(*.degrees), Measured(*.t)
@@ -260,7 +260,7 @@ pub enum ConstructError {
         which: String,
         /// The parameter where it turns round.
         t: f64,
-        /// The control point of a polyline where it does.
+        /// For a polyline, the control point where it turns round.
         corner: Option<usize>,
         /// The place.
         point: DVec3,
@@ -287,7 +287,7 @@ pub enum ConstructError {
         /// The angle about the axis between the two parts.
         between: f64,
     },
-    /// A profile has one distance from the axis, and one height, all along.
+    /// A profile is everywhere at the same distance from the axis and at the same height.
     #[error(
         "profile: all of it is {} from the axis, at the same height: turned about it, it remains \
          a circle", Measured(*.distance)
@@ -342,7 +342,7 @@ pub enum ConstructError {
         /// Along which vector it is moved.
         by: DVec3,
     },
-    /// Two curves, between which a surface is to be, are the same.
+    /// Two curves that a surface is to connect are the same.
     #[error("{which} are the same to within rounding: nothing lies between them")]
     NothingBetween {
         /// Which curves.
@@ -356,9 +356,9 @@ pub enum ConstructError {
     ComesBack {
         /// A section, counted from 0.
         first: usize,
-        /// The one between the two.
+        /// The section between the two.
         turn: usize,
-        /// The one that is the same again.
+        /// The later section that is the same as the first.
         last: usize,
     },
     /// One of several lines that are drawn is at fault.
@@ -369,7 +369,8 @@ pub enum ConstructError {
         /// What is wrong with it.
         error: Box<ConstructError>,
     },
-    /// A sweep would run backwards where its path bends: told is the place where it would most.
+    /// A sweep would run backwards where its path bends; the fields give the place where it would
+    /// most.
     #[error(
         "the {what} folds, most of all at t = {} of the {path}: the {path} bends with radius {} \
          there, and the {} reaches {} towards the centre",
@@ -383,13 +384,13 @@ pub enum ConstructError {
         path: &'static str,
         /// The path's parameter.
         t: f64,
-        /// The path's radius of curvature. A thinner tube does not fold; messages show digits
-        /// that are not above it.
+        /// The path's radius of curvature. A thinner tube does not fold, so messages round the
+        /// radius down.
         radius: f64,
-        /// How far the profile reaches towards its centre.
+        /// How far the profile reaches towards the centre of curvature.
         reach: f64,
     },
-    /// An upward direction is the path's own.
+    /// An upward direction is parallel to the path.
     #[error(
         "up {} runs along the {path}, whose direction there is {}: choose another one",
         ShownVector(*.up), MeasuredPoint(*.tangent)
@@ -460,7 +461,7 @@ pub enum ConstructError {
         path: &'static str,
         /// The tolerance.
         tolerance: f64,
-        /// What is left.
+        /// The deviation that is left.
         deviation: f64,
         /// Where.
         t: f64,
@@ -471,7 +472,7 @@ pub enum ConstructError {
         MeasuredPoint(*.u), MeasuredPoint(*.v), Measured(*.distance)
     )]
     Corner {
-        /// Where they should.
+        /// The corner at which they should meet.
         corner: CoonsCorner,
         /// Where the border of constant u ends.
         u: DVec3,
@@ -510,8 +511,8 @@ impl ConstructError {
         }
     }
 
-    /// The same about a `tube` or `ribbon`, made by sweeping something along what its author calls
-    /// a curve.
+    /// The same error about a `tube` or `ribbon`, made by sweeping something along what its author
+    /// calls a curve.
     #[must_use]
     pub(crate) fn around_a_curve(mut self, made: &'static str) -> Self {
         match &mut self {
@@ -527,7 +528,7 @@ impl ConstructError {
         self
     }
 
-    /// Blames a curve.
+    /// Attributes an error to a curve.
     pub(crate) fn of(which: impl Into<String>) -> impl FnOnce(CurveError) -> Self {
         let which = which.into();
         move |error| Self::Curve { which, error }
@@ -539,11 +540,11 @@ fn corner_or_parameter(corner: Option<usize>, t: f64) -> String {
     corner.map_or_else(|| format!("t = {}, ", Measured(t)), |k| format!("control point {k}, "))
 }
 
-/// The most control points of one surface made: 2²⁴, half a gigabyte. Curves of thousands of
-/// points multiply.
+/// The most control points of one constructed surface: 2²⁴, half a gigabyte. The numbers of points
+/// of two curves multiply.
 const MAX_NET: usize = 1 << 24;
 
-/// The number of control points of a net, if it is sensible.
+/// The number of control points of a net, if it is not too large.
 pub(crate) fn net_size(nu: usize, nv: usize) -> Result<usize, ConstructError> {
     check_net(nu, nv, MAX_NET)
 }

@@ -1,11 +1,11 @@
 //! Curves that run back over themselves, and profiles that do so once they are turned.
 //!
-//! A curve *folds* at a place where it turns round (by 180°) and runs back over a stretch that
-//! it has just run through, as a polyline does that returns on its own side, or a Bézier curve
-//! whose control points lie on a line out of order. What is made from it would cover itself
-//! twice. No folds are corners, however sharp; cusps whose two sides part from each other;
-//! curves that touch or cross themselves; those that run through a stretch again after they
-//! have been elsewhere.
+//! A curve *folds* where it turns round (by 180°) and runs back over a stretch that it has just run
+//! through, like a polyline that returns along one of its own sides, or a Bézier curve whose
+//! control points lie on a line out of order. A surface made from it would cover itself twice. The
+//! following are not folds: corners, however sharp; cusps whose two sides part from each other;
+//! curves that touch or cross themselves; curves that run through a stretch again after they have
+//! been elsewhere.
 
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
@@ -17,39 +17,40 @@ use crate::geometry::extremes::add_extremes;
 use crate::math::bernstein::binomial;
 use crate::math::unit;
 
-/// Stretches no longer than this are rounding: in shares of the curve's extent, as where
-/// several coordinates turn round at a place that each gives a little otherwise (a triple root
-/// is known to a third of the digits), and of its largest coordinate, for control points that
+/// Stretches no longer than this count as rounding: relative to the curve's extent, because several
+/// coordinates may turn round at one place that each locates slightly differently (a triple root is
+/// known to a third of the digits); and relative to its largest coordinate, because control points
 /// are themselves rounded.
 const ROUNDING: (f64, f64) = (16384.0 * f64::EPSILON, 16.0 * f64::EPSILON);
 
-/// Points are one that are apart by no more than this many of those: the two stretches may each
-/// have lost one or two at their beginning.
+/// Points no farther apart than this many such lengths are the same: the two stretches may each
+/// have lost one or two such lengths at their beginning.
 const SAME_POINT: f64 = 4.0;
 
-/// A stretch that is run through again is longer than this many of those: narrower things than
-/// that cannot be told from it.
+/// A stretch that is run through again is longer than this many such lengths: narrower features
+/// cannot be told from a fold.
 const LONGER: f64 = 64.0;
 
-/// At how many places a stretch and the way back are compared. Two curves of degree p that are
-/// not the same meet at no more than p² of them; corners and cusps part at the first one.
+/// The number of places at which a stretch and the way back are compared. Two different curves of
+/// degree p meet at no more than p² of them; corners and cusps part at the first one.
 const PLACES: usize = 32;
 
-/// Halvings of `[0, 1]` that leave nothing between two numbers.
+/// The halvings of `[0, 1]` after which no number is left between the two ends.
 const HALVINGS: usize = 60;
 
 /// Where a curve folds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fold {
-    /// The parameter where it turns round.
+    /// The parameter where the curve turns round.
     pub(crate) t: f64,
-    /// The two parameters, before and after, of one place which it passes twice: halfway along.
+    /// The two parameters, before and after `t`, of a place that the curve passes twice: halfway
+    /// along.
     pub(crate) twice: [f64; 2],
-    /// The parameter to which it runs back.
+    /// The parameter until which the curve runs back.
     pub(crate) until: f64,
 }
 
-/// Fails where a curve runs back over itself.
+/// Fails if a curve runs back over itself.
 pub(crate) fn check_fold(curve: &NurbsCurve, which: &str) -> Result<(), ConstructError> {
     match Course::in_space(curve).fold() {
         Some(fold) => Err(runs_back(curve, which, fold)),
@@ -67,14 +68,15 @@ fn runs_back(curve: &NurbsCurve, which: &str, fold: Fold) -> ConstructError {
     ConstructError::RunsBack { which: which.to_owned(), t: fold.t, corner, point, length }
 }
 
-/// Fails when a profile runs back over itself, or, turned about an axis by this angle, is taken
-/// to where another part of itself has been.
+/// Fails if a profile runs back over itself, or if turning it about an axis by this angle takes it
+/// to where another part of it has been.
 ///
-/// The latter is decided in the half plane of `(r², z)`, `r` the distance from the axis and `z`
-/// the height, which are rational: there the profile folds where it crosses the axis and goes
-/// on as its own mirror image. The two parts meet if the turn is at least the angle between
-/// them. It also folds where it is nearest to the axis, or farthest, in a plane across it: the two
-/// parts begin together, and any turn takes some of the one over the other.
+/// The latter is decided in the half plane of `(r², z)`, which are rational; `r` is the distance
+/// from the axis and `z` the height. In that plane the profile folds where it crosses the axis and
+/// goes on as its own mirror image. The two parts meet if the turn is at least the angle between
+/// them. The profile also folds where it is nearest to the axis, or farthest from it, in a plane
+/// across the axis. There the two parts begin together, and any turn takes some of the one over the
+/// other.
 pub(crate) fn check_turned(
     profile: &NurbsCurve,
     axis: &Axis,
@@ -88,7 +90,7 @@ pub(crate) fn check_turned(
     }
     let Some(Fold { t, twice, .. }) = turned.fold() else { return Ok(()) };
     let point = profile.point_at(t);
-    // Off the axis the two parts begin at no angle.
+    // Off the axis the two parts begin at angle 0.
     let reach = (0..profile.control().len()).map(|i| across(profile.point(i), axis).length());
     if across(point, axis).length() > ON_AXIS * reach.fold(0.0, f64::max) {
         return Err(ConstructError::TurnsRound { t, point, twice });
@@ -102,12 +104,13 @@ pub(crate) fn check_turned(
     Err(ConstructError::CoversItself { t, point, twice, degrees, between })
 }
 
-/// Where a profile crosses the axis, as a share of its distance: its square is known to the
-/// rounding of one, and the place to the root of that again.
+/// The distance from the axis within which a profile crosses it, relative to its largest distance:
+/// the squared distance is known to the rounding error of 1, and the place to the root of that
+/// again.
 const ON_AXIS: f64 = 1e-3;
 
-/// Fails when a profile, moved along a vector, passes over what another part of itself has passed:
-/// when it folds as seen along the vector.
+/// Fails if a profile, moved along a vector, passes over places that another part of it has passed,
+/// that is, if the profile folds as seen along the vector.
 pub(crate) fn check_moved(
     profile: &NurbsCurve,
     by: DVec3,
@@ -122,18 +125,18 @@ pub(crate) fn check_moved(
     Err(ConstructError::FoldsFlat { which, by, t, point: profile.point_at(t), twice })
 }
 
-/// A way to run through: a chain of rational Bézier pieces.
+/// A path to search for folds: a chain of rational Bézier pieces.
 pub(in crate::geometry) struct Course {
     pieces: Vec<CoursePiece>,
     closed: bool,
     /// The size of the box around its control points, and their largest coordinate.
     extent: f64,
     magnitude: f64,
-    /// The length of stretches that are but rounding.
+    /// The length up to which stretches count as rounding.
     slack: f64,
 }
 
-/// One of its pieces, of any degree.
+/// A piece of a course, of any degree.
 struct CoursePiece {
     domain: (f64, f64),
     control: Vec<DVec4>,
@@ -182,7 +185,7 @@ struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// The same, run through in the other direction.
+    /// The same stretch in the other direction.
     fn back(self) -> Self {
         let ([a, b], [p, q]) = (self.shares, self.ends);
         Self { shares: [b, a], ends: [q, p], ..self }
@@ -192,8 +195,8 @@ impl Stretch<'_> {
         self.ends[1] - self.ends[0]
     }
 
-    /// The share and the point at a distance from the beginning, the coordinates' distances
-    /// taken together: that grows all along.
+    /// The share and the point at a distance from the beginning; the distance is the sum of the
+    /// coordinate differences, which grows all along the stretch.
     fn at_distance(&self, distance: f64) -> (f64, DVec3) {
         let [mut near, mut far] = self.shares;
         if distance >= length(self.run()) {
@@ -225,8 +228,8 @@ impl Course {
         Self::new(pieces, is_closed(curve), curve.magnitude())
     }
 
-    /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` is run
-    /// through from parameter `k` to `k + 1`.
+    /// A closed chain of Bézier pieces, given by their homogeneous control points; piece `k` spans
+    /// the parameters from `k` to `k + 1`.
     pub(in crate::geometry) fn closed(pieces: impl Iterator<Item = Vec<DVec4>>) -> Self {
         let piece = |(k, control)| CoursePiece { domain: (k as f64, (k + 1) as f64), control };
         let pieces: Vec<_> = pieces.enumerate().map(piece).collect();
@@ -244,7 +247,7 @@ impl Course {
         piece.at((t - start) / (end - start))
     }
 
-    /// A curve as it is seen along a vector, in a plane across it.
+    /// The projection of a curve along a vector onto a plane perpendicular to it.
     fn seen_along(curve: &NurbsCurve, vector: DVec3) -> Self {
         let along = unit(vector).unwrap_or_default();
         let across = |c: &DVec4| (c.xyz() - c.xyz().dot(along) * along).extend(c.w);
@@ -256,12 +259,12 @@ impl Course {
         Self::new(pieces, is_closed(curve), curve.magnitude())
     }
 
-    /// Whether it stays in one place, as far as rounding can tell.
+    /// Whether the course stays in one place, up to rounding.
     fn is_point(&self) -> bool {
         self.extent <= 4.0 * ROUNDING.1 * self.magnitude
     }
 
-    /// The profile as `(r² / R, z, 0)`, `R` being its largest distance from the axis.
+    /// The profile as `(r² / R, z, 0)`, where `R` is its largest distance from the axis.
     fn turned(profile: &NurbsCurve, axis: &Axis) -> Self {
         let points = || (0..profile.control().len()).map(|i| profile.point(i));
         let reach = points().map(|point| across(point, axis).length()).fold(0.0, f64::max);
@@ -295,7 +298,7 @@ impl Course {
         Self { pieces, closed, extent, magnitude, slack }
     }
 
-    /// The first place where it turns round and runs back.
+    /// The first place where the course turns round and runs back.
     pub(in crate::geometry) fn fold(&self) -> Option<Fold> {
         let mut first: Option<Stretch<'_>> = None;
         let mut before: Option<Stretch<'_>> = None;
@@ -303,7 +306,7 @@ impl Course {
             for shares in piece.cuts().windows(2) {
                 let shares = [shares[0], shares[1]];
                 let stretch = Stretch { piece, shares, ends: shares.map(|share| piece.at(share)) };
-                // Where it stands still, what is on both sides meets.
+                // Where the course stands still, the stretches on both sides meet.
                 if length(stretch.run()) <= self.slack {
                     continue;
                 }
@@ -318,7 +321,7 @@ impl Course {
         seam.and_then(|(last, first)| self.fold_between(last, first))
     }
 
-    /// Whether a stretch is run back over by the one that follows.
+    /// The fold between two consecutive stretches, if the second runs back over the first.
     fn fold_between(&self, before: Stretch<'_>, after: Stretch<'_>) -> Option<Fold> {
         let back = before.back();
         let runs = [back.run(), after.run()];

@@ -25,7 +25,7 @@ fn fold(curve: &NurbsCurve) -> Option<Fold> {
     Course::in_space(curve).fold()
 }
 
-/// At some places, of some sizes, however turned.
+/// The curve at several positions, sizes and rotations.
 fn everywhere(curve: &NurbsCurve) -> Vec<NurbsCurve> {
     let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     let maps = [1e-8, 1.0, 1e8].map(|size| {
@@ -78,7 +78,7 @@ fn curves_that_run_back_over_themselves() {
     for (name, curve, t) in cases {
         for (k, placed) in everywhere(&curve).iter().enumerate() {
             let found = fold(placed).unwrap_or_else(|| panic!("{name}, {k}"));
-            // Polylines may have been moved: their parameter has not.
+            // Even where polylines have been moved, their parameter has not.
             assert!((found.t - t).abs() < 1e-7, "{name}, {k}: {found:?}");
             let [a, b] = found.twice.map(|t| placed.point_at(t));
             assert!(a.distance(b) < 1e-11 * placed.magnitude(), "{name}, {k}");
@@ -151,7 +151,7 @@ fn a_profile_and_its_mirror_image_about_the_axis() {
             assert!(refused.starts_with(error), "{refused}");
         }
         assert!(found(&circle, 200.0).is_err(), "{start}");
-        // Half of it, and a circle whose centre is not on the axis.
+        // Allowed: half of the circle, and a circle whose centre is not on the axis.
         assert_eq!(found(&circle_arc(1.0, -90.0, 180.0).unwrap(), 360.0), Ok(()));
         let aside = circle.transformed(&DAffine3::from_translation(0.5 * DVec3::X)).unwrap();
         assert_eq!(found(&aside, 360.0), Ok(()), "{start}");
@@ -174,20 +174,22 @@ fn a_profile_turned_within_a_plane_across_the_axis() {
         let sized = |curve: NurbsCurve| {
             curve.transformed(&DAffine3::from_scale(DVec3::splat(size))).unwrap()
         };
-        // About its own centre a circle stays where it is.
+        // Turned about its own centre, a circle stays where it is.
         for start in [0.0, 33.0] {
             let circle = sized(circle_arc(1.0, start, 360.0).unwrap());
             let refused = found(&circle, 10.0).unwrap_err();
             assert!(refused.ends_with("turned about it, it remains a circle"), "{refused}");
         }
-        // Aside it passes over a ring twice, and over some of it however little it is turned.
+        // Beside the axis it passes over a ring twice, and over a part of it at any angle, however
+        // small.
         let aside = DAffine3::from_translation(3.0 * DVec3::X);
         let aside = sized(circle_arc(1.0, 0.0, 360.0).unwrap().transformed(&aside).unwrap());
         for degrees in [360.0, 30.0, -1.0] {
             let refused = found(&aside, degrees).unwrap_err();
             assert!(refused.starts_with("profile: turned about the axis it covers itself: at t ="));
         }
-        // A line is nearest to the axis within; up to there it is a ring.
+        // A line that is nearest to the axis in its interior; the part up to that point makes a
+        // ring.
         let line = |to: f64| sized(polyline(&[[1.0, -1.0], [1.0, to]]));
         assert!(found(&line(1.0), 20.0).is_err());
         assert_eq!(found(&line(0.0), 360.0), Ok(()));

@@ -55,11 +55,11 @@ impl Frame {
     }
 }
 
-/// A path that rises at less than 26° from the vertical has no use for z as its upward
-/// direction: y then is better conditioned.
+/// The steepness (z of the unit tangent) from which y is the default upward direction: less than
+/// 26° from the vertical, y is better conditioned than z.
 const STEEP: f64 = 0.9;
 
-/// An upward direction nearer to the path's than this (in radians) says nothing.
+/// An upward direction nearer to the path's own than this (in radians) is unusable.
 const SAME_WAY: f64 = 1e-6;
 
 /// The frames of one smooth piece of a path.
@@ -70,16 +70,16 @@ pub(crate) struct PieceFrames {
     samples: Vec<Frame>,
 }
 
-/// How far the frame at the end of a piece may be from that with half the step, in radians.
-/// The difference is sixteen times the error that remains.
+/// The largest change of the frame at the end of a piece when the step is halved, in radians. This
+/// change is sixteen times the error that remains.
 const SETTLED: f64 = 1e-11;
 
-/// Steps at first, and at most, along one piece. At most: 2¹⁴ steps of fourth order leave
-/// nothing but rounding, however much a piece of a spline turns.
+/// The first and the largest number of steps along one piece: 2¹⁴ steps of fourth order leave
+/// nothing but rounding errors, however much a piece of a spline turns.
 const STEPS: (usize, usize) = (16, 1 << 14);
 
 impl PieceFrames {
-    /// The frames of a piece, from the first on: steps are halved until the last one stays.
+    /// The frames of a piece, starting with `first`; steps are halved until the last frame settles.
     pub(crate) fn new(curve: NurbsCurve, first: Frame) -> Result<Self, ConstructError> {
         let mut steps = STEPS.0;
         let mut samples = walked(&curve, first, steps)?;
@@ -139,7 +139,7 @@ mod tests {
             })
             .collect();
         let helix = NurbsCurve::through(&points, 5).unwrap();
-        // Outward at the start, as the Frenet normal reversed is.
+        // Outward at the start, like the reversed Frenet normal.
         let mut frame = Frame::first(&helix, Some(DVec3::Z)).unwrap();
         let start = frame;
         for piece in super::super::path::pieces(&helix) {

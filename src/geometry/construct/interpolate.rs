@@ -7,20 +7,21 @@ use crate::geometry::{CurveError, KnotError, KnotVector, MAX_DEGREE, NurbsCurve}
 
 /// The equations `Σ Nᵢ(t_k) Pᵢ = Q_k`, factored once for any number of right-hand sides.
 ///
-/// The parameters `t_k` start and end the domain, and the inner knots are averages of `p`
-/// neighbouring ones, so that the Schoenberg–Whitney conditions hold. The matrix is banded
-/// and totally positive: elimination without pivoting is stable (de Boor & Pinkus 1977).
+/// The first and the last `t_k` are the ends of the domain, and each inner knot is the average of
+/// `p` neighbouring `t_k`, so that the Schoenberg–Whitney conditions hold. The matrix is banded and
+/// totally positive: elimination without pivoting is stable (de Boor & Pinkus 1977).
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolation {
     knots: KnotVector,
     /// Row k: the basis functions `k − p … k + p` at `t_k`.
     matrix: Vec<Vec<f64>>,
-    /// The same, eliminated: factors below the diagonal, the upper triangle on and above it.
+    /// The matrix after elimination: factors below the diagonal, the upper triangle on and above
+    /// it.
     factors: Vec<Vec<f64>>,
 }
 
 impl Interpolation {
-    /// For increasing parameters, at least `degree + 1` of them.
+    /// The equations for increasing parameters, at least `degree + 1` of them.
     ///
     /// # Errors
     /// When there are too few parameters, or some that belong to different knots coincide.
@@ -60,8 +61,8 @@ impl Interpolation {
 
     /// The control points of the spline through these points.
     ///
-    /// The solution is improved once by its own residual, which leaves errors of a few
-    /// roundings of the points.
+    /// The solution is improved once by its own residual, which leaves errors of a few rounding
+    /// errors of the points.
     pub(crate) fn control(&self, through: &[DVec4]) -> Vec<DVec4> {
         let mut control = self.solved(through.to_vec());
         let p = self.knots.degree();
@@ -76,7 +77,7 @@ impl Interpolation {
         for (point, by) in control.iter_mut().zip(correction) {
             *point += by;
         }
-        // The ends are interpolated as they are.
+        // The end points are interpolated exactly.
         let last = control.len() - 1;
         (control[0], control[last]) = (through[0], through[last]);
         control
@@ -113,11 +114,11 @@ fn averaged_knots(degree: usize, parameters: &[f64]) -> Result<KnotVector, KnotE
 }
 
 impl NurbsCurve {
-    /// The spline of this degree through these points in turn, with the lengths of the
-    /// chords as parameters and averaged knots (Piegl & Tiller 1997, 9.2.1).
+    /// The spline of this degree through these points in order, with chord lengths as parameters
+    /// and averaged knots (Piegl & Tiller 1997, 9.2.1).
     ///
-    /// Its domain begins at 0 and is as long as the polygon; point `k` is met where the
-    /// polygon has it.
+    /// Its domain begins at 0 and is as long as the polygon; point `k` is met at the parameter that
+    /// it has on the polygon.
     ///
     /// # Errors
     /// When there are fewer than `degree + 1` points, one is not finite, or two in a row

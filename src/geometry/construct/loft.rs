@@ -19,23 +19,24 @@ pub struct Loft {
     pub parameters: Vec<f64>,
 }
 
-/// The degree across sections that is used if none is asked for: no more than cubic.
+/// The default degree across sections: no more than cubic.
 pub const LOFT_DEGREE: usize = 3;
 
-/// The surface of this degree across that passes through section curves in turn (skinning;
-/// Piegl & Tiller 1997, 10.3).
+/// The surface, of this degree across, that passes through section curves in order (skinning; Piegl
+/// & Tiller 1997, 10.3).
 ///
-/// The sections are made compatible (degree elevation, knots merged), each scaled to begin
-/// with weight 1, and their control points interpolated, homogeneous coordinates and all:
-/// `S(u, v_k)` is section `k` to rounding. The `v_k` are the lengths of the chords between
-/// corresponding control points, averaged over those that move at all; knots are averages
-/// of the `v_k`. Two sections and degree 1 make a ruled surface.
+/// The sections are made compatible (degree elevation, merged knots), and each is scaled to begin
+/// with weight 1. Their homogeneous control points are interpolated: `S(u, v_k)` is section `k` up
+/// to rounding. The `v_k` are chord lengths between corresponding control points, averaged over
+/// those control points that move at all; the knots are averages of the `v_k`. Two sections and
+/// degree 1 make a ruled surface.
 ///
 /// # Errors
-/// When the degree is not supported, there are fewer than `degree + 1` sections, two in a row
-/// coincide, one that is neither the first nor the last runs back over itself (these two may, as
-/// the bow of a hull does; not both if there are no others), the surface comes back the way it
-/// went, or sections of very different weights make the interpolated ones not positive.
+/// When the degree is not supported; when there are fewer than `degree + 1` sections; when two
+/// neighbours coincide; when a section other than the first and the last runs back over itself
+/// (these two may, as the bow of a hull does, but not both if there are no others); when the
+/// surface comes back the way it went; or when sections of very different weights make interpolated
+/// weights non-positive.
 pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructError> {
     if !(1..=MAX_DEGREE).contains(&degree) {
         return Err(ConstructError::DegreeAcross { degree });
@@ -57,7 +58,7 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
     let sections = compatible(sections, &which)?;
     let mut lines: Vec<Vec<DVec4>> = sections.iter().map(scaled).collect();
     if polynomial {
-        // Not to be rational by the rounding of what was done to them.
+        // Rounding in the steps above must not make the surface rational.
         lines.iter_mut().flatten().for_each(|point| point.w = 1.0);
     }
     let parameters = averaged_chords(&lines)?;
@@ -71,13 +72,13 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
         let through: Vec<DVec4> = lines.iter().map(|line| line[i]).collect();
         let weight = through[0].w;
         let alike = through.iter().all(|point| point.w == weight);
-        // A weight that all have is left as it is, but for rounding.
+        // A weight common to all points is kept, without rounding error.
         let exact = |point: DVec4| if alike { point.with_w(weight) } else { point };
         net.extend(equations.control(&through).into_iter().map(exact));
     }
     let surface = NurbsSurface::from_homogeneous(knots_u, equations.knots().clone(), net);
     let surface = surface.map_err(|error| match error {
-        // There are as many control points across as sections, the ones near the others.
+        // There are as many control points across as sections, each near its section.
         SurfaceError::Weight { i, j, weight } => {
             ConstructError::SectionWeights { section: j, point: i, weight }
         }
@@ -86,8 +87,8 @@ pub fn loft(sections: &[NurbsCurve], degree: usize) -> Result<Loft, ConstructErr
     Ok(Loft { surface, parameters })
 }
 
-/// Fails where the surface would come back the way it went: straight from section to section, or
-/// in one bow from the first of three to the last.
+/// Fails if the surface would come back the way it went: straight from section to section, or in
+/// one bow from the first of three to the last.
 fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), ConstructError> {
     if degree > 1 && sections.len() > 3 {
         return Ok(());
@@ -103,14 +104,15 @@ fn check_way_back(sections: &[NurbsCurve], degree: usize) -> Result<(), Construc
     Ok(())
 }
 
-/// The control points of a section, scaled to begin with weight 1; as they are if they do.
+/// The control points of a section, scaled to begin with weight 1; unchanged if they already do.
 fn scaled(section: &NurbsCurve) -> Vec<DVec4> {
     let first = section.weight(0);
     section.control().iter().map(|&point| point / first).collect()
 }
 
-/// The chord lengths of each column of control points as shares of its whole, averaged over
-/// the columns that do not stay in one point (Piegl & Tiller 1997, eq. 10.8).
+/// The parameters of the sections: the chord lengths of each column of control points as fractions
+/// of the column's whole length, averaged over the columns that do not stay in one point (Piegl &
+/// Tiller 1997, eq. 10.8).
 fn averaged_chords(lines: &[Vec<DVec4>]) -> Result<Vec<f64>, ConstructError> {
     let point = |k: usize, i: usize| lines[k][i].xyz() / lines[k][i].w;
     let mut steps = vec![0.0; lines.len() - 1];
@@ -136,7 +138,7 @@ fn averaged_chords(lines: &[Vec<DVec4>]) -> Result<Vec<f64>, ConstructError> {
         }
         parameters.push(after);
     }
-    // The last one is 1 but for rounding.
+    // The last one is 1 up to rounding.
     if let Some(last) = parameters.last_mut() {
         *last = 1.0;
     }
@@ -247,7 +249,7 @@ mod tests {
             message.starts_with("section 2: its weights and its neighbours' differ too much: "),
             "{message}"
         );
-        // A section inside that runs back over itself; at an end it closes the body.
+        // An inner section that runs back over itself is refused; at an end it closes the body.
         let folded = |z: f64| {
             let points = [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 0.0, z]].map(DVec3::from);
             NurbsCurve::polyline(&points).unwrap()

@@ -1,15 +1,15 @@
 //! Surfaces made from curves: revolution, extrusion, ruled surfaces, Coons patches, lofts,
 //! sweeps; and curves and control nets made visible as tubes and ribbons.
 //!
-//! All become [`NurbsSurface`](super::NurbsSurface)s. What is rational is exact: stored are
-//! the control points of the very surface.
+//! All become [`NurbsSurface`](super::NurbsSurface)s. Rational surfaces are exact: the control
+//! points of the surface itself are stored.
 //!
-//! Profiles, sections, paths and the curves inside tubes and ribbons must not *fold*, that is
-//! turn round at a place and run back over the stretch they have just run through: the surface
-//! would cover itself twice. Corners, cusps whose two sides part, and curves that touch or cross
-//! themselves are no folds. Nor may a revolution or an extrusion take a part of its profile to where
-//! another part has been, as when a full circle is turned about its diameter by more than 180°, or
-//! turned or moved within its own plane.
+//! Profiles, sections, paths and the curves inside tubes and ribbons must not *fold*, that is, turn
+//! round and run back over the stretch they have just run through: the surface would cover itself
+//! twice. Corners, cusps whose two sides part, and curves that touch or cross themselves are not
+//! folds. Nor may a revolution or an extrusion take a part of its profile to where another part has
+//! been, as when a full circle is turned about its diameter by more than 180°, or turned or moved
+//! within its own plane.
 //!
 //! ```
 //! use glam::DVec3;

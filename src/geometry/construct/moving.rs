@@ -9,7 +9,7 @@ use super::path::{SAME_DIRECTION, angle, is_closed, pieces};
 use super::sweep::{FOLD_SAMPLES, Sweep, SweepOptions};
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface, bernstein};
 
-/// An affine frame: what `(x, y, z)` of the profile is carried to,
+/// An affine frame, which carries `(x, y, z)` of the profile to
 /// `origin + x axes[0] + y axes[1] + z axes[2]`; or the derivative of one.
 #[derive(Clone, Copy, Debug)]
 struct Carrier {
@@ -22,7 +22,7 @@ impl Carrier {
         self.origin + p.x * self.axes[0] + p.y * self.axes[1] + p.z * self.axes[2]
     }
 
-    /// This one and another, coordinate by coordinate.
+    /// Combines this carrier with another one, vector by vector.
     fn combined(&self, other: &Self, f: impl Fn(DVec3, DVec3) -> DVec3) -> Self {
         let axes = [0, 1, 2].map(|k| f(self.axes[k], other.axes[k]));
         Self { origin: f(self.origin, other.origin), axes }
@@ -34,10 +34,10 @@ impl Carrier {
 pub(crate) struct MovingFrames {
     pieces: Vec<PieceFrames>,
     domain: (f64, f64),
-    /// The whole turn about the path, in radians: the twist and what closes the sweep.
+    /// The whole turn about the path, in radians: the twist plus the turn that closes the sweep.
     turn: f64,
     scale: Vec<f64>,
-    /// Whether the last frame is the first again.
+    /// Whether the last frame equals the first.
     closes: bool,
 }
 
@@ -58,7 +58,7 @@ impl MovingFrames {
         let mut turn = options.twist.to_radians();
         let closed = is_closed(path) && smooth_seam;
         if closed {
-            // The frame comes back turned about the tangent by this angle: take it back.
+            // The frame comes back turned about the tangent by this angle: undo the turn.
             turn -= frame.normal.dot(first.side()).atan2(frame.normal.dot(first.normal));
         }
         let scale = options.scale.clone();
@@ -67,7 +67,7 @@ impl MovingFrames {
         Ok(Self { pieces: done, domain: path.domain(), turn, scale, closes })
     }
 
-    /// The scale at a share of the domain, and its derivative by that share.
+    /// The scale at a fraction of the domain, and its derivative with respect to that fraction.
     fn factor(&self, share: f64) -> (f64, f64) {
         let n = self.scale.len() - 1;
         let sum = |degree: usize, values: &mut dyn Iterator<Item = f64>| {
@@ -92,7 +92,8 @@ impl MovingFrames {
         let path = piece.curve.derivatives(t);
         let (r, s, along) = (frame.normal, frame.side(), frame.tangent);
         let turning = (path.second - path.second.dot(along) * along) / path.first.length();
-        // Where the path stands still, at an end: whatever is used is measured afterwards.
+        // Not finite where the path stands still at an end. Any value will do there: the deviation
+        // is measured afterwards.
         let turning = if turning.is_finite() { turning } else { DVec3::ZERO };
         let (r1, s1) = (-r.dot(turning) * along, -s.dot(turning) * along);
 
@@ -111,12 +112,12 @@ impl MovingFrames {
         Ok((Carrier { origin: path.point, axes }, Carrier { origin: path.first, axes: moved }))
     }
 
-    /// Refuses a sweep whose profile reaches beyond the centre of curvature: there it would
-    /// run backwards. Ends of pieces, where a path may stand still, are looked at a little
-    /// inside.
+    /// Refuses a sweep whose profile reaches beyond the centre of curvature, where it would run
+    /// backwards. Ends of pieces, where a path may stand still, are sampled slightly inside.
     ///
-    /// Told is the place where it reaches farthest in terms of the radius of curvature. Between the
-    /// places looked at, it is searched for around those that are the farthest among their neighbours.
+    /// The error names the place where the profile reaches farthest relative to the radius of
+    /// curvature. Between the samples, that place is searched for around those that are the farthest
+    /// among their neighbours.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
         let (start, end) = profile.domain();
         let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
@@ -150,8 +151,8 @@ impl MovingFrames {
         Ok(())
     }
 
-    /// How a piece bends at a place, counted in [`FOLD_SAMPLES`] of it, and how far the points of a
-    /// profile reach.
+    /// The bend of a piece at a place, from 0 to [`FOLD_SAMPLES`] along the piece, and how far the
+    /// points of a profile reach.
     fn bend(
         &self,
         piece: &PieceFrames,
@@ -171,7 +172,7 @@ impl MovingFrames {
         Ok(Bend { most, t, radius: 1.0 / bend.length() })
     }
 
-    /// The worst place between two others with one that is worse between them, by golden sections.
+    /// The worst place between two places that have a worse one between them, by golden sections.
     fn worst_between(
         &self,
         piece: &PieceFrames,
@@ -212,42 +213,43 @@ struct Bend {
 impl Bend {
     const STRAIGHT: Self = Self { most: 0.0, t: 0.0, radius: f64::INFINITY };
 
-    /// The worse of two, the earlier one of equals.
+    /// The worse of two bends; `self` if they are equally bad.
     fn or(self, other: Self) -> Self {
         if other.most > self.most { other } else { self }
     }
 }
 
-/// If the worst bend that was looked at reaches this share of the way to the centre, the worst of all is
-/// searched for around those that reach this share of the worst: but where a path almost has a
-/// corner, no bend doubles between two of the places looked at.
+/// If the worst sampled bend reaches this fraction of the way to the centre, the worst of all is
+/// searched for around those samples that reach this fraction of the worst. Except where a path almost
+/// has a corner, no bend doubles between two samples.
 const NEAR_WORST: f64 = 0.5;
 
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-/// So many golden sections shorten the way between two places a million times: at a maximum, that
-/// leaves a millionth of a millionth of its height.
+/// The number of golden sections: these shorten the interval between two samples a million times,
+/// which at a maximum leaves an error of a millionth of a millionth of its height.
 const SECTIONS: usize = 29;
 
-/// How far inside a piece, as a share of it, curvature is measured at its ends: where the
-/// path stands still at an end, the noise of derivatives is there a thousandth of them.
+/// How far inside a piece, as a fraction of it, curvature is measured at its ends: if the path
+/// stands still at an end, the noise of the derivatives at this distance is a thousandth of them.
 const INSIDE: f64 = 1.0 / 1024.0;
 
-/// The most cubic pieces along a path, beside those it has. Each halving divides the error by sixteen: eight of
-/// them, for sixteen pieces of a path, bring it from the size of things down to rounding.
+/// The most cubic pieces along a path, in addition to the pieces it has. Each halving divides the error by
+/// sixteen: for a path of sixteen pieces, eight halvings reduce it from the size of the objects to rounding
+/// error.
 const MAX_PIECES: usize = 4096;
 
-/// At how many places inside each piece the deviation is measured.
+/// The number of places inside each piece at which the deviation is measured.
 const PLACES: usize = 7;
 
 /// The largest distance along a piece, as a multiple of the largest at those places. The error of
-/// Hermite's cubic is `t² (1 − t)²` times something that hardly changes, and largest in the middle
-/// of the piece; if that changes its sign there, the largest is 1.02 times what the places have.
+/// Hermite's cubic is `t² (1 − t)²` times a nearly constant factor, and largest in the middle of
+/// the piece; if the factor changes sign there, the largest error is 1.02 times that at the places.
 const BETWEEN: f64 = 1.125;
 
-/// The sweep by cubic pieces with the true frames and derivatives at their ends (Hermite),
-/// halved until they are near enough.
+/// The sweep approximated by cubic pieces that have the true frames and derivatives at their ends
+/// (Hermite), halved until they are near enough.
 pub(crate) fn approximate(
     profile: &NurbsCurve,
     frames: &MovingFrames,
@@ -258,7 +260,7 @@ pub(crate) fn approximate(
     let mut breaks = vec![frames.domain.0];
     let mut deviation: f64 = 0.0;
     for piece in &frames.pieces {
-        // The intervals still to do, the first one last.
+        // The remaining intervals, the first one last.
         let mut waiting = vec![piece.curve.domain()];
         while let Some((a, b)) = waiting.pop() {
             let (cubic, off) = hermite(frames, piece, (a, b), &points)?;
@@ -299,8 +301,8 @@ pub(crate) fn approximate(
     Ok(Sweep { surface, deviation })
 }
 
-/// The cubic between two parameters of a piece, as Bézier columns, and what its distance
-/// from the true sweep is at most.
+/// The cubic between two parameters of a piece, as Bézier columns, and the bound on its distance
+/// from the true sweep.
 fn hermite(
     frames: &MovingFrames,
     piece: &PieceFrames,
@@ -325,7 +327,7 @@ fn hermite(
             let carried = cubic.iter().zip(basis).map(|(c, function)| function * c.carried(p));
             (carried.sum::<DVec3>(), true_one.carried(p))
         });
-        // NaN, if there were any, is too far.
+        // A NaN distance is too far.
         off =
             ours.fold(off, |most, (x, y)| if x.distance(y) <= most { most } else { x.distance(y) });
     }

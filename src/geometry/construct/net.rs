@@ -1,4 +1,4 @@
-//! Control polygons and control nets as things to see.
+//! Control polygons and control nets as visible surfaces.
 
 use glam::{DAffine3, DVec3};
 
@@ -17,11 +17,11 @@ pub struct NetStyle {
 }
 
 impl NetStyle {
-    /// The most control points of a net that is drawn: each becomes a ball of 45 control points
-    /// and two lines of 18, hundreds of leaves in all; more of them than this cannot be told apart.
+    /// The most control points of a net that is drawn: each becomes a ball of 45 control points and
+    /// two lines of 18, hundreds of leaves in all; more points than this cannot be told apart.
     pub const MAX_POINTS: usize = 1 << 16;
 
-    /// The lines as tubes.
+    /// The style of the lines as tubes.
     pub fn lines(&self) -> TubeStyle {
         TubeStyle { radius: self.radius, caps: Caps::Open, tolerance: None }
     }
@@ -88,8 +88,8 @@ impl From<&NurbsCurve> for ControlNet {
     }
 }
 
-/// A control net as things to see: a cylinder for each line, a ball for each point. Points
-/// that coincide, as at poles and seams, are drawn once, and so are lines, also where they overlap.
+/// A control net as surfaces: a cylinder for each line, a ball for each point. Points that
+/// coincide, as at poles and seams, are drawn once, and so are lines, also where they overlap.
 ///
 /// # Errors
 /// When a radius is not a positive length, there are too many points, one is not finite, or a line

@@ -1,4 +1,4 @@
-//! What a curve is as a path: its smooth parts, straight, round, closed or neither.
+//! Properties of curves as paths: smooth parts, and whether they are straight, round or closed.
 
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
@@ -6,20 +6,20 @@ use super::ConstructError;
 use crate::geometry::NurbsCurve;
 use crate::math::unit;
 
-/// Directions that differ by less than this angle, in radians, are one: a million times what
-/// rounding does to the tangents of usual curves, and too little to see.
+/// Directions that differ by less than this angle, in radians, are the same: a million times the
+/// effect of rounding on the tangents of usual curves, and too little to see.
 pub(crate) const SAME_DIRECTION: f64 = 1e-9;
 
-/// Positions that differ by no more than this share of the largest coordinate are one: some
-/// roundings of each.
+/// Positions that differ by no more than this fraction of the largest coordinate are the same:
+/// several rounding errors of each.
 pub(crate) const SAME_PLACE: f64 = 16.0 * f64::EPSILON;
 
-/// The direction of a clamped curve at `t`. Where it stands still at an end, as where control
-/// points are repeated, that is the limit from inside: towards the nearest control point
-/// that differs.
+/// The direction of a clamped curve at `t`. Where the curve stands still at an end, for example at
+/// repeated control points, it is the limit from inside: towards the nearest control point that
+/// differs.
 ///
 /// # Errors
-/// When it stands still within its domain, or all along.
+/// When the curve stands still inside its domain, or everywhere.
 pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructError> {
     let (start, end) = curve.domain();
     let at = curve.derivatives(t);
@@ -40,7 +40,7 @@ pub(crate) fn direction(curve: &NurbsCurve, t: f64) -> Result<DVec3, ConstructEr
     found.ok_or(ConstructError::StandsStill { path: "path", t })
 }
 
-/// The angle between two unit vectors in radians, right for small ones too.
+/// The angle between two unit vectors in radians, accurate for small angles too.
 pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
@@ -52,18 +52,18 @@ pub(crate) fn pieces(curve: &NurbsCurve) -> Vec<NurbsCurve> {
     spans.collect::<Vec<_>>().into_iter().map(|range| form.restricted(range)).collect()
 }
 
-/// A place where a path turns all at once.
+/// A place where the direction of a path jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kink {
     pub(crate) t: f64,
-    /// By how much, in degrees.
+    /// The angle of the jump, in degrees.
     pub(crate) degrees: f64,
 }
 
 /// The places within a path where its direction jumps.
 ///
 /// # Errors
-/// When it has a gap, or stands still at a knot.
+/// When the path has a gap, or stands still at a knot.
 pub(crate) fn kinks(curve: &NurbsCurve) -> Result<Vec<Kink>, ConstructError> {
     let same_place = SAME_PLACE * curve.magnitude();
     let pieces = pieces(curve);
@@ -116,7 +116,7 @@ pub(crate) fn is_straight(curve: &NurbsCurve) -> bool {
     })
 }
 
-/// A circle, and a path on it as the unit circle's points.
+/// A circle, and a path on it in the coordinates of the unit circle.
 #[derive(Clone, Debug)]
 pub(crate) struct OnCircle {
     pub(crate) centre: DVec3,
@@ -125,19 +125,19 @@ pub(crate) struct OnCircle {
     /// The unit vector along the path at its start.
     pub(crate) ahead: DVec3,
     pub(crate) radius: f64,
-    /// The path's control points `(x, y, w)` in these coordinates, the radius being 1.
+    /// The path's control points `(x, y, w)` in these coordinates, in which the radius is 1.
     pub(crate) points: Vec<(f64, f64, f64)>,
 }
 
-/// How far from the unit circle a path may be that is taken to lie on it.
+/// The distance from the unit circle up to which a path counts as lying on it.
 const ROUND: f64 = 64.0 * f64::EPSILON;
 
 impl OnCircle {
-    /// The circle that a smooth, clamped path lies on, if it does.
+    /// The circle on which a smooth, clamped path lies, if there is one.
     ///
-    /// The circle of curvature at the start is the only candidate. The path of degree `p`
-    /// lies on it if a polynomial of degree `2p` vanishes on each piece, which as many and
-    /// one samples decide, to rounding.
+    /// The circle of curvature at the start is the only candidate. The path of degree `p` lies on
+    /// it if a polynomial of degree `2p` vanishes on each piece, which `2p + 1` samples decide, up
+    /// to rounding.
     pub(crate) fn of(curve: &NurbsCurve) -> Option<Self> {
         let (start, _) = curve.domain();
         let at = curve.derivatives(start);

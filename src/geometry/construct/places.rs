@@ -1,18 +1,19 @@
-//! Points that are one but for rounding.
+//! Points that are the same up to rounding.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// Points are one if they are no farther apart than this share of the largest coordinate. A point of a
-/// curve on a surface is the outcome of some hundred operations, each off by half an ulp of what the weights
-/// make of its coordinates; and what is that near to something else cannot be seen beside it.
+/// Points are the same if they are no farther apart than this fraction of the largest coordinate. A point of
+/// a curve on a surface results from about a hundred operations, each with an error of half an ulp of the
+/// weighted coordinates; and two things this near to each other look like one.
 pub(super) const SAME: f64 = 4096.0 * f64::EPSILON;
 
-/// Numbers for places: one for all points that are the same to within rounding.
+/// Assigns numbers to places: one number to all points that are the same up to rounding.
 ///
-/// Points lie in the cells of a grid some tolerances wide, and are looked for in those which they are
-/// near to: mostly one, at most eight. Of several places near a point, the first is its.
+/// Points are stored in the cells of a grid several tolerances wide, and looked up in the cells to
+/// which they are near: mostly one, at most eight. Of several places near a point, the first is
+/// chosen.
 #[derive(Debug)]
 pub(super) struct Places {
     tolerance: f64,
@@ -20,21 +21,21 @@ pub(super) struct Places {
     cells: HashMap<[i64; 3], Vec<usize>>,
 }
 
-/// The width of a cell in tolerances: any number that leaves most points near one cell only.
+/// The width of a cell in tolerances: any number for which most points are near one cell only.
 const CELL: f64 = 16.0;
 
 impl Places {
-    /// No places yet; the points to come have coordinates of up to this magnitude.
+    /// An empty set of places, for points with coordinates of up to this magnitude.
     pub(super) fn new(magnitude: f64) -> Self {
         Self { tolerance: SAME * magnitude, points: Vec::new(), cells: HashMap::new() }
     }
 
-    /// How far apart points may be that are one.
+    /// The distance up to which points are the same.
     pub(super) fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// The number of the place of a point, which may be a new one.
+    /// The number of the place of a point; adds a new place if there is none.
     pub(super) fn of(&mut self, point: DVec3) -> usize {
         let cell = |at: DVec3| {
             // Halfway off the grid's planes, where round numbers lie.
@@ -62,7 +63,7 @@ impl Places {
 mod tests {
     use super::*;
 
-    /// Wherever a point lies in its cell, those within the tolerance are found, and no others.
+    /// Wherever a point lies in its cell, points within the tolerance are found, and no others.
     #[test]
     fn points_are_one_to_within_the_tolerance() {
         for magnitude in [1e-8, 1.0, 1e8] {

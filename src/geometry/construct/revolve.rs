@@ -37,22 +37,22 @@ impl Axis {
         Ok(Self { origin, direction: unit })
     }
 
-    /// How far along the axis a point is, from the point that the axis is given by.
+    /// The height of a point along the axis, measured from the point by which the axis is given.
     pub(crate) fn height(&self, point: DVec3) -> f64 {
         self.direction.dot(point - self.origin)
     }
 
-    /// Its direction, of length 1.
+    /// The direction of the axis, of length 1.
     pub(crate) fn direction(&self) -> DVec3 {
         self.direction
     }
 
-    /// The point of it that is nearest to another point.
+    /// The point of the axis that is nearest to another point.
     pub(crate) fn nearest(&self, point: DVec3) -> DVec3 {
         self.origin + self.direction * self.height(point)
     }
 
-    /// The largest coordinate of the point that it is given by.
+    /// The largest absolute coordinate of the point by which the axis is given.
     pub(crate) fn magnitude(&self) -> f64 {
         self.origin.abs().max_element()
     }
@@ -75,8 +75,8 @@ pub(crate) struct Turned {
     pub(crate) weight: f64,
 }
 
-/// A point is on the axis if it is no farther from it than the rounding of its own
-/// coordinates and of its distance: some six operations of half an ulp each.
+/// A point is on the axis if its distance is within the rounding error of its own coordinates and
+/// of the distance: about six operations of half an ulp each.
 const ON_AXIS: f64 = 4.0 * f64::EPSILON;
 
 impl Turned {
@@ -93,7 +93,7 @@ impl Turned {
     }
 }
 
-/// The homogeneous net of points turned along an arc, the points fastest.
+/// The homogeneous net of points turned along an arc; the index of the point runs fastest.
 pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec4> {
     let around = |&(x, y, w): &(f64, f64, f64)| {
         points.iter().map(move |point| {
@@ -109,14 +109,14 @@ pub(crate) fn turned_net(arc: &[(f64, f64, f64)], points: &[Turned]) -> Vec<DVec
 ///
 /// `u` in `[0, 1]` runs around, counterclockwise as seen from the tip of the axis (clockwise
 /// for a negative angle), `v` along the profile on its own domain. Where the profile rises
-/// along the axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and
-/// what lies on the axis (within rounding) becomes a collapsed edge exactly. A profile may
-/// cross the axis: the surface then meets itself there, and its normals point inward beyond. Where it
-/// crosses or touches it between control points, it gets knots, so that no patch has such a place
-/// within it. But no part of it may be taken to where another one has been: a full circle about
-/// its own diameter makes a sphere with 180°, and covers it twice with 360°.
+/// along the axis, `Sᵤ × Sᵥ` points away from the axis. A full turn closes bit for bit, and points on
+/// the axis (within rounding) become an exactly collapsed edge. A profile may cross the axis: the
+/// surface then meets itself there, and beyond that place its normals point inward. Where the profile
+/// crosses or touches the axis between control points, knots are inserted, so that no patch has such
+/// a place in its interior. But no part of the profile may be taken to where another part has been: a
+/// full circle turned about its own diameter makes a sphere with 180°, and covers it twice with 360°.
 ///
-/// Arcs of at most 90° of degree 2 (Piegl & Tiller 1997, A8.1).
+/// The arcs have degree 2 and at most 90° each (Piegl & Tiller 1997, A8.1).
 ///
 /// # Errors
 /// When the angle is zero or more than a full turn, or the profile lies on the axis, runs back
@@ -194,7 +194,7 @@ mod tests {
             let off =
                 torus.point_at(1.0, 0.3) - origin - turn * (torus.point_at(0.0, 0.3) - origin);
             assert!(off.length() < 1e-14 * size, "{degrees}: {off}");
-            // Outside on the outer equator.
+            // The normal points outward on the outer equator.
             let normal = torus.normal(0.0, 0.0).unwrap();
             assert!((normal.dot(a) - degrees.signum()).abs() < 1e-14);
             assert!(normal.dot(b).abs() < 1e-14);

@@ -17,8 +17,9 @@ use crate::math::ShownVector;
 /// outward.
 ///
 /// # Errors
-/// When the vector is zero or not finite, or the profile runs back over itself, or does so as seen
-/// along the vector, as a circle does in its own plane: it would pass over the same places twice.
+/// When the vector is zero or not finite; when the profile runs back over itself; or when it does
+/// so as seen along the vector, as a circle does in its own plane: it would pass over the same
+/// places twice.
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {
@@ -35,8 +36,8 @@ pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, Construc
     Ok(NurbsSurface::from_homogeneous(profile.knots().clone(), unit_knots(1), net)?)
 }
 
-/// Fails when there is nothing between two compatible curves, or when the one is the other, moved,
-/// and passes over itself on the way.
+/// Fails if there is nothing between two compatible curves, or if one is the other, translated, and
+/// passes over itself on the way.
 fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructError> {
     let near = SAME_PLACE * from.magnitude().max(to.magnitude());
     let steps = || (0..from.control().len()).map(|i| to.point(i) - from.point(i));
@@ -50,18 +51,18 @@ fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructErro
     if moved && same_weights { check_moved(from, by, "curve `from`") } else { Ok(()) }
 }
 
-/// The surface of the straight lines that join two curves, each point of the one with the
-/// point of the other at the same share of its domain.
+/// The surface of the straight lines that join two curves, each point of one with the point of the
+/// other at the same fraction of its domain.
 ///
 /// `u` runs along both curves (on their common domain, or `[0, 1]` if theirs differ), `v` in
-/// `[0, 1]` from the first to the second. Both are met exactly; along the lines the speed
-/// is even where the weights of the two ends are equal. Degree elevation and merged knots
-/// (Piegl & Tiller 1997, 8.4). One of the two may run back over itself, as the pressed end of
-/// a tube does.
+/// `[0, 1]` from the first to the second. Both curves are met exactly; along each line the speed is
+/// constant if the weights of its two ends are equal. The method is degree elevation and merging of
+/// knots (Piegl & Tiller 1997, 8.4). One of the two curves may run back over itself, as the pressed
+/// end of a tube does.
 ///
 /// # Errors
-/// When the curves are the same, or the one is the other moved along a direction as seen in which
-/// it runs back over itself (as [`extrude`]), when they have knots too close together, or both run back over
+/// When the curves are the same; when one is the other, moved along a direction as seen in which it runs
+/// back over itself (as in [`extrude`]); when they have knots too close together; or when both run back over
 /// themselves.
 pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, ConstructError> {
     let which = |index| if index == 0 { "curve `from`" } else { "curve `to`" }.to_owned();

@@ -1,4 +1,4 @@
-//! Input that is near what is refused, and sound: nothing is covered twice.
+//! Valid input that is close to invalid input: nothing is covered twice.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
@@ -28,7 +28,7 @@ fn arc(radius: f64, from: f64, degrees: f64) -> NurbsCurve {
     circle_arc(radius, from, degrees).unwrap()
 }
 
-/// From the plane of x and y into that of x and z.
+/// The curve turned from the plane of x and y into that of x and z.
 fn upright(curve: &NurbsCurve) -> NurbsCurve {
     moved(curve, DAffine3::from_rotation_x(90_f64.to_radians()))
 }
@@ -41,7 +41,7 @@ fn shifted(curve: &NurbsCurve, by: [f64; 3]) -> NurbsCurve {
     moved(curve, DAffine3::from_translation(by.into()))
 }
 
-/// Some places, at some sizes, however turned.
+/// Several positions, sizes and rotations.
 fn placements() -> impl Iterator<Item = DAffine3> {
     let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     let placed = |(size, turn, aside): (f64, DQuat, f64)| {
@@ -120,7 +120,7 @@ fn revolutions() {
     all_taken(made);
 }
 
-/// One curve after the other, each from where the one before it ends.
+/// Joins curves, each of which begins where the previous one ends.
 fn joined(curves: &[NurbsCurve]) -> NurbsCurve {
     let degree = curves.iter().map(|curve| curve.knots().degree()).max().unwrap();
     let (mut knots, mut control) = (vec![(0.0, degree + 1)], Vec::new());
@@ -277,7 +277,7 @@ fn sweeps_and_tubes() {
         }
     }
     all_taken(made.into_iter());
-    // Towards a cusp a curve bends ever more sharply, more than any tube can.
+    // Towards a cusp a curve bends ever more sharply: too sharply for any tube.
     let cusp = bezier(&[[0.0; 3], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [9.0, 0.0, 0.0]]);
     assert!(matches!(tube(&cusp, &thin), Err(ConstructError::Fold { what: "tube", .. })));
 }

@@ -1,8 +1,8 @@
-//! Paths that stop on their way, made to run through.
+//! Removes stops from paths.
 //!
 //! A control point repeated more often than the degree holds a spline in one place for a whole
 //! span; at a cusp a curve stands still for a moment and goes on in another direction. Neither
-//! changes the shape: what stands still is left out, and a cusp is a corner like any other.
+//! changes the shape: spans that stand still are left out, and a cusp is a corner like any other.
 
 use glam::{DVec4, Vec4Swizzles};
 
@@ -12,24 +12,24 @@ use crate::geometry::extremes::add_extremes;
 use crate::geometry::{KnotVector, NurbsCurve};
 use crate::math::bernstein::restrict;
 
-/// A curve stands still where the control points next to a place are no farther from it than
-/// this share of the largest coordinate: what rounding leaves of a derivative that vanishes at a
-/// parameter which itself is rounded. A curve that goes on is moved by less than that.
+/// A curve stands still at a place if the neighbouring control points are no farther from it than
+/// this fraction of the largest coordinate: the rounding error of a vanishing derivative at a
+/// parameter that is itself rounded. A curve that does not stand still is moved by less than that.
 const STANDING: f64 = 4096.0 * f64::EPSILON;
 
-/// A Bézier piece, and where in the parameter it begins.
+/// A Bézier piece, and the parameter at which it begins.
 struct Moving {
     start: f64,
     control: Vec<DVec4>,
 }
 
-/// The same curve without the spans in which it stands still, on the same domain: the span
-/// before takes the parameters of one left out, the one after it at the beginning. Cusps become
-/// knots, on both sides of which it has a [`direction`](super::path::direction). The curve itself
-/// where there is nothing of that.
+/// The same curve, on the same domain, without the spans in which it stands still: the preceding
+/// span takes over the parameters of an omitted span, at the beginning the following one. Cusps
+/// become knots, on both sides of which the curve has a [`direction`](super::path::direction). A
+/// curve that has neither is returned unchanged.
 ///
 /// # Errors
-/// When it stands still all along.
+/// When the curve stands still everywhere.
 pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructError> {
     let pieces = pieces(curve);
     let magnitude = curve.magnitude();
@@ -56,7 +56,8 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
     let mut control = moving[0].control.clone();
     for next in &moving[1..] {
         knots.push((next.start, p));
-        // One weight where two pieces meet: those of a piece count among themselves only.
+        // The two pieces must have the same weight where they meet; a common factor of a piece's
+        // weights changes nothing.
         let factor = control[control.len() - 1].w / next.control[0].w;
         control.extend(next.control[1..].iter().map(|&point| factor * point));
     }
@@ -69,7 +70,7 @@ pub(crate) fn without_stops(curve: &NurbsCurve) -> Result<NurbsCurve, ConstructE
 }
 
 impl Moving {
-    /// Whether this is all of a piece.
+    /// Whether this is the whole of a piece.
     fn is(&self, piece: &NurbsCurve) -> bool {
         self.start == piece.domain().0 && self.control == piece.control()
     }
@@ -95,7 +96,7 @@ fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
         let after = part(*t, 1.0);
         let before = part(0.0, *t);
         let legs = [[after[0], after[1]], [before[degree], before[degree - 1]]];
-        // Near an end every derivative is short: measured over all of the piece it is not.
+        // Near an end of the piece every leg is short; scaled to the whole piece it need not be.
         let lengths = legs.map(|[a, b]| (a.xyz() / a.w).distance(b.xyz() / b.w));
         (lengths[0] / (1.0 - t)).max(lengths[1] / t) <= STANDING * magnitude
     };
@@ -109,13 +110,14 @@ fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
         }
         cuts.retain(stands);
         cuts.sort_by(f64::total_cmp);
-        // One place, as each coordinate has it.
+        // Merge the slightly different parameters that the coordinates give for one place.
         cuts.dedup_by(|next, before| *next - *before <= SAME_CUSP);
     }
     let ends: Vec<f64> = [0.0].into_iter().chain(cuts).chain([1.0]).collect();
     let parts = ends.windows(2).map(|pair| {
         let mut control = part(pair[0], pair[1]);
-        // What rounding has left of a vanishing derivative has no direction.
+        // The rounding error of a vanishing derivative has no direction: make the derivative
+        // vanish.
         if pair[0] > 0.0 {
             control[1] = control[0] / control[0].w * control[1].w;
         }
@@ -127,7 +129,7 @@ fn between_cusps(piece: &NurbsCurve, magnitude: f64) -> Vec<Moving> {
     parts.collect()
 }
 
-/// Places of one piece that are one cusp, as shares of it.
+/// Places of a piece that are no farther apart than this fraction of it are one cusp.
 const SAME_CUSP: f64 = 1e-6;
 
 #[cfg(test)]
@@ -142,7 +144,7 @@ mod tests {
         NurbsCurve::new(knots, points, None).unwrap()
     }
 
-    /// The least distance from a point to a curve's places, of which there are many.
+    /// The least distance from a point to densely sampled points of a curve.
     fn off(point: DVec3, curve: &NurbsCurve) -> f64 {
         let (start, end) = curve.domain();
         let at = |k: i32| curve.point_at(start + (end - start) * f64::from(k) / 20_000.0);
@@ -173,7 +175,7 @@ mod tests {
                 assert!(off(stopped.point_at(t), &through) < 1e-3, "{k}, {t}");
             }
         }
-        // Straight on is no corner, and what never stops is as it was.
+        // Going straight on is not a corner, and a curve that never stops is unchanged.
         let on = curve(
             3,
             &[

@@ -17,17 +17,18 @@ use crate::geometry::{MAX_DEGREE, NurbsCurve, NurbsSurface};
 /// How a profile is carried along a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepOptions {
-    /// Where the profile's y axis points at the start, as far as it can; z if not given, or y
-    /// where the path begins steeply.
+    /// The direction of the profile's y axis at the start, as nearly as possible. The default is z,
+    /// or y where the path begins steeply.
     pub up: Option<DVec3>,
-    /// By how many degrees the profile turns about the path, evenly in the path's parameter.
+    /// The angle in degrees by which the profile turns about the path, evenly in the path's
+    /// parameter.
     pub twist: f64,
-    /// The profile's size along the path: the coefficients of a Bézier polynomial over the
-    /// path's domain, at most [`MAX_SCALES`] of them. `[1]` keeps it, `[1, 0]` draws it to a point at the end.
+    /// The profile's size along the path: the coefficients of a Bézier polynomial over the path's domain, at
+    /// most [`MAX_SCALES`] of them. `[1]` keeps the size, `[1, 0]` shrinks the profile to a point at the end.
     pub scale: Vec<f64>,
-    /// How far the surface may be from the true sweep where that is not rational, in scene units;
-    /// a millionth of [`sweep_size`] if not given, or a thousandth of the profile's size where that is less, as
-    /// far as rounding allows: 1e-11 of the path's size and coordinates.
+    /// The largest allowed distance of the surface from the true sweep where that is not rational, in scene
+    /// units. The default is a millionth of [`sweep_size`] or, where that is less, a thousandth of the
+    /// profile's size, but no finer than rounding allows: 1e-11 of the path's size and coordinates.
     pub tolerance: Option<f64>,
 }
 
@@ -38,27 +39,29 @@ impl Default for SweepOptions {
     }
 }
 
-/// A surface swept, and how far it is from the true one.
+/// A swept surface, and the bound on its distance from the true sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// The surface: `u` runs along the profile, `v` along the path, on their own domains.
     pub surface: NurbsSurface,
-    /// 0 where the surface is exact, else a bound of its distance from the true sweep at the same
-    /// parameters, in scene units: 9/8 of the largest found at seven places of each piece along
-    /// the path, for all of the profile's control points. Never more than the tolerance.
+    /// 0 where the surface is exact, else a bound on its distance from the true sweep at the same
+    /// parameters, in scene units: 9/8 of the largest distance found at seven places of each piece
+    /// along the path, for all of the profile's control points. Never more than the tolerance.
     pub deviation: f64,
 }
 
 /// The most coefficients of a scale: those of a Bézier polynomial of the largest degree.
 pub const MAX_SCALES: usize = MAX_DEGREE + 1;
 
-/// The default tolerance as a share of [`sweep_size`]: far below what shows.
+/// The default tolerance as a fraction of [`sweep_size`]: far below what is visible.
 const TOLERANCE: f64 = 1e-6;
 
-/// The same as a share of the profile's size: of a thin tube along a long path the radius is to be right, too.
+/// The default tolerance as a fraction of the profile's size: the radius of a thin tube along a long path must
+/// be accurate, too.
 const OF_PROFILE: f64 = 1e-3;
 
-/// But no less than this share of [`sweep_size`], or of the path's largest coordinate: rounding would not allow it.
+/// The smallest default tolerance, as a fraction of [`sweep_size`] or of the path's largest coordinate: rounding
+/// does not allow less.
 const FINEST: f64 = 1e-11;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
@@ -67,20 +70,20 @@ const FINEST: f64 = 1e-11;
 /// The profile lies in its own plane of x and y, around the origin, z along the path (it may
 /// leave the plane). At the start of the path its y axis points to `up`; from there the
 /// rotation-minimising frame carries it. Where the profile runs counterclockwise, the
-/// surface faces outward. On a smooth closed path the frame would come back turned: the turn
-/// is spread over the path (evenly in its parameter), so that the sweep closes.
+/// surface faces outward. On a smooth closed path the frame would come back turned; this turn is
+/// spread over the path (evenly in its parameter), so that the sweep closes.
 ///
-/// Exact, as a rational surface, are: straight paths without twist (a scale that varies
-/// needs a polynomial path); circles and arcs, of any degree, without twist and scale.
-/// All others are approximated: the frame's coordinates by cubic pieces with its own
+/// The surface is an exact rational one for straight paths without twist (a scale that varies needs
+/// a polynomial path), and for circles and arcs, of any degree, without twist and scale. All other
+/// sweeps are approximated: the frame's coordinates by cubic pieces that interpolate its
 /// derivatives, halved until the distance to the true sweep is within the tolerance.
 ///
 /// # Errors
-/// When profile or path runs back over itself; when the path has a kink, a gap or a cusp, or stands
-/// still all along (where it only stops for a while, it goes on); when the sweep folds: a profile
-/// that leaves its plane passes over itself along a straight path, or, where the path bends, it
-/// reaches beyond the centre of curvature; when the scale is negative, zero all along,
-/// or of too many coefficients; when the tolerance cannot be held.
+/// When the profile or the path runs back over itself; when the path has a kink, a gap or a cusp,
+/// or stands still everywhere (a path that only pauses is accepted); when the sweep folds, because
+/// a profile that leaves its plane passes over itself along a straight path, or because the profile
+/// reaches beyond the centre of curvature where the path bends; when the scale is negative, zero
+/// everywhere, or has too many coefficients; when the tolerance cannot be held.
 pub fn sweep(
     profile: &NurbsCurve,
     path: &NurbsCurve,
@@ -118,12 +121,12 @@ fn default_tolerance(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOpt
     of_profile.max(FINEST * size.max(path.magnitude())).min(TOLERANCE * size)
 }
 
-/// What tolerances of sweeps, tubes and ribbons are relative to, if none is given: the diagonal of
+/// The size to which default tolerances of sweeps, tubes and ribbons are relative: the diagonal of
 /// the box around the path's control points, plus the largest distance of the profile's control
 /// points from its origin times the largest scale.
 ///
-/// No coordinate difference of the sweep is larger than twice that. A tube's profile, a circle of
-/// radius r, reaches √2 r; a ribbon's half its width.
+/// No coordinate difference of the sweep is larger than twice that size. The profile of a tube, a
+/// circle of radius r, reaches √2 r; that of a ribbon, half its width.
 pub fn sweep_size(profile: &NurbsCurve, path: &NurbsCurve, options: &SweepOptions) -> f64 {
     extent(path) + reach(profile) * options.scale.iter().fold(0.0, |a: f64, &b| a.max(b))
 }
@@ -154,7 +157,7 @@ fn check_options(options: &SweepOptions) -> Result<(), ConstructError> {
     }
 }
 
-/// How far the control points of a profile are from its origin.
+/// The largest distance of a profile's control points from its origin.
 pub(crate) fn reach(profile: &NurbsCurve) -> f64 {
     (0..profile.control().len()).map(|i| profile.point(i).length()).fold(0.0, f64::max)
 }
@@ -168,10 +171,10 @@ fn extent(curve: &NurbsCurve) -> f64 {
     low.distance(high)
 }
 
-/// `S(u, v) = T(v) + σ(v) (x r + y s + z t)`, the frame being the same all along.
+/// The surface `S(u, v) = T(v) + σ(v) (x r + y s + z t)`, whose frame is constant.
 ///
-/// With `T` and `σ` in one spline space, the net is that sum for each pair of coefficients;
-/// where `σ` is constant, weights of the path multiply those of the profile.
+/// With `T` and `σ` in the same spline space, each point of the net is that sum for a pair of
+/// coefficients; where `σ` is constant, weights of the path multiply those of the profile.
 fn along_a_line(
     profile: &NurbsCurve,
     path: &NurbsCurve,
@@ -247,5 +250,5 @@ fn along_a_circle(
     Ok(NurbsSurface::from_homogeneous(around, along, net)?.swapped())
 }
 
-/// Points of a profile that are looked at to find whether the sweep folds.
+/// The number of steps in which a profile is sampled to find whether the sweep folds.
 pub(crate) const FOLD_SAMPLES: usize = 64;

@@ -1,4 +1,4 @@
-//! Sweeps are what they should be: lines, circles, and all else.
+//! Sweeps against what they should be: along lines, circles, and all other paths.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -62,7 +62,7 @@ fn along_circles_of_any_degree_a_circle_makes_an_exact_torus() {
             let p = back.transform_point3(at(&made, (u, v)));
             let off = (p.truncate().length() - major).hypot(p.z) - 0.25;
             assert!(off.abs() < 1e-14, "({u}, {v}): off by {off:e}");
-            // The profile is where the path is.
+            // The profile is at the path's point of the same parameter.
             let along = path.point_at(path.domain().0 + v * (path.domain().1 - path.domain().0));
             assert!((at(&made, (u, v)).distance(along) - 0.25).abs() < 1e-14);
         }
@@ -87,7 +87,7 @@ fn what_is_not_rational_stays_within_its_tolerance() {
         let made = sweep(&circle(0.1), &path, &options).unwrap();
         assert!(made.deviation > 0.0 && made.deviation <= tolerance);
         // A tube: each point is 0.1 from the path's point of the same parameter, in the plane
-        // across it. Measured between the places where it was measured when made.
+        // across the path. Checked between the places at which the deviation was measured.
         let mut worst: f64 = 0.0;
         for (u, v) in (0..4000).map(|k| (f64::from(k % 7) / 7.0, (f64::from(k) + 0.5) / 4000.0)) {
             let t = v * path.domain().1;
@@ -103,8 +103,8 @@ fn what_is_not_rational_stays_within_its_tolerance() {
     assert!(deviations.windows(2).all(|pair| pair[0] <= pair[1]), "{deviations:?}");
 }
 
-/// The default tolerance and everything that is compared on the way follow the size, and
-/// survive a place a thousand sizes away.
+/// The default tolerance and all quantities compared with it scale with the size, also at a place a
+/// thousand sizes away.
 #[test]
 fn sizes_and_places_do_not_matter() {
     for (size, away) in [(1e-8, 0.0), (1.0, 0.0), (1e8, 0.0), (1.0, 1e3)] {
@@ -115,7 +115,7 @@ fn sizes_and_places_do_not_matter() {
         );
         let path = helix().transformed(&place).unwrap();
         let made = sweep(&circle(0.1 * size), &path, &SweepOptions::default()).unwrap();
-        // The default is a millionth of the size, which is what it is said to be.
+        // The default tolerance is a millionth of the documented size.
         let whole = sweep_size(&circle(0.1 * size), &path, &SweepOptions::default());
         let points = (0..path.control().len()).map(|k| path.point(k));
         let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
@@ -135,7 +135,7 @@ fn sizes_and_places_do_not_matter() {
 
 #[test]
 fn a_path_may_begin_and_end_at_rest() {
-    // Threefold ends: a uniform spline comes to its end points with no speed.
+    // Triple end points: a uniform spline has zero speed at its ends.
     let points = [[2.0, 1.0], [5.0, 2.0], [6.0, 5.0], [8.0, 6.0], [5.0, 9.0]];
     let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
     let path = crate::geometry::with_repeated_ends(&points, [3, 3]).unwrap();
@@ -170,9 +170,9 @@ fn twist_and_scale_do_what_they_say_along_a_line() {
     }
 }
 
-/// Frames by an independent way: `r′ = −(r·t′) t` integrated by the classical Runge–Kutta method
-/// in small steps. The whole sweep of a square, not only its distance from the path, is within
-/// the deviation that is reported, measured at many places of each piece.
+/// Frames computed independently: `r′ = −(r·t′) t` integrated by the classical Runge–Kutta method
+/// in small steps. The whole sweep of a square, not only its distance from the path, is within the
+/// reported deviation at many places of each piece.
 #[test]
 fn reported_deviations_hold_everywhere() {
     let wild =
@@ -232,7 +232,7 @@ fn reported_deviations_hold_everywhere() {
     }
 }
 
-/// The length of a square's side, by which a polyline's parameter runs.
+/// The length of a square's side, which is also the length of its parameter interval in a polyline.
 fn square_side(square: &NurbsCurve) -> f64 {
     square.point(0).distance(square.point(1))
 }
@@ -270,14 +270,14 @@ fn what_cannot_be_swept() {
         message(&circle(0.1), &polygon, &plain),
         "the path has a kink of 90° at t = 1: it must be smooth; split it there"
     );
-    // An arc of radius 2 but for a rounding.
+    // An arc of radius 2 up to rounding.
     let folded = message(&circle(3.0), &circle(2.0), &plain);
     assert!(folded.starts_with(
         "the sweep folds, most of all at t = 0 of the path: the path bends with radius 2"
     ));
     assert!(folded.ends_with("there, and the profile reaches 3 towards the centre"), "{folded}");
     let parabola = NurbsCurve::bezier(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 0.0, 2.0)]).unwrap();
-    // Tightest at its end; a little inside is where it is looked at.
+    // Tightest at its end, which is sampled slightly inside.
     let folded = message(&circle(4.0), &parabola, &plain);
     assert!(folded.starts_with("the sweep folds, most of all at t = 0.000976562 of"), "{folded}");
     // Four equal control points in a row: the path stands still for a span, and has a corner there.

@@ -2,16 +2,16 @@
 
 use super::ConstructError;
 
-/// The tightest bend of those that tubes are too thick for: who makes the tube thinner than the first
-/// one found allows should not be told of the next one then.
+/// The tightest of the bends for which tubes are too thick. Reporting only the first bend found would
+/// mean that a tube made thin enough for it fails at the next one.
 #[derive(Debug, Default)]
 pub struct Tightest(Option<ConstructError>);
 
 impl Tightest {
-    /// What was made; nothing, if it folds, which is kept in mind.
+    /// Returns what was made; `None` if it folds, which is remembered.
     ///
     /// # Errors
-    /// When it was not made for another reason.
+    /// When making it failed for another reason.
     pub fn sift<T>(
         &mut self,
         made: Result<T, ConstructError>,
@@ -29,7 +29,7 @@ impl Tightest {
     }
 
     /// # Errors
-    /// When something folds: where the bend is the tightest.
+    /// When something folds; the error is that of the tightest bend.
     pub fn check(self) -> Result<(), ConstructError> {
         self.0.map_or(Ok(()), Err)
     }

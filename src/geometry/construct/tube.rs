@@ -1,4 +1,4 @@
-//! Curves as things to see: round tubes and flat ribbons.
+//! Curves as visible surfaces: round tubes and flat ribbons.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -32,7 +32,7 @@ pub struct Component {
     pub what: &'static str,
     /// The surface.
     pub surface: NurbsSurface,
-    /// How far it may be from what it should be; 0 where it is exact.
+    /// Bound on the distance of the surface from the true one; 0 where it is exact.
     pub deviation: f64,
 }
 
@@ -42,29 +42,29 @@ impl Component {
     }
 }
 
-/// A tube: how thick, how it ends, how near it is to the true one.
+/// The style of a tube: its radius, its ends and its accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TubeStyle {
     /// Its radius.
     pub radius: f64,
     /// How it ends.
     pub caps: Caps,
-    /// How far a tube around what is neither straight nor round may be from the true one, in scene
-    /// units; as in [`SweepOptions`], for each smooth part, if not given.
+    /// The largest allowed distance from the true tube, in scene units, where the curve is neither
+    /// straight nor round. The default is that of [`SweepOptions`], for each smooth part.
     pub tolerance: Option<f64>,
 }
 
 /// The surfaces of a tube around a curve, facing outward.
 ///
-/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept
-/// ([`sweep`]). Where the curve has a kink, a sphere joins the parts; where it stops for a while, as at
-/// a control point that is repeated more often than its degree, it goes on. A curve that ends where
-/// it begins has no caps. What would be there twice, as where the curve passes a corner again, is
-/// made once; [`Drawing`] does so for several curves.
+/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept ([`sweep`]). Where
+/// the curve has a kink, a sphere joins the parts. Where it pauses, as at a control point that is
+/// repeated more often than its degree, the tube goes on. A curve that ends where it begins has no
+/// caps. Parts that would be there twice, as where the curve passes a corner again, are made once;
+/// [`Drawing`] does the same for several curves.
 ///
 /// # Errors
-/// When the radius is not a positive length, the curve has a gap, is but a point, runs back over
-/// itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
+/// When the radius is not a positive length, or the curve has a gap, is only a point, runs back
+/// over itself, or bends with a radius smaller than the tube's, as it does on both sides of a cusp.
 pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Component>, ConstructError> {
     let points = (0..curve.control().len()).map(|index| curve.point(index));
     let mut drawing = Drawing::among(points, *style);
@@ -72,13 +72,13 @@ pub fn tube(curve: &NurbsCurve, style: &TubeStyle) -> Result<Vec<Component>, Con
     drawing.pieces()
 }
 
-/// What a tube around a curve consists of.
+/// The parts of a tube around a curve.
 pub(super) struct Parts {
-    /// The circle that is carried along.
+    /// The circle that is carried along the curve.
     pub(super) profile: NurbsCurve,
     /// The curve's smooth parts.
     pub(super) smooth: Vec<SmoothPart>,
-    /// Where they meet at an angle.
+    /// The points where the smooth parts meet at an angle.
     pub(super) joints: Vec<DVec3>,
     /// Where the tube ends, and in which directions.
     pub(super) ends: Vec<(DVec3, DVec3)>,
@@ -93,7 +93,7 @@ pub(super) struct SmoothPart {
 /// Takes a curve apart at its corners.
 ///
 /// # Errors
-/// As [`tube`], but for what bends too much.
+/// As [`tube`], except for curves that bend too much.
 pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructError> {
     let profile = circle_arc(radius, 0.0, 360.0).map_err(ConstructError::of("tube"))?;
     check_fold(curve, "curve")?;
@@ -117,8 +117,8 @@ pub(super) fn parts(curve: &NurbsCurve, radius: f64) -> Result<Parts, ConstructE
     Ok(Parts { profile, smooth: smooth.into_iter().map(told).collect(), joints, ends })
 }
 
-/// The open tube around a straight line: however its parameter runs, a cylinder is the
-/// extrusion of its circle.
+/// The open tube around a straight line: a cylinder is the extrusion of its circle, however the
+/// parameter of the line runs.
 pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Component, ConstructError> {
     let around = || ConstructError::of("tube");
     let along = unit(b - a).ok_or(ConstructError::StandsStill { path: "curve", t: 0.0 })?;
@@ -140,7 +140,7 @@ pub(super) fn round_part(
 
 /// The rigid map that takes the origin to a point and z to a direction.
 fn frame_at(origin: DVec3, z: DVec3) -> DAffine3 {
-    // Along the coordinate axes exact, too.
+    // This is exact along the coordinate axes, too.
     let helper = if z.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z };
     let x = helper.cross(z).normalize();
     DAffine3::from_mat3_translation(DMat3::from_cols(x, z.cross(x), z), origin)
@@ -157,7 +157,7 @@ pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Component, ConstructErr
     Ok(Component::exact("joint", sphere))
 }
 
-/// What closes a tube that ends at a point in this direction.
+/// The surface that closes a tube ending at a point in this direction, if any.
 pub(super) fn cap(
     at: DVec3,
     outward: DVec3,
@@ -176,29 +176,29 @@ pub(super) fn cap(
     Ok(Some(Component::exact("cap", surface)))
 }
 
-/// Takes the plane of x and y to that of x and z.
+/// Maps the plane of x and y to that of x and z.
 const UPRIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y);
 
-/// A ribbon: how wide, how it is turned, how near it is to the true one.
+/// The style of a ribbon: its width, its orientation and its accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RibbonStyle {
     /// Its width.
     pub width: f64,
-    /// Where it faces at the start of each smooth part, as far as it can; z if not given, or
-    /// y where the curve begins steeply.
+    /// The direction that the ribbon faces at the start of each smooth part, as nearly as possible.
+    /// The default is z, or y where the curve begins steeply.
     pub up: Option<DVec3>,
-    /// By how many degrees each smooth part is twisted, evenly in its parameter.
+    /// The angle in degrees by which each smooth part is twisted, evenly in its parameter.
     pub twist: f64,
-    /// How far it may be from the true ribbon, in scene units; as in [`SweepOptions`], for each
-    /// smooth part, if not given.
+    /// The largest allowed distance from the true ribbon, in scene units. The default is that of
+    /// [`SweepOptions`], for each smooth part.
     pub tolerance: Option<f64>,
 }
 
 /// The flat band along a curve, one surface for each of the curve's smooth parts: straight
 /// lines across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends
-/// square: they overlap on its inside and leave a notch on its outside. Where they do, around a
-/// corner in the ribbon's own plane, they coincide: it is for rounding to say which of them is seen and
-/// whether one shades the other. Pictures are speckled there, and the rays doubtful.
+/// square: the parts overlap on the inside of the corner and leave a notch on its outside. Around a
+/// corner in the ribbon's own plane, the overlapping parts coincide: rounding decides which of them is
+/// seen and whether one shades the other. Pictures are speckled there, and the rays doubtful.
 ///
 /// # Errors
 /// When the width is not a positive length, and as [`sweep`].
@@ -246,7 +246,8 @@ mod tests {
         (corners.windows(2).map(to_line).collect(), to_corners.fold(f64::INFINITY, f64::min))
     }
 
-    /// However long the curve is: to a thousandth of what the circle's control points reach.
+    /// The radius is accurate however long the curve is: to a thousandth of the reach of the
+    /// circle's control points.
     #[test]
     fn thin_tubes_have_their_radius() {
         let points = [[0.0, 0.0, 0.0], [500.0, 1000.0, 0.0], [1000.0, -800.0, 300.0]];
@@ -373,8 +374,7 @@ mod tests {
         assert_eq!(ribbon(&curve, &style).unwrap().len(), 2);
     }
 
-    /// Whoever makes the tube a little thinner than the radius that the message shows is not told of another
-    /// bend then.
+    /// A tube made slightly thinner than the radius that the message shows does not fail at another bend.
     #[test]
     fn a_tube_thinner_than_the_tightest_bend_is_made() {
         let bezier = |points: &[[f64; 3]]| {
@@ -382,7 +382,7 @@ mod tests {
         };
         // P′ = (1, 0, 0) and P″ = (0, −8, −4) in the middle: the radius there is 1 / √80.
         let bend = bezier(&[[0.0, 0.0, 0.0], [0.5, 2.0, 1.0], [1.0, 0.0, 0.0]]).unwrap();
-        // Two parts of which the second is tighter, where neither is looked at.
+        // Two parts, of which the second is tighter, at places that are not sampled.
         let points = [[0.0, 0.0], [1.0, 1.7], [2.0, 0.0], [2.9, -4.1], [4.0, 0.3]];
         let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let knots = KnotVector::with_multiplicities(2, &[(0.0, 3), (1.0, 2), (2.0, 3)]).unwrap();
@@ -404,8 +404,8 @@ mod tests {
             }
             assert!(made(shown.next_down()).is_ok(), "{name}: {shown}");
 
-            // No place of the curve has a smaller radius of curvature, but for how far 64 places
-            // around the tube are off the centre's direction: cos(π / 64) is 1 - 1.2e-3.
+            // No place of the curve has a smaller radius of curvature, except that the 64 places
+            // around the tube are off the direction of the centre: cos(π / 64) is 1 - 1.2e-3.
             let (start, end) = curve.domain();
             for k in 1..100_000 {
                 let at = curve.derivatives(start + (end - start) * f64::from(k) / 1e5);

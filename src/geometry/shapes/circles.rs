@@ -25,16 +25,16 @@ pub enum QuadraticArc {
 ///
 /// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`,
 /// its denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic:
-/// both have one constant left, and `w₁` chooses it. (The source note prints "2 possibilities" for
+/// both leave one constant free, which `w₁` determines. (The source note prints "2 possibilities" for
 /// `w₁ = 1`; its equations have two more solutions, `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and
 /// `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`, which leave the quadrant.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuarticArc {
     /// The quadratic arc times a factor: `y₁ = √2/(4 w₁)`, `x₂ = 1 − √2/(8 w₁)`,
-    /// `w₂ = 2√2 w₁/3`. For `w₁ = 1` the note's first solution.
+    /// `w₂ = 2√2 w₁/3`. For `w₁ = 1` it is the note's first solution.
     First,
     /// The square of a quadratic: `y₁ = √2 − 1`, `w₂ = (√2/2 + (8 − 4√2) w₁²)/3`,
-    /// `x₂ = √2 (1 + (8 − 4√2) w₁²)/(6 w₂)`. For `w₁ = 1` the note's second solution.
+    /// `x₂ = √2 (1 + (8 − 4√2) w₁²)/(6 w₂)`. For `w₁ = 1` it is the note's second solution.
     Second,
 }
 
@@ -130,8 +130,8 @@ impl QuarticConstants {
     }
 }
 
-/// A constraint holds if what is left of it is no more than this share of its terms: some
-/// dozen roundings.
+/// A constraint holds if its residual is no more than this share of its terms: a few dozen
+/// roundings.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 fn plane_curve(knots: KnotVector, points: &[(f64, f64, f64)]) -> NurbsCurve {
@@ -199,8 +199,8 @@ pub fn half_circle_cubic() -> NurbsCurve {
 /// of multiplicity 3. As a curve in the plane it is smooth there and where it closes.
 ///
 /// The source note prints other control points: first and last `(1, 0)` in the list of its 2.3, the
-/// last `(0, −1)` in its table 1. All three must be `(0, 1)`. Its line for degree 2 prints
-/// `N₂,₂ = 0`; it is `N₀,₂` that vanishes, `N₂,₂` follows two lines below.
+/// last `(0, −1)` in its table 1. All three must be `(0, 1)`. The note's line for degree 2 prints
+/// `N₂,₂ = 0`, but it is `N₀,₂` that vanishes; `N₂,₂` follows two lines below.
 pub fn circle_cubic() -> NurbsCurve {
     let (third, half) = (1.0 / 3.0, 0.5);
     let points = [
@@ -216,9 +216,9 @@ pub fn circle_cubic() -> NurbsCurve {
     plane_curve(KnotVector::derived(3, values), &points)
 }
 
-/// The arc of the circle of this radius around the origin, from an angle by a turn (both in
-/// degrees, counterclockwise from the x axis), of degree 2 on `[0, 1]`: one piece for each
-/// quarter turn or less, of equal angles.
+/// The arc of degree 2, on `[0, 1]`, of the circle of this radius around the origin. It starts at the
+/// angle `from` and turns by `degrees` (both in degrees, counterclockwise from the x axis). Each
+/// quarter turn or less takes one piece; all pieces have the same angle.
 ///
 /// # Errors
 /// When the radius is not positive or not from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`], or the turn

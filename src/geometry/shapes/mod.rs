@@ -25,7 +25,7 @@ use thiserror::Error;
 use super::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 use crate::math::{Measured, Shown};
 
-/// Why numbers cannot be the measures of a shape.
+/// The reason why numbers cannot be the measures of a shape.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeError {
@@ -35,7 +35,7 @@ pub enum ShapeError {
         Shown(*value)
     )]
     Length {
-        /// Which measure.
+        /// The name of the measure.
         measure: &'static str,
         /// Its value.
         value: f64,
@@ -79,7 +79,7 @@ fn list(numbers: &[f64]) -> String {
     format!("[{}]", numbers.join(", "))
 }
 
-/// Numbers to be copied from a message.
+/// Numbers with all their digits, to be copied from a message.
 fn all_digits<const N: usize>(numbers: [f64; N]) -> String {
     let numbers = numbers.map(|x| Shown(x).to_string());
     format!("[{}]", numbers.join(", "))

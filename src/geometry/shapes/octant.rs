@@ -16,19 +16,19 @@ use crate::math::bernstein::binomial;
 /// `(1, a₀, 0)`, `(a₁, a₁, 0)`, `(1, a₂, a₂)`; the others follow by symmetry.
 ///
 /// # Invariant, checked once on construction
-/// All are positive, and `x² + y² + z² − w²` of the homogeneous coordinates, a polynomial of degree
-/// 8, is zero to rounding. All `b` may have a common factor.
+/// All constants are positive. The polynomial `x² + y² + z² − w²` of the homogeneous coordinates, of
+/// degree 8, is zero to rounding. All `b` may have a common factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OctantConstants {
     a: [f64; 3],
     b: [f64; 4],
 }
 
-/// The polynomial is zero if its Bernstein coefficients are no more than this share of their
-/// terms: some dozen roundings.
+/// The polynomial counts as zero if its Bernstein coefficients are no more than this share of their
+/// terms: a few dozen roundings.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// How the exponents of a quartic triangle add up to 4, in the order of [`TrianglePatch`].
+/// The exponents of a quartic triangle, which add up to 4, in the order of [`TrianglePatch`].
 fn exponents() -> impl Iterator<Item = [usize; 3]> {
     (0..=4).flat_map(|i| (0..=4 - i).map(move |j| [i, j, 4 - i - j]))
 }
@@ -39,7 +39,7 @@ fn trinomial([i, j, k]: [usize; 3]) -> f64 {
 }
 
 impl OctantConstants {
-    /// Those of the source note: D. Eberly, "Representing a Circle or a Sphere with NURBS",
+    /// The constants of the source note: D. Eberly, "Representing a Circle or a Sphere with NURBS",
     /// 3.1.2, after Farin 1990. They are right as printed there.
     pub fn of_the_note() -> Self {
         let root = 3.0_f64.sqrt();
@@ -108,15 +108,15 @@ impl OctantConstants {
         })
     }
 
-    /// The Bernstein coefficient of `x² + y² + z² − w²` that is the largest share of its terms,
-    /// as that share, and its exponents.
+    /// The exponents of the Bernstein coefficient of `x² + y² + z² − w²` that is the largest share of
+    /// its terms, and that share.
     fn residual(&self) -> ([usize; 3], f64) {
         let control: Vec<([usize; 3], DVec4)> = exponents().zip(self.control()).collect();
         let mut sums = [[(0.0, 0.0); 9]; 9];
         for &(m, p) in &control {
             for &(n, q) in &control {
                 let sum = [m[0] + n[0], m[1] + n[1], m[2] + n[2]];
-                // B_m B_n is this much of B_{m+n}.
+                // B_m B_n is `share` times B_{m+n}.
                 let share = trinomial(m) * trinomial(n) / trinomial(sum);
                 let (value, size) = &mut sums[sum[0]][sum[1]];
                 *value += share * (p.xyz().dot(q.xyz()) - p.w * q.w);
@@ -144,7 +144,7 @@ impl OctantConstants {
     pub fn octant(&self, radius: f64) -> Result<TrianglePatch, ShapeError> {
         check_length("radius", radius)?;
         let control = self.control().map(|point| (radius * point.xyz()).extend(point.w));
-        // The measures are checked and the numbers are known: this cannot fail but by the radius.
+        // The measures are checked and the numbers are known: only the radius can make this fail.
         TrianglePatch::from_homogeneous(4, control.collect())
             .map_err(|_| ShapeError::Length { measure: "radius", value: radius })
     }
@@ -176,7 +176,7 @@ mod tests {
         }
     }
 
-    /// Each constant matters, and what is refused is off the sphere by about as much.
+    /// Each constant matters, and the residual of refused constants is about as large as the change.
     #[test]
     fn constants_that_make_no_sphere_are_refused() {
         let note = OctantConstants::of_the_note();

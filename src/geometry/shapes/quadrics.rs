@@ -8,7 +8,7 @@ use super::{ShapeError, check_length};
 use crate::geometry::{KnotVector, NurbsSurface};
 
 /// The half circle `x ≥ 0` from `(0, 1)` to `(0, −1)`, as `(x, y, w)` with `x`, `y` not yet
-/// multiplied by `w`. Its square sum is 1 because the weights are 1/3 and `x` is 2.
+/// multiplied by `w`. On it `x² + y² = 1`, because the inner weights are 1/3 and their `x` is 2.
 const HALF_CIRCLE: [(f64, f64, f64); 4] =
     [(0.0, 1.0, 1.0), (2.0, 1.0, 1.0 / 3.0), (2.0, -1.0, 1.0 / 3.0), (0.0, -1.0, 1.0)];
 
@@ -27,11 +27,11 @@ const AROUND: [(f64, f64, f64); 7] = [
 /// The sphere of the source note, around the origin: bicubic, 4 × 7 control points.
 ///
 /// `u` runs from the pole `+z` to the pole `−z`, `v` around, from `+x` over `+y`; both in
-/// `[0, 1]`, with the half planes of `v = 1/2` and of the seam `v = 0 = 1` both at `y = 0`.
+/// `[0, 1]`. The half planes of `v = 1/2` and of the seam `v = 0 = 1` are both at `y = 0`.
 /// The note's parametrisation is oriented outward as it stands. Its tables 3 and 4 print u at the
 /// rows and v at the columns, as here (u has 4 control points, v has 7), its table 2 the other way
-/// round. Where 3.3 prints "wrap around the u-axis", the z axis is meant, and for the knots
-/// `u_i = 1` the indices are `4 ≤ i ≤ 7` ("4 <= 7" is printed).
+/// round. Where 3.3 prints "wrap around the u-axis", the z axis is meant. For the knots `u_i = 1`
+/// the indices are `4 ≤ i ≤ 7` ("4 <= 7" is printed).
 ///
 /// # Errors
 /// When the radius is not positive and finite.
@@ -67,7 +67,7 @@ pub fn hemisphere_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
     Ok(hemisphere(radius)?.swapped())
 }
 
-/// The product of the half circle from pole to pole and a circle around.
+/// The surface that is the product of the half circle from pole to pole and a circle around.
 fn spherical(radius: f64, knots_v: KnotVector, around: &[(f64, f64, f64)]) -> NurbsSurface {
     let control = HALF_CIRCLE.iter().flat_map(|&(r, z, weight)| {
         around.iter().map(move |&(x, y, w)| {

@@ -13,8 +13,8 @@ use crate::geometry::{KnotVector, NurbsSurface};
 /// A profile `(r, z, w)` in the half plane `r ≥ 0`, turned around the z axis.
 ///
 /// `u` runs around, counterclockwise seen from `+z`, `v` along the profile, so that
-/// `Sᵤ × Sᵥ` points to the right of the profile in the plane of r and z: outward where it
-/// rises.
+/// `Sᵤ × Sᵥ` points to the right of the profile in the plane of r and z: outward where the
+/// profile rises.
 fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> NurbsSurface {
     let points: Vec<Turned> = profile
         .iter()
@@ -74,7 +74,7 @@ pub fn cylinder(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 
 /// The side of a cone around the z axis: its open base at `z = 0`, its tip at `z = height`.
 ///
-/// `u` runs around, `v` up. The tip has no normal of its own; each `u` has its limit.
+/// `u` runs around, `v` up. The tip has no normal of its own; each `u` has its own limit normal.
 ///
 /// # Errors
 /// When the radius or the height is not positive and finite.

@@ -12,9 +12,9 @@ use super::{Kept, Trims, UvBox};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sectors {
     /// The angles at which curves leave the point, from the direction of growing `u` towards that of growing
-    /// `v`: from 0 to a full turn, in order. On the two sides of each are different answers.
+    /// `v`: from 0 to a full turn, in order. The answers on the two sides of each angle differ.
     edges: Vec<f64>,
-    /// Whether what comes next after the angle 0 is kept.
+    /// Whether the sector just after the angle 0 is kept.
     first: bool,
 }
 
@@ -24,7 +24,8 @@ impl Sectors {
         &self.edges
     }
 
-    /// Whether the direction at an angle, which is that of no edge, leads into what is kept.
+    /// Whether the direction at an angle, which must not be that of an edge, leads into the kept
+    /// part.
     pub(crate) fn keeps(&self, angle: f64) -> bool {
         let passed = self.edges.iter().filter(|&&edge| edge < angle).count();
         self.first == passed.is_multiple_of(2)
@@ -32,13 +33,14 @@ impl Sectors {
 }
 
 impl Trims {
-    /// What is kept in the directions around a point that is known to `reach` only: curves that come as near
-    /// as that go through the point.
+    /// The sectors that are kept around a point known only to within `reach`: curves within `reach` count as
+    /// passing through the point.
     ///
-    /// `None` where that does not say enough: where a curve begins and ends as near as that, or ends of several
-    /// are near that are not one.
+    /// Returns `None` where this does not determine the sectors: both ends of a curve lie within `reach`, or
+    /// different ends of several curves do.
     ///
-    /// A curve's direction is that of its tangent, at its end that of the first control point away from it.
+    /// The direction of a curve is that of its tangent; at its end, the direction to the first control point
+    /// away from it.
     pub(crate) fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
         let mut met = Vec::new();
         let target = UvBox::about(uv, reach);
@@ -50,7 +52,7 @@ impl Trims {
             false
         });
 
-        // Where curves end, all do.
+        // Curves that end near the point must all end at the same vertex.
         let mut vertex = None;
         let mut edges = Vec::new();
         for &index in &met {
@@ -74,8 +76,8 @@ impl Trims {
         }
         edges.sort_by(f64::total_cmp);
 
-        // The half-open rule counts what a ray towards larger `u` crosses that starts just above the point. Of curves
-        // through the point it crosses none, if it starts but a little above that direction.
+        // The half-open rule counts the crossings of a ray towards larger `u` that starts just above the point. If it
+        // starts only slightly above that direction, it crosses none of the curves through the point.
         let point = vertex.unwrap_or(uv);
         let crossings = self.tree.crossings(point, &target, |index| {
             if met.contains(&index) {
@@ -89,15 +91,15 @@ impl Trims {
     }
 }
 
-/// The angle of a direction, from 0 to a full turn: of what leads towards larger `u` and does not rise from there, a full
-/// turn.
+/// The angle of a direction, from 0 to a full turn. A direction towards larger `u` along which the curve does not rise
+/// counts as a full turn, not as 0.
 fn angle(direction: DVec2, rises: bool) -> f64 {
     let angle = direction.to_angle();
     if angle < 0.0 || angle == 0.0 && !rises { angle + TAU } else { angle }
 }
 
 impl Segment {
-    /// Whether `v` grows along it, as it is held.
+    /// Whether `v` grows along the segment as stored.
     fn rises(&self) -> bool {
         let [from, to] = self.ends();
         from.y < to.y
@@ -114,7 +116,8 @@ impl Segment {
         first.map_or(self.ends()[1 - end] - from, |point| *point - from)
     }
 
-    /// The direction of its tangent where it is level with a point, by the coordinate in which it is longer.
+    /// The tangent direction where the segment is level with a point, in the coordinate in which the segment
+    /// is longer.
     fn direction_near(&self, uv: DVec2) -> DVec2 {
         let [from, to] = self.ends();
         let size = (to - from).abs();
@@ -141,8 +144,8 @@ mod tests {
 
     const REACH: DVec2 = DVec2::splat(1e-14);
 
-    /// At each corner of polygons, one way round and the other, what lies in directions on both sides of each edge is what a
-    /// point there is, a little way off.
+    /// At each corner of polygons run in both directions, the sectors give the same answer for a direction as
+    /// [`Trims::contains`] for a point a little way off in that direction.
     #[test]
     fn sectors_say_what_points_nearby_do() {
         let star: Vec<(f64, f64)> = (0..14)
@@ -193,7 +196,8 @@ mod tests {
         }
         assert!(sectors.keeps(0.7 + PI) && !sectors.keeps(0.7));
 
-        // Where monotone segments of a circle end, and two circles touch, upright.
+        // Where monotone segments of a circle end, and where two circles touch with a vertical
+        // tangent.
         let sectors = one.around(DVec2::Y, REACH).unwrap();
         assert!(sectors.keeps(1.5 * PI) && !sectors.keeps(0.5 * PI), "{sectors:?}");
         let two = trims(Kept::Odd, &[circle(-1.0, 1.0), circle(1.0, 1.0)]);
@@ -201,7 +205,7 @@ mod tests {
         assert_eq!(sectors.edges().len(), 4, "{sectors:?}");
         assert!(sectors.keeps(0.1) && sectors.keeps(PI), "{sectors:?}");
 
-        // Away from all of them.
+        // Away from all curves.
         let inside = one.around(DVec2::ZERO, REACH).unwrap();
         assert!(inside.edges().is_empty() && inside.keeps(1.0));
     }

@@ -8,11 +8,11 @@ use super::UvBox;
 use super::segment::Segment;
 use super::tree::Tree;
 
-/// More parts than this of a pair of segments near each other mean that they touch or run
-/// along each other: a crossing leaves a few. They are not cut further then.
+/// If more than this many parts of two segments are near each other, the segments touch or run
+/// along each other: a crossing leaves only a few. The parts are then not halved further.
 const MANY_PARTS: usize = 64;
 
-/// Halvings after which a segment of the magnitude of its rounding is left.
+/// The most halvings, after which parts of a segment are as small as its rounding error.
 const MOST_LEVELS: usize = 60;
 
 /// A place where two segments come so near each other that they may meet, other than the
@@ -23,12 +23,12 @@ pub(super) struct Contact {
     pub(super) loops: [usize; 2],
     /// The two segments.
     pub(super) segments: [usize; 2],
-    /// The stretch of each, in its parameter.
+    /// The stretch of each segment, in its own parameter.
     pub(super) stretches: [[f64; 2]; 2],
 }
 
-/// The contacts of segment `a` with those that come after it, and the number of parts of
-/// segments that were compared.
+/// The contacts of segment `a` with later segments, and the number of parts of segments that were
+/// compared.
 pub(super) fn contacts_after(
     a: usize,
     segments: &[Segment],
@@ -77,9 +77,9 @@ fn joints(segments: &[Segment], range: &Range<usize>, [a, b]: [usize; 2]) -> Vec
     joints
 }
 
-/// Whether two segments that share an end have surely nothing else in common, but where
-/// they run back over each other: two lines; two curves that go on in the same direction, in
-/// u or in v, so that one ends where the other begins.
+/// Whether two segments that share an end certainly have nothing else in common, unless they run
+/// back over each other. This holds for two lines, and for two curves that go on in the same
+/// direction in u or in v, so that one ends where the other begins.
 fn only_joined(pair: [&Segment; 2]) -> bool {
     let [a, b] = pair.map(Segment::bounds);
     let common = a.max.min(b.max) - a.min.max(b.min);
@@ -113,10 +113,10 @@ impl Parts {
     }
 }
 
-/// The stretches of two segments that may meet, those that hang together as one.
+/// The stretches of two segments that may meet; connected stretches are merged into one.
 ///
-/// Both are halved again and again, and parts whose rectangles are apart are dropped. The
-/// rectangle of a monotone part is that of its ends.
+/// Both segments are halved repeatedly, and pairs of parts whose rectangles are apart are dropped.
+/// The rectangle of a monotone part is that of its ends.
 fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     if are_apart(pair) {
         return Vec::new();
@@ -150,7 +150,7 @@ fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     joined
 }
 
-/// Whether two lines are clearly apart: one lies on one side of the other.
+/// Whether two lines are clearly apart: one lies entirely on one side of the other.
 fn are_apart(pair: [&Segment; 2]) -> bool {
     if !pair.iter().all(|segment| segment.is_straight()) {
         return false;

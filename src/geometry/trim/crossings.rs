@@ -1,4 +1,4 @@
-//! Loops that cross themselves or each other, told from those that touch.
+//! Finds loops that cross themselves or each other, as opposed to loops that only touch.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,41 +10,43 @@ use super::segment::Segment;
 use super::tree::Tree;
 use super::{TrimError, TrimLoopError, UvBox};
 
-/// How many places of a contact that could not be resolved further are looked at: of two
-/// curves that cross there and back again, a sixteenth of the contact is noticed.
+/// The number of parts into which a contact that could not be resolved further is divided for
+/// sampling: two curves that cross there and back again are noticed over a sixteenth of the
+/// contact.
 const INSIDE_CONTACT: usize = 16;
 
-/// Halvings that bring the place of a crossing from a loop's length down to rounding.
+/// The number of halvings that narrow a crossing from the length of a loop down to rounding error.
 const MOST_HALVINGS: usize = 100;
 
-/// How many parts of segments are compared for each segment, besides [`WORK_FOR_A_START`].
-/// A corner where two of them touch costs about 200, a common side up to 1000, some ten
-/// nanoseconds each: enough for a mosaic, and no more than two seconds for a hundred thousand
-/// segments.
+/// The number of parts of segments that may be compared per segment, in addition to
+/// [`WORK_FOR_A_START`]. A corner where two segments touch costs about 200 comparisons, a common
+/// side up to 1000, at about ten nanoseconds each. That is enough for a mosaic, and no more than
+/// two seconds for a hundred thousand segments.
 const WORK_PER_SEGMENT: usize = 1 << 11;
 
-/// See [`WORK_PER_SEGMENT`]; a hundred curves may well all touch each other.
+/// The part of the budget that does not depend on the number of segments (see
+/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other.
 const WORK_FOR_A_START: usize = 1 << 24;
 
-/// A loop that is run through again encloses its area twice; one that runs there and back, nothing
-/// but rounding. This share of its rectangle is between the two.
+/// A loop that is run through twice encloses its area twice; one that runs there and back encloses
+/// only rounding errors. This fraction of its rectangle separates the two.
 const SMALL_AREA: f64 = 1e-9;
 
-/// A loop that is no larger than this many roundings of its curves is but a point.
+/// A loop no larger than this many rounding errors of its curves counts as a point.
 const MOST_REACHES: f64 = 64.0;
 
-/// So many contacts are looked at for the first time before all are found.
+/// The number of contacts at which they are checked for the first time, before all are found.
 const FIRST_LOOK: usize = 64;
 
-/// Fails where a loop crosses itself or another.
+/// Fails if a loop crosses itself or another.
 ///
-/// At a crossing of two strands of one loop, its winding number takes three values around
-/// it: `k` left of neither strand, `k + 1`, and `k + 2` left of both. So the smaller of the
-/// two values beside a strand changes where another one crosses it, and is the same all
-/// along a loop that only touches itself. Likewise, of another loop: the strand changes
-/// between its inside and its outside. That is asked along the strands where they come near
-/// another one, at points which are clear of it: whatever happens at a common corner or
-/// along a common stretch, the answers before and after it tell a crossing from a touch.
+/// Around a crossing of two strands of one loop, the winding number takes three values: `k` left of
+/// neither strand, `k + 1`, and `k + 2` left of both. So the smaller of the two values beside a
+/// strand changes where another strand crosses it, and is the same all along a loop that only
+/// touches itself. Likewise, where a strand crosses another loop, it changes between the inside and
+/// the outside of that loop. These values are computed along the strands where they come near
+/// another one, at points clear of it. Whatever happens at a common corner or along a common
+/// stretch, the values before and after it tell a crossing from a touch.
 pub(super) fn check_crossings(
     segments: &[Segment],
     loops: &[Range<usize>],
@@ -65,7 +67,7 @@ pub(super) fn check_crossings(
         let (contacts, compared) = contacts_after(a, segments, loops, tree);
         found.extend(contacts);
         work += compared;
-        // A tangle crosses itself soon: there is no need to see all of it.
+        // A tangle crosses itself early, so not all of its contacts need to be found.
         if found.len() >= enough || work > most {
             check_contacts(segments, loops, owners, &found)?;
             enough = found.len() * 4;
@@ -77,7 +79,7 @@ pub(super) fn check_crossings(
     check_contacts(segments, loops, owners, &found)
 }
 
-/// Fails where loops cross at or between these contacts.
+/// Fails if loops cross at or between these contacts.
 fn check_contacts(
     segments: &[Segment],
     loops: &[Range<usize>],
@@ -129,8 +131,8 @@ fn around(segments: &[Segment]) -> UvBox {
     segments.iter().map(Segment::bounds).fold(UvBox::EMPTY, UvBox::union)
 }
 
-/// Whether a loop goes around anything: the area to its left less that to its right, by the
-/// polygon of its segments' ends and middles, is not small beside its rectangle.
+/// Whether a loop encloses anything: its signed area, computed from the polygon of its segments'
+/// ends and middles, is not small relative to its rectangle.
 fn encloses(segments: &[Segment]) -> bool {
     let bounds = around(segments);
     let corners = segments.iter().flat_map(|one| [0.0, 0.5].map(|along| one.directed_at(along)));
@@ -142,7 +144,7 @@ fn encloses(segments: &[Segment]) -> bool {
     seen && area.abs() > SMALL_AREA * bounds.size().element_product()
 }
 
-/// The stretches of each segment of a loop that are near a loop, by the two loops.
+/// The stretches of a loop that are near a given loop, by segment.
 type Stretches = BTreeMap<usize, Vec<[f64; 2]>>;
 
 fn by_loops(contacts: &[Contact]) -> BTreeMap<[usize; 2], Stretches> {
@@ -159,7 +161,7 @@ fn by_loops(contacts: &[Contact]) -> BTreeMap<[usize; 2], Stretches> {
     sorted
 }
 
-/// What becomes of a loop as seen from another, or itself.
+/// How a loop runs relative to another, or to itself.
 enum Course {
     /// It keeps to one side.
     Steady,
@@ -169,7 +171,7 @@ enum Course {
     Hidden,
 }
 
-/// A loop, followed along another.
+/// A loop that is followed along another.
 struct Strand<'a> {
     segments: &'a [Segment],
     range: Range<usize>,
@@ -195,7 +197,7 @@ impl Strand<'_> {
                 }
             }
         }
-        // Where it comes near the other it is always on it: is it elsewhere, too?
+        // Wherever it comes near the other loop, it lies on it. Does it elsewhere, too?
         let middles = || self.range.clone().map(|index| index as f64 + 0.5);
         if hidden && middles().all(|place| self.value(place).is_none()) {
             return Course::Hidden;
@@ -203,7 +205,7 @@ impl Strand<'_> {
         Course::Steady
     }
 
-    /// Where the value changes between two places of the loop.
+    /// Where the value changes between two places of the loop; it is `value` at the first.
     fn change(&self, [mut from, mut to]: [f64; 2], value: i32) -> DVec2 {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (from + to);
@@ -216,9 +218,9 @@ impl Strand<'_> {
         self.point(to)
     }
 
-    /// The smaller winding number beside the loop, or 1 inside the other one and 0 outside;
-    /// `None` near another strand. A place is the number of the segment, plus the part of it
-    /// that the loop has run through.
+    /// The smaller winding number beside the loop or, for another loop, 1 inside it and 0 outside;
+    /// `None` near another strand. A place is the index of the segment plus the fraction of it that
+    /// the loop has run through.
     fn value(&self, place: f64) -> Option<i32> {
         let (index, along) = self.locate(place);
         let point = self.segments[index].directed_at(along);
@@ -239,9 +241,9 @@ impl Strand<'_> {
         if !self.itself {
             return Some(crossings.rem_euclid(2));
         }
-        // The ray leaves the strand on the right of it where it climbs, which is the smaller
-        // number; on its left where it falls. The ray of a point on a horizontal strand runs
-        // just above it: on its left where it goes towards larger u.
+        // The ray leaves a rising strand on its right, where the winding number is the smaller one,
+        // and a falling strand on its left. For a point on a horizontal strand the ray runs just
+        // above it: on its left if the strand goes towards larger u.
         let [low, high] = own.ends();
         let on_the_left = own.is_forward() == (low.y == high.y);
         Some(crossings - i32::from(on_the_left))
@@ -252,16 +254,16 @@ impl Strand<'_> {
         self.segments[index].directed_at(along)
     }
 
-    /// The segment of a place and the part of it; rounding may have made the end of the last
-    /// segment the beginning of one that is not there.
+    /// The segment of a place and the fraction of it; rounding may have turned the end of the last
+    /// segment into the beginning of one that does not exist.
     fn locate(&self, place: f64) -> (usize, f64) {
         let index = (place.floor() as usize).min(self.range.end - 1);
         (index, place - index as f64)
     }
 }
 
-/// The places along a segment, in the direction of its loop, at which to look: between the
-/// stretches that are near another curve, and within them.
+/// The places along a segment, in the direction of its loop, at which to compute the value: between
+/// the stretches that are near another curve, and within them.
 fn places(segment: &Segment, stretches: &[[f64; 2]]) -> Vec<f64> {
     let directed = |[from, to]: [f64; 2]| {
         if segment.is_forward() { [from, to] } else { [1.0 - to, 1.0 - from] }

@@ -1,4 +1,4 @@
-//! The curves trim loops are made of.
+//! The curves that make up trim loops.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -8,12 +8,12 @@ use super::TrimCurveError;
 use super::domain::MAX_PARAMETER;
 use crate::geometry::{KnotVector, NurbsCurve};
 
-/// The most points a polyline, or Bézier pieces a spline, may have: more is taken for a
-/// mistake. An outline of a million points is far beyond what a map holds.
+/// The most points of a polyline, or Bézier pieces of a spline; more are taken for a mistake. An
+/// outline of a million points is far beyond what a map holds.
 pub const MAX_TRIM_POINTS: usize = 1 << 20;
 
-/// The smallest weight, in units of the largest of its piece. Below, a step from one number
-/// to the next in the parameter moves the point by more than 10⁻⁷ of the piece.
+/// The smallest weight, relative to the largest of its piece. With a smaller one, a step from one
+/// floating-point parameter to the next moves the point by more than 10⁻⁷ of the piece.
 const SMALLEST_WEIGHT: f64 = 1e-9;
 
 /// A curve in the (u, v) plane: a chain of rational Bézier pieces.
@@ -80,7 +80,7 @@ impl TrimCurve {
             Some(weights) => weights.to_vec(),
             None => vec![1.0; points.len()],
         };
-        // Weights are scaled before they meet the points, so that no product overflows.
+        // Weights are scaled before they multiply the points, so that no product overflows.
         let weights = normalized_weights(&weights, 0)?;
         let control = points.iter().zip(weights).map(|(&point, w)| homogeneous(point, w));
         Ok(Self { pieces: vec![control.collect()] })
@@ -122,8 +122,8 @@ impl TrimCurve {
     /// The circular arc about `center` from one angle to another, in radians from the u axis
     /// towards the v axis; from a larger angle to a smaller one it runs clockwise.
     ///
-    /// It is a circle in the (u, v) plane, made of rational quadratic pieces of at most a
-    /// quarter turn; its ends are right to a few roundings of `|center| + radius`.
+    /// It is a circle in the (u, v) plane, made of rational quadratic pieces of at most a quarter
+    /// turn; its ends are accurate to a few rounding errors of `|center| + radius`.
     ///
     /// # Errors
     /// When the center is not finite, the radius not positive, or the angles agree or lie more
@@ -135,7 +135,7 @@ impl TrimCurve {
         if !usable {
             return Err(TrimCurveError::Angles { from, to });
         }
-        // A whole turn in four pieces, although rounding may have made it a little more.
+        // A whole turn takes four pieces, even if rounding has made it slightly larger.
         let count = (sweep.abs() / FRAC_PI_2 * (1.0 - 4.0 * f64::EPSILON)).ceil().clamp(1.0, 4.0);
         let step = sweep / count;
         let weight = (0.5 * step).cos();
@@ -198,7 +198,7 @@ impl TrimCurve {
 }
 
 impl TrimCurveError {
-    /// The same error about a point counted from elsewhere.
+    /// The same error with `first` added to the index of its point.
     fn counted_from(self, first: usize) -> Self {
         match self {
             Self::Point { index, point } => Self::Point { index: index + first, point },
@@ -224,7 +224,8 @@ fn check_arc(center: DVec2, radius: f64) -> Result<(), TrimCurveError> {
     if usable { Ok(()) } else { Err(TrimCurveError::Radius { radius }) }
 }
 
-/// The weights of a piece divided by the largest, `first` being the number of the first.
+/// The weights of a piece divided by their largest; `first` is the index of the first weight in
+/// errors.
 fn normalized_weights(weights: &[f64], first: usize) -> Result<Vec<f64>, TrimCurveError> {
     let largest = weights.iter().copied().fold(0.0, f64::max); // passes over NaN
     let scaled: Vec<f64> = weights.iter().map(|w| w / largest).collect();

@@ -5,21 +5,21 @@ use glam::DVec2;
 
 use crate::geometry::{Direction, NurbsSurface};
 
-/// Parameters beyond this are refused: products of three of them must not overflow.
+/// The largest absolute value of a parameter; products of three parameters must not overflow.
 pub(super) const MAX_PARAMETER: f64 = 1e100;
 
 /// The domain of the surface that is trimmed.
 ///
-/// In a *periodic* direction the surface closes on itself with the length of the domain as
-/// its period. Loops may then run past the domain's ends and lie anywhere along that
-/// direction: a loop stands for itself and all its copies moved by whole periods, of which
-/// those that reach into the domain are used. So a hole across the seam of a cylinder
-/// `0 ≤ u ≤ 1` is one loop around `u = 0`, or the same loop around `u = 1`.
+/// In a *periodic* direction the surface closes on itself with the length of the domain as its
+/// period. Loops may then run past the domain's ends and lie anywhere along that direction: a loop
+/// stands for itself and all its copies shifted by whole periods, and the copies that reach into
+/// the domain are used. So a hole across the seam of a cylinder `0 ≤ u ≤ 1` is one loop around
+/// `u = 0`, or the same loop around `u = 1`.
 ///
-/// A loop must close in the plane. A cut that runs once around a cylinder does not: it ends
-/// one period from where it began, and which side of it is meant is not known. It is
-/// completed to a loop along the seam and a border, like a sheet unrolled, or two such cuts are
-/// joined along the seam and bound a band.
+/// A loop must close in the plane. A cut that runs once around a cylinder does not: it ends one
+/// period from where it began, and which side of it is meant is unknown. Complete such a cut to a
+/// loop along the seam and a border, as on an unrolled sheet, or join two such cuts along the seam
+/// to bound a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimDomain {
     range: [[f64; 2]; 2],
@@ -72,24 +72,24 @@ impl TrimDomain {
         self
     }
 
-    /// The domain with another range in u, which is as good as the one it has.
+    /// The domain with another range in u, which must be as valid as its present one.
     pub(super) fn with_range_u(mut self, range: [f64; 2]) -> Self {
         self.range[0] = range;
         self
     }
 
-    /// From where to where it goes, in u and in v.
+    /// The ranges `[start, end]` in u and in v.
     pub fn range(&self) -> [[f64; 2]; 2] {
         self.range
     }
 
-    /// Whether it closes on itself in a direction.
+    /// Whether the domain closes on itself in a direction.
     pub fn is_periodic(&self, direction: Direction) -> bool {
         self.periodic[direction as usize]
     }
 
-    /// What is wrong with a loop, in words for loops on this domain: one that is open by just the
-    /// length of the domain, as a line around a cylinder is, runs [`TrimLoopError::Across`] it.
+    /// Restates an error about a loop for loops on this domain: a loop that is open by just the
+    /// length of the domain, as a line around a cylinder is, becomes [`TrimLoopError::Across`].
     #[must_use]
     pub fn explained(&self, error: TrimLoopError) -> TrimLoopError {
         let TrimLoopError::Open { next: 0, end, gap, .. } = error else { return error };

@@ -1,4 +1,4 @@
-//! Why something cannot trim a surface.
+//! The errors of trim curves, loops and trims.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -100,7 +100,7 @@ pub enum TrimCurveError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrimLoopError {
-    /// The numbers are no curve.
+    /// A curve of the loop is invalid.
     #[error(transparent)]
     Curve(#[from] TrimCurveError),
     /// There is no curve.
@@ -136,8 +136,8 @@ pub enum TrimLoopError {
         direction: Direction,
         /// Where it begins and ends.
         ends: [DVec2; 2],
-        /// Two points beside its end and its beginning on one border of the domain, then two on
-        /// the other border: ways back.
+        /// Ways back: two points beside the loop's end and its beginning on one border of the
+        /// domain, then two on the other border.
         back: [[DVec2; 2]; 2],
     },
     /// The loop is a point, or runs back over itself.
@@ -148,7 +148,7 @@ pub enum TrimLoopError {
         /// The largest.
         max: DVec2,
     },
-    /// The loop runs all along itself again.
+    /// The whole loop is run through more than once.
     #[error(
         "the loop on {} to {} is run through more than once: what is passed twice cuts nothing; \
          give it once",
@@ -178,7 +178,7 @@ pub enum TrimLoopError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrimError {
-    /// The domain is not one.
+    /// The domain is not a valid range.
     #[error(
         "the domain in {direction} goes from {} to {}: it must be finite, at most 1e100, and not empty",
         Shown(*.start), Shown(*.end)
@@ -205,7 +205,7 @@ pub enum TrimError {
     /// There is no loop.
     #[error("there are no loops: a surface that is not trimmed needs no trims")]
     NoLoops,
-    /// A loop alone is not one.
+    /// A loop is invalid by itself.
     #[error("loop {index}: {error}")]
     Loop {
         /// Which loop, counted from 0.
@@ -213,7 +213,7 @@ pub enum TrimError {
         /// What is wrong with it.
         error: TrimLoopError,
     },
-    /// A loop lies beside the domain and cuts nothing.
+    /// A loop lies outside the domain and cuts nothing.
     #[error(
         "loop {index} lies on {} to {}, outside the domain {} to {}",
         measured(.loop_box[0]), measured(.loop_box[1]), shown(.domain[0]), shown(.domain[1])

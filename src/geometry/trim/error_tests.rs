@@ -1,4 +1,4 @@
-//! What is refused, what is not, and in which words.
+//! Which loops are refused and which are not, and the messages of the errors.
 
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
@@ -110,7 +110,7 @@ fn crossings_are_found_where_they_are() {
     assert!(at.length() < 0.05, "{at}");
     let _ = crossing(&[polygon(&[(0., 0.), (1., 1.), (2., 2.), (2., 0.), (1., 1.), (0., 2.)])]);
 
-    // A curve whose control polygon crosses and which does so itself.
+    // A curve that crosses itself, as its control polygon does.
     let looped = [(0., 0.), (3., 3.), (-2., 3.), (1., 0.)].map(|(u, v)| DVec2::new(u, v));
     let looped = TrimCurve::bezier(&looped, None).unwrap();
     let below = [(1., 0.), (1., -1.), (0., -1.), (0., 0.)].map(|(u, v)| DVec2::new(u, v));
@@ -282,7 +282,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Whatever numbers come, there is an answer or an error, and the answers agree.
+    /// Any numbers give an answer or an error, and the answers agree.
     #[test]
     fn no_numbers_panic(
         numbers in prop::collection::vec((any_number(), any_number()), 1..12),
@@ -342,7 +342,7 @@ fn edges_that_run_out_and_back_are_refused() {
         );
         assert_eq!(error.to_string(), message);
     }
-    // A bridge to a hole is crossed there and back, but not at once.
+    // A bridge to a hole is crossed there and back, but not immediately.
     let wide = TrimDomain::new([0.0, 10.0], [0.0, 10.0]).unwrap();
     let ring = [
         (2., 2.),

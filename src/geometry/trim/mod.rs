@@ -1,9 +1,9 @@
 //! Trim loops: closed curves in a surface's (u, v) domain that say which part of it is kept.
 //!
-//! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end
-//! to end; [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings
-//! and ready to be asked: for points ([`Trims::contains`], [`Trims::contains_within`]), for rectangles
-//! ([`Trims::classify`]), for polylines to plot ([`Trims::outlines`]).
+//! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end to end.
+//! [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings. They answer
+//! queries about points ([`Trims::contains`], [`Trims::contains_within`]) and rectangles
+//! ([`Trims::classify`]), and give polylines to plot ([`Trims::outlines`]).
 //!
 //! ```
 //! use glam::DVec2;

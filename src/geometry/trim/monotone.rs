@@ -1,4 +1,4 @@
-//! Bézier pieces cut where they turn around in u or in v, and then until they are flat.
+//! Cuts Bézier pieces where they turn around in u or in v, and then until they are flat.
 
 use glam::{DVec2, DVec3};
 
@@ -9,23 +9,23 @@ use super::trim_loop::LoopPiece;
 use crate::geometry::extremes::{FINEST, add_extremes};
 use crate::math::bernstein::restrict;
 
-/// A monotone stretch is halved at most so often: a cusp never becomes flat.
+/// The most halvings of a monotone stretch: a cusp never becomes flat.
 const MOST_HALVINGS: u32 = 6;
 
-/// The segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours share their
-/// ends bit for bit, and the outer ends are the piece's own.
+/// Appends the segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours
+/// share their ends bit for bit, and the outer ends are the piece's own.
 ///
-/// A stretch whose derivative is no more than rounding counts as monotone: between the cuts
-/// the piece leaves the rectangle of its ends by no more than that, and segments are held
-/// within it ([`Segment::at`]).
+/// A stretch whose derivative does not exceed rounding error counts as monotone: between the cuts the piece
+/// leaves the rectangle of its ends by no more than that error, and [`Segment::at`] clamps to this rectangle.
 pub(super) fn segments(piece: &LoopPiece, found: &mut Vec<Segment>) {
-    // Lines are what lies between their ends, whatever the weights.
+    // A piece of two control points is the line between its ends, whatever the weights.
     if piece.control.len() == 2 {
         found.extend(Segment::line(piece.ends));
         return;
     }
 
-    // Both ways along, the same cuts at the same numbers: a loop run backwards cuts the same.
+    // Both directions use the same cuts at the same numbers, so that a loop run backwards cuts the
+    // same.
     let backwards = piece.control.iter().rev().map(as_key).lt(piece.control.iter().map(as_key));
     let mut control = piece.control.clone();
     let mut ends = piece.ends;
@@ -65,8 +65,8 @@ struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Adds its flat segments, beginning at `from` and ending at `last` or, if that is not
-    /// known, where the curve is; returns the end.
+    /// Adds the flat segments of this stretch from `from` to `last` or, without `last`, to the
+    /// curve's own end of the stretch; returns the end.
     fn add_flat(&self, from: DVec2, last: Option<DVec2>, found: &mut Vec<Segment>) -> DVec2 {
         let degree = self.control.len() - 1;
         let mut part = self.control.to_vec();

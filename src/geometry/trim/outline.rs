@@ -11,13 +11,13 @@ use crate::math::bernstein::restrict;
 const MAX_OUTLINE_POINTS: usize = 1 << 20;
 
 impl Trims {
-    /// The loops as closed polylines, each beginning and ending at the same point, in the
-    /// direction in which it was given. A loop that reaches into a periodic domain several
-    /// times comes several times; none is cut at the domain's border.
+    /// The loops as closed polylines, each beginning and ending at the same point, in the direction
+    /// given. A loop that reaches into a periodic domain several times appears several times; none
+    /// is cut at the domain's border.
     ///
-    /// No point of a curve is farther than `tolerance` from its polyline, in units of u and v
-    /// alike: a part is replaced by its chord once all its control points are that near. It
-    /// holds the curves' extremes and the ends of all pieces.
+    /// No point of a curve is farther than `tolerance` from its polyline, with u and v in the same
+    /// unit: a part is replaced by its chord once all its control points are that near. The
+    /// polyline contains the curves' extremes and the ends of all pieces.
     ///
     /// # Errors
     /// When the tolerance is not positive, or needs more than 2²⁰ points.
@@ -72,7 +72,7 @@ fn sample(segment: &Segment, tolerance: f64, most: usize, outline: &mut Vec<DVec
     Some(())
 }
 
-/// Whether all control points lie near the chord between the outer two, or these are
+/// Whether all control points lie near the chord between the outer two, or the outer two are
 /// neighbouring numbers.
 fn is_flat(control: &[DVec3], tolerance: f64) -> bool {
     let (from, to) = (euclidean(control[0]), euclidean(control[control.len() - 1]));

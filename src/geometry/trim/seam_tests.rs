@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::{Kept, Side, TrimCurve, TrimDomain, TrimError, TrimLoop, Trims};
 use crate::geometry::Direction;
 
-/// A band around a cylinder, its two sides on the seam off by up to this much.
+/// A band around a cylinder whose two sides on the seam are off by up to this much.
 fn band(wobble: f64) -> Result<Trims, TrimError> {
     let domain = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap().periodic_in(Direction::U);
     let line = |points: &[(f64, f64)]| {

@@ -1,4 +1,4 @@
-//! Segments of trim curves that turn around neither in u nor in v.
+//! Segments of trim curves, monotone in u and in v.
 
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
@@ -6,66 +6,66 @@ use super::UvBox;
 use crate::math::bernstein::binomial;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// The search for where a target lies ends after this many steps. Four halve the stretch that
-/// is left, so that it is down to 2⁻⁶⁴ of the segment, far below one rounding.
+/// The most steps of the search in [`Segment::passing`]. Four steps halve the remaining stretch, so
+/// it ends at 2⁻⁶⁴ of the segment, far below one rounding error.
 const MOST_STEPS: usize = 256;
 
-/// A segment is flat when its control points lie within this part of its length. A quarter
-/// circle makes four flat segments; finer ones would cost more in the hierarchy than they
+/// A segment is flat if the band of its control points is no wider than this fraction of its chord.
+/// A quarter circle makes four flat segments; finer ones would cost more in the hierarchy than they
 /// save.
 const FLAT: f64 = 0.125;
 
-/// How far the curve that was written may lie from the one that is searched, in units of the
-/// largest parameter of its Bézier piece, `16 (p + 1) u` for degree `p`.
+/// Error bound of the curve as searched against the curve as written, relative to the largest
+/// parameter of its Bézier piece: `16 (p + 1) u` for degree `p`.
 ///
-/// Each step of de Casteljau or Boehm is a mixture of positive parts and errs by at most 3
-/// roundings of the largest coordinate: up to `6 (p − 1)` for the Bézier form of a spline,
-/// `4 p` for cutting it to monotone segments, `2 p + 6` for evaluation and its division, and
-/// four for the corners of arcs.
+/// Each step of de Casteljau or Boehm is a convex combination and errs by at most 3 roundings of
+/// the largest coordinate: up to `6 (p − 1)` for the Bézier form of a spline, `4 p` for cutting it
+/// into monotone segments, `2 p + 6` for evaluation and its division, and four for the corners of
+/// arcs.
 fn reach_factor(degree: usize) -> f64 {
     16.0 * (degree + 1) as f64 * UNIT_ROUNDOFF
 }
 
-/// A piece of a curve along which u and v never turn around, held so that v does not
-/// decrease, and for horizontal ones u does not.
+/// A piece of a curve that is monotone in u and in v, stored so that v does not decrease along it
+/// or, if it is horizontal, u does not.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Segment {
     ends: [DVec2; 2],
-    /// `C(p, i)` times the homogeneous control points; none for a straight line.
+    /// `C(p, i)` times the homogeneous control points; empty for a straight line.
     control: Box<[DVec3]>,
-    /// Whether the loop runs along it as it is held.
+    /// Whether the loop runs along the segment in the stored direction.
     forward: bool,
     reach: DVec2,
-    /// Across the chord, to the side of smaller u; as long as the chord.
+    /// The vector perpendicular to the chord, as long as the chord, towards smaller u.
     across: DVec2,
-    /// The least and the largest `across · (point − ends[0])` of its control points, grown
-    /// by the reach: the segment lies between.
+    /// The least and the largest `across · (point − ends[0])` of the control points, grown by the
+    /// reach. The segment lies between them.
     band: [f64; 2],
 }
 
-/// Where a target lies, seen from a segment it is level with.
+/// Where a target lies relative to a segment that it is level with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Passing {
     /// On the side of smaller u.
     Left,
     /// On the side of larger u.
     Right,
-    /// On it.
+    /// On the segment.
     Meets,
 }
 
 impl Segment {
-    /// The straight line between two points; `None` if they agree.
+    /// The straight line between two points; `None` if they are equal.
     pub(super) fn line(ends: [DVec2; 2]) -> Option<Self> {
         let reach = reach_factor(1) * ends[0].abs().max(ends[1].abs());
         Self::held(ends, Vec::new(), reach)
     }
 
-    /// The monotone rational Bézier curve between two points; `None` if they agree: monotone
-    /// and closed, it is a point. Of the control points the outer two give only their weights.
+    /// The monotone rational Bézier curve between two points; `None` if they are equal, because a
+    /// monotone closed curve is a point. Only the weights of the outer two control points are used.
     ///
-    /// `magnitude` holds the largest |u| and |v| of the control points it was computed from,
-    /// perhaps those of a longer curve: they say what rounding may have done.
+    /// `magnitude` holds the largest |u| and |v| of the control points from which the curve was
+    /// computed, perhaps those of a longer curve. It determines the bound on rounding errors.
     pub(super) fn new(ends: [DVec2; 2], control: &[DVec3], magnitude: DVec2) -> Option<Self> {
         let degree = control.len() - 1;
         let scaled = control.iter().enumerate().map(|(i, &c)| binomial(degree, i) * c);
@@ -91,13 +91,13 @@ impl Segment {
         Some(Self { ends, control: control.into(), forward, reach, across, band })
     }
 
-    /// Whether its control points lie near its chord: a point near the chord is soon told
-    /// from one on the curve.
+    /// Whether the control points lie so near the chord that a point near the chord is quickly
+    /// distinguished from one on the curve.
     pub(super) fn is_flat(&self) -> bool {
         self.is_straight() || self.band[1] - self.band[0] <= FLAT * self.across.length_squared()
     }
 
-    /// The loop runs along it the other way.
+    /// Reverses the direction in which the loop runs along the segment.
     pub(super) fn turn_around(&mut self) {
         self.forward = !self.forward;
     }
@@ -123,23 +123,23 @@ impl Segment {
         self.control.is_empty()
     }
 
-    /// How far the curve it was cut from may lie from it.
+    /// Error bound of the segment: the distance in u and in v to the curve it was cut from.
     pub(super) fn reach(&self) -> DVec2 {
         self.reach
     }
 
-    /// The rectangle of its ends, which holds it.
+    /// The rectangle of the two ends, which contains the segment.
     pub(super) fn bounds(&self) -> UvBox {
         let [from, to] = self.ends;
         UvBox { min: from.min(to), max: from.max(to) }
     }
 
-    /// How many bytes it takes beside itself.
+    /// The bytes that the segment occupies outside the struct itself.
     pub(super) fn bytes(&self) -> usize {
         std::mem::size_of_val(&*self.control)
     }
 
-    /// The homogeneous control points as held, without the binomial factors.
+    /// The homogeneous control points as stored, without the binomial factors.
     pub(super) fn homogeneous(&self) -> Vec<DVec3> {
         let [from, to] = self.ends;
         let [Some(first), Some(last)] = [self.control.first(), self.control.last()] else {
@@ -147,13 +147,13 @@ impl Segment {
         };
         let degree = self.control.len() - 1;
         let inner = (1..degree).map(|i| self.control[i] / binomial(degree, i));
-        // The outer two are good for their weights only.
+        // Of the outer two only the weights are used.
         let outer = [(from, first.z), (to, last.z)].map(|(end, w)| (w * end).extend(w));
         [outer[0]].into_iter().chain(inner).chain([outer[1]]).collect()
     }
 
-    /// The point at `t` in `[0, 1]`, held within the rectangle of the ends and equal to them
-    /// at 0 and 1.
+    /// The point at `t` in `[0, 1]`, clamped to the rectangle of the ends and equal to them at 0
+    /// and 1.
     #[inline]
     pub(super) fn at(&self, t: f64) -> DVec2 {
         let [from, to] = self.ends;
@@ -166,13 +166,13 @@ impl Segment {
         self.free_at(t).max(from.min(to)).min(from.max(to))
     }
 
-    /// The point after the part `along` of the way that the loop runs.
+    /// The point at `along` in `[0, 1]`, in the direction of the loop.
     pub(super) fn directed_at(&self, along: f64) -> DVec2 {
         self.at(if self.forward { along } else { 1.0 - along })
     }
 
-    /// The point at `t`, by Horner's scheme for `Σ cᵢ tⁱ (1 − t)^(p−i)`: all terms of the
-    /// weight are positive, so that `t` near either end loses nothing.
+    /// The point at `t`, not clamped, by Horner's scheme for `Σ cᵢ tⁱ (1 − t)^(p−i)`: all terms of
+    /// the weight are positive, so no precision is lost for `t` near either end.
     #[inline]
     pub(super) fn free_at(&self, t: f64) -> DVec2 {
         let s = 1.0 - t;
@@ -189,8 +189,8 @@ impl Segment {
         sum.xy() / sum.z
     }
 
-    /// The parameter at which one of its coordinates reaches a value between those of its ends: by bisection to
-    /// neighbouring numbers, for it is monotone.
+    /// The parameter at which a coordinate reaches `value`, which lies between the coordinates of the ends. The
+    /// segment is monotone, so bisection down to neighbouring numbers finds it.
     pub(super) fn reaching(&self, axis: usize, value: f64) -> f64 {
         let rises = self.ends[0][axis] < self.ends[1][axis];
         let (mut low, mut high) = (0.0, 1.0);
@@ -211,7 +211,7 @@ impl Segment {
         }
     }
 
-    /// The direction of its tangent at `t`: that between the last two points of de Casteljau's scheme.
+    /// The direction of the tangent at `t`: that between the last two points of de Casteljau's scheme.
     pub(super) fn tangent(&self, t: f64) -> DVec2 {
         let mut control = self.homogeneous();
         for last in (2..control.len()).rev() {
@@ -223,18 +223,19 @@ impl Segment {
         to - from
     }
 
-    /// Where a rectangle lies that meets the segment's own.
+    /// Where a rectangle that meets the segment's bounding rectangle lies relative to the segment.
     ///
-    /// Beside the band of its control points the chord decides. Otherwise the segment itself:
-    /// mirrored in u if need be, the segment climbs to the right. A point `Q` of it proves
-    /// the target to lie above and left of the whole segment if it lies so of `Q`, and
-    /// likewise below and right. Otherwise the target is ahead of `Q`, or behind it, or holds
-    /// it. Signed distances to the target, in u and v, never have opposite signs then; scaled
-    /// by the segment's extents and added they grow along the segment, and their root is
-    /// found by false position with halved end values (the "Illinois" rule; Dowell & Jarratt
-    /// 1971), with a bisection where three steps have not halved the stretch.
+    /// If the rectangle lies outside the band of the control points, the chord decides. Otherwise
+    /// the segment itself does, mirrored in u if need be so that it rises to the right. If the
+    /// target lies above and left of a point `Q` of the segment, it lies above and left of the
+    /// whole segment; likewise below and right. Otherwise the target is ahead of `Q`, behind `Q`,
+    /// or contains `Q`. The signed distances to the target in u and in v then never have opposite
+    /// signs. Scaled by the segment's extents, their sum grows along the segment, and its root is
+    /// found by false position with halved end values (the "Illinois" rule; Dowell & Jarratt 1971),
+    /// with a bisection where three steps have not halved the stretch.
     ///
-    /// Where no number is left between two steps, the target is met as far as can be known.
+    /// If no number is left between the ends of the stretch, the target is met as far as floating
+    /// point can tell.
     pub(super) fn passing(&self, target: &UvBox) -> Passing {
         let [from, to] = self.ends;
         let offset = self.across.dot(target.center() - from);
@@ -259,7 +260,7 @@ impl Segment {
             (Passing::Left, Passing::Right)
         };
 
-        // The stretch left: the segment is behind the target at t[0] and past it at t[1].
+        // The remaining stretch: the segment is behind the target at t[0] and past it at t[1].
         let mut t = [0.0, 1.0];
         let (start, end) = (gaps(from), gaps(to));
         if start == DVec2::ZERO || end == DVec2::ZERO {
@@ -300,13 +301,13 @@ impl Segment {
         Passing::Meets
     }
 
-    /// What a ray from `point` towards larger u makes of the segment: whether the segment
-    /// passes within `reach` of the point, and how often the loop crosses the ray, upwards
-    /// counted positive.
+    /// Returns whether the segment passes within `reach` of the point, and how often the loop
+    /// crosses the ray from `point` towards larger u along this segment, upwards counted positive.
     ///
-    /// The segment is crossed where its lower end is level with the ray or below and its
-    /// upper end above: of two segments that share an end, one counts it where the loop goes
-    /// on, both or none where it turns back. A point on the segment is not left of it.
+    /// A crossing is counted where the lower end of the segment is level with the ray or below it
+    /// and the upper end is above. Of two segments that share an end, one counts it where the loop
+    /// goes on, and both or neither where the loop turns back. A point on the segment is not left
+    /// of it.
     pub(super) fn seen_from(&self, point: DVec2, reach: DVec2) -> (bool, i32) {
         let [from, to] = self.ends;
         let level = from.y <= point.y && point.y < to.y;
@@ -324,9 +325,9 @@ impl Segment {
         (passing == Some(Passing::Meets), crossing)
     }
 
-    /// The segment mirrored in u, so that a range of it run backwards becomes another as long;
-    /// `None` if rounding makes it a point. Its ends are still shared with its neighbours bit
-    /// for bit.
+    /// The segment mirrored in u so that `range`, run backwards, becomes the equally long `new`;
+    /// `None` if rounding makes it a point. Its ends are still shared with its neighbours bit for
+    /// bit.
     pub(super) fn mirrored_u(&self, range: [f64; 2], new: [f64; 2]) -> Option<Self> {
         let mirror = |u: f64| if u == range[0] { new[1] } else { new[0] + (range[1] - u) };
         let ends = self.directed_ends().map(|end| DVec2::new(mirror(end.x), end.y));
@@ -341,7 +342,7 @@ impl Segment {
         Self::held(ends, control, self.reach + DVec2::new(rounding, 0.0))
     }
 
-    /// The curve it stands for may be farther away by this much.
+    /// Increases the error bound of the segment by this much.
     pub(super) fn widen(&mut self, by: DVec2) {
         let margin = self.across.abs().dot(by);
         self.reach += by;

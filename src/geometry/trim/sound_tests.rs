@@ -1,4 +1,4 @@
-//! Loops that are near what is refused, and sound.
+//! Valid loops that are close to invalid ones.
 
 use std::f64::consts::PI;
 
@@ -6,12 +6,12 @@ use glam::DVec2;
 
 use super::{Kept, Side, TrimCurve, TrimDomain, TrimLoop, Trims, UvBox};
 
-/// A domain, and a loop and places in shares of it.
+/// A loop and points, in fractions of a domain.
 struct Case {
     name: String,
     /// Corners of a polygon.
     corners: Vec<[f64; 2]>,
-    /// What the loop encloses, and what it does not.
+    /// Points that the loop encloses, and points that it does not.
     inside: Vec<[f64; 2]>,
     outside: Vec<[f64; 2]>,
 }
@@ -74,7 +74,7 @@ fn cases() -> Vec<Case> {
             &middle,
         ),
     ];
-    // As narrow as rounding lets a slit be seen: there are some 10⁻¹⁶ between parameters.
+    // Down to the narrowest slit that rounding resolves: parameters are about 10⁻¹⁶ apart.
     for width in [1e-3, 1e-6, 1e-9, 1e-12] {
         let slit = |from: f64, to: f64| [[from, 0.1], [to, 0.1], [to, 0.9], [from, 0.9]];
         let name = format!("a slit, {width:e}");
@@ -104,7 +104,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Domains of all sizes, and of a very different one in u than in v.
+/// Domains of all sizes, and with very different sizes in u and in v.
 #[test]
 fn polygons() {
     let domains = [
@@ -118,7 +118,7 @@ fn polygons() {
         let domain = TrimDomain::new(u, v).unwrap();
         let at =
             |&[x, y]: &[f64; 2]| DVec2::new(u[0] + x * (u[1] - u[0]), v[0] + y * (v[1] - v[0]));
-        // A slit of 10⁻¹² is but some roundings wide where parameters do not begin at 0.
+        // A slit of 10⁻¹² is only a few rounding errors wide where parameters do not begin at 0.
         for Case { name, corners, inside, outside } in cases() {
             let corners: Vec<DVec2> = corners.iter().map(at).collect();
             for turned in 0..corners.len() {

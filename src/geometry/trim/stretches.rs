@@ -1,4 +1,4 @@
-//! Where trims leave lines of constant parameter, and where their own loops run in the domain.
+//! The kept parts of lines of constant parameter, and the parts of trim loops inside the domain.
 
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
@@ -8,7 +8,7 @@ use super::{Side, Trims};
 use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
 
-/// A piece of a trim edge that crosses no line it should be cut at.
+/// A piece of a trim edge, cut at given lines so that it crosses none of them.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::geometry) struct EdgePiece {
     /// Its homogeneous control points `(w u, w v, w)`, in the direction of the loop.
@@ -17,11 +17,11 @@ pub(in crate::geometry) struct EdgePiece {
 
 impl Trims {
     /// The stretches of the line of constant `u` (or `v`, for [`Direction::V`]) that are kept, as
-    /// ranges of the other parameter, in order. What is kept is closed: a line along a trim edge
-    /// is kept where it touches what is. Off the domain there are none.
+    /// ranges of the other parameter, in order. The kept part is closed: a line along a trim edge
+    /// is kept where it touches the kept part. Outside the domain there are no stretches.
     ///
-    /// Their ends are where the line crosses the trim curves, to a few roundings where these
-    /// cross it steeply.
+    /// Their ends are where the line crosses the trim curves, to a few rounding errors where the
+    /// crossing is steep.
     pub fn kept_along(&self, direction: Direction, at: f64) -> Vec<[f64; 2]> {
         let (fixed, free) = match direction {
             Direction::U => (0, 1),
@@ -45,7 +45,8 @@ impl Trims {
         }
         cuts.retain(|cut| start <= *cut && *cut <= end);
         cuts.sort_by(f64::total_cmp);
-        // What only touches the line, or two loops that touch there, cut it in two roundings.
+        // A curve that only touches the line, or two loops that touch there, make two cuts that
+        // differ by rounding.
         let finest = 8.0 * f64::EPSILON * start.abs().max(end.abs());
         cuts.dedup_by(|next, before| *next - *before <= finest && *next != end);
 
@@ -64,8 +65,8 @@ impl Trims {
         kept
     }
 
-    /// Whether both sides of a straight stretch are alike: where loops run to and fro along one
-    /// line across a periodic direction, at its two ends or a period apart, as a band around a
+    /// Whether both sides of a straight segment are alike because loops run to and fro along one
+    /// line across a periodic direction, or along two lines a period apart, as a band around a
     /// cylinder does along the seam.
     fn cancels(&self, segment: &Segment) -> bool {
         let size = self.domain().bounds().size();
@@ -78,7 +79,8 @@ impl Trims {
                 && self.loop_segments().flatten().any(|one| {
                     let apart = (one.ends()[0][axis] - line).abs();
                     let slack = 8.0 * f64::EPSILON * (line.abs() + size[axis]);
-                    // A loop's copies run the same way and are no other side.
+                    // A loop's shifted copies run in the same direction and do not count as the
+                    // other side.
                     let other = one.is_forward() != segment.is_forward();
                     let same = other && (apart <= slack || (apart - size[axis]).abs() <= slack);
                     same && across(one) && other_end(one, axis) == other_end(segment, axis)
@@ -86,11 +88,10 @@ impl Trims {
         })
     }
 
-    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop,
-    /// without those that have the same on both sides. No
-    /// piece crosses a line of constant parameter among `cuts` (in u, in v); all pieces of a
-    /// loop have one degree. A loop that is never cut by the domain's border is one chain, whose
-    /// last piece ends where the first begins.
+    /// Each loop's chains of pieces inside the closed domain, in the direction of the loop, without
+    /// pieces whose two sides are alike. No piece crosses a line of constant parameter among `cuts`
+    /// (in u, in v); all pieces of a loop have the same degree. A loop that is never cut by the
+    /// domain's border is one chain, whose last piece ends where the first begins.
     pub(in crate::geometry) fn edge_chains(&self, cuts: [&[f64]; 2]) -> Vec<Vec<EdgePiece>> {
         let bounds = self.domain().bounds();
         let mut chains = Vec::new();
@@ -99,7 +100,7 @@ impl Trims {
             let degree = segments.iter().map(|segment| directed(segment).len() - 1).max();
             let degree = degree.unwrap_or(1);
 
-            // The pieces in order, `None` where the loop is outside or no edge.
+            // The pieces in order; `None` where the loop is outside the domain or not an edge.
             let mut pieces: Vec<Option<EdgePiece>> = Vec::new();
             for (segment, control) in segments.iter().zip(controls) {
                 let mut control = control;
@@ -132,7 +133,7 @@ impl Trims {
                     }));
                 }
             }
-            // A loop that leaves the domain begins where it comes back.
+            // A loop that leaves the domain starts where it comes back.
             if let Some(outside) = pieces.iter().position(Option::is_none) {
                 pieces.rotate_left(outside);
             }
@@ -171,7 +172,8 @@ impl EdgePiece {
         euclidean(half[0])
     }
 
-    /// The control points in `[0, 1]²` of a cell of the domain that holds it.
+    /// The control points in the unit coordinates `[0, 1]²` of the cell of the domain from `low` to
+    /// `high` that contains the piece.
     pub(in crate::geometry) fn within(&self, low: DVec2, high: DVec2) -> Vec<DVec3> {
         let local = |c: &DVec3| ((c.xy() - c.z * low) / (high - low)).extend(c.z);
         self.control.iter().map(local).collect()

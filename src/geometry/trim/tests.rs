@@ -54,13 +54,13 @@ fn is_edge(side: Side) -> bool {
     matches!(side, Side::Edge { .. })
 }
 
-/// The winding number by adding angles: nothing in common with counting crossings.
+/// The winding number by summing angles, independently of counting crossings.
 fn turns_around(outline: &[DVec2], point: DVec2) -> i64 {
     let angles = outline.windows(2).map(|ends| (ends[0] - point).angle_to(ends[1] - point));
     (angles.sum::<f64>() / TAU).round() as i64
 }
 
-/// How far a point is from a polyline.
+/// The distance of a point from a polyline.
 fn away(outline: &[DVec2], point: DVec2) -> f64 {
     let to_line = |ends: &[DVec2]| {
         let along = ends[1] - ends[0];
@@ -78,7 +78,8 @@ fn circles_are_where_pythagoras_puts_them() {
             let center = size * DVec2::new(shift, 0.3 * shift);
             let radius = 0.7 * size;
             let circle = trims(&[TrimLoop::circle(center, radius).unwrap()]);
-            // What an edge may be: the reach of degree 2, in both directions.
+            // The distance within which a point may be an edge: the reach of degree 2, in both
+            // directions.
             let reach = 48.0 * f64::EPSILON / 2.0 * (center.abs().max_element() + radius);
             for k in 0..3000 {
                 let angle = TAU * random.next();
@@ -257,7 +258,7 @@ fn star_polygons_wind_as_their_angles_say() {
     }
 }
 
-/// A closed, clamped spline around the origin: the pulled-in circle of `count` points.
+/// A closed, clamped spline around the origin: a circle of `count` control points at random radii.
 fn smooth(random: &mut Random, degree: usize, count: usize) -> NurbsCurve {
     let mut points: Vec<DVec3> = (0..count)
         .map(|k| {
@@ -424,7 +425,7 @@ fn rectangles_are_classified_without_error() {
         match coverage {
             Coverage::Inside => corners.for_each(|p| assert_eq!(cut.contains(p), Side::Inside)),
             Coverage::Outside => corners.for_each(|p| assert_eq!(cut.contains(p), Side::Outside)),
-            // Mixed is said only where a curve is indeed within.
+            // Mixed is returned only if a curve does pass through.
             Coverage::Mixed => {
                 let near = outlines.iter().map(|o| away(o, center)).fold(f64::INFINITY, f64::min);
                 assert!(near <= size.length() * 1.001 + 1e-9, "{rect:?}");
@@ -455,8 +456,8 @@ fn nearness_of_a_circle_is_its_distance() {
     assert_eq!(circle.contains(DVec2::new(3.0, f64::NAN)), Side::Outside);
 }
 
-/// Curves as CAD files have them, each off by a little at its ends: gaps and overlaps are closed, wider
-/// ones are not.
+/// Curves as CAD files have them, whose ends are slightly off: gaps and overlaps are closed up to the
+/// tolerance, wider ones are not.
 #[test]
 fn gaps_are_closed_up_to_the_tolerance() {
     let arc = |from, via, to| TrimCurve::bezier(&[from, via, to], None).unwrap();
@@ -473,7 +474,7 @@ fn gaps_are_closed_up_to_the_tolerance() {
         assert!((closed.widest_gap() - 0.5 * gap.abs()).abs() < 1e-7, "{}", closed.widest_gap());
         let trims = trims(&[closed]);
         assert!((trims.widest_gap() - 0.5 * gap.abs()).abs() < 1e-7);
-        // The curves' own ends have met in the middle between.
+        // The curves' own ends now meet in the middle.
         for end in [-1.0, 1.0] {
             let tip = DVec2::new(end + 0.5 * gap, 0.0);
             assert!(matches!(trims.contains(tip), Side::Edge { .. }), "{gap} at {end}");
@@ -485,8 +486,8 @@ fn gaps_are_closed_up_to_the_tolerance() {
     assert!(matches!(lens(2.1e-4), Err(TrimLoopError::Open { curve: 0, next: 1, .. })));
 }
 
-/// Lines that reach beyond a corner, or not up to it, are not tilted: they end where they meet. A curve
-/// is brought to the end of a line.
+/// Lines that overshoot a corner or fall short of it are not tilted: they end where they meet. The end
+/// of a curve is moved to the end of a line.
 #[test]
 fn lines_stay_where_they_are() {
     let line = |a: (f64, f64), b: (f64, f64)| TrimCurve::line(a.into(), b.into()).unwrap();

@@ -8,26 +8,26 @@ use super::segment::Segment;
 /// Marks a node that is no segment.
 const INNER: u32 = u32::MAX;
 
-/// A chain of segments, or several loops, and the rectangle that holds it.
+/// A chain of segments, or several loops, and the rectangle that contains it.
 ///
-/// Below one loop a node stands for consecutive segments, halved and halved again: curves
-/// are continuous, so that their order is already an order in the plane. Left of its
-/// rectangle a horizontal ray crosses a chain upwards as often as downwards if its two ends
-/// lie on one side of the ray, else once more; so no chain is entered that is not near the
-/// point. Loops are closed chains.
+/// Below a loop, a node stands for consecutive segments, halved recursively: curves are continuous,
+/// so their order is already a spatial order. A horizontal ray that starts left of the rectangle
+/// crosses a chain as often upwards as downwards if both ends of the chain lie on the same side of
+/// the ray, else once more in one direction. So only chains near the point are entered. Loops are
+/// closed chains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
-    /// Holds the segments, grown by their reach.
+    /// Contains the segments, grown by their reach.
     bounds: UvBox,
     /// The v of the two ends of the chain; the same number for loops.
     ends: [f64; 2],
-    /// The node that follows those below this one.
+    /// The index of the node that follows the subtree of this one.
     next: u32,
     /// The segment, or [`INNER`].
     segment: u32,
 }
 
-/// The nodes in the order in which they are visited, each before those below it.
+/// The nodes in the order of traversal, each before its descendants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
@@ -48,7 +48,7 @@ impl Tree {
         tree
     }
 
-    /// Halves the loops by their middles, in the direction in which these are spread widest.
+    /// Halves the loops by their centers, along the axis in which these spread widest.
     fn add_loops(&mut self, segments: &[Segment], loops: &mut [(DVec2, std::ops::Range<usize>)]) {
         match loops {
             [] => {}
@@ -98,9 +98,10 @@ impl Tree {
         self.nodes[place] = Node { bounds, ends, next, segment: INNER };
     }
 
-    /// How often a ray from `point` towards larger u crosses the curves: upwards less
-    /// downwards, `crosses` being asked about the segments whose grown rectangle meets the
-    /// target around the point. Odd or even, it is the number of all crossings.
+    /// The number of times a ray from `point` towards larger u crosses the curves upwards, minus
+    /// the number of downward crossings; its parity is that of the number of all crossings.
+    /// `crosses` is called for the segments whose grown rectangle meets the target around the
+    /// point.
     #[inline]
     pub(super) fn crossings(
         &self,
@@ -127,7 +128,7 @@ impl Tree {
         sum
     }
 
-    /// Whether `wanted` says so of a segment whose grown rectangle meets the target.
+    /// Whether `wanted` is true of a segment whose grown rectangle meets the target.
     #[inline]
     pub(super) fn any(&self, target: &UvBox, mut wanted: impl FnMut(usize) -> bool) -> bool {
         let mut at = 0;
@@ -144,7 +145,7 @@ impl Tree {
         false
     }
 
-    /// How many bytes it takes.
+    /// The memory taken by the nodes, in bytes.
     pub(super) fn bytes(&self) -> usize {
         std::mem::size_of_val(&*self.nodes)
     }

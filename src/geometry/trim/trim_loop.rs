@@ -1,4 +1,4 @@
-//! Curves joined to a closed loop.
+//! Curves joined into a closed loop.
 
 use glam::{DVec2, DVec3, DVec4};
 
@@ -7,34 +7,35 @@ use super::{TrimCurve, TrimDomain, TrimLoopError, UvBox};
 use crate::geometry::Direction;
 use crate::geometry::construct::Course;
 
-/// Ends of curves this close, per length of the loop in u and in v, are taken for one point.
+/// Ends of curves this close, relative to the loop's extent in u and in v, count as one point.
 ///
-/// CAD files are as good as their authors' tolerances in space: of 2299 trimmed faces of 75 models 14
-/// have gaps beyond 10⁻⁶, the widest of 6·10⁻⁵. A tenth of a pixel of a loop drawn a thousand pixels
-/// wide is 10⁻⁴ of it; a gap that is seen is an error.
+/// CAD files are only as accurate as their authors' tolerances in space: of 2299 trimmed faces of 75
+/// models, 14 have gaps beyond 10⁻⁶, the widest of 6·10⁻⁵. For a loop drawn a thousand pixels wide,
+/// 10⁻⁴ is a tenth of a pixel; a visible gap is an error.
 pub const JOINT_TOLERANCE: f64 = 1e-4;
 
-/// Sides of loops that run along the seam of a periodic domain, this near to it, per period, and within
-/// [`JOINT_TOLERANCE`] of the loop's extent, are taken to lie on it.
+/// Sides of loops along the seam of a periodic domain are taken to lie on the seam if they are this close to it,
+/// relative to the period, and within [`JOINT_TOLERANCE`] of it, relative to the loop's extent.
 ///
-/// A loop that runs once around a cylinder, there and back again, has two sides on the seam, which CAD files fit
-/// separately: those of a face of a ball were seen to be 3·10⁻¹⁰ off, to both sides. As they were written, they would
-/// cross, or leave a slit.
+/// A loop that runs once around a cylinder and back again has two sides on the seam, which CAD files fit separately:
+/// those of a face of a ball were seen to be 3·10⁻¹⁰ off, to both sides. As written, they would cross or leave a
+/// slit.
 pub const SEAM_TOLERANCE: f64 = 1e-8;
 
-/// A side runs along a seam if it leaves it by no more than this part of its length, each in the loop's extent.
+/// A side runs along a seam if it strays by no more than this fraction of its length, each relative to the
+/// loop's extent.
 const ALONG: f64 = 1e-3;
 
-/// A closed loop in the (u, v) plane, made of curves each of which begins where the one
-/// before it ends, the first where the last one ends.
+/// A closed loop in the (u, v) plane: a chain of curves, each beginning where the previous one
+/// ends, the first where the last one ends.
 ///
 /// # Invariants, checked once on construction
-/// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and in v by
-///   themselves) plus a few roundings of its magnitude, and are then made the same numbers:
-///   of a straight line those of its end, of two where they meet, else the middle;
+/// - the ends meet to within [`JOINT_TOLERANCE`] times the loop's extent (in u and v separately)
+///   plus a few rounding errors of its magnitude, and are then made equal: next to one straight
+///   line they move to its end, between two lines to their intersection, else to the middle;
 /// - the loop is not a point.
 ///
-/// Whether it crosses itself is seen when it meets the others, in
+/// Crossings of the loop with itself are found together with those of other loops, in
 /// [`Trims::new`](super::Trims::new).
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrimLoop {
@@ -45,9 +46,9 @@ pub struct TrimLoop {
 /// A Bézier piece of a loop.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LoopPiece {
-    /// Where it begins and ends: bit for bit where its neighbours end and begin.
+    /// Where the piece begins and ends, equal bit for bit to the adjoining ends of its neighbours.
     pub(super) ends: [DVec2; 2],
-    /// Its homogeneous control points; the outer ones are the ends to a rounding.
+    /// Its homogeneous control points; the outer ones equal the ends up to a rounding error.
     pub(super) control: Vec<DVec3>,
 }
 
@@ -77,7 +78,7 @@ impl TrimLoop {
             return Err(TrimLoopError::Degenerate { min, max });
         }
 
-        // Close the gaps, or say how large they are.
+        // Close the gaps, or report one that is too wide.
         let tolerance = JOINT_TOLERANCE * bounds.size() + 16.0 * f64::EPSILON * bounds.magnitude();
         let mut widest_gap = 0.0f64;
         for this in 0..pieces.len() {
@@ -100,7 +101,7 @@ impl TrimLoop {
                 (false, false) => middle,
                 (true, true) => {
                     let corner = corner(pieces[this].ends, pieces[next].ends);
-                    // False for NaN, as of parallel lines.
+                    // False for NaN, which parallel lines give.
                     let near = |at: DVec2| (at - middle).abs().cmple(tolerance).all();
                     if near(corner) { corner } else { middle }
                 }
@@ -140,7 +141,7 @@ impl TrimLoop {
         Self::new(&[TrimCurve::circle(center, radius)?])
     }
 
-    /// The loop run backwards: it cuts the same.
+    /// The loop run backwards, which cuts the same.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let backwards = |piece: &LoopPiece| LoopPiece {
@@ -150,7 +151,7 @@ impl TrimLoop {
         Self { pieces: self.pieces.iter().rev().map(backwards).collect(), ..*self }
     }
 
-    /// The loop moved, each control point rounded once.
+    /// The loop moved by `by`; each control point is rounded once.
     #[must_use]
     pub fn shifted(&self, by: DVec2) -> Self {
         let moved = |piece: &LoopPiece| LoopPiece {
@@ -160,8 +161,8 @@ impl TrimLoop {
         Self { pieces: self.pieces.iter().map(moved).collect(), ..*self }
     }
 
-    /// The loop with those of its pieces straight, and on a seam, that are no farther off than [`SEAM_TOLERANCE`] says.
-    /// How far they were moved counts as a gap.
+    /// The loop with those pieces that run along a seam within [`SEAM_TOLERANCE`] straightened and put on the seam. The
+    /// distance by which they move counts as a gap.
     pub(super) fn straight_along_seams(&self, domain: &TrimDomain) -> Self {
         let (mut straight, size) = (self.clone(), self.bounds().size());
         for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
@@ -193,8 +194,8 @@ impl TrimLoop {
         straight
     }
 
-    /// The widest gap between curves as they were written, as a part of the loop's extent, in u or in v:
-    /// no more than [`JOINT_TOLERANCE`], but for rounding of tiny loops. It is closed.
+    /// The widest gap between curves as written, as a fraction of the loop's extent, in u or in v. It is
+    /// at most [`JOINT_TOLERANCE`], except for rounding of tiny loops, and has been closed.
     pub fn widest_gap(&self) -> f64 {
         self.widest_gap
     }
@@ -204,11 +205,11 @@ impl TrimLoop {
         UvBox::around(self.pieces.iter().flat_map(LoopPiece::hull))
     }
 
-    /// Fails where the loop turns round and runs back over what it has just run through. (A bridge to
-    /// another part of it, crossed there and later back, is none such.)
+    /// Fails if the loop turns round and runs back over what it has just run through. (A bridge to
+    /// another part of the loop, crossed once and later back, does not count.)
     pub(super) fn check_dangling(&self) -> Result<(), TrimLoopError> {
-        // u and v have nothing to do with each other: what is narrow in the one is so beside the
-        // loop in that one.
+        // u and v are unrelated: narrowness in one of them is relative to the loop's extent in that
+        // one.
         let size = self.bounds().size();
         let size = DVec2::select(size.cmpgt(DVec2::ZERO), size, DVec2::splat(size.max_element()));
         let in_space = |c: &DVec3| DVec4::new(c.x / size.x, c.y / size.y, 0.0, c.z);
@@ -224,7 +225,8 @@ impl TrimLoop {
     }
 }
 
-/// Where two lines meet; no numbers, or far away, if they are parallel. What lies along u or v stays so.
+/// The intersection of two lines; NaN or far away if they are parallel. A coordinate that is constant
+/// along one of them is kept.
 fn corner([a0, a1]: [DVec2; 2], [b0, b1]: [DVec2; 2]) -> DVec2 {
     let (a, b) = (a1 - a0, b1 - b0);
     let along = (b0 - a1).perp_dot(b) / a.perp_dot(b);
@@ -243,7 +245,7 @@ impl LoopPiece {
         self.control.iter().map(|&c| euclidean(c)).chain(self.ends)
     }
 
-    /// Moves its beginning (0) or its end (1), and the control point there with it.
+    /// Moves the beginning (0) or the end (1) of the piece, together with the control point there.
     fn move_end(&mut self, which: usize, to: DVec2) {
         if self.ends[which] == to {
             return;

@@ -17,10 +17,11 @@ pub const MAX_TRIM_SEGMENTS: usize = 1 << 21;
 /// The most periods a loop may span: more is taken for a mistake of units.
 const MAX_PERIODS: usize = 64;
 
-/// Loops closer to the domain's border than this part of its length do not reach into it.
+/// Loops that pass the domain's border by no more than this fraction of its length do not reach
+/// into it.
 const TOUCH: f64 = 1e-12;
 
-/// Which side of the loops stays.
+/// Which side of the loops is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kept {
     /// What lies inside an odd number of loops: the outermost loops are outlines, those
@@ -35,16 +36,16 @@ pub enum Kept {
 /// Where a point of the domain lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
-    /// In what is kept.
+    /// In the part that is kept.
     Inside,
-    /// In what is cut off.
+    /// In the part that is cut off.
     Outside,
-    /// On a trim curve, as far as rounding lets one know.
+    /// On a trim curve, as far as rounding errors allow to tell.
     Edge {
-        /// On which side the half-open rule puts it: it is right for the curve as it is
-        /// searched, but the curve as it was written may lie on the other side.
+        /// The side on which the half-open rule puts the point. It is right for the curve as
+        /// searched, but the point may lie on the other side of the curve as written.
         inside: bool,
-        /// How far it is from the curve at most, in u and in v by themselves.
+        /// Upper bound on the distance to the curve, in u and in v separately.
         distance: DVec2,
     },
 }
@@ -56,41 +57,40 @@ pub enum Coverage {
     Inside,
     /// All of it is cut off.
     Outside,
-    /// A trim curve passes through it, or comes within rounding.
+    /// A trim curve passes through it, or comes within rounding error of it.
     Mixed,
 }
 
-/// Closed loops that cut a surface's domain, ready to be asked about points and rectangles.
+/// Closed loops that cut a surface's domain, prepared for queries with points and rectangles.
 ///
 /// # The rule
 /// A point lies inside a loop if a ray from it crosses the loop an odd number of times, and
 /// what is kept depends on the number of loops around it ([`Kept`]): *even–odd*. Neither the
-/// order of the loops nor the direction they run in matters. The domain cuts what reaches
-/// beyond it. Loops may touch themselves, each other and the domain's border, in points and
-/// along stretches; they may not cross.
+/// order of the loops nor the direction they run in matters. Loops are cut off at the domain's
+/// border. They may touch themselves, each other and that border, in points and along stretches;
+/// they may not cross.
 ///
 /// # The test
 /// Loops are cut into segments that are monotone in u and in v and share their ends bit for
 /// bit. The ray runs towards larger u, and a segment from `v₀` to `v₁` is counted for
 /// `v₀ ≤ v < v₁`: so the count is right at every end, extreme and horizontal piece, without
-/// tolerance. Only a segment whose rectangle holds the point is looked into (Schollmeyer &
-/// Fröhlich, "Direct trimming of NURBS surfaces on the GPU", 2009; Sloup & Havran,
-/// "Optimizing ray tracing of trimmed NURBS surfaces on the GPU", 2021).
+/// tolerance. Only segments whose rectangle contains the point are searched (Schollmeyer &
+/// Fröhlich, "Direct trimming of NURBS surfaces on the GPU", 2009; Sloup & Havran, "Optimizing ray
+/// tracing of trimmed NURBS surfaces on the GPU", 2021).
 ///
 /// # Rounding
-/// The answers [`Side::Inside`] and [`Side::Outside`] are proved for the loops as they were
-/// given, gaps closed, and [sides along seams](super::SEAM_TOLERANCE) straight: points within
-/// `16 (p + 1) u` of a curve, times the largest |u| of its Bézier piece in u and the largest |v|
-/// in v, are an [`Side::Edge`] instead. `p` is the degree and `u = 2⁻⁵³`; for lines that is 16
-/// spacings of numbers just above 1.
+/// The answers [`Side::Inside`] and [`Side::Outside`] are proved for the loops as given, with gaps
+/// closed and [sides along seams](super::SEAM_TOLERANCE) straightened. Points within `16 (p + 1) u`
+/// of a curve, times the largest |u| of its Bézier piece in u and the largest |v| in v, are an
+/// [`Side::Edge`] instead. `p` is the degree and `u = 2⁻⁵³`; for lines that is 16 spacings of
+/// numbers just above 1.
 ///
 /// # What a tracer does with it
-/// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves
-/// inside forget the trims, mixed ones remember that they are mixed. A hit on a mixed leaf
-/// is dropped if it is [`Side::Outside`] and reported otherwise, edges included: the part
-/// that is kept is closed, as a surface is at its border. It is flagged as a hit at a trim
-/// edge if it is an [`Side::Edge`] [within](Trims::contains_within) what is known of the point
-/// in space.
+/// At build, each leaf's rectangle is classified once: leaves outside are dropped, leaves inside
+/// forget the trims, mixed leaves are marked as mixed. A hit on a mixed leaf is dropped if it is
+/// [`Side::Outside`] and reported otherwise, edges included: the kept part is closed, as a surface
+/// is at its border. A hit is flagged as being at a trim edge if it is an [`Side::Edge`]
+/// [within](Trims::contains_within) the error bound of its point in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trims {
     domain: TrimDomain,
@@ -105,9 +105,9 @@ impl Trims {
     /// The trims made by these loops.
     ///
     /// # Errors
-    /// When there is no loop, one encloses nothing, is run through twice, has a dangling edge or
-    /// lies outside the domain, loops cross themselves or each other, two are the same, or there
-    /// is absurdly much of them. Loops are counted from 0.
+    /// When there is no loop; when a loop encloses nothing, is run through twice, has a dangling
+    /// edge or lies outside the domain; when loops cross themselves or each other; when two loops
+    /// are the same; or when the loops are absurdly large. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
         let loops: Vec<TrimLoop> =
             loops.iter().map(|one| one.straight_along_seams(&domain)).collect();
@@ -151,7 +151,7 @@ impl Trims {
         self.domain
     }
 
-    /// Which side of the loops stays.
+    /// Which side of the loops is kept.
     pub fn kept(&self) -> Kept {
         self.kept
     }
@@ -163,19 +163,19 @@ impl Trims {
 
     /// Where a point of the domain lies. A point with a NaN is outside.
     ///
-    /// Points outside the domain are answered for as if the loops went on: the caller knows
-    /// where the surface ends.
+    /// For points outside the domain only the loops count, not the domain's border: the caller
+    /// knows where the surface ends.
     pub fn contains(&self, uv: DVec2) -> Side {
         self.contains_within(uv, DVec2::ZERO)
     }
 
-    /// Where a point of the domain lies that is known to `reach.x` in u and `reach.y` in v only: an
-    /// [`Side::Edge`] wherever a trim curve meets the rectangle `uv ± reach`, grown by the rounding of
-    /// the curve.
+    /// Where a point of the domain lies that is known only to within `reach.x` in u and `reach.y` in
+    /// v: an [`Side::Edge`] if a trim curve meets the rectangle `uv ± reach`, grown by the curve's
+    /// rounding error.
     ///
-    /// For a hit whose point is known to within `r` in space and tangents at the angle `θ`,
-    /// `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` holds all parameters that may be the
-    /// hit's, to first order. Infinite reaches are allowed; NaN and what is below zero count as zero.
+    /// For a hit whose point is known to within `r` in space and whose tangents meet at the angle
+    /// `θ`, `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` covers all parameters that the hit may
+    /// have, to first order. Infinite reaches are allowed; NaN and negative values count as zero.
     pub fn contains_within(&self, uv: DVec2, reach: DVec2) -> Side {
         if uv.is_nan() {
             return Side::Outside;
@@ -202,9 +202,9 @@ impl Trims {
 
     /// Where a rectangle of the domain lies.
     ///
-    /// `Inside` and `Outside` are proved: no trim curve comes within rounding of the closed
-    /// rectangle, so that [`Trims::contains`] says the same of each of its points. One that
-    /// is none (`min > max`, NaN) is `Mixed`.
+    /// `Inside` and `Outside` are proved: no trim curve comes within rounding error of the closed
+    /// rectangle, so [`Trims::contains`] gives the same answer for each of its points. An invalid
+    /// rectangle (`min > max`, NaN) is `Mixed`.
     pub fn classify(&self, rect: &UvBox) -> Coverage {
         let proper = rect.min.cmple(rect.max).all(); // false for NaN
         if !proper || self.meets(rect) {
@@ -217,7 +217,8 @@ impl Trims {
         }
     }
 
-    /// Whether a trim curve passes through a rectangle, grown by the rounding of the curve; false for NaN.
+    /// Whether a trim curve passes through a rectangle, grown by the curve's rounding error; false for
+    /// NaN.
     pub(super) fn meets(&self, target: &UvBox) -> bool {
         self.tree.any(target, |index| {
             let segment = &self.segments[index];
@@ -226,8 +227,8 @@ impl Trims {
         })
     }
 
-    /// The same loops on a domain run backwards in u: `new` is where that goes then, which is
-    /// as long.
+    /// The same loops on the domain run backwards in u; `new` is its range afterwards, of the same
+    /// length.
     #[must_use]
     pub(in crate::geometry) fn reversed_u(&self, new: [f64; 2]) -> Self {
         let [range, _] = self.domain.range();
@@ -244,13 +245,14 @@ impl Trims {
         Self { domain, kept: self.kept, segments, loops, tree, widest_gap: self.widest_gap }
     }
 
-    /// A rectangle of the domain that holds all that is kept: its sides touch the outermost loops.
+    /// A rectangle of the domain that contains everything kept: its sides touch the outermost
+    /// loops.
     pub fn bounds(&self) -> UvBox {
         let domain = self.domain.bounds();
         match self.kept {
             Kept::Even => domain,
             Kept::Odd => {
-                // Segments are monotone: they reach no farther than their ends.
+                // Monotone segments reach no farther than their ends.
                 let UvBox { min, max } = UvBox::around(self.joints());
                 UvBox { min: min.max(domain.min), max: max.min(domain.max) }
             }
@@ -272,7 +274,7 @@ impl Trims {
         self.segments.len()
     }
 
-    /// How many bytes the trims take.
+    /// The memory taken by the trims, in bytes.
     pub fn bytes(&self) -> usize {
         let controls: usize = self.segments.iter().map(Segment::bytes).sum();
         controls + self.tree.bytes() + std::mem::size_of_val(&*self.segments)
@@ -284,8 +286,8 @@ impl Trims {
     }
 }
 
-/// By how much a loop is moved to reach into the domain: by whole periods where it has
-/// periods, by nothing else.
+/// The shifts that make a loop reach into the domain: whole periods in periodic directions, zero in
+/// others.
 fn shifts_into(
     domain: &TrimDomain,
     trim_loop: &TrimLoop,

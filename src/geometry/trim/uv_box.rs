@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// A closed rectangle of the (u, v) plane, empty until something is put in.
+/// A closed rectangle of the (u, v) plane, possibly [empty](Self::EMPTY).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UvBox {
     /// The smallest parameters.

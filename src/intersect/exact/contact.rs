@@ -9,9 +9,9 @@ use super::Rect;
 pub(super) struct Contact {
     /// The smallest rectangle around the group.
     pub(super) rect: Rect,
-    /// From where to where along the ray.
+    /// The range along the ray.
     pub(super) z: [f64; 2],
-    /// The boxes that hold its first and its last place.
+    /// The boxes that hold its first and its last place along the ray.
     pub(super) ends: [Rect; 2],
     /// Whether every box lies at a side that is collapsed to a point.
     pub(super) collapsed: bool,

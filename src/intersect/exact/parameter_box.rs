@@ -23,7 +23,7 @@ pub(super) struct RayNet {
     pub(super) control: Vec<DVec4>,
 }
 
-/// What Bernstein bounds say of a net.
+/// Bernstein bounds of a net.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     pub(super) x: Interval,
@@ -32,7 +32,7 @@ pub(super) struct Bounds {
 }
 
 impl RayNet {
-    /// Becomes the net of `whole` over `rect`, both given in the domain of `whole`.
+    /// Becomes the net of `whole` over `rect`, which is given in the domain of `whole`.
     pub(super) fn restrict_from(&mut self, whole: &Self, rect: Rect) {
         self.degree = whole.degree;
         self.control.clear();
@@ -55,8 +55,8 @@ impl RayNet {
         bounds
     }
 
-    /// How far the image reaches along each parameter: the longest step between neighbouring
-    /// control points, times the degree.
+    /// A bound of the extent of the image along each parameter: the longest step between
+    /// neighbouring control points, times the degree.
     pub(super) fn spread(&self) -> DVec2 {
         let [p, q] = self.degree;
         let at = |i: usize, j: usize| self.control[i * (q + 1) + j].truncate();
@@ -145,7 +145,7 @@ impl Preconditioned {
     }
 
     /// The part of `[0, 1]` in direction `axis` outside which component `component` is
-    /// proved to differ from zero by more than `error`; `None` when that is all of it.
+    /// proved to differ from zero by more than `error`; `None` if it is proved to on all of it.
     ///
     /// A polynomial lies in the convex hull of its Bernstein coefficients over `i / p`
     /// (Bézier clipping: Sederberg & Nishita 1990); of each row of coefficients only the
@@ -165,19 +165,19 @@ impl Preconditioned {
     }
 }
 
-/// Where the hull of the points `(i / p, low_i)` and `(i / p, high_i)` meets zero.
+/// The range where the hull of the points `(i / p, low_i)` and `(i / p, high_i)` meets zero.
 ///
 /// It begins at 0 if the first column holds zero; else, with the first column above zero,
-/// where the hull's lower border comes down to it. That border runs through some of the
+/// where the hull's lower border comes down to zero. That border runs through some of the
 /// points `(i / p, low_i)`, and joins one above zero to one below; every other such segment
-/// lies inside the hull: so the place is the least over all pairs, quadratic in the degree,
+/// lies inside the hull. So the beginning is the least over all pairs: quadratic in the degree,
 /// but simple and without special cases. With the first column below zero it is where the
-/// upper border comes up; and the end is the beginning seen from the other side.
+/// upper border comes up to zero. The end is the beginning seen from the other side.
 fn clip_hull(low: &[f64], high: &[f64]) -> Option<[f64; 2]> {
     let last = low.len() - 1;
     let begin = first_zero(|i| (low[i], high[i]), last)?;
     let end = last as f64 - first_zero(|i| (low[last - i], high[last - i]), last)?;
-    // Rounding may turn a single point around.
+    // Rounding may swap the ends where they are a single point.
     Some([begin.min(end) / last as f64, end.max(begin) / last as f64])
 }
 

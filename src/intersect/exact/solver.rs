@@ -12,20 +12,20 @@ use crate::math::{Interval, RayFrame};
 use crate::patch::{CollapsedSide, TensorPatch};
 
 /// How many boxes one call may look at before it only searches for the two ends of what is
-/// left. A transversal hit takes 2 to 10, a tangency some hundred; a ray inside a surface
+/// left. A transversal hit takes 2 to 10, a tangency about a hundred; a ray inside a surface
 /// would take all there are.
 const BUDGET: u32 = 2048;
 
 /// How many boxes each end of a stretch may cost.
 const END_BUDGET: u32 = 1024;
 
-/// Halves reach over the dividing line by this part of the box, so that roots on it are inside.
+/// Halves reach over the dividing line by this part of the box, so that roots on the line are inside.
 /// A place within reach of the line is searched in both halves, and again in both halves of
 /// those: a tangency, forty halvings deep, 1.4 times on average. (With a twentieth it would be
 /// 45 times, and the budget would be used up.)
 const OVERLAP: f64 = 1.0 / 256.0;
 
-/// What is cut down keeps this part of the rest around it, so that a root at its end is inside.
+/// A box cut down to a part keeps this fraction of the part's sides around it, so that a root at its end is inside.
 const MARGIN: f64 = 0.05;
 
 /// A clip that leaves more than this part of a side is followed by halving.
@@ -33,30 +33,30 @@ const WORTHWHILE: f64 = 0.7;
 
 /// A box is not clipped to an image thinner than this many errors along one parameter while its
 /// image is wider than [`WIDE`] errors along the other. A Jacobian is of use where the error is
-/// less than a twentieth of the image: this is some times that.
+/// less than a twentieth of the image: this is several times that.
 const THIN: f64 = 256.0;
 
-/// Where a box is within this many errors along both parameters it may get as thin as it likes: it
-/// is soon within rounding.
+/// A box whose image is within this many errors along both parameters may get arbitrarily thin: it is
+/// soon within rounding.
 const WIDE: f64 = 4096.0;
 
-/// The inverse of a Jacobian is of use where it makes no more than this part of the box's side of the
-/// rounding error: what it then cuts off, or proves, is worth its cost.
+/// The inverse of a Jacobian is of use where it amplifies the rounding error to no more than this part of
+/// the box's side: what it then cuts off, or proves, is worth its cost.
 const MOST_AMPLIFIED: f64 = 0.05;
 
-/// Krawczyk's test is made where the map contracts to less than this: nearer to one little is cut off.
+/// Krawczyk's test is made where the map's contraction factor is below this: nearer to one, it cuts off little.
 const MOST_CONTRACTION: f64 = 0.9;
 
 /// A box is not divided below this side: parameters near 1 have no finer digits.
 const FINEST: f64 = 4.0 * f64::EPSILON;
 
 /// The ends of a stretch are found to within this part of the leaf: they are doubtful anyway,
-/// and finer would cost a ray that runs through many leaves of a plane dearly.
+/// and more precision would be expensive for a ray that runs through many leaves of a plane.
 pub(crate) const END: f64 = 1e-9;
 
 /// A contact longer than this part of the leaf is a stretch along which the ray runs inside
-/// the surface: at a tangency of second order it is about the root of the rounding error,
-/// 1e-8, at one of fourth order 1e-4.
+/// the surface. A contact at a tangency of second order is about the root of the rounding
+/// error, 1e-8, at one of fourth order 1e-4.
 pub(crate) const STRETCH: f64 = 1e-3;
 
 /// A ray that passes the point of a collapsed side within this many errors meets it there.
@@ -95,7 +95,7 @@ pub(crate) enum Proof {
 }
 
 impl Proof {
-    /// From where to where along the ray what was found lies, where rounding tells no more of it.
+    /// The range along the ray in which the solution lies, if rounding leaves no more known about it.
     pub(crate) fn stretch(self) -> Option<[f64; 2]> {
         match self {
             Self::Isolated(_) | Self::Collapsed => None,
@@ -121,16 +121,16 @@ pub(crate) struct ExactSolver {
     waiting: Vec<Rect>,
     contacts: Vec<Contact>,
     isolated: Vec<Solution>,
-    /// Boxes of which only the two ends are wanted.
+    /// Boxes that are only searched for the two ends of a stretch.
     spare: Vec<Rect>,
     queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
-    /// How far `w x` and `w y` may be off: half of the promise for a point, times the largest
-    /// weight. The other half is kept for what a contact's own point is off.
+    /// Error bound of `w x` and `w y`: half of the promise for a point, times the largest weight. The
+    /// other half is kept for the error of a contact's own point.
     ///
-    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)) it holds for errors of random
-    /// sign. Were all of one sign, the two times a net is cut down could cost `12 (p + q) u`, more than the
+    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)), it holds for errors of random
+    /// sign. If all had one sign, cutting the net down twice could cost `12 (p + q) u`, more than the
     /// `2 (p + q + 4) u` taken here; of random nets of degree 1 to 12, compared with exact fractions, none was off by
     /// half of that.
     error: f64,
@@ -142,7 +142,7 @@ pub(crate) struct ExactSolver {
 #[derive(Clone, Copy, Debug)]
 struct EndBox {
     rect: Rect,
-    /// How far along the ray it begins; from its far end, if the last place is searched for.
+    /// Where the box begins along the ray; if the last place is searched for, minus where it ends.
     z: f64,
     /// Whether the box is too short for a division to tell more.
     short: bool,
@@ -188,7 +188,7 @@ impl ExactSolver {
         self.report(problem, solutions);
     }
 
-    /// The leaf's net in ray coordinates, and one box: all of it.
+    /// Loads the leaf's net in ray coordinates, and one box: all of it.
     fn load(&mut self, problem: &Problem<'_>) {
         let ray = problem.ray;
         self.whole.degree = problem.patch.degree();
@@ -201,8 +201,8 @@ impl ExactSolver {
         );
         let degree = self.whole.degree;
         restrict_net(&mut self.whole.control, degree, problem.rect[0], problem.rect[1]);
-        // Bounds of what is no number would be those of nothing, and prove a miss. Limits on coordinates and weights keep
-        // all of this far from overflow.
+        // Bounds of NaNs would be empty, and prove a miss. Limits on coordinates and weights keep all of this far from
+        // overflow.
         debug_assert!(self.whole.control.iter().all(|c| c.is_finite()), "{:?}", self.whole);
         let bounds = self.whole.bounds();
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
@@ -256,7 +256,7 @@ impl ExactSolver {
             if low.max_element() > 1.0 || high.min_element() < 0.0 {
                 return Verdict::Empty;
             }
-            // Coefficients may be off by that much each, and derivatives are made of their differences.
+            // Coefficients may each be off by `amplified`, and derivatives are made of their differences.
             let [p, q] = self.net.degree;
             let unique = kappa.max_element() + 2.0 * (p + q) as f64 * amplified < 1.0;
             let inside = low.min_element() > 0.0 && high.max_element() < 1.0;
@@ -279,9 +279,9 @@ impl ExactSolver {
     /// silhouette, at a pole, or where the box is still too large.
     ///
     /// There `f` is turned so that its first component takes the direction in which the
-    /// image of the box is longest. Near a silhouette the second is then quadratic, and
-    /// tells how far the ray is from touching; around a pole the first is the distance
-    /// from it.
+    /// image of the box is longest. Near a silhouette the second component is then quadratic,
+    /// and tells how far the ray is from touching; around a pole the first is the distance
+    /// from the pole.
     fn turned(&mut self, rect: Rect, bounds: &Bounds, error: f64) -> Verdict {
         let exhausted = rect.map(|[from, to]| to - from <= FINEST);
         let rotation = longest_direction(self.net.mean_jacobian());
@@ -313,10 +313,10 @@ impl ExactSolver {
         next_box(rect, part, exhausted, usize::from(spread.y > spread.x))
     }
 
-    /// The part of the box, widened where it is thin as rounding along one parameter and wide along
-    /// the other: there the Jacobian would be singular to working precision however small the
-    /// box, and no root could be proved. So it is where the ray is at right angles to the
-    /// straight lines of a surface: one clip then tells which line it meets, to the last digit.
+    /// The part of the box, widened where it is as thin as rounding along one parameter and wide along
+    /// the other: otherwise the Jacobian would be singular to working precision however small the
+    /// box, and no root could be proved. This happens where the ray is at right angles to the straight
+    /// lines of a surface: one clip then determines which line the ray meets, to the last digit.
     fn not_too_thin(&self, mut part: Rect, error: f64) -> Rect {
         let spread = self.net.spread().to_array();
         let image = [0, 1].map(|k| spread[k] * (part[k][1] - part[k][0]));
@@ -329,8 +329,8 @@ impl ExactSolver {
         part
     }
 
-    /// A box that cannot be told from the ray: one place, or a stretch whose ends are still
-    /// to be found.
+    /// The verdict on a box that cannot be told from the ray: one place, or a stretch whose ends
+    /// are still to be found.
     fn contact(&self, bounds: &Bounds) -> Verdict {
         let short = bounds.z.hi - bounds.z.lo <= STRETCH * self.size;
         if short { Verdict::Contact([bounds.z.lo, bounds.z.hi]) } else { Verdict::Inside }
@@ -423,8 +423,8 @@ fn halves(rect: Rect, axis: usize, overlap: f64) -> [Rect; 2] {
     parts
 }
 
-/// The box cut down to `part` of its sides, if that is worthwhile, else its halves across
-/// the longer side that can still be halved.
+/// The box cut down to `part` of its sides if that is worthwhile, else its halves across the
+/// longer side that can still be halved.
 fn next_box(rect: Rect, part: Rect, exhausted: [bool; 2], longer: usize) -> Verdict {
     let worthwhile = (0..2).any(|k| !exhausted[k] && part[k][1] - part[k][0] < WORTHWHILE);
     if !worthwhile {
@@ -450,9 +450,9 @@ mod tests {
     use crate::intersect::{Query, SurfaceBvh};
     use crate::math::Ray;
 
-    /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along it (by up
-    /// to 3°): one clip tells where along the axis they are, to the last digit. All of these were
-    /// doubtful when no root could be proved in what was left of a box.
+    /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along its surface
+    /// (within about 3°): one clip tells where along the axis they are, to the last digit. All of these
+    /// were doubtful when no root could be proved in what was left of a box.
     #[test]
     fn rays_at_right_angles_to_straight_lines_are_decided() {
         let line = [[5.0, 2.0], [6.0, 5.0]].map(|[x, y]| DVec3::new(x, y, 0.0));

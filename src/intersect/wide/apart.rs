@@ -1,10 +1,10 @@
-//! Which rays of a packet go which way, where they are too different to be treated as one.
+//! Separates the rays of a packet where they are too different to be treated as one.
 //!
-//! What all rays have in common is enough as long as they are close together and point alike. Rays that
-//! leave several bodies, some of them behind others, have bounds that hold all that is in between: of
-//! the leaves met by those ninety in a hundred and more are met by no ray. The bounds of rays that
-//! point anywhere meet all around. So these are asked one by one at every node, sixteen at a time; at a
-//! block of leaves, too, if that is less work than to ask each leaf.
+//! Bounds shared by all rays of the packet are enough as long as the rays are close together and point alike.
+//! Rays that leave several bodies, some behind others, have bounds that contain everything in between: of the
+//! leaves that these bounds meet, ninety in a hundred and more are met by no ray. The bounds of rays that point
+//! anywhere meet everything around them. So such rays are tested one by one at every node, sixteen at a time;
+//! also at a block of leaves, if that is less work than testing each leaf.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
@@ -21,32 +21,32 @@ use crate::intersect::tree::{LeafBlock, Node};
 /// All rays.
 pub(super) const ALL: u64 = u64::MAX;
 
-/// Rays that start this many widths of a leaf apart are asked one by one: what neighbours in a picture
-/// see of one body lies closer. Measured against 8: shadow rays are 0.99 to 1.1 times as fast, of a body
-/// with many small leaves 1.2 times; 2 gains on such bodies, and loses on a sheet of hills.
+/// Rays that start this many leaf widths apart are tested one by one; the points that neighbouring rays of a
+/// picture see on one body lie closer together. Measured against 8: shadow rays are 0.99 to 1.1 times as fast,
+/// of a body with many small leaves 1.2 times; 2 gains on such bodies, and loses on a sheet of hills.
 const FAR_APART: f32 = 4.0;
 
-/// Of more leaves than this in one block every sixteen rays of a packet are told apart: leaves are
-/// then small against it, and most of the others would be tested for nothing.
+/// If more leaves of a block than this are met, each sixteen rays of a packet are tested by themselves: the
+/// leaves are then small compared with the packet, and most other tests would be for nothing.
 const FEW: u32 = 4;
 
-/// What is known of a packet's rays beyond what all have in common.
+/// What is known of a packet's rays beyond their shared bounds.
 #[derive(Debug, Default)]
 pub(super) struct Apart {
-    /// What every sixteen rays have in common, once it was asked for.
+    /// The bounds of each sixteen rays, once they have been asked for.
     groups: Option<[PacketBounds; PACKET / LANES]>,
-    /// One over the directions, if rays are asked one by one.
+    /// One over the directions, if rays are tested one by one.
     inverse: Option<Box<Lanes3f>>,
     one_by_one: bool,
 }
 
 impl Apart {
-    /// For a packet's rays, in the scaled coordinates in which leaves are so wide.
+    /// Prepares for a packet's rays, in the scaled coordinates in which leaves are `leaf_width` wide.
     #[simd]
     pub(super) fn set<S: Simd>(&mut self, simd: S, packet: &Packet, leaf_width: f32) {
         self.groups = None;
         let spread = packet.bounds.origin_max - packet.bounds.origin_min;
-        // Where two coordinates of the directions differ in sign, bounds say next to nothing.
+        // Where the directions differ in sign in two coordinates, the bounds say next to nothing.
         let mixed = packet.bounds.sign.iter().filter(|&&sign| sign == 0).count();
         self.one_by_one = spread.max_element() > FAR_APART * leaf_width || mixed > 1;
         if !self.one_by_one {
@@ -63,8 +63,8 @@ impl Apart {
         }
     }
 
-    /// For each child of the node whose bit is set in the second of `children`, which of `rays` meet its box:
-    /// one bit a ray. All of `rays` for every child if the packet's rays are alike.
+    /// Returns, for each child of the node whose bit is set in the second of `children`, which of `rays` meet
+    /// its box, one bit a ray; all of `rays` for every child if the packet's rays are alike.
     #[inline(always)]
     pub(super) fn meeting<S: Simd>(
         &self,
@@ -81,8 +81,8 @@ impl Apart {
         }
     }
 
-    /// For every sixteen rays, which of a block's leaves those of `rays` may meet, of those whose bit
-    /// is set in `met`: sixteen bits for the first rays, sixteen for the next.
+    /// Returns, for every sixteen rays, which leaves of a block those of `rays` may meet, of the
+    /// leaves whose bit is set in `met`: sixteen bits for the first rays, sixteen for the next.
     #[simd]
     pub(super) fn leaves<S: Simd>(
         &mut self,
@@ -109,7 +109,7 @@ impl Apart {
     }
 }
 
-/// The same leaves for every sixteen rays.
+/// Repeats the same leaves for every sixteen rays.
 #[inline(always)]
 fn for_all(met: u32) -> u64 {
     u64::from(met) * EVERY_SIXTEEN
@@ -119,7 +119,7 @@ fn for_all(met: u32) -> u64 {
 const EVERY_SIXTEEN: u64 = 0x0001_0001_0001_0001;
 const _: () = assert!(PACKET == u64::BITS as usize && LANES == 16);
 
-/// Of every sixteen bits the first, if any of them is set.
+/// The first bit of every sixteen bits of which any is set.
 fn groups(rays: u64) -> u64 {
     let mut any = rays;
     for shift in [8, 4, 2, 1] {
@@ -128,7 +128,7 @@ fn groups(rays: u64) -> u64 {
     any & EVERY_SIXTEEN
 }
 
-/// See [`Apart::meeting`]. The planes are moved outwards by more than rounding comes to, as in
+/// See [`Apart::meeting`]. The planes are moved outwards by more than the rounding error, as in
 /// [`BoxRay`](super::box_ray::BoxRay).
 #[simd]
 fn meeting_one_by_one<S: Simd>(
@@ -169,8 +169,8 @@ fn meeting_one_by_one<S: Simd>(
     meeting
 }
 
-/// The leaves that rays meet one by one; or all of them, for those sixteen that have a ray, if there
-/// are fewer of these to ask.
+/// The leaves that rays meet, tested one by one; or all of `met` for each sixteen that have a ray,
+/// if that leaves fewer to test.
 #[simd]
 fn leaves_of_rays<S: Simd>(
     simd: S,

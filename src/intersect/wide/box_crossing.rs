@@ -8,13 +8,13 @@ use super::packet::Packet;
 use super::vectors::load3;
 use crate::patch::{Leaf, OrientedBox};
 
-/// Which of sixteen rays meet a leaf's box, and where they cross its middle; what the box's rows
-/// say of their directions.
+/// Which of sixteen rays meet a leaf's box, where they cross its middle, and the slopes of their
+/// directions by the box's rows.
 pub(super) struct BoxCrossing<S: Simd> {
     pub(super) met: mask32x16<S>,
     pub(super) x: f32x16<S>,
     pub(super) y: f32x16<S>,
-    /// Where they enter the box and leave it, whatever part of them counts.
+    /// Where the rays enter and leave the box, whatever part of them counts.
     pub(super) entry: f32x16<S>,
     pub(super) exit: f32x16<S>,
     pub(super) slopes: [f32x16<S>; 3],
@@ -55,16 +55,16 @@ pub(super) fn cross_box<S: Simd>(
     let spare = f32x16::splat(simd, SPARE);
     let met = entry.max(near).simd_le(exit.min(far) + spare);
 
-    // The middle plane, if it is crossed inside the box. What is known of the ray's end must
-    // have no say in it: the start would depend on what was searched before.
+    // Where the middle plane is crossed, if inside the box. What is known of the ray's end must not
+    // influence this: the start would depend on what was searched before.
     let z = (-at[2] * inverse).max(entry).min(exit);
     let x = z.mul_add(along[0], at[0]).max(-one).min(one);
     let y = z.mul_add(along[1], at[1]).max(-one).min(one);
     BoxCrossing { met, x, y, entry, exit, slopes: along }
 }
 
-/// The certificate: which of sixteen rays with these slopes meet the leaf at most once. A point
-/// may be as far from a ray as the ray's magnitude times `factor`.
+/// Applies the certificate: which of sixteen rays with these slopes meet the leaf at most once. The
+/// error bound of a point's distance from a ray is the ray's magnitude times `factor`.
 #[simd]
 pub(super) fn certify<S: Simd>(
     simd: S,
@@ -82,8 +82,8 @@ pub(super) fn certify<S: Simd>(
     steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 
-/// How steep sixteen rays are, by the leaf's certificate; the sign is that of the determinant of the tangents in
-/// the rays' planes, where the certificate speaks of them.
+/// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays, the sign
+/// is that of the determinant of the tangents in the rays' planes.
 #[inline(always)]
 pub(super) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
     let [lean_a, lean_b] = leaf.certificate.lean();

@@ -1,4 +1,4 @@
-//! One ray among boxes, in f32: sixteen of them at a time.
+//! One ray against boxes, in f32, sixteen boxes at a time.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
@@ -7,27 +7,27 @@ use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 use crate::patch::OrientedBox;
 
-/// How far the ray in f32 may be from the true one where it meets the scene, or the small part of it whose
-/// coordinates these are, in scaled coordinates, and box entries along it, but for what boxes were grown by when they
-/// were made: coordinates of up to 5 and distances of up to 8, and four roundings of each.
+/// Error bound, in scaled coordinates, of the f32 ray where it meets the scene (or the small part of the
+/// scene whose coordinates these are) and of box entries along it, apart from what boxes were grown by when
+/// they were made: coordinates of up to 5 and distances of up to 8, and four roundings of each.
 pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
-/// Components of directions are taken for at least this much: the ray moves by far less than
-/// [`BLUR`] for it, and quotients stay finite.
+/// Components of directions are taken to be at least this large: this moves the ray by far less
+/// than [`BLUR`], and quotients stay finite.
 pub(super) const LEAST: f32 = 1e-12;
 
-/// Directions along a box's side are taken for at least this part of a turn: so quotients
-/// stay finite, and far larger than any distance that matters.
+/// Slopes of directions along a box's side are taken to be at least this large: quotients stay
+/// finite, and far larger than any distance that matters.
 pub(super) const LEAST_SLOPE: f32 = 1e-12;
 
-/// Box entries and exits are compared with this to spare, in scaled coordinates: some
-/// roundings of f32 at the distances a ray has inside it.
+/// Slack, in scaled coordinates, when box entries and exits are compared: some roundings of f32 at
+/// the distances a ray has inside the scene.
 pub(super) const SPARE: f32 = 4e-6;
 
-/// As a box's reach around its leaf is known for boxes that are met with that to spare.
+/// A box's reach around its leaf is computed for boxes that are met with this much slack.
 const _: () = assert!(SPARE as f64 <= OrientedBox::GROWTH);
 
-/// Boxes still to be entered, and where.
+/// Boxes still to be entered, and where the ray enters them.
 pub(super) type Stack = Vec<(f32, ChildCode)>;
 
 /// A ray in scaled coordinates.
@@ -36,8 +36,8 @@ pub(super) struct BoxRay {
     /// The origin, moved along the ray to be near the scene, and the unit direction.
     pub(super) origin: [f32; 3],
     pub(super) axis: [f32; 3],
-    /// One over the direction; whether the upper plane of a box comes first, and the origin moved by
-    /// [`BLUR`] for either.
+    /// One over the direction; whether the upper plane of a box comes first; and the origin moved by
+    /// [`BLUR`] for the nearer and the farther plane.
     inverse: [f32; 3],
     upper_first: [bool; 3],
     origin_for_near: [f32; 3],
@@ -56,7 +56,7 @@ impl BoxRay {
         ray
     }
 
-    /// Makes it another ray.
+    /// Replaces the ray by another one.
     #[inline(always)]
     pub(super) fn set(&mut self, origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) {
         (self.near, self.far) = (near, far);
@@ -72,11 +72,11 @@ impl BoxRay {
         }
     }
 
-    /// Where the ray enters each of a node's boxes, and which it meets.
+    /// Returns where the ray enters each of a node's boxes, and which boxes it meets.
     ///
     /// The nearer planes are moved towards the ray's origin and the farther ones away from it, by
-    /// more than all rounding of origin, direction and quotients comes to: so no box is entered
-    /// too late or left too early.
+    /// more than the rounding errors of origin, direction and quotients together: so no box is
+    /// entered too late or left too early.
     #[inline(always)] // a call would cost as much as what is done here
     pub(super) fn entries<S: Simd>(&self, simd: S, node: &Node) -> (f32x16<S>, u32) {
         let mut near = f32x16::splat(simd, self.near);
@@ -94,7 +94,7 @@ impl BoxRay {
         (near, near.simd_le(far).to_bitmask() as u32)
     }
 
-    /// The nearest child whose box the ray meets; the others go onto the stack, the nearest last.
+    /// Returns the nearest child whose box the ray meets; pushes the others onto the stack, the nearest last.
     #[inline(always)]
     pub(super) fn enter<S: Simd>(
         &self,
@@ -110,8 +110,8 @@ impl BoxRay {
         Some(push_others(stack, &entries.0, met, node))
     }
 
-    /// Where the ray enters each of a node's boxes; returns which it meets.
-    #[inline(never)] // else the ray is spread over lanes before the loop over nodes, and kept so in memory
+    /// Stores where the ray enters each of a node's boxes; returns which boxes it meets.
+    #[inline(never)] // inlined, the ray would be spread over lanes before the loop over nodes, and kept so in memory
     #[simd]
     fn entries_into<S: Simd>(&self, simd: S, node: &Node, entries: &mut BoxEntries) -> u32 {
         let (near, met) = self.entries(simd, node);
@@ -126,8 +126,8 @@ impl BoxRay {
         let slabs = Slabs::new(simd, block, self.origin, self.axis);
         crossings.met = slabs.met(simd, [self.near, self.far]);
 
-        // The middle plane, if it is crossed inside the box. What is known of the ray's end must
-        // have no say in it: the start would depend on what was searched before.
+        // Where the middle plane is crossed, if inside the box. What is known of the ray's end must
+        // not influence this: the start would depend on what was searched before.
         let Slabs { entry, exit, at, along, last_inverse } = slabs;
         let z = (-at[2] * last_inverse).max(entry).min(exit);
         let x = z.mul_add(along[0], at[0]).max(-one).min(one);
@@ -143,13 +143,13 @@ impl BoxRay {
 
 /// A ray in the coordinates of sixteen oriented boxes.
 pub(super) struct Slabs<S: Simd> {
-    /// Where it enters them and leaves them.
+    /// Where the ray enters and leaves the boxes.
     entry: f32x16<S>,
     exit: f32x16<S>,
-    /// The coordinates of its origin, and how they change along it.
+    /// The coordinates of the ray's origin, and how they change along the ray.
     at: [f32x16<S>; 3],
     along: [f32x16<S>; 3],
-    /// One over the last change.
+    /// One over the last of these changes.
     last_inverse: f32x16<S>,
 }
 
@@ -187,7 +187,7 @@ impl<S: Simd> Slabs<S> {
         slabs
     }
 
-    /// The boxes that are met between two places along the ray, a bit each.
+    /// The boxes that the ray meets between two places along it, a bit each.
     #[inline(always)]
     pub(super) fn met(&self, simd: S, [near, far]: [f32; 2]) -> u32 {
         let (near, far) = (f32x16::splat(simd, near), f32x16::splat(simd, far));
@@ -196,8 +196,8 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// The nearest child of those that are met, of which there is one at least; the others are put onto the stack, the nearer
-/// ones later: quick where one ray is much like the one before.
+/// Returns the nearest child of those that are met, of which there is at least one, and pushes the others
+/// onto the stack, the nearer ones later: quick where one ray is much like the one before.
 #[inline(always)]
 fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) -> ChildCode {
     let bottom = stack.len();
@@ -235,8 +235,8 @@ impl BoxEntries {
     const NONE: Self = Self([0.0; LANES]);
 }
 
-/// Puts all children that are met onto the stack, the nearest last: quick where a ray has nothing in common
-/// with the one before.
+/// Pushes all children that are met onto the stack, the nearest last: quick where a ray has nothing in
+/// common with the one before.
 #[inline(always)]
 pub(super) fn push_unforeseen<S: Simd>(
     simd: S,
@@ -248,11 +248,11 @@ pub(super) fn push_unforeseen<S: Simd>(
     push_in_order(simd, stack, entries, met, |k| (entries[k], node.child[k]));
 }
 
-/// Puts what is made of the numbers of those boxes that are met onto a stack, of the nearest box last.
+/// Pushes `made(k)` onto a stack for each box `k` that is met, that of the nearest box last.
 ///
-/// For each box those that come before it are counted, in all lanes at once: no branch depends on which is
-/// the nearer, as none could be foreseen, and nothing is moved once it is written. Where they are entered must be
-/// numbers: else two would have one place.
+/// For each box, the boxes that come before it are counted, in all lanes at once: no branch depends on which
+/// box is nearer, since that could not be predicted, and nothing is moved once it is written. The entries
+/// must not be NaN: else two boxes would have one place.
 #[inline(always)]
 pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     simd: S,
@@ -264,22 +264,22 @@ pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     debug_assert!(set_bits(met).all(|k| !entries[k].is_nan()));
     let near = f32x16::from_slice(simd, entries);
     let bottom = stack.len();
-    // Room for sixteen: a known number takes no call.
+    // Room for sixteen: with a constant number no call is needed.
     stack.extend_from_slice(&[T::default(); LANES]);
     stack.truncate(bottom + met.count_ones() as usize);
     let places = &mut stack[bottom..];
     for k in set_bits(met) {
         let entry = f32x16::splat(simd, entries[k]);
         let farther = near.simd_gt(entry).to_bitmask() as u32;
-        // Of those that are entered at the same place the last comes first, as above.
+        // Of boxes entered at the same place the last comes first, as in `push_others`.
         let as_far = near.simd_ge(entry).to_bitmask() as u32 & ((1 << k) - 1);
         let before = met & (farther | as_far);
         places[before.count_ones() as usize] = made(k);
     }
 }
 
-/// Which of sixteen leaves' boxes a ray meets, where it enters them, and where it crosses
-/// their middles.
+/// Which of sixteen leaves' boxes a ray meets, where it enters them, where it crosses their
+/// middles, and its slopes.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Crossings {
@@ -287,7 +287,7 @@ pub(super) struct Crossings {
     pub(super) entry: [f32; LANES],
     pub(super) x: [f32; LANES],
     pub(super) y: [f32; LANES],
-    /// What each row says of the direction.
+    /// The slope of the direction by each row.
     pub(super) slopes: [[f32; LANES]; 3],
 }
 
@@ -307,10 +307,10 @@ impl Crossings {
         [self.x[k], self.y[k]]
     }
 
-    /// What a leaf's rows say of the direction.
+    /// The slopes of the direction by a leaf's rows.
     #[inline(always)]
     pub(super) fn slopes_of(&self, k: usize) -> [f32; 3] {
-        // Each lane of its own: by `map` the lanes would be copied first.
+        // Lane by lane: `map` would copy the lanes first.
         [self.slopes[0][k], self.slopes[1][k], self.slopes[2][k]]
     }
 }

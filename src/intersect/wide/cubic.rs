@@ -20,7 +20,7 @@ pub(super) fn moved<S: Simd, V: SimdFloat<S, Element = f32>>(
     ]
 }
 
-/// From coefficients of powers of a number within ±1 to Bernstein coefficients.
+/// Converts coefficients of powers of a number within ±1 to Bernstein coefficients.
 #[inline(always)]
 pub(super) fn bernstein<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -32,8 +32,8 @@ pub(super) fn bernstein<S: Simd, V: SimdFloat<S, Element = f32>>(
     [even - odd, inner_even + inner_odd, inner_even - inner_odd, even + odd]
 }
 
-/// The largest sizes of the derivatives of `xⁱ yʲ` by `x` and by `y` where neither is larger than
-/// `reach`: `i reachⁱ⁺ʲ⁻¹` and `j reachⁱ⁺ʲ⁻¹`.
+/// The largest absolute values of the derivatives of `xⁱ yʲ` by `x` and by `y` where neither `|x|`
+/// nor `|y|` exceeds `reach`: `i reachⁱ⁺ʲ⁻¹` and `j reachⁱ⁺ʲ⁻¹`.
 pub(super) const fn slope_weights(i: usize, j: usize, reach: f32) -> [f32; 2] {
     let mut weights = [i as f32, j as f32];
     let mut power = 1;

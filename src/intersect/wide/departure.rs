@@ -1,51 +1,52 @@
-//! Secondary rays on the leaf they leave, or one beside it: whether they meet it again.
+//! Proves that secondary rays do not meet a leaf again: the one that they leave, or one beside it.
 //!
-//! The certificate says so of steep rays, and the proofs of single rays and packets of others, part
-//! by part; but no proof that there is one root only can succeed where the ray's line meets the
+//! The certificate proves this for steep rays; the proofs of single rays and packets prove it for
+//! others, part by part. But no proof of a single root can succeed where the ray's line meets the
 //! leaf again *behind* the ray's start, as it does wherever the surface bends away from the ray.
-//! What lies ahead must be told from what lies behind.
+//! Roots ahead must be told from roots behind.
 //!
 //! # Proof
-//! Let the ray leave the root `y₁` of the leaf or not far beside it on the same piece, and let `y` be
-//! another one, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any vector
-//! `N` with `N · d > 0`, of length one, the height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and
+//! Let the ray leave the root `y₁`, on the leaf or not far beside it on the same piece, and let `y`
+//! be another root, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any unit
+//! vector `N` with `N · d > 0`, the height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and
 //! `z = |S(y) − S(y₁)|`. So there is no such root where `h` stays below `(N · d) |S(y) − S(y₁)|` on
 //! the leaf.
 //!
 //! `N` is the approximation's normal at the start. With `Δ = y − y₁`, each coordinate times the
 //! length of the leaf's half side in its direction:
 //!
-//! - the points are at least `|Δ| / stretch` apart ([`Leaf::stretch`]);
-//! - the approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of
-//!   its second derivatives, from the sums of their terms' sizes: below zero where the leaf bends
-//!   away from the ray. `ε` bounds how far `N` is from being perpendicular to the tangents at `y₁`. At the stated start
-//!   it is perpendicular to them, but for rounding; from there to `y₁` they change by at most the norm of
-//!   the second derivatives times the distance of the two places. That is no more than `stretch` times how
-//!   far apart their points are: as far as the ray's origin is from the stated start's, over the cosine. (All of
-//!   these bounds hold a little outside the leaf, so that must not be far.)
-//! - or `Λ` is what they are in the one direction that `Δ` can have, but for a small angle. Let `m` be
-//!   the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The
-//!   approximation's is `g · Δ` but for what its own second derivatives come to, `ε |Δ|` with theirs for the
-//!   height's, and the slopes' error times `|Δ|`. So the sine of the angle between `Δ` and the line `g · Δ = 0` is at most all
-//!   that over `|g| |Δ|`: `τ`; and a quadratic form over `|Δ|²` differs from what it is on the line by
-//!   at most `2 τ + 2 τ²` of its norm. (Of `Δx²`, `Δx Δy` and `Δy²`, over `|Δ|`, the first is at most
-//!   the largest `|Δx|`, the last the largest `|Δy|`, and the other the smaller of the two.)
-//! - the true height differs from it by no more than the bound of the slopes' error times the sum
-//!   of the parameters' differences.
+//! - The points are at least `|Δ| / stretch` apart ([`Leaf::stretch`]).
+//! - The approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of its second
+//!   derivatives, from the sums of their terms' absolute values: below zero where the leaf bends away from the
+//!   ray. `ε` bounds how far `N` is from being perpendicular to the tangents at `y₁`. At the stated start `N`
+//!   is perpendicular to them, except for rounding; from there to `y₁` they change by at most the norm of the
+//!   second derivatives times the distance of the two places. This distance is at most `stretch` times that of
+//!   their points, which is the distance of the ray's origin from the point of the stated start, over the
+//!   cosine. (All of these bounds hold a little outside the leaf, so this distance must not be large.)
+//! - Or `Λ` is the second derivative in the one direction that `Δ` can have, up to a small angle. Let
+//!   `m` be the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The
+//!   approximation's value differs from `g · Δ` by at most the sum of what its own second derivatives
+//!   contribute, `ε |Δ|` with these in place of the height's, and the slopes' error times `|Δ|`. So the
+//!   sine of the angle between `Δ` and the line `g · Δ = 0` is at most `τ`, this sum over `|g| |Δ|`;
+//!   and a quadratic form over `|Δ|²` differs from its value on the line by at most `2 τ + 2 τ²` of its
+//!   norm. (Of `Δx²`, `Δx Δy` and `Δy²`, over `|Δ|`, the first is at most the largest `|Δx|`, the last
+//!   the largest `|Δy|`, and the middle one the smaller of the two.)
+//! - The true height differs from the approximation's by no more than the bound of the slopes' error times the
+//!   sum of the parameters' differences.
 //!
-//! Where there is a weight `W` (see [`Leaf`](crate::patch::Leaf)) all that is said of `N · X̂ − (N · p) Ŵ` instead,
-//! with `p` the approximation's point at the stated start: there its slopes are those of the height, times the weight.
-//! What it differs by at two places in the leaf is
-//! `N · (X − S(y₁) W)`, which is the height times the weight, but for `N · (S(y₁) − p)` times what the weight differs by:
-//! at most how far `p` is from `S(y₁)`, times the weight's slopes, times `|Δ|`. (`p` is off `S` at the stated start
-//! by the bound of the distances' error, over the weight; as `p` lies where the bounds hold, they are good for its
-//! heights, too.) So the height stays below where all that
-//! does below the least weight times what it is to stay below; and it is the same across the ray.
+//! Where there is a weight `W` (see [`Leaf`](crate::patch::Leaf)), all this is said of `N · X̂ − (N · p) Ŵ`
+//! instead, where `p` is the approximation's point at the stated start: there its slopes are those of the
+//! height, times the weight. Between the two places the true function changes by `N · (X − S(y₁) W)`, which
+//! is the height times the weight, and by `N · (S(y₁) − p)` times the change of the weight. The latter is
+//! at most the distance of `p` from `S(y₁)`, times the weight's slopes, times `|Δ|`. (At the stated start,
+//! `p` is off `S` by the bound of the distances' error, over the weight; as `p` lies where the bounds hold,
+//! they are good for its heights, too.) So the height stays below its limit where all this stays below the
+//! least weight times that limit; and it is the same across the ray.
 //!
-//! All is divided by `|Δ|`, which is at most what it is from the start to the farthest corner.
+//! All terms are divided by `|Δ|`, which is at most its value from the start to the farthest corner.
 //!
-//! How far the origin is from the surface's point at the start is seen from the approximation first,
-//! and only where its error matters from the surface itself.
+//! How far the origin is from the surface's point at the start is first taken from the
+//! approximation, and from the surface itself only where the approximation's error matters.
 
 mod approximation;
 
@@ -58,60 +59,61 @@ use super::searched::Fitted;
 use super::vectors::{lane_bits, splat};
 use crate::patch::FIT_DOMAIN;
 
-/// What rounding to f32 does to places, as a part of the sides' lengths, and to what does not depend on
-/// the normal: 30 units of 2⁻²⁴. Terms add up to twice the sides at most where there is a stretch; to
-/// each happen 12 by Horner's scheme, and few to the origin, the axis and where it starts. (Of quotients there are more
+/// Rounding error in f32 of places, as a part of the sides' lengths, and of all that does not depend on the
+/// normal: 30 units of 2⁻²⁴. Where the stretch is finite, terms add up to at most twice the sides; each takes
+/// 12 roundings by Horner's scheme, and few by the origin, the axis and the start. (Quotients have more terms
 /// and larger ones: see [`Weights::terms`].)
 const PLACE_ROUNDING: f32 = 2e-6;
 
-/// What it does to slopes measured along the normal, over what the tangents' cross product is of the
-/// sides': 280 units. Each tangent errs by seven units of its terms, so the normal by 64 at most; it is
-/// multiplied with the ray's direction, with both tangents, and with half the second derivatives.
+/// Rounding error in f32 of slopes measured along the normal, over the ratio of the tangents' cross product to
+/// that of the sides: 280 units. Each tangent errs by seven units of its terms, so the normal by 64 at most;
+/// the normal is multiplied with the ray's direction, with both tangents, and with half the second derivatives.
 const NORMAL_ROUNDING: f32 = 1.8e-5;
 
-/// Where the ray may start, in box coordinates: the approximation's bounds hold a little farther.
+/// How far from the middle the ray may start, in box coordinates; the approximation's bounds hold a
+/// little farther.
 pub(super) const MAY_START: f32 = 1.19;
 
-/// How far the ray's own root may be from the place it is said to start at, in box coordinates: so
-/// much farther do the approximation's bounds hold.
+/// How far the ray's own root may be from the place where it is said to start, in box coordinates:
+/// the approximation's bounds hold farther by this.
 const ROOT_APART: f32 = 0.0099;
 const _: () = assert!(FARTHEST < FIT_DOMAIN as f32);
 
-/// How far the bounds are to hold, in box coordinates.
+/// How far from the middle the bounds must hold, in box coordinates.
 const FARTHEST: f32 = MAY_START + ROOT_APART;
 
-/// Nothing is said of leaves of other sizes: squares of lengths might be no numbers of f32.
+/// Half side lengths of leaves of which anything is proved: the squares of others might leave the range of f32.
 const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
 
-/// Rays as steep as this, by the sine, are not told from others by their direction.
+/// Rays whose angle to the normal has at most this sine are too steep for their direction to be used.
 const STEEPEST: f32 = 0.1;
 
-/// A little less than all of the cosine: for rounding of the sums that are compared.
+/// The part of the cosine that is used, a little less than all: for rounding of the sums that are compared.
 const ALMOST: f32 = 0.99;
 
 /// Sixteen rays that start on a leaf.
 pub(super) struct Departure<S: Simd> {
-    /// Where, in box coordinates.
+    /// The starts, in box coordinates.
     pub(super) place: [f32x16<S>; 2],
-    /// Their origins, from the leaf's middle.
+    /// The origins, relative to the leaf's middle.
     pub(super) origin: [f32x16<S>; 3],
-    /// Their unit directions.
+    /// The unit directions.
     pub(super) axis: [f32x16<S>; 3],
-    /// How far the origin should be from the surface's point there at most.
+    /// How far each origin should be, at most, from the surface's point at the start.
     pub(super) reach: f32x16<S>,
 }
 
-/// Rays that do not meet the leaf again, a bit each.
+/// Rays that are proved not to meet the leaf again, a bit each.
 #[derive(Clone, Copy)]
 pub(super) struct Final {
-    /// Without more ado.
+    /// Unconditionally.
     pub(super) surely: u32,
     /// If their origins are where they should be.
     pub(super) if_near: u32,
 }
 
 impl<S: Simd> Departure<S> {
-    /// Which rays the leaf is proved not to lie ahead of again.
+    /// Which rays are proved not to have the leaf ahead of them again.
     #[simd]
     pub(super) fn is_final(&self, simd: S, fitted: Fitted<'_>) -> Final {
         let leaf = fitted.leaf;
@@ -126,15 +128,16 @@ impl<S: Simd> Departure<S> {
         let errors = Errors::new(simd, fitted, &weights, &plane);
         let most = splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
 
-        // How much slopes may be other than at the stated start, over the origin's distance from there.
+        // How much slopes may differ from those at the stated start, per unit of the origin's distance
+        // from there.
         let moved = splat(simd, stretch) / plane.cosine;
         let weight_turned = splat(simd, weights.slope) / plane.cosine;
         let turned = moved.mul_add(bends.norm(), weight_turned);
 
-        // In any direction; what rounding of the normal does to that is a part of the norm.
+        // In any direction; the effect of the normal's rounding on that is a part of the norm.
         let [far_x, far_y] = self.farthest(simd, lengths);
         let largest = bends.norm().mul_add(errors.flattened, bends.largest(simd));
-        // In that of the ray, and those that differ from it by a small angle.
+        // In the direction of the ray, and in those that differ from it by a small angle.
         let (speed, ahead) = bends.ahead(simd, &plane);
         let bent_aside = bends.bent_aside(simd, [far_x, far_y]);
         let turned_aside = moved.mul_add(bends.norm_aside(), weight_turned);
@@ -145,7 +148,8 @@ impl<S: Simd> Departure<S> {
         let farthest = far_x.mul_add(far_x, far_y * far_y).sqrt();
         let left = [most - half * largest * farthest, most - half * ahead * farthest];
 
-        // All are false for NaN. Where the leaf bends away, that is no help to what is left.
+        // All are false for NaN. Where the leaf bends away, `left` is larger than `most`, which
+        // still is the limit.
         let flat = plane.sine.simd_gt(splat(simd, STEEPEST));
         let inside = self.place[0].abs().max(self.place[1].abs()).simd_le(splat(simd, MAY_START));
         let known = self.reach * turned;
@@ -153,7 +157,7 @@ impl<S: Simd> Departure<S> {
         let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
         let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
-        // The origin is off by that in no coordinate, so by less than twice that.
+        // In no coordinate is the origin off by more than that, so in space by less than twice that.
         let seen = self.reach + self.reach + splat(simd, 3.0 * errors.point);
         let near = plane.off.simd_le(self.reach + splat(simd, errors.point));
         let surely = if_near & near & (seen * moved).simd_lt(apart);
@@ -172,13 +176,13 @@ impl<S: Simd> Departure<S> {
     }
 }
 
-/// What the approximation and rounding leave unknown.
+/// Errors of the approximation and of rounding.
 struct Errors<S: Simd> {
-    /// How far its points may be off.
+    /// Error bound of the approximation's points.
     point: f32,
-    /// By how much slopes may be, those of the height and across the ray.
+    /// Error bound of slopes, both of the height and across the ray.
     slopes: f32x16<S>,
-    /// What the normal's rounding adds to slopes, and, over their norm, to second derivatives.
+    /// What the normal's rounding adds to slopes and, relative to their norm, to second derivatives.
     flattened: f32x16<S>,
 }
 
@@ -189,7 +193,8 @@ impl<S: Simd> Errors<S> {
         let [length_x, length_y] = leaf.half_side_lengths();
         let per_side = (1.0 / length_x).hypot(1.0 / length_y);
         let rounding = PLACE_ROUNDING * weights.terms * (length_x + length_y);
-        // The point times the weight's slopes is a part of tangents that may be far shorter than the leaf is long.
+        // Tangents, which may be far shorter than the leaf is long, contain the point times the weight's
+        // slopes.
         let [x, y, z] = plane.point;
         let size = x.abs() + y.abs() + z.abs();
         let by_weight = (size + splat(simd, length_x + length_y)) * splat(simd, weights.slope);
@@ -218,15 +223,15 @@ mod tests {
     use crate::math::Ray;
     use crate::math::testing::same_cases;
 
-    /// A ray that leaves a leaf, and what is said of it.
+    /// A ray that leaves a leaf, and what is proved of it.
     struct Leaving {
         said: Final,
         /// Whether the exact solver meets the leaf ahead.
         meets_again: bool,
     }
 
-    /// From box coordinates `place` of a leaf, at an angle of this cosine to the normal, which may
-    /// be negative; `turn` is an angle about it.
+    /// A ray from box coordinates `place` of a leaf, at an angle to the normal with this cosine,
+    /// which may be negative; `turn` is an angle about the normal.
     fn leaving(
         bvh: &SurfaceBvh,
         leaf: usize,
@@ -273,8 +278,8 @@ mod tests {
         Leaving { said, meets_again }
     }
 
-    /// What is proved of rays that leave a sphere outwards, and a stout and a thin torus, and hills, anywhere: never
-    /// of one that meets its leaf again, and of the sphere's whatever the angle.
+    /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere. None that meets its leaf again is
+    /// proved final; all that leave the sphere outwards are, whatever the angle.
     #[test]
     fn only_what_is_not_met_again_is_final() {
         let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
@@ -313,7 +318,7 @@ mod tests {
         assert!(proved[2].get() > 4_000 && proved[3].get() > 3_000, "{proved:?}");
     }
 
-    /// A ray that starts beside the surface, though it is said to start on it, is left to others.
+    /// A ray that starts beside the surface, though it is said to start on it, is left to other searches.
     #[test]
     fn origins_elsewhere_are_noticed() {
         let sphere = shapes::sphere(1.0).unwrap();
@@ -323,7 +328,7 @@ mod tests {
         let seen = hit(&Query::primary(Ray::new(3.0 * normal, -normal).unwrap())).unwrap();
         let aside = normal.any_orthonormal_vector();
         for depth in [1e-3, 1e-2, 0.1] {
-            // From inside and nearly along the surface: it comes out again.
+            // From inside and nearly along the surface: the ray comes out again.
             let direction = (aside + 0.02 * normal).normalize();
             let ray = Ray::new(seen.point - depth * normal, direction).unwrap();
             let leaving = Query { ray, from: Some(seen.root) };

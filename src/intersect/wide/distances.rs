@@ -1,4 +1,5 @@
-//! The distances of sixteen rays from one leaf's approximation, in f32: starts, lane by lane.
+//! The distances of sixteen rays from one leaf's approximation, in f32, and the starts found from
+//! them, lane by lane.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x16, f64x8};
 use fearless_simd_macros::simd;
@@ -9,11 +10,11 @@ use super::searched::Fitted;
 use super::vectors::{dot_d, load3, load3d};
 use crate::patch::{Leaf, WeightFit};
 
-/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
-/// second 1e-4 or the fit's error.
+/// Steps in f32: from the middle of a flat leaf, the first leaves an error of about 1e-2 of the
+/// leaf, the second 1e-4 or the fit's error.
 const STEPS: usize = 2;
 
-/// How long the last step must be, and may be, for what was found to be refined.
+/// The shortest and the longest last step, in box coordinates, after which the place found is refined.
 const LEAST_REFINED: f32 = 1.0 / 256.0;
 const MOST_REFINED: f32 = 0.25;
 
@@ -31,7 +32,7 @@ impl Default for LaneDistances {
     }
 }
 
-/// What the search in f32 has found, and its last step.
+/// The places that the search in f32 has found, and its last step.
 #[derive(Clone, Copy)]
 pub(super) struct NearRoots<S: Simd> {
     /// The place, in box coordinates.
@@ -39,24 +40,24 @@ pub(super) struct NearRoots<S: Simd> {
     pub(super) last: LastStep<S>,
 }
 
-/// A step of that search.
+/// A step of the search in f32.
 #[derive(Clone, Copy)]
 pub(super) struct LastStep<S: Simd> {
-    /// From where, and where it leads without the bounds of the domain.
+    /// Where it starts, and where it leads if the domain's bounds are ignored.
     pub(super) from: [f32x16<S>; 2],
     pub(super) to: [f32x16<S>; 2],
     /// The distances where it starts, and their derivatives by `x` and by `y`.
     pub(super) distances: [f32x16<S>; 2],
     pub(super) slopes: [[f32x16<S>; 2]; 2],
-    /// What takes distances from the ray's planes to box coordinates there.
+    /// The inverse Jacobian there: from distances from the ray's planes to box coordinates.
     pub(super) inverse: [[f32x16<S>; 2]; 2],
 }
 
 impl LaneDistances {
-    /// Takes the distances of rays `base … base + 15`.
+    /// Sets the distances of rays `base … base + 15`.
     ///
-    /// Those of the leaf's middle are found in f64; what is added to them in f32 is of the size of
-    /// the leaf, so its rounding is small against the leaf.
+    /// Those of the leaf's middle are computed in f64; what is added to them in f32 has the size of
+    /// the leaf, so its rounding error is small compared with the leaf.
     #[simd]
     pub(super) fn take<S: Simd>(
         &mut self,
@@ -98,8 +99,8 @@ impl LaneDistances {
         }
     }
 
-    /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
-    /// the two distances: what their rounding is measured by. `sizes` are those of the leaf.
+    /// The sum of the absolute values of all terms that the coefficients were added up from, for the larger of
+    /// the two distances: the measure of their rounding error. `sizes` are those of the leaf.
     #[simd]
     pub(super) fn terms<S: Simd>(
         &self,
@@ -121,7 +122,7 @@ impl LaneDistances {
         terms
     }
 
-    /// Newton's iteration in box coordinates, from starts there and within rectangles.
+    /// Runs Newton's iteration in box coordinates, from starts there and within rectangles.
     #[simd]
     pub(super) fn newton<S: Simd>(
         &self,
@@ -149,8 +150,9 @@ impl LaneDistances {
         NearRoots { near: [x, y], last }
     }
 
-    /// Places still nearer to the roots that were found, by a step with the matrix of the last: it leaves a
-    /// hundredth of what that left, for a third of what it took. Short last steps leave less than is worth it.
+    /// Refines the places that were found, by one more step with the matrix of the last step: this
+    /// leaves a hundredth of the error, for a third of that step's time. Short last steps leave
+    /// less error than is worth it.
     #[simd]
     pub(super) fn refine<S: Simd>(&self, simd: S, searched: &NearRoots<S>) -> [f32x16<S>; 2] {
         let NearRoots { near: [x, y], last } = *searched;
@@ -169,7 +171,8 @@ impl LaneDistances {
     }
 }
 
-/// The sums of the sizes of a leaf's approximation's coefficients, by coordinate, and of its weight's.
+/// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate, and
+/// of its weight.
 #[inline(always)]
 pub(super) fn sizes<S: Simd>(simd: S, Fitted { leaf, weight }: Fitted<'_>) -> [f32; 4] {
     let sum = |row: &[f32; 16]| f32x16::from_slice(simd, row).abs().reduce_sum();
@@ -222,7 +225,7 @@ fn value<S: Simd>(simd: S, lanes: &[[f32; LANES]; 16], x: f32x16<S>, y: f32x16<S
     row[3].mul_add(y, row[2]).mul_add(y, row[1]).mul_add(y, row[0])
 }
 
-/// The distances of the leaf's middle from the rays' planes, found in f64.
+/// The distances of the leaf's middle from the rays' planes, computed in f64.
 #[simd]
 fn middle_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -> [f32x16<S>; 2] {
     let [a1, a2] = half_distances(simd, leaf, packet, base);
@@ -243,7 +246,7 @@ fn half_distances<S: Simd>(simd: S, leaf: &Leaf, packet: &Packet, base: usize) -
     [dot_d(n1, offset), dot_d(n2, offset)]
 }
 
-/// One half of sixteen lanes in f64.
+/// One half of sixteen lanes, in f64.
 #[inline(always)]
 pub(super) fn widened<S: Simd>(value: f32x16<S>, half: usize) -> f64x8<S> {
     let (low, high) = value.widen();

@@ -1,9 +1,9 @@
-//! Rays and leaves whose certificates do not speak of them: put aside until there are sixteen to be
-//! looked at side by side.
+//! Rays and leaves whose certificates do not hold for them: put aside until there are sixteen pairs to
+//! be examined side by side.
 //!
-//! A leaf has few such rays at a time: at a silhouette, or among those that leave a surface at all
-//! angles. What a look at their proofs costs does not depend on how many lanes are filled. So the lanes
-//! hold pairs of any rays of the packet with any leaves.
+//! A leaf has few such rays at a time: at a silhouette, or among rays that leave a surface at all
+//! angles. The cost of examining their proofs does not depend on how many lanes are filled. So the
+//! lanes hold pairs of any rays of the packet with any leaves.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
@@ -27,7 +27,7 @@ use super::vectors::lane_bits;
 use crate::intersect::Statistics;
 use crate::intersect::bits::set_bits;
 
-/// Sixteen that are looked at, and as many that come too late.
+/// Room for sixteen pairs that are examined, and for as many that are left over.
 const ROOM: usize = 2 * LANES;
 
 /// A ray of the packet and a leaf, and where the ray enters the leaf's box.
@@ -38,7 +38,7 @@ struct Doubt {
     entry: f32,
 }
 
-/// Pairs of a ray and a leaf, number by number.
+/// Pairs of a ray and a leaf, as a structure of arrays.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Doubts {
@@ -48,7 +48,7 @@ pub(super) struct Doubts {
     distances: [[[f32; ROOM]; 16]; 2],
     /// As in [`Errors`].
     errors: [[f32; ROOM]; 3],
-    /// The lengths, about, of the leaves' half sides.
+    /// The approximate lengths of the leaves' half sides.
     lengths: [[f32; ROOM]; 2],
 }
 
@@ -64,7 +64,7 @@ impl Default for Doubts {
     }
 }
 
-/// Sixteen of them, or fewer.
+/// Sixteen pairs, or fewer.
 struct Taken<S: Simd> {
     pairs: [Doubt; LANES],
     count: usize,
@@ -82,15 +82,15 @@ impl Doubts {
         self.count == 0
     }
 
-    /// Whether there are enough to be looked at.
+    /// Whether there are enough pairs to be examined.
     #[inline(always)]
     pub(super) fn are_many(&self) -> bool {
         self.count >= LANES
     }
 
-    /// Puts aside those of sixteen rays whose bit is set, with their distances from a leaf and where
-    /// they enter its box; `error` is how far a point may be from the ray. Returns those of which
-    /// nothing can be proved.
+    /// Puts aside those of sixteen rays whose bit is set in `lanes`, with their distances from a
+    /// leaf and where they enter its box; `error` is the error bound of a point's distance from the
+    /// ray. Returns the lanes for which nothing can be proved.
     #[simd]
     pub(super) fn put<S: Simd>(
         &mut self,
@@ -128,7 +128,7 @@ impl Doubts {
         lanes & !known
     }
 
-    /// Takes out the first sixteen, or as many as there are.
+    /// Takes out the first sixteen pairs, or as many as there are.
     #[simd]
     fn take<S: Simd>(&mut self, simd: S) -> Taken<S> {
         let count = self.count.min(LANES);
@@ -154,7 +154,7 @@ impl Doubts {
     }
 }
 
-/// The first sixteen of the numbers, in whose place come the others.
+/// Takes out the first sixteen numbers; the others move to their place.
 #[inline(always)]
 fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     let first = f32x16::from_slice(simd, &numbers[..LANES]);
@@ -162,7 +162,7 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     first
 }
 
-/// Looks at the pairs that were put aside, sixteen at a time, as long as there are `least` of them or more.
+/// Examines the pairs that were put aside, sixteen at a time, as long as there are at least `least` of them.
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,
@@ -189,14 +189,14 @@ pub(super) fn settle<S: Simd>(
     }
 }
 
-/// What became of sixteen pairs.
+/// The outcome for sixteen pairs.
 struct Settled {
-    /// Those left to the scalar search.
+    /// The pairs left to the scalar search.
     rest: u32,
     done: Done,
 }
 
-/// Part by part of the leaves, as far as the rays' own proofs go.
+/// Searches the leaves part by part, as far as the rays' own proofs go.
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,
@@ -222,7 +222,7 @@ fn settle_sixteen<S: Simd>(
         let domain = part.widened(simd, GROWN);
         let start = part.widened(simd, START_GROWN);
         let near = distances.refine(simd, &distances.newton(simd, part.middle, domain));
-        // Those of one leaf, and of the same sixteen rays, are finished together.
+        // Pairs of one leaf and the same sixteen rays are finished together.
         let (mut left, mut open) = (lanes, 0);
         while left != 0 {
             let Doubt { ray, leaf, .. } = pairs[left.trailing_zeros() as usize];
@@ -234,7 +234,7 @@ fn settle_sixteen<S: Simd>(
             let target = Target::new(scene, &oriented, leaf);
             let mut wanted = group.lanes;
             if packet.from_roots {
-                // The one root of these is the one they start on.
+                // If a ray starts in its part, the part's one root is the root it starts on.
                 let start = moved(start, bytes);
                 let start =
                     [target.parameters(simd, &start, 0), target.parameters(simd, &start, 1)];
@@ -255,7 +255,7 @@ fn settle_sixteen<S: Simd>(
             all.judged |= group.places_of(done.judged);
             open |= group.places_of(done.open);
         }
-        // What leads out of the part may be missed by its halves.
+        // Rays that are led out of the part may be proved to miss its halves.
         proof.go_on(&part, open);
     }
     Settled { rest: all.judged | proof.undecided, done: all }
@@ -263,16 +263,16 @@ fn settle_sixteen<S: Simd>(
 
 /// Pairs of one leaf and the same sixteen rays.
 struct Group {
-    /// Their places among all pairs, a bit each.
+    /// The places of these pairs among all pairs, a bit each.
     places: u32,
     /// Their rays, a bit each.
     lanes: u32,
-    /// The place of each of these.
+    /// The place of each ray's pair.
     place: [u32; LANES],
 }
 
 impl Group {
-    /// Those among `places`.
+    /// The pairs of this leaf and these rays among `places`.
     fn of(pairs: &[Doubt; LANES], places: u32, (leaf, base): (u32, usize)) -> Self {
         let mut group = Self { places: 0, lanes: 0, place: [0; LANES] };
         for at in set_bits(places) {
@@ -286,19 +286,19 @@ impl Group {
         group
     }
 
-    /// The bytes of the pairs' numbers, in the order of their rays.
+    /// The byte indices that put the pairs' numbers into the order of their rays.
     #[inline(always)]
     fn bytes<S: Simd>(&self, simd: S) -> u8x64<S> {
         bytes_of(simd, u32x16::from_slice(simd, &self.place))
     }
 
-    /// The places of some of their rays.
+    /// The places of the pairs of some rays.
     fn places_of(&self, lanes: u32) -> u32 {
         set_bits(lanes & self.lanes).fold(0, |places, lane| places | 1 << self.place[lane])
     }
 }
 
-/// Numbers put elsewhere.
+/// Permutes the lanes of numbers.
 #[inline(always)]
 fn moved<S: Simd>(of: [[f32x16<S>; 2]; 2], bytes: u8x64<S>) -> [[f32x16<S>; 2]; 2] {
     let [[a, b], [c, d]] = of;

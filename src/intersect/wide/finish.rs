@@ -16,11 +16,11 @@ use crate::geometry::trim::Side;
 use crate::intersect::bits::set_bits;
 use crate::patch::Piece;
 
-/// In a leaf that ends in a pole normals are looked at closely where the tangents' cross product is less
-/// than this part of the square of the sum of their lengths: so many of their digits are lost there.
+/// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross product is
+/// less than this part of the square of the sum of their lengths: that many of their digits are lost there.
 const LEAST_SINE: f64 = 1e-2;
 
-/// What became of some rays, a lane each.
+/// The outcome for some rays, a lane each.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Done {
     /// The lanes that did not converge.
@@ -33,12 +33,12 @@ pub(super) struct Done {
     pub(super) steps: u32,
 }
 
-/// Newton's steps in f64 for rays `base … base + 7`, of which `wanted` take part, from what the
-/// search in f32 has found; hits nearer than those known are put into the packet.
+/// Takes Newton's steps in f64 for those of rays `base … base + 7` that are `wanted`, from the places `near`
+/// that the search in f32 has found; hits nearer than those known are put into the packet.
 ///
-/// All of these rays have one root at most in the domain that `ground` tells. Also returns the
-/// lanes that did not converge, and those the scalar search must judge: whose hit lies outside the
-/// piece or too near an end of the ray or the root it starts on.
+/// Each of these rays has at most one root in the domain that `ground` gives. Also returns the lanes that did
+/// not converge, and those that the scalar search must judge: whose hit lies outside the piece, or too near an
+/// end of the ray or the root it starts on.
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
@@ -67,7 +67,8 @@ pub(super) fn finish<S: Simd>(
         return Done { open, judged: 0, found: false, steps };
     }
     if target.pole.is_some() {
-        // Tangents vanish there, and the determinant before the last step says nothing of that at the hit.
+        // Tangents vanish at a pole, and the determinant before the last step says nothing of the one at
+        // the hit.
         root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
     let Converged { st: [root_s, root_t], z, speed, .. } = root;
@@ -82,7 +83,7 @@ pub(super) fn finish<S: Simd>(
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
     if target.leaf.is_trimmed() {
-        // Also what is as near as the nearest, as far as can be known: it may be an edge.
+        // Also asks about roots that cannot be told from the nearest hit: these may lie at an edge.
         let asked = acceptable & z.simd_le(best + near_end);
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
         let sides = trim_sides(target, asked, (root_s, root_t), reach);
@@ -101,8 +102,8 @@ pub(super) fn finish<S: Simd>(
     Done { open, judged: judged.to_bitmask() as u32, found, steps }
 }
 
-/// Puts the hits of eight rays into a packet: the roots of those lanes, of which each is its ray's nearest so far, with
-/// the lengths of the tangents' cross products and how far they may be off along the rays.
+/// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's nearest so far,
+/// with the lengths of the tangents' cross products and the error bounds along the rays.
 #[inline(always)] // what goes in are dozens of vectors
 fn put_hits<S: Simd>(
     simd: S,
@@ -116,12 +117,12 @@ fn put_hits<S: Simd>(
     let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;
     let inverse = high / size;
-    // A closer look is also due where the normal is not a number, or there is none for `t`.
+    // A closer look is also due where the normal or `t` is not a number.
     let infinity = f64x8::splat(simd, f64::INFINITY);
     let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
     if target.pole.is_some() {
-        // So is it where both tangents have nearly one direction, or no certificate says how well they
-        // are known.
+        // It is also due where both tangents have nearly one direction, or where no certificate says
+        // how well they are known.
         let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
         close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
     }
@@ -152,8 +153,8 @@ fn put_hits<S: Simd>(
     packet.shorten(simd, base, hits);
 }
 
-/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough for the leaf's
-/// certificate to speak of it.
+/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough away for the
+/// leaf's certificate to hold.
 #[cold]
 #[simd]
 pub(super) fn away_from_pole<S: Simd>(
@@ -182,8 +183,8 @@ struct PacketRays<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> PacketRays<'a, S> {
-    /// Of a point that may be off by `factor` times the larger of two magnitudes: the patch's, and that of the
-    /// ray's origin.
+    /// The rays from `base` on, for points whose error bound is `factor` times the larger of two magnitudes:
+    /// the patch's, and that of the ray's origin.
     #[inline(always)]
     fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
         let largest = eight(simd, &packet.magnitude, base).max(f64x8::splat(simd, magnitude));
@@ -226,7 +227,7 @@ struct Sides {
     edge: u64,
 }
 
-/// The sides of the lanes that are asked for, of roots known to `reach` in each parameter.
+/// The sides of the lanes that are asked for, for roots known to within `reach` in each parameter.
 #[inline(always)]
 fn trim_sides<S: Simd>(
     target: &Target<'_>,
@@ -245,8 +246,8 @@ fn trim_sides<S: Simd>(
     sides
 }
 
-/// Of hits at the same place the piece that comes first counts, and its first part, whichever
-/// was searched first: so the order of the search does not matter.
+/// Of hits at the same place, the one on the first piece counts, and there the one on its first
+/// part, whichever was searched first: so the order of the search does not matter.
 #[simd]
 fn earlier<S: Simd>(
     simd: S,
@@ -292,7 +293,7 @@ fn surface_parameters<S: Simd>(simd: S, piece: &Piece, st: [f64x8<S>; 2]) -> [f6
     uv
 }
 
-/// Replaces the lanes of a mask.
+/// Replaces the lanes that `mask` selects.
 #[simd]
 fn put<S: Simd>(
     simd: S,

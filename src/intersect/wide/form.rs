@@ -1,11 +1,11 @@
-//! What the sums of a piece are: of which degrees, with how many numbers a point, of which functions.
+//! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions they are.
 
 use super::lane_net::MOST_DEGREE;
 use crate::math::bernstein;
 use crate::patch::TensorPatch;
 
-/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers: pieces
-/// that share them can be searched side by side.
+/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers. Pieces
+/// of one form can be searched side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Form {
     degree: [u8; 2],
@@ -16,7 +16,7 @@ pub(super) struct Form {
 const _: () = assert!(bernstein::MAX_DEGREE <= u8::MAX as usize);
 
 impl Default for Form {
-    /// That of bilinear pieces.
+    /// The form of bilinear pieces.
     fn default() -> Self {
         Self { degree: [1, 1], rational: false, by_powers: false }
     }
@@ -30,7 +30,7 @@ impl Form {
         Self { degree, rational: patch.is_rational(), by_powers: patch.sums_by_powers() }
     }
 
-    /// The same, if pairs can have it.
+    /// The form of a piece, if pairs can have it.
     #[inline(always)]
     pub(super) fn of_pairs(patch: &TensorPatch) -> Option<Self> {
         let [p, q] = patch.degree();

@@ -8,26 +8,26 @@ use crate::intersect::Shot;
 use crate::math::Ray;
 use crate::patch::SceneFrame;
 
-/// Origins farther than this from the scene, in its half sizes, are moved nearer for the
-/// work in f32: it would otherwise lose digits to the distance.
+/// Origins farther than this from the scene, in its half sizes, are moved nearer for the work in
+/// f32, which would otherwise lose digits to the distance.
 const NEAR: f64 = 3.0;
 
-/// Ends of rays are taken in f32 with this to spare, in scaled coordinates: some units of f32
-/// for distances of a few scene sizes.
+/// Slack of the ends of rays in f32, in scaled coordinates: some units of f32 for distances of a
+/// few scene sizes.
 pub(super) const END_SPARE: f32 = 1e-5;
 
 /// Squares of lengths from here to its inverse are far from where digits are lost.
 pub(super) const PLAIN: f64 = 1e-100;
 
-/// By how much an origin is moved along its ray for the work in f32, from the square of its distance
-/// from the middle of the scene and what that has along the ray, all in scaled coordinates: to beside the
-/// scene, back where it lies behind, as some ranges begin before the origin.
+/// By how much an origin is moved along its ray for the work in f32, from the square of its distance from
+/// the middle of the scene and the component of its position along the ray, all in scaled coordinates: to
+/// beside the scene, and backwards where the scene lies behind, as some ranges begin before the origin.
 #[inline(always)]
 pub(super) fn shift_to_scene(square: f64, along: f64) -> f64 {
     if square > NEAR * NEAR { (square.sqrt() - NEAR + 1.0).copysign(-along) } else { 0.0 }
 }
 
-/// What is known of eight rays in f64.
+/// Eight rays in f64.
 #[derive(Clone, Copy)]
 pub(super) struct Frames<S: Simd> {
     pub(super) origin: [f64x8<S>; 3],
@@ -42,7 +42,7 @@ pub(super) struct Frames<S: Simd> {
 }
 
 impl<S: Simd> Frames<S> {
-    /// The frames of the eight rays from `base` on, the first of all where there are fewer.
+    /// The frames of the eight rays from `base` on; the first of all stands in for missing ones.
     #[inline(always)]
     pub(super) fn of<Q: Shot>(simd: S, shots: &[Q], base: usize) -> Self {
         let mut rays = [shots[0].ray(); 8];
@@ -100,10 +100,10 @@ pub(super) fn perpendicular<S: Simd>(simd: S, [x, y, z]: [f64x8<S>; 3]) -> [[f64
 /// Sixteen rays in scaled coordinates, in f32.
 #[derive(Clone, Copy)]
 pub(super) struct Narrow<S: Simd> {
-    /// Moved along the ray by `shift`.
+    /// The origins, moved along the rays by `shift`.
     pub(super) origin: [f32x16<S>; 3],
     pub(super) axis: [f32x16<S>; 3],
-    /// From where to where hits count, with some to spare.
+    /// The range in which hits count, with some slack.
     pub(super) ends: [f32x16<S>; 2],
     pub(super) magnitude: f32x16<S>,
     /// The distances by which the origins were moved, in scene units.
@@ -115,7 +115,7 @@ impl<S: Simd> Narrow<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, low: &Frames<S>, high: &Frames<S>, frame: &SceneFrame) -> Self {
         let SceneFrame { center, scale } = *frame;
-        let unscale = f64x8::splat(simd, 1.0 / scale); // of a power of two, so exact
+        let unscale = f64x8::splat(simd, 1.0 / scale); // exact, as the scale is a power of two
         let scale = f64x8::splat(simd, scale);
         let zero = f64x8::splat(simd, 0.0);
         let mut origin = [[zero; 3]; 2];
@@ -133,7 +133,7 @@ impl<S: Simd> Narrow<S> {
             let far_off = square.simd_gt(near * near);
             let mut shift = zero;
             if far_off.any_true() {
-                // Lane by lane as `shift_to_scene`.
+                // As in `shift_to_scene`, lane by lane.
                 let beyond = square.sqrt() - near + f64x8::splat(simd, 1.0);
                 shift = far_off.select(beyond.copysign(-dot_d(scaled, axis)), zero);
             }
@@ -167,10 +167,10 @@ impl<S: Simd> Narrow<S> {
     }
 }
 
-/// Vectors as the rows of a matrix with as many columns, transposed.
+/// Transposes the square matrix whose rows are these vectors.
 #[inline(always)]
 pub(super) fn transposed<S: Simd, V: SimdBase<S>, const N: usize>(rows: [V; N]) -> [V; N] {
-    // Each round brings together rows that are twice as near: N / 2, …, 2, 1 apart.
+    // Each round brings together rows that are half as far apart as before: N / 2, …, 2, 1.
     let mut rows = rows;
     for _ in 0..N.ilog2() {
         let mut next = rows;

@@ -1,5 +1,5 @@
-//! The true surface at eight places, in f64, lane by lane; of one patch, or of eight patches of one form:
-//! by powers ([`power_sums`](super::power_sums)), or by Bernstein functions as [`TensorPatch::jet`].
+//! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight patches of one
+//! form; by powers ([`power_sums`](super::power_sums)), or by Bernstein functions like [`TensorPatch::jet`].
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
@@ -9,20 +9,20 @@ use super::power_sums;
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::{PieceNet, TensorPatch};
 
-/// The control net of a patch in every lane.
+/// The control net of each lane's patch.
 pub(super) trait Net<S: Simd> {
-    /// A row of it.
+    /// A row of the net.
     type Row<'a>
     where
         Self: 'a;
 
-    /// The weight of all control points, where they have three numbers; `None` if it is one.
+    /// The weight of all control points, where these have three numbers; `None` if the weight is 1.
     fn weight(&self, simd: S) -> Option<f64x8<S>>;
 
-    /// The first numbers, so many, of the row of the `i`-th Bernstein function of `s`, or power.
+    /// The first `length` numbers of the row of the `i`-th Bernstein function of `s`, or the `i`-th power.
     fn row(&self, i: usize, length: usize) -> Self::Row<'_>;
 
-    /// One of its control points, of `C` numbers.
+    /// A control point of the row, of `C` numbers.
     fn control<'a, const C: usize>(simd: S, row: &Self::Row<'a>, j: usize) -> [f64x8<S>; C]
     where
         Self: 'a;
@@ -82,7 +82,8 @@ pub(super) struct Sums<S: Simd, const C: usize> {
     pub(super) second: [[f64x8<S>; C]; 3],
 }
 
-/// The true surface and its first derivatives at eight places, and the second if they are wanted, by a net of a form.
+/// Evaluates the true surface and its first derivatives at eight places, and with `SECOND` the second ones,
+/// from a net.
 #[inline(always)]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
@@ -99,8 +100,8 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     }
 }
 
-/// The same by Bernstein functions of degrees below `N`. Each by itself: they need much of the stack, which takes
-/// time even where it is not used.
+/// The same by Bernstein functions of degrees below `N`. Each is a function of its own: they need much stack,
+/// which takes time even where it is not used.
 #[inline(never)]
 #[simd]
 fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
@@ -155,7 +156,7 @@ fn jets_of<S: Simd, T: Net<S>, const SECOND: bool, const N: usize, const C: usiz
     in_space::<S, T, SECOND, C>(simd, net, &sums)
 }
 
-/// From sums to points, by the quotient rule: `S_s = (X_s − S W_s) / W`,
+/// Converts sums to points and derivatives, by the quotient rule: `S_s = (X_s − S W_s) / W`,
 /// `S_st = (X_st − S_s W_t − S_t W_s − S W_st) / W`.
 #[inline(always)]
 pub(super) fn in_space<S: Simd, T: Net<S>, const SECOND: bool, const C: usize>(
@@ -215,8 +216,8 @@ struct Basis<S: Simd, const N: usize> {
     bends: [f64x8<S>; N],
 }
 
-/// Bernstein functions of a degree and their derivatives: from those of one degree less and two less, by the
-/// recurrence.
+/// Bernstein functions of a degree and their derivatives, by the recurrence from the functions of one degree
+/// less and two less.
 #[simd]
 fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<S, N> {
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));

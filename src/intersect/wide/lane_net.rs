@@ -13,20 +13,20 @@ use crate::patch::{
     MOST_DEGREE_BY_POWERS, NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers,
 };
 
-/// Pieces of higher degrees have too large nets to hold eight of them side by side.
+/// The nets of pieces of higher degrees are too large to hold eight of them side by side.
 pub(super) const MOST_DEGREE: usize = MOST_DEGREE_BY_POWERS;
 
-/// The numbers of the largest net.
+/// How many numbers the largest net has.
 const MOST_NUMBERS: usize = 4 * (MOST_DEGREE + 1) * (MOST_DEGREE + 1);
 
-/// Eight nets of one form: number by number, row by row.
+/// Eight nets of one form, interleaved number by number, row by row.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct LaneNet {
     pub(super) form: Form,
     weight: [f64; 8],
     numbers: Numbers,
-    /// Room for nets that are not kept, elsewhere: most are made in `numbers`.
+    /// Separate room for nets that are not kept; most of these are made in `numbers`.
     rooms: Box<[NetRoom; 8]>,
 }
 
@@ -41,8 +41,8 @@ impl Default for LaneNet {
 }
 
 impl LaneNet {
-    /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which there is one at least;
-    /// all others repeat one of these.
+    /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which there is at
+    /// least one; all other lanes repeat one of these.
     #[simd]
     pub(super) fn take<S: Simd>(
         &mut self,
@@ -64,7 +64,7 @@ impl LaneNet {
         let mut nets = [PieceNet::EMPTY; 8];
         if let Some(along) = all_from_splines(&patches, &mut nets) {
             put(simd, form, &nets, &mut self.numbers);
-            // Made here, eight nets take less than half as long as one by one.
+            // Eight nets made here take less than half as long as nets made one by one.
             make_all(simd, form, &along, &mut self.numbers);
             return;
         }
@@ -85,7 +85,8 @@ impl LaneNet {
     }
 }
 
-/// What makes nets by powers of the control points of splines, if that is how all of them are made; these points.
+/// Returns what converts spline control points to nets by powers, if all eight are made so, and
+/// puts those points into `points`.
 #[inline(always)]
 fn all_from_splines<'p>(
     patches: &[&'p TensorPatch; 8],
@@ -106,7 +107,7 @@ fn all_from_splines<'p>(
 #[inline(always)]
 fn put<S: Simd>(simd: S, form: Form, nets: &[PieceNet<'_>; 8], numbers: &mut Numbers) {
     let (length, count) = (form.row_length(), form.degree()[0] + 1);
-    // Rows that follow one another are one.
+    // Rows without gaps are treated as one.
     let together = nets.iter().all(PieceNet::is_without_gaps);
     let (rows, length) = if together { (1, count * length) } else { (count, length) };
     for i in 0..rows {
@@ -118,7 +119,7 @@ fn put<S: Simd>(simd: S, form: Form, nets: &[PieceNet<'_>; 8], numbers: &mut Num
     }
 }
 
-/// Puts rows of numbers, as many in each lane as there is room for, into lanes.
+/// Puts one row of each lane into lanes: as many of its numbers as there is room for.
 #[inline(always)]
 fn put_row<S: Simd>(simd: S, rows: &[&[f64]; 8], numbers: &mut [[f64; 8]]) {
     let length = numbers.len();
@@ -150,11 +151,11 @@ fn put_row<S: Simd>(simd: S, rows: &[&[f64]; 8], numbers: &mut [[f64; 8]]) {
     }
 }
 
-/// Makes nets by powers of the control points that are in lanes, by the operations of [`make`].
+/// Converts the control points in lanes to nets by powers, with the operations of [`make`].
 #[inline(always)]
 fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], numbers: &mut Numbers) {
     match (form.degree(), form.rational) {
-        // Unrolled for the degrees met most.
+        // Unrolled for the most common degrees.
         ([3, 3], false) => make_all_of(simd, ([3, 3], 12), along, numbers),
         (degree @ [p, q], _) if p.max(q) <= 3 => {
             make_all_of(simd, (degree, form.row_length()), along, numbers);
@@ -163,7 +164,7 @@ fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], number
     }
 }
 
-/// The same for these degrees, up to three, and numbers in a row: all columns, then all rows.
+/// The same for these degrees, up to three, and this many numbers in a row: all columns, then all rows.
 #[inline(always)]
 fn make_all_of<S: Simd>(
     simd: S,
@@ -201,7 +202,7 @@ fn make_all_long<S: Simd>(
     make_lines(simd, (&shares, q), rows, numbers);
 }
 
-/// From points to coefficients of powers: of every `step`-th number, from the first on.
+/// Converts points to coefficients of powers: every `step`-th number, from `first` on.
 #[inline(always)]
 fn make_line<S: Simd>(
     simd: S,
@@ -220,7 +221,7 @@ fn make_line<S: Simd>(
     }
 }
 
-/// What makes the nets of all lanes.
+/// The shares by which the nets of all lanes are made.
 #[inline(always)]
 fn in_lanes<S: Simd, const N: usize>(
     simd: S,

@@ -1,13 +1,13 @@
-//! Parts of a leaf, each for one of sixteen rays, number by number.
+//! Parts of a leaf, each for one of sixteen rays, as a structure of arrays.
 
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 
 use super::LANES;
 
-/// A tag tells the lane in its lowest bits; above them, how often the leaf was halved.
+/// A tag holds the lane in its lowest bits and, above them, how often the leaf was halved.
 const LANE_BITS: u32 = LANES.trailing_zeros();
 
-/// The places of the lanes.
+/// The indices of the lanes.
 const PLACES: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Sixteen parts of a leaf, each with the lane of a ray, in box coordinates.
@@ -19,7 +19,7 @@ pub(super) struct Sixteen<S: Simd> {
 }
 
 impl<S: Simd> Sixteen<S> {
-    /// The same part for every lane, in its place.
+    /// The same part for every lane, at the lane's place.
     #[inline(always)]
     pub(super) fn all(simd: S, middle: [f32; 2], half: [f32; 2]) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl<S: Simd> Sixteen<S> {
         [[x - reach_x, x + reach_x], [y - reach_y, y + reach_y]]
     }
 
-    /// Halved across the longer sides, for the lengths of the leaves' half sides.
+    /// The two halves of each part, cut across the longer side, for the lengths of the leaves' half sides.
     #[inline(always)]
     pub(super) fn halved(&self, simd: S, lengths: [f32x16<S>; 2]) -> [Self; 2] {
         let [x, y] = self.half;
@@ -55,7 +55,7 @@ impl<S: Simd> Sixteen<S> {
         ]
     }
 
-    /// Those that come from this many halvings, or more.
+    /// The parts that come from this many halvings, or more.
     #[inline(always)]
     pub(super) fn halved_so_often(&self, simd: S, times: u32) -> mask32x16<S> {
         self.tags.simd_ge(u32x16::splat(simd, times << LANE_BITS))
@@ -67,14 +67,14 @@ impl<S: Simd> Sixteen<S> {
         self.tags[place] as usize % LANES
     }
 
-    /// The places of bytes of the parts' lanes in a vector of lanes.
+    /// The byte indices that gather the numbers of the parts' lanes from a vector of lanes.
     #[inline(always)]
     pub(super) fn bytes_of_lanes(&self, simd: S) -> u8x64<S> {
         bytes_of(simd, self.tags & u32x16::splat(simd, LANES as u32 - 1))
     }
 }
 
-/// The places of bytes of the numbers of four bytes in these places of a vector.
+/// The byte indices of the four-byte numbers at these places of a vector.
 #[inline(always)]
 pub(super) fn bytes_of<S: Simd>(simd: S, places: u32x16<S>) -> u8x64<S> {
     (places * u32x16::splat(simd, 0x0404_0404) + u32x16::splat(simd, 0x0302_0100)).to_bytes()
@@ -84,7 +84,7 @@ pub(super) fn bytes_of<S: Simd>(simd: S, places: u32x16<S>) -> u8x64<S> {
 #[derive(Debug, Default)]
 pub(super) struct LaneParts {
     count: usize,
-    /// Of each there are at least `LANES` more than `count`.
+    /// Each has room for at least `LANES` numbers more than `count`.
     middle: [Vec<f32>; 2],
     half: [Vec<f32>; 2],
     tags: Vec<u32>,
@@ -96,7 +96,7 @@ impl LaneParts {
         self.make_room();
     }
 
-    /// Puts in the parts whose bit is set.
+    /// Pushes the parts whose bit is set.
     #[inline(always)]
     pub(super) fn push<S: Simd>(&mut self, parts: &Sixteen<S>, chosen: mask32x16<S>) {
         let at = self.count..self.count + LANES;
@@ -119,7 +119,7 @@ impl LaneParts {
         }
     }
 
-    /// Takes out the last sixteen parts, or as many as there are: a bit for each that is one.
+    /// Takes out the last sixteen parts, or as many as there are; also returns a bit for each of them.
     #[inline(always)]
     pub(super) fn pop<S: Simd>(&mut self, simd: S) -> Option<(Sixteen<S>, u32)> {
         if self.count == 0 {
@@ -143,11 +143,11 @@ impl LaneParts {
         Some((parts, u32::MAX >> (u32::BITS - taken as u32)))
     }
 
-    /// Takes out a part for each lane that has any, and puts it in the place of its lane; the
-    /// bits of these lanes.
+    /// Takes out a part for each lane that has any, and puts it at its lane's place; also returns
+    /// the bits of these lanes.
     ///
-    /// Of a lane's parts it is the one with the least middle: so the order does not depend on the
-    /// other lanes.
+    /// Of a lane's parts, the one with the least middle is taken: so the order does not depend on
+    /// the other lanes.
     #[inline(always)]
     pub(super) fn pop_by_lane<S: Simd>(&mut self, simd: S) -> Option<(Sixteen<S>, u32)> {
         if self.count == 0 {
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!((told(&second, lanes), lanes), (vec![(5, above, half)], 0b10_0000));
         assert!(parts.pop_by_lane(simd).is_none());
 
-        // More than sixteen come out in two times, the last first.
+        // More than sixteen parts come out in two calls, the last ones first.
         parts.push(&high, of(0xffff));
         parts.push(&low, of(0b1001));
         let (last, taken) = parts.pop(simd).unwrap();

@@ -1,9 +1,9 @@
-//! What the bicubic approximations of leaves prove of sixteen rays, each lane as in
+//! Proofs from the bicubic approximations of leaves for sixteen rays, each lane as in
 //! [`single_proof`](super::single_proof).
 //!
-//! Some rays need many parts: so the lanes hold parts, sixteen at a time, of whichever rays
-//! ([`LaneParts`]). Which parts a ray is asked for, and what is proved of them, depends on the ray and the
-//! leaf alone.
+//! Some rays need many parts. So the lanes hold parts of any of the rays, sixteen at a time
+//! ([`LaneParts`]). Which parts of a ray are examined, and what is proved of them, depends on the ray and
+//! the leaf alone.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u8x64};
 use fearless_simd_macros::simd;
@@ -18,42 +18,42 @@ use super::proof::{
 use super::vectors::lane_bits;
 use crate::intersect::bits::set_bits;
 
-/// How often a leaf is halved before the scalar search is called.
+/// How often a leaf is halved before it is left to the scalar search.
 const MOST_HALVINGS: u32 = 14;
 
 /// Scratch memory.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
-    /// To be looked at.
+    /// Parts still to be examined.
     waiting: LaneParts,
-    /// With one root at most for their rays.
+    /// Parts with at most one root of their rays.
     unique: LaneParts,
 }
 
-/// What is asked of the parts of leaves, each for one ray.
+/// The proofs for parts of leaves, each for one ray.
 pub(super) struct LaneProof<'a, S: Simd> {
     simd: S,
     distances: &'a LaneDistances,
     parts: &'a mut Parts,
-    /// The lengths, about, of the leaves' half sides.
+    /// The approximate lengths of the leaves' half sides.
     lengths: [f32x16<S>; 2],
     errors: Errors<S>,
-    /// The lanes of which nothing could be proved.
+    /// The lanes for which nothing could be proved.
     pub(super) undecided: u32,
 }
 
-/// How far what is computed may be off, lane by lane.
+/// Error bounds of what is computed, lane by lane.
 #[derive(Clone, Copy)]
 pub(super) struct Errors<S: Simd> {
-    /// How far a point may be from the ray, times the weight.
+    /// Error bound of a point's distance from the ray, times the weight.
     pub(super) error: f32x16<S>,
-    /// A ray that passes within the error of a border meets it: closer is not missed.
+    /// A ray that passes within the error of a border meets it: what is closer than this is not missed.
     pub(super) off_ray: f32x16<S>,
     pub(super) slope_noise: f32x16<S>,
 }
 
 impl<'a, S: Simd> LaneProof<'a, S> {
-    /// For the lanes that are `asked` for.
+    /// Begins the proof for the lanes that are `asked` for.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -65,16 +65,16 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         parts.waiting.clear();
         parts.unique.clear();
         let mut proof = Self { simd, distances, parts, lengths, errors, undecided: 0 };
-        // Of the whole leaf little more is to be learnt than its certificate says.
+        // The whole leaf shows little more than its certificate says.
         let LeafPart { middle, half } = LeafPart::whole();
         proof.halve(&Sixteen::all(simd, middle, half), lengths, asked);
         proof
     }
 
-    /// A part for each of some lanes that has one root at most in it: all of their roots are in
-    /// such parts, but for the lanes that are `undecided` at the end.
+    /// Returns a part for each of some lanes, with at most one root in it. All roots of a lane are
+    /// in such parts, except for the lanes that are `undecided` at the end.
     ///
-    /// Lanes that are undecided by now are told no more parts: which of theirs were looked at before
+    /// Lanes that are undecided by now get no more parts: which of their parts were examined before
     /// that was known depends on the other lanes.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<(Sixteen<S>, u32)> {
@@ -85,7 +85,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
         Some((parts, lanes & !self.undecided))
     }
 
-    /// Looks at the halves of parts told last for these lanes, too.
+    /// Also examines the halves of the parts returned last for these lanes.
     #[inline(always)]
     pub(super) fn go_on(&mut self, parts: &Sixteen<S>, lanes: u32) {
         if lanes != 0 {
@@ -107,7 +107,7 @@ impl<'a, S: Simd> LaneProof<'a, S> {
     }
 }
 
-/// Looks at parts of any lanes: those whose bit is set.
+/// Examines parts of any lanes: those whose bit is set in `taken`.
 #[simd]
 fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen<S>, taken: u32) {
     let mut asked = taken;
@@ -143,7 +143,7 @@ fn look_at_parts<S: Simd>(simd: S, proof: &mut LaneProof<'_, S>, parts: &Sixteen
     }
 }
 
-/// The bits of the lanes of parts in these places.
+/// The bits of the lanes whose parts are at these places.
 #[inline(always)]
 fn lanes_of<S: Simd>(parts: &Sixteen<S>, places: u32) -> u32 {
     set_bits(places).fold(0, |lanes, place| lanes | 1 << parts.lane(place))
@@ -154,7 +154,7 @@ fn mask<S: Simd>(simd: S, bits: u32) -> mask32x16<S> {
     mask32x16::from_bitmask(simd, u64::from(bits))
 }
 
-/// The lanes with no root in the whole leaf; `error` is how far the distances may be off.
+/// The lanes with no root in the whole leaf; `error` is the error bound of the distances.
 #[simd]
 pub(super) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<S>) -> u32 {
     let LeafPart { middle, half } = LeafPart::whole();
@@ -168,8 +168,8 @@ pub(super) fn missed<S: Simd>(simd: S, distances: &LaneDistances, error: f32x16<
 struct Local(LaneDistances);
 
 impl Local {
-    /// From the distances of the parts' lanes, which `bytes` tells if not every part is in its
-    /// lane's place.
+    /// The distances of the parts' lanes, over the parts; `bytes` gives these lanes if not every
+    /// part is at its lane's place.
     #[inline(always)]
     fn over<S: Simd>(
         simd: S,
@@ -220,7 +220,7 @@ impl Local {
         [[self.at(simd, 0, 4), self.at(simd, 1, 4)], [self.at(simd, 0, 1), self.at(simd, 1, 1)]]
     }
 
-    /// The lanes with no root in the part; `error` is how far the distances may be off.
+    /// The lanes with no root in the part; `error` is the error bound of the distances.
     #[inline(always)]
     fn missed<S: Simd>(&self, simd: S, error: f32x16<S>) -> u32 {
         let [[a1, a2], [b1, b2]] = self.slopes(simd);
@@ -234,8 +234,8 @@ impl Local {
         missed
     }
 
-    /// The lanes for which Newton's step from the middle leads to a place outside, where the
-    /// iteration for the one root of this part could not follow: halves can be proved to be missed.
+    /// The lanes for which Newton's step from the middle leads out of the part, where the iteration
+    /// for the part's one root could not follow; its halves can be proved to be missed.
     #[simd]
     fn leading_away<S: Simd>(&self, simd: S) -> u32 {
         let [[a1, a2], [b1, b2]] = self.slopes(simd);
@@ -277,7 +277,7 @@ impl Local {
             turning[k] = slope;
             unique &= lane_bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
         }
-        // What is wanted of g' is part of the sums: 1. All are false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are false for NaN.
         let two = one + one;
         let [[xx, xy], [yx, yy]] = turning;
         let (left_x, left_y) = (two - xx, two - yy);
@@ -366,7 +366,7 @@ mod tests {
         DMat2::from_cols(column(0), column(1))
     }
 
-    /// With roots at these two places.
+    /// The bicubics, changed to have roots at these two places.
     fn through(mut of: Bicubics, [p, q]: [DVec2; 2]) -> Bicubics {
         let way = q - p;
         for f in &mut of {
@@ -379,7 +379,7 @@ mod tests {
         of
     }
 
-    /// What is said of the whole of a leaf, each time by sixteen lanes and by the search of one ray.
+    /// What is proved of the whole of a leaf, each time by sixteen lanes and by the search of one ray.
     struct Said {
         /// That there is one root at most.
         unique: [bool; 2],
@@ -418,7 +418,7 @@ mod tests {
         })
     }
 
-    /// Of bent bicubics; at most three in twelve thousand sayings differ, by rounding.
+    /// For bent bicubics, at most three in twelve thousand results differ, by rounding.
     #[test]
     fn lanes_say_what_the_search_of_one_ray_says() {
         let coefficients = (0.0..0.3f64, 0.2..2.0f64, prop::collection::vec(-1.0..1.0f64, 32))
@@ -451,8 +451,8 @@ mod tests {
         assert!(counts.iter().map(|[_, differ]| differ).sum::<u32>() <= 3, "{counts:?}");
     }
 
-    /// Never of two functions with two roots; and where it is said, the inverse of the mean of the
-    /// derivatives between any two places is as small as promised.
+    /// Uniqueness is never claimed for two functions with two common roots; where it is claimed,
+    /// the inverse of the mean of the derivatives between any two places is as small as promised.
     #[test]
     fn one_root_is_one() {
         let bicubics =
@@ -477,7 +477,7 @@ mod tests {
             let [lanes, one] = said(&of).unique;
             unique.set(unique.get() + u32::from(lanes) + u32::from(one));
             if lanes || one {
-                // Gauss's rule of four points, exact for the mean.
+                // Gauss's rule with four points, exact for the mean.
                 let nodes = [(-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
                     (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1)];
                 let mut mean = DMat2::ZERO;

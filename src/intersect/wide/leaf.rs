@@ -22,8 +22,8 @@ use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
-/// One leaf against the rays of the packet that may meet it, sixteen by sixteen: those whose bit is
-/// set in `groups`.
+/// Searches one leaf for the rays of the packet that may meet it, sixteen by sixteen: the groups
+/// whose bit is set in `groups`.
 #[simd]
 pub(super) fn search_leaf<S: Simd, Q>(
     simd: S,
@@ -34,13 +34,13 @@ pub(super) fn search_leaf<S: Simd, Q>(
     statistics: &mut Statistics,
 ) {
     let mut groups = groups;
-    // The boxes of most leaves are missed by most rays: their data are only touched when they
-    // are needed.
+    // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
+    // they are needed.
     let Some(mut next) = next_group(simd, oriented, packet, &mut groups) else { return };
     if !packet.turned {
         turn(simd, packet);
     }
-    // Not an option that is filled in the loop: it would be made elsewhere, and copied.
+    // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
     let target = Target::new(scene, oriented, index);
     let mut closer = None;
     let mut found = false;
@@ -59,8 +59,8 @@ pub(super) fn search_leaf<S: Simd, Q>(
     }
 }
 
-/// The next sixteen rays, of those whose bit is set, some of which meet the box: the first of them, and their ways
-/// through the box.
+/// The next sixteen rays, of those whose bit is set in `groups`, of which some meet the box: the
+/// index of the first ray, and the rays' ways through the box.
 #[inline(always)]
 fn next_group<S: Simd>(
     simd: S,
@@ -82,8 +82,8 @@ fn next_group<S: Simd>(
     None
 }
 
-/// One leaf against the sixteen rays from `base` on, whose ways through its box are told; returns whether some ray's
-/// nearest hit is new.
+/// Searches one leaf for the sixteen rays from `base` on, whose ways through its box are in `crossing`;
+/// returns whether some ray's nearest hit is new.
 #[inline(always)]
 fn search_group<S: Simd, Q>(
     simd: S,
@@ -114,7 +114,7 @@ fn search_group<S: Simd, Q>(
         return false;
     }
     let error = magnitude * f32x16::splat(simd, rounding::f32_above(factor));
-    // Of flat leaves nothing is to be searched, and no more to be seen before a closer look.
+    // Flat leaves need no search in f32, which shows no more of them before the closer look in f64.
     let is_flat = target.leaf.is_flat() && !packet.any;
     let known = !is_flat || doubted != 0;
     if known {
@@ -139,7 +139,8 @@ fn search_group<S: Simd, Q>(
     done.found
 }
 
-/// The `certain` of sixteen rays, which the leaf's certificate speaks of; `error` is how far points may be from them.
+/// Searches for the `certain` of sixteen rays, for which the leaf's certificate holds; `error` is
+/// the error bound of points' distances.
 #[inline(always)]
 fn search_certified<S: Simd, Q>(
     simd: S,
@@ -184,7 +185,7 @@ fn search_certified<S: Simd, Q>(
     Done { found: found | finished.found, ..finished }
 }
 
-/// Of sixteen rays that the leaf's certificate speaks of, those whose one root in it is the one they start on.
+/// Of sixteen rays for which the leaf's certificate holds, those whose one root in it is the one they start on.
 #[inline(always)]
 fn start_here<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Rays into the lanes of a packet.
+//! Loads rays into the lanes of a packet.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::intersect::Shot;
 use crate::intersect::bits::set_bits;
 use crate::patch::SceneFrame;
 
-/// Takes in up to [`PACKET`] rays as they are given; lanes left over repeat the first.
+/// Loads up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
 pub(super) fn load<S: Simd, Q: Shot>(
     simd: S,
@@ -48,7 +48,7 @@ pub(super) fn load<S: Simd, Q: Shot>(
     packet.farthest = farthest(simd, packet);
 }
 
-/// Brings the rays of a packet, as far as their nearest hits, into other scaled coordinates.
+/// Converts the rays of a packet, up to their nearest hits, to other scaled coordinates.
 #[cold]
 #[simd]
 pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFrame, reach: f64) {
@@ -75,7 +75,7 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFram
     packet.farthest = farthest(simd, packet);
 }
 
-/// The lanes, idle ones too, whose rays come from too far away.
+/// The lanes, including idle ones, whose rays come from too far away.
 #[simd]
 fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
     let reach = f64x8::splat(simd, reach_of_f32);
@@ -87,8 +87,8 @@ fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
     far_off
 }
 
-/// Leaves out the rays that come from too far away: in their lanes, and in idle ones that repeat such a
-/// ray, there may be no numbers of f32, which would spoil what is said of all lanes.
+/// Leaves out the rays that come from too far away. In their lanes, and in idle ones that repeat such a
+/// ray, numbers may overflow f32, which would spoil what is computed for all lanes.
 fn leave_out(packet: &mut Packet, far_off: u64) {
     let other = (!far_off).trailing_zeros() as usize % PACKET;
     for k in set_bits(far_off) {
@@ -101,7 +101,7 @@ fn leave_out(packet: &mut Packet, far_off: u64) {
     }
 }
 
-/// The frames of eight rays.
+/// The frames of eight rays, which are also stored in the packet.
 #[inline(always)]
 fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usize) -> Frames<S> {
     let frames = Frames::of(simd, shots, base);
@@ -118,8 +118,8 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
     frames
 }
 
-/// The normals of the planes through the rays of a packet, as in
-/// [`RayFrame`](crate::math::RayFrame): those of packets that meet no leaf are not needed.
+/// Computes the normals of the planes through the rays of a packet, as in
+/// [`RayFrame`](crate::math::RayFrame). Packets that meet no leaf do not need them.
 #[simd]
 pub(super) fn turn<S: Simd>(simd: S, packet: &mut Packet) {
     let one = f64x8::splat(simd, 1.0);
@@ -149,7 +149,7 @@ fn store<S: Simd>(_simd: S, lanes: &mut [f64; PACKET], base: usize, value: f64x8
     value.store_slice(&mut lanes[base..base + 8]);
 }
 
-/// The f32 coordinates of sixteen rays.
+/// Stores the f32 coordinates of sixteen rays.
 #[inline(always)]
 fn narrow<S: Simd>(
     simd: S,
@@ -172,7 +172,7 @@ fn narrow<S: Simd>(
     narrow.magnitude.store_slice(&mut packet.magnitude_f[sixteen]);
 }
 
-/// Sixteen numbers as f32.
+/// Stores sixteen numbers as f32.
 #[simd]
 fn store_f<S: Simd>(
     simd: S,
@@ -183,8 +183,8 @@ fn store_f<S: Simd>(
     simd.narrow_f64x8(low, high).store_slice(&mut lanes[base..base + LANES]);
 }
 
-/// What some lanes' rays have in common. Idle lanes repeat a ray, so they do no harm.
-#[inline(always)] // returned, it would be copied, which stalls
+/// Bounds shared by the rays of some lanes. Idle lanes repeat a ray, so they do no harm.
+#[inline(always)] // a returned result would be copied, which stalls
 pub(super) fn bounds<S: Simd>(simd: S, packet: &Packet, lanes: Range<usize>) -> PacketBounds {
     let mut bounds = PacketBounds::default();
     let mut axis = load3(simd, &packet.axis_f, lanes.start);

@@ -1,33 +1,33 @@
-//! How it is made fast: many boxes, and many rays, at a time.
+//! SIMD kernels: many boxes, and many rays, at a time.
 //!
-//! The scalar kernel says what is computed, the certificate why it is certain. Sixteen boxes are
-//! tested at once against a packet of rays (`traverse`), or sixteen of its rays against a box where they
-//! have little in common (`apart`); sixteen rays at once against a leaf
-//! (`leaf`, `box_crossing`). A search in f32 on an approximation of the leaf (`distances`) gives Newton's
-//! iteration a start from which one step on the true surface, in f64, as a rule reaches the
-//! promised accuracy (`finish`); often it is enough to prove that the root is not on the leaf, or, if any
-//! hit will do, that it is (`screen`).
+//! The scalar kernel specifies what is computed; the certificate says why it is certain. Sixteen
+//! boxes are tested at once against a packet of rays (`traverse`) or, where the rays of the packet
+//! have little in common, sixteen of its rays against a box (`apart`). Sixteen rays at once are
+//! tested against a leaf (`leaf`, `box_crossing`). A search in f32 on an approximation of the leaf
+//! (`distances`) gives Newton's iteration a start from which, as a rule, one step on the true
+//! surface, in f64, reaches the promised accuracy (`finish`). Often it is enough to prove that the
+//! root is not on the leaf or, if any hit will do, that it is (`screen`).
 //!
-//! Screening is one of three proofs that are added here: it is about the one root that the certificate leaves. The
-//! others are about a ray and a leaf that it does not speak of: what the leaf's approximation says of that ray's
-//! roots (`single_proof`), for sixteen rays and leaves at a time in `lane_proof`, where packets put them together
-//! (`doubts`); and that a ray which leaves a leaf does not come back to it (`departure`, asked in `start`). What is
-//! not proved goes to the scalar search at last.
+//! Screening is one of three proofs added here: it concerns the one root that the certificate leaves. The
+//! other two concern a ray and a leaf for which the certificate does not hold: what the leaf's approximation
+//! says of that ray's roots (`single_proof`; `lane_proof` does this for sixteen rays and leaves at a time,
+//! which packets collect in `doubts`), and that a ray which leaves a leaf does not come back to it
+//! (`departure`, used in `start`). What is not proved is left to the scalar search.
 //!
-//! What is small against the scene is searched in coordinates of its own (see
-//! [`regions`](super::regions)): all three ways lead rays there and back.
+//! Parts that are small compared with the scene are searched in coordinates of their own (see
+//! [`regions`](super::regions)); all three ways take rays into these coordinates and back.
 //!
-//! What becomes of a ray and a leaf is computed lane by lane, so it does not depend on the
-//! other rays of the packet.
+//! The result for a ray and a leaf is computed lane by lane, so it does not depend on the other
+//! rays of the packet.
 //!
-//! A ray that comes alone (`single`) goes through the same tree, sixteen boxes at a time, down to
-//! blocks of sixteen leaves; then the lanes hold the coefficients of the one leaf that is searched.
+//! A single ray (`single`) traverses the same tree, sixteen boxes at a time, down to blocks of
+//! sixteen leaves; there the lanes hold the coefficients of the one leaf that is searched.
 //!
-//! Of many rays that have nothing in common (`stream`) each goes through the boxes like that; then
-//! sixteen pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
+//! Many rays that have nothing in common (`stream`) each traverse the boxes in this way; then sixteen
+//! pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
 //! (`newton`).
 //!
-//! The files, in the order to read them in:
+//! The files, in reading order:
 //!
 //! | | packets: many rays, one leaf | single: one ray, many boxes | streams: many pairs |
 //! |---|---|---|---|
@@ -38,11 +38,11 @@
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
-//! All stand on vectors in lanes (`vectors`), on how far leaves reach and what rounding leaves (`proof`), on the
-//! surface in lanes (`jets`, or `power_sums` where it is well conditioned, as the `form` of a piece says; for leaves of
-//! one patch by `target`, of many by `lane_net`, their nets made there or by `spline_net`, both by `power_lines`, if
-//! they are not kept), on bicubic polynomials (`cubic`), on what becomes of a ray that leaves a root (`start`,
-//! `departure`), and on what trims say of a hit (`trimmed`).
+//! All of them use vectors in lanes (`vectors`); the reach of leaves and the rounding errors (`proof`); the
+//! surface in lanes (`jets`, or `power_sums` where the piece is well conditioned, as its `form` says;
+//! `target` serves leaves of one patch, `lane_net` those of many; nets that are not kept are made in
+//! `lane_net` or `spline_net`, both by `power_lines`); bicubic polynomials (`cubic`); the treatment of a ray
+//! that leaves a root (`start`, `departure`); and the decision of the trims on a hit (`trimmed`).
 
 mod apart;
 mod box_crossing;

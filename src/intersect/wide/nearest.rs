@@ -8,9 +8,9 @@ use crate::patch::Leaf;
 
 /// What is to be done with a hit.
 pub(super) enum Kept {
-    /// It is the nearest so far.
+    /// The hit is the nearest so far.
     Nearer,
-    /// It is not, or trimmed away.
+    /// It is not the nearest, or it is trimmed away.
     Not,
     /// It lies near an edge of the trims: the scalar search must judge it.
     Undecided,
@@ -18,12 +18,12 @@ pub(super) enum Kept {
 
 /// Keeps a hit if it is nearer than the nearest so far, and trims keep it.
 ///
-/// Of hits at the same place the piece that comes first counts, and its first part, whichever was
-/// searched first: so the order of the search does not matter.
+/// Of hits at the same place, the one on the first piece counts, and there the one on its first
+/// part, whichever was searched first: so the order of the search does not matter.
 #[inline(always)]
 pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitPlace>) -> Kept {
     let leaf = &scene.leaves[found.leaf as usize];
-    // What is not nearer than the nearest by more than it may be off need not be judged.
+    // A hit that lies beyond the nearest by more than the errors need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         let piece = &scene.set.pieces()[leaf.piece as usize];

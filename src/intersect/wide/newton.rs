@@ -1,5 +1,5 @@
-//! Newton's iteration on the true surface, in f64, eight lanes at a time: of eight rays and one
-//! leaf, or of eight pairs of a ray and a leaf.
+//! Newton's iteration on the true surface, in f64, eight lanes at a time: for eight rays and one
+//! leaf, or for eight pairs of a ray and a leaf.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
@@ -10,30 +10,33 @@ use super::single_finish::COARSEST;
 use super::vectors::{cross_d, dot_d, sum_of_sizes};
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// Steps in f64: one is usual.
+/// The largest number of steps in f64: one is usual.
 const MOST_STEPS: usize = 4;
 
-/// How much of the promised error a last step may leave behind by curvature, and as much again by rounding.
+/// The part of the promised error that a last step may leave behind by curvature, and as much again by
+/// rounding.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
-/// What rounding of a step leaves of the distances `f`, as a part of `|f| |a| |b| / |det|`, with the tangents' components
-/// `a` and `b` across the ray: numerators are off by four units of that, the determinant by two, products with the
-/// tangents by two. (Components are off by some units of the tangents' lengths themselves, which is more only for rays
-/// all but along a tangent.) It matters where tangents are nearly parallel.
+/// Rounding error that a step leaves in the distances `f`, as a part of `|f| |a| |b| / |det|`,
+/// where `a` and `b` are the tangents' components across the ray: numerators are off by four units
+/// of that, the determinant by two, products with the tangents by two. (Components are off by some
+/// units of the tangents' lengths themselves, which is more only for rays almost along a tangent.)
+/// This error matters where tangents are nearly parallel.
 const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// The largest square of `|f| |a| |b| / |det|`, over that of the error, of which rounding leaves no more than
+/// The largest square of `|f| |a| |b| / |det|`, over that of the error, at which rounding leaves no more than
 /// [`PART_OF_ERROR`].
 pub(super) const MOST_ROUNDED: f64 = {
     let most = PART_OF_ERROR / ROUNDING_OF_STEP;
     most * most
 };
 
-/// How far the normal may be off after a last step, in radians, or it is asked for where that led: a bound. With
-/// 1e-10 normals were seen to be off by 1.2e-11.
+/// The largest bound, in radians, of the normal's error after a last step; otherwise the normal is evaluated
+/// where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
 const MOST_TURN: f64 = 5e-12;
 
-/// The longest step, in half sides, that is spoken of: in longer ones rounding of second derivatives might count.
+/// The longest step, in half sides, of which anything is claimed: in longer ones rounding of second
+/// derivatives might count.
 const LONGEST_STEP: f64 = 1e-3;
 
 /// Eight leaves, one a lane, and the surfaces that they approximate.
@@ -41,33 +44,33 @@ pub(super) trait Leaves<S: Simd> {
     /// Points, first and second derivatives.
     fn jets(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
-    /// The same without second derivatives.
+    /// Points and first derivatives only.
     fn tangents(&self, simd: S, st: &[f64x8<S>; 2]) -> Jets<S>;
 
-    /// Half the sides of their rectangles, one over that, and their middles.
+    /// Half the sides of the leaves' rectangles, one over that, and their middles.
     fn half(&self, simd: S) -> [f64x8<S>; 2];
     fn per_half(&self, simd: S) -> [f64x8<S>; 2];
     fn middle(&self, simd: S) -> [f64x8<S>; 2];
 
-    /// Where there is one root at most: from and to in `s`, then in `t`.
+    /// The domain with at most one root: from and to in `s`, then in `t`.
     fn domain(&self, simd: S) -> [f64x8<S>; 4];
 
     /// `M` and `T` of [`FitError`](crate::patch::FitError).
     fn bend(&self, simd: S) -> f64x8<S>;
     fn third(&self, simd: S) -> f64x8<S>;
 
-    /// Whether normals are asked for; else those that are found do for error bounds only.
+    /// Whether normals are asked for; otherwise the normals found only serve error bounds.
     fn asks_normals(&self) -> bool;
 
-    /// How far beyond a side of the piece a root must lie, in box coordinates, for all of the piece in the
+    /// How far beyond a side of the piece, in box coordinates, a root must lie for all of the piece in the
     /// domain to be missed; infinite where nothing is known.
     fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
 
-    /// The lanes whose next step surely leads away from the leaf, so that it is missed.
+    /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed.
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
 }
 
-/// Eight rays. What is asked for is read when it is: there are not enough registers to hold it.
+/// Eight rays. Data are read when they are asked for: there are not enough registers to hold them.
 pub(super) trait Rays<S: Simd> {
     fn origin(&self, simd: S) -> [f64x8<S>; 3];
 
@@ -77,7 +80,7 @@ pub(super) trait Rays<S: Simd> {
     /// The normals of two planes through each ray.
     fn normals(&self, simd: S) -> [[f64x8<S>; 3]; 2];
 
-    /// How far a point may be from the ray.
+    /// Error bound of a point's distance from the ray.
     fn error(&self) -> f64x8<S>;
 
     /// The distances of points from the planes.
@@ -92,27 +95,27 @@ pub(super) trait Rays<S: Simd> {
 /// A step of the iteration, by first derivatives alone.
 #[derive(Clone, Copy)]
 pub(super) struct Step<S: Simd> {
-    /// From where, and by how much it goes back.
+    /// Where it starts, and by how much it goes back.
     pub(super) at: [f64x8<S>; 2],
     pub(super) by: [f64x8<S>; 2],
-    /// The distances from the ray's planes there.
+    /// The distances from the ray's planes where it starts.
     pub(super) distances: [f64x8<S>; 2],
 }
 
 /// Where the iteration has converged.
 #[derive(Clone, Copy)]
 pub(super) struct Converged<S: Simd> {
-    /// The lanes that have.
+    /// The lanes that have converged.
     pub(super) found: mask64x8<S>,
-    /// Those that should have.
+    /// The lanes that should have converged but have not.
     pub(super) open: mask64x8<S>,
-    /// Those whose normals are known.
+    /// The lanes whose normals are known.
     known: mask64x8<S>,
     pub(super) st: [f64x8<S>; 2],
-    /// How far along the ray.
+    /// The distance along the ray.
     pub(super) z: f64x8<S>,
     pub(super) point: [f64x8<S>; 3],
-    /// `S_s × S_t`, and no less than the sum of the lengths of `S_s` and `S_t`.
+    /// `S_s × S_t`, and an upper bound of the sum of the lengths of `S_s` and `S_t`.
     pub(super) cross: [f64x8<S>; 3],
     pub(super) speed: f64x8<S>,
     /// One over the determinant of the tangents in the ray's planes.
@@ -137,17 +140,17 @@ struct Landed<S: Simd> {
     inverse_det: f64x8<S>,
 }
 
-/// Newton's steps for the `wanted` lanes, from what the search in f32 has found.
+/// Takes Newton's steps for the `wanted` lanes, from what the search in f32 has found.
 ///
-/// All of these rays have one root at most in the domain. So a lane that converges has found its
-/// one root: it is `found` if it lies in the leaf or its slack, else that part of the leaf is
-/// proved to be missed; so it is where the root lies so far beyond a side of the piece that no point of the
-/// piece is within the error (`clearance`), and where a step surely leads away, which is asked where the leaf's
-/// certificate speaks of the ray (`certified`).
+/// Each of these rays has at most one root in the domain. So a lane that converges has found its one root. It
+/// is `found` if the root lies in the leaf or its slack; else that part of the leaf is proved to be missed.
+/// That part is also missed where the root lies so far beyond a side of the piece that no point of the piece
+/// is within the error (`clearance`), and where a step surely leads away, which is only asked where the
+/// leaf's certificate holds for the ray (`certified`).
 ///
-/// Steps take second derivatives, too (Chebyshev's method): they leave the third power of their length, and
-/// as the search in f32 ends within about 1e-5 half sides, as a rule the first is the last. (One with first
-/// derivatives alone, and another from where it leads, take longer than one with both.)
+/// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their length, and as
+/// the search in f32 ends within about 1e-5 half sides, as a rule the first step is the last. (One step with
+/// first derivatives alone, and another from where it leads, take longer than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
 pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -173,7 +176,8 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
         steps: wanted.to_bitmask().count_ones(),
     };
     if root.open.any_true() {
-        // Copies: whose address is known to others is kept in memory, even where they are not asked.
+        // Copies: a variable whose address is passed on is kept in memory, even where the function
+        // is not called.
         let so_far = (root, landed);
         let later = go_on(simd, leaves, rays, &so_far, certified);
         root = later;
@@ -206,14 +210,14 @@ fn normals<S: Simd, T: Leaves<S>>(simd: S, leaves: &T, st: &[f64x8<S>; 2]) -> [f
     cross_d(ds, dt)
 }
 
-/// The places on the piece.
+/// The places that lie on the piece.
 #[inline(always)]
 fn on_piece<S: Simd>(simd: S, [s, t]: [f64x8<S>; 2]) -> mask64x8<S> {
     let (low, high) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
     s.simd_ge(low) & s.simd_le(high) & t.simd_ge(low) & t.simd_le(high)
 }
 
-/// The roots that lie so far beyond a side of the piece that it is missed there.
+/// The roots that lie so far beyond a side of the piece that the piece is missed there.
 #[cold]
 #[simd]
 fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
@@ -229,20 +233,21 @@ fn beyond_piece<S: Simd, T: Leaves<S>, R: Rays<S>>(
     over_s.max(over_t).simd_gt(leaves.clearance(simd, rays))
 }
 
-/// Steps stay where there is one root at most; NaN becomes a bound.
+/// Moves places into the domain with at most one root; NaN becomes a bound.
 #[inline(always)]
 fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2] {
     [s.max(domain[0]).min(domain[1]), t.max(domain[2]).min(domain[3])]
 }
 
-/// A step from a place.
+/// Takes a step from a place.
 ///
-/// With the distances `f` there, their first derivatives `J` and second `H` it leads back by `h + e`,
-/// `J h = f`, `J e = ½ H[h, h]`: with `d` no less than the sizes of both together, what is left of the distances
-/// is `H[h, e] + ½ H[e, e]`, at most `2 M d |e|`, what second derivatives leave of the surface, at most `T d³`, and
-/// what rounding does to the step ([`ROUNDING_OF_STEP`]); of both tangents together that are taken along it is
-/// `2 M |e| + 3 T d²`, where [`FitError`](crate::patch::FitError) has `M` and `T`. What is left of one tangent turns the
-/// normal by its part along the normal, times the length of the other tangent, over their cross product.
+/// With the distances `f` there, their first derivatives `J` and second ones `H`, the step leads back by
+/// `h + e`, where `J h = f` and `J e = ½ H[h, h]`. Let `d` be no less than the sizes of both together. What
+/// is left of the distances is then `H[h, e] + ½ H[e, e]` (at most `2 M d |e|`), what second derivatives
+/// leave of the surface (at most `T d³`), and the rounding error of the step ([`ROUNDING_OF_STEP`]). Of
+/// both tangents together, as they are taken along the step, `2 M |e| + 3 T d²` is left.
+/// ([`FitError`](crate::patch::FitError) defines `M` and `T`.) What is left of one tangent turns the normal
+/// by its part along the normal, times the length of the other tangent, over their cross product.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -259,9 +264,10 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let inverse_det = f64x8::splat(simd, 1.0) / (a1 * b2 - a2 * b1);
     let slopes = [[a1, a2], [b1, b2]];
 
-    // Converged where the residual is within the error; or will be after this step, as far as it is not rounded. (A step
-    // from a place that is within the error leaves next to nothing of it: it is no longer than half the slack of the
-    // leaf, and no certificate speaks of rays that are flatter than the surface turns on its way.)
+    // Converged where the residual is within the error, or will be after this step, as far as
+    // rounding allows. (A step from a place that is within the error leaves next to nothing of the
+    // residual: the step is no longer than half the leaf's slack, and no certificate holds for rays
+    // that are flatter than the surface turns along the step.)
     let error = rays.error();
     let (residual, squared) = (f1.mul_add(f1, f2 * f2), error * error);
     let close = residual.simd_le(squared);
@@ -269,7 +275,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let rounded = residual * (along_s * inverse_det) * (along_t * inverse_det);
     let well = rounded.simd_le(squared * f64x8::splat(simd, MOST_ROUNDED));
 
-    // The step, by first derivatives and by what second ones add.
+    // The step by first derivatives, and what second ones add.
     let step = solved(slopes, inverse_det, [f1, f2]);
     let Turned { tangents, moved } = turned(simd, [ds, dt], [dss, dst, dtt], step);
     let more = solved(slopes, inverse_det, [dot_d(n1, moved), dot_d(n2, moved)]);
@@ -290,7 +296,7 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
         z = axis[i].mul_add(point[i] - origin[i], z);
     }
     Landed {
-        // False for NaN, which nothing is known of.
+        // False for NaN, of which nothing is known.
         done: (close | well & straight) & inside,
         known,
         st: [new_s, new_t],
@@ -305,9 +311,9 @@ fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
 
 /// How the tangents turn along a step back.
 struct Turned<S: Simd> {
-    /// Those where it leads.
+    /// The tangents where the step leads.
     tangents: [[f64x8<S>; 3]; 2],
-    /// What that moves the point by: `½ H[h, h]`.
+    /// How far their turning moves the point: `½ H[h, h]`.
     moved: [f64x8<S>; 3],
 }
 
@@ -331,14 +337,14 @@ fn turned<S: Simd>(
     Turned { tangents, moved }
 }
 
-/// How far second derivatives may be believed: the lanes where what they leave of the distances is a
+/// How far second derivatives may be trusted: the lanes where what they leave of the distances is a
 /// small part of the `error`, and those where what they leave of the normal is next to nothing.
 struct Trusted<S: Simd> {
     straight: mask64x8<S>,
     known: mask64x8<S>,
 }
 
-/// Of a step by first derivatives, what second ones add to it, and the tangents where both lead.
+/// Judges a step by first derivatives, what second ones add to it, and the tangents where both lead.
 #[inline(always)]
 fn trusted<S: Simd, T: Leaves<S>>(
     simd: S,
@@ -374,13 +380,13 @@ fn solved<S: Simd>(
     [(f1 * b2 - f2 * b1) * inverse_det, (a1 * f2 - a2 * f1) * inverse_det]
 }
 
-/// How long a step is, in half sides: the larger of its two components.
+/// The length of a step in half sides: the larger of its two components.
 #[inline(always)]
 fn half_sides<S: Simd>([s, t]: [f64x8<S>; 2], [per_half_s, per_half_t]: [f64x8<S>; 2]) -> f64x8<S> {
     (s * per_half_s).abs().max((t * per_half_t).abs())
 }
 
-/// The steps that follow, for lanes that are still open.
+/// Takes the steps that follow, for lanes that are still open.
 #[cold]
 #[simd]
 fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
@@ -418,39 +424,39 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
     root
 }
 
-/// The part of a ray that hits count on, of eight rays.
+/// The ranges of eight rays in which hits count.
 #[derive(Clone, Copy)]
 pub(super) struct Ends<S: Simd> {
     /// From and to.
     pub(super) z: [f64x8<S>; 2],
-    /// How far the roots that rays start on may be off, if any start on one.
+    /// Error bounds of the roots that rays start on, if any ray starts on one.
     pub(super) from_error: Option<f64x8<S>>,
 }
 
-/// What is to be said of roots that were found.
+/// The judgement of roots that were found.
 #[derive(Clone, Copy)]
 pub(super) struct Verdict<S: Simd> {
     /// The length of `S_s × S_t`.
     pub(super) size: f64x8<S>,
-    /// How far `z` may be off.
+    /// Error bound of `z`.
     pub(super) z_error: f64x8<S>,
-    /// Those the scalar search must judge.
+    /// The roots that the scalar search must judge.
     pub(super) judged: mask64x8<S>,
-    /// Those within the ray's range.
+    /// The roots within the ray's range.
     pub(super) acceptable: mask64x8<S>,
-    /// How near an end or another hit a root is too near to be told apart.
+    /// The distance along the ray within which a root cannot be told from an end or another hit.
     pub(super) near_end: f64x8<S>,
 }
 
 impl<S: Simd> Converged<S> {
-    /// The points and the normals of the places themselves.
+    /// Evaluates the points and the normals at the places themselves.
     #[inline(always)]
     pub(super) fn look<T: Leaves<S>>(&mut self, simd: S, leaves: &T) {
         let Jets { point, first: [ds, dt], .. } = leaves.tangents(simd, &self.st);
         (self.point, self.cross) = (point, cross_d(ds, dt));
     }
 
-    /// Roots just outside the piece, and those too near the ray's ends, are judged elsewhere.
+    /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to others.
     #[inline(always)]
     pub(super) fn verdict(
         &self,
@@ -475,7 +481,7 @@ impl<S: Simd> Converged<S> {
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
         let mut judged = found & (!on_piece(simd, self.st) | !clear);
         if !certified {
-            // Rounding of a parameter must be small against the error: no certificate has looked at it.
+            // Rounding of a parameter must be small compared with the error, which no certificate has checked.
             judged |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
         let acceptable = found & !judged & z.simd_gt(z_min);

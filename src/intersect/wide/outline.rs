@@ -1,5 +1,5 @@
-//! What the rays of a packet have in common, read off them as they are given: enough to see that
-//! most packets of a picture's background meet nothing, before anything else is found out of them.
+//! Bounds shared by the rays of a packet, computed from the rays as they are given: enough to see that most
+//! packets of a picture's background meet nothing, before anything else is computed for them.
 
 use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
@@ -11,32 +11,32 @@ use super::packet::PacketBounds;
 use super::searched::Searched;
 use crate::intersect::Shot;
 
-/// Where moved origins may be at most for the work in f32, in scaled coordinates.
+/// The largest coordinate of moved origins for the work in f32, in scaled coordinates.
 const FARTHEST_MOVED: f32 = 4.0;
 
-/// What an `f32` may be off by that was rounded from a number of size one or two; of size four, and
+/// Rounding error of an `f32` that was rounded from a number of size one or two; for size four, and
 /// after one more operation, it is at most four times that.
 const ROUNDED: f32 = f32::EPSILON;
 
-/// No point of a scene is as far as this from its middle, in scaled coordinates, where all of them are at most one
-/// ([`SceneFrame`](crate::patch::SceneFrame)), nor is any point within rounding of it.
+/// No point of a scene is as far as this from its middle, in scaled coordinates, all of which are at most one
+/// ([`SceneFrame`](crate::patch::SceneFrame)), nor is any point within rounding of the scene.
 const BESIDE: f64 = 1.75;
 
 /// What is known of some rays.
 pub(super) enum Outline {
-    /// Nothing: they have too little in common, or lie where rounding counts.
+    /// Nothing: the rays have too little in common, or lie where rounding counts.
     Unknown,
-    /// All lines through them pass the whole scene by.
+    /// All lines through the rays miss the whole scene.
     Beside,
     /// Their bounds, and the largest of their ends in scaled coordinates.
     Bounds(PacketBounds, f32),
 }
 
-/// What all of these rays have in common.
+/// Computes the bounds shared by all of these rays.
 ///
-/// All is interval arithmetic on the ranges of the eight numbers of a ray. Unit directions are
-/// those given over a length between the shortest and the longest there may be; the origins are
-/// moved towards the scene by one distance for all.
+/// Everything is interval arithmetic on the ranges of the eight numbers of a ray. Unit directions
+/// are the given ones over a length between the shortest and the longest that are possible; the
+/// origins are moved towards the scene by one distance for all.
 #[simd]
 pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'_>) -> Outline {
     let Some([low, high]) = hull(simd, shots) else { return Outline::Unknown };
@@ -91,7 +91,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     Outline::Bounds(bounds, (to * frame.scale - shift) as f32 + END_SPARE)
 }
 
-/// The range of a component of unit vectors, from that of vectors and of one over their lengths.
+/// The range of a component of unit vectors, from the range of that of vectors and of one over their lengths.
 fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f64; 2] {
     [
         from * if from < 0.0 { per_shortest } else { per_longest },
@@ -99,11 +99,11 @@ fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f
     ]
 }
 
-/// How near to 0 lines may come through points of a box, given by its middle and half sides, with unit directions
-/// of these ranges.
+/// How near to 0 lines may come that pass through points of a box, given by its middle and half sides, with
+/// unit directions of these ranges.
 ///
-/// With the middles `m` and `d`, and all else no farther from them than `r` and `e`, that is
-/// `|(m + δ) × (d + ε)| ≥ |m × d| − |m| e − r`, for `d + ε` is a unit vector.
+/// With the middles `m` and `d`, and all else no farther from them than `r` and `e`, this is
+/// `|(m + δ) × (d + ε)| ≥ |m × d| − |m| e − r`, since `d + ε` is a unit vector.
 fn least_distance((middle, reach): ([f64; 3], [f64; 3]), unit: &[[f64; 2]; 3]) -> f64 {
     let [m, r] = [middle, reach].map(DVec3::from_array);
     let [from, to] = [0, 1].map(|end| DVec3::from_array(unit.map(|range| range[end])));
@@ -186,7 +186,7 @@ mod tests {
         });
     }
 
-    /// Half its side: what bounds it in f32 is no larger than one.
+    /// Half the cube's side: its bounds in f32 are no larger than one.
     const HALF: f64 = 0.99;
 
     /// A cube whose corners are as far from the middle of the scene as anything can be.

@@ -32,7 +32,7 @@ pub(in crate::intersect) struct Packet {
     pub(super) count: usize,
     pub(super) origin: Lanes3,
     pub(super) axis: Lanes3,
-    /// Of the two planes through each ray; and whether they are known yet.
+    /// The normals of the two planes through each ray, and whether they have been computed.
     pub(super) normals: [Lanes3; 2],
     pub(super) turned: bool,
     /// `1 / |d|`.
@@ -42,13 +42,13 @@ pub(in crate::intersect) struct Packet {
     /// The largest coordinate magnitude of the origins.
     pub(super) magnitude: [f64; PACKET],
     pub(super) magnitude_f: [f32; PACKET],
-    /// In scaled coordinates, moved along the ray by `shift`.
+    /// The origins in scaled coordinates, moved along the rays by `shift`.
     pub(super) origin_f: Lanes3f,
     pub(super) axis_f: Lanes3f,
     pub(super) normals_f: [Lanes3f; 2],
     /// The distance by which the f32 origin was moved along the ray, in scene units.
     pub(super) shift: [f64; PACKET],
-    /// From where on hits count, in f32 coordinates.
+    /// Where hits begin to count, in f32 coordinates.
     pub(super) near_f: [f32; PACKET],
     /// The nearest hit so far, or the end of the ray: in scene units, and in f32 coordinates
     /// rounded up.
@@ -64,24 +64,24 @@ pub(in crate::intersect) struct Packet {
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
-    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal is to be looked at
-    /// closely.
+    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal needs a
+    /// closer look.
     pub(super) needs_look: u64,
     /// The ray parameter.
     pub(super) ray_t: [f64; PACKET],
     /// The place on the piece, and on its surface.
     pub(super) st: [[f64; PACKET]; 2],
     pub(super) uv: [[f64; PACKET]; 2],
-    /// How far `z` may be off.
+    /// Error bound of `z`.
     pub(super) z_error: [f64; PACKET],
     pub(super) point: Lanes3,
     /// `S_s × S_t`, made a unit vector.
     pub(super) normal: Lanes3,
     pub(super) bounds: PacketBounds,
-    /// Whether any hit will do: a ray that has one ends before it begins.
+    /// Whether any hit will do: then a ray that has one ends before it begins.
     pub(super) any: bool,
-    /// Whether some rays start on a root: its piece (`u32::MAX` for none), its place there, and
-    /// how far it may be off.
+    /// Whether some rays start on a root; for each ray the root's piece (`u32::MAX` for none), its
+    /// place there, and its error bound.
     pub(super) from_roots: bool,
     pub(super) from_piece: [u32; PACKET],
     pub(super) from_st: [[f64; PACKET]; 2],
@@ -90,10 +90,10 @@ pub(in crate::intersect) struct Packet {
     pub(super) scale: f64,
 }
 
-/// What all rays of a packet have in common, in scaled f32 coordinates.
+/// Bounds shared by all rays of a packet, in scaled f32 coordinates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PacketBounds {
-    /// With [`BLUR`](super::box_ray::BLUR) to spare.
+    /// With a slack of [`BLUR`](super::box_ray::BLUR).
     pub(super) origin_min: Vec3,
     pub(super) origin_max: Vec3,
     pub(super) axis_min: Vec3,
@@ -101,7 +101,7 @@ pub(super) struct PacketBounds {
     /// The inverse direction's range in each coordinate, for directions of one sign.
     pub(super) inverse_min: Vec3,
     pub(super) inverse_max: Vec3,
-    /// From where on hits count, at the earliest.
+    /// Where hits begin to count, at the earliest.
     pub(super) nearest: f32,
     /// Per coordinate: 1 or −1 where all directions have that sign, 0 where they differ.
     pub(super) sign: [i8; 3],
@@ -111,14 +111,14 @@ pub(super) struct PacketBounds {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct LaneHit {
     pub(in crate::intersect) piece: u32,
-    /// The ray parameter, and how far the place along the ray may be off.
+    /// The ray parameter, and the error bound of the place along the ray.
     pub(in crate::intersect) t: f64,
     pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) st: DVec2,
     pub(in crate::intersect) point: DVec3,
     /// NaN where there is none.
     pub(in crate::intersect) normal: DVec3,
-    /// Whether it may be within rounding of a border of its surface, or its normal is to be looked at closely.
+    /// Whether it may be within rounding of a border of its surface, or its normal needs a closer look.
     pub(in crate::intersect) needs_look: bool,
 }
 
@@ -166,7 +166,7 @@ impl Packet {
         }
     }
 
-    /// Forgets all rays: there are `count` that meet nothing.
+    /// Forgets all rays: now there are `count` rays that meet nothing.
     pub(in crate::intersect) fn clear(&mut self, count: usize) {
         self.count = count;
         (self.far_off, self.met, self.needs_look) = (0, 0, 0);
@@ -177,8 +177,8 @@ impl Packet {
         self.any = wanted == Wanted::Any;
     }
 
-    /// Brings the f32 ends of rays up to their nearest hits: of those of the eight rays from
-    /// `base` on whose bit is set.
+    /// Shortens the f32 ends of rays to their nearest hits, for those of the eight rays from `base`
+    /// on whose bit is set.
     #[simd]
     pub(super) fn shorten<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
         let eight = base..base + 8;
@@ -192,8 +192,8 @@ impl Packet {
         mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
     }
 
-    /// One bit for each of sixteen rays whose crossing of a box lies in the part that hits count on, and
-    /// ahead of the root it starts on. The box was grown by more than its leaf, or the ray, may be off by.
+    /// One bit for each of sixteen rays whose crossing of a box lies in the range in which hits count, and
+    /// ahead of the root it starts on. The box was grown by more than the errors of its leaf or of the ray.
     #[simd]
     pub(super) fn within_range<S: Simd>(
         &self,
@@ -204,7 +204,7 @@ impl Packet {
         let sixteen = base..base + LANES;
         let near = f32x16::from_slice(simd, &self.near_f[sixteen.clone()]);
         let far = f32x16::from_slice(simd, &self.far_f[sixteen]);
-        // The ends are known with some to spare to the other side.
+        // The ends are known with some slack to the other side.
         let spare = f32x16::splat(simd, 2.0 * END_SPARE + SPARE);
         let within = crossing.entry.simd_gt(near + spare) & crossing.exit.simd_lt(far - spare);
         if !self.from_roots {
@@ -221,7 +221,7 @@ impl Packet {
         lane_bits(within & crossing.entry.simd_gt(ahead))
     }
 
-    /// Notes that of the sixteen rays from `base` on those whose bit is set have a hit: no more is
+    /// Notes a hit for those of the sixteen rays from `base` on whose bit is set: nothing more is
     /// asked of them.
     #[simd]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, hits: u32) {
@@ -233,7 +233,7 @@ impl Packet {
         }
     }
 
-    /// The same of eight rays.
+    /// The same for eight rays.
     #[inline(always)]
     pub(super) fn meet_eight<S: Simd>(&mut self, simd: S, base: usize, hits: u64) {
         self.met |= hits << base;
@@ -243,13 +243,13 @@ impl Packet {
         self.shorten(simd, base, hits);
     }
 
-    /// One bit a ray: whether its nearest hit needs a closer look: it may be within rounding of
-    /// a border, be near a pole, or have no normal.
+    /// One bit a ray: whether its nearest hit needs a closer look, because it may be within
+    /// rounding of a border, be near a pole, or have no normal.
     pub(in crate::intersect) fn needs_look(&self) -> u64 {
         self.needs_look
     }
 
-    /// How far along a ray anything is of interest: to its nearest hit, or its end.
+    /// How far along a ray anything matters: to its nearest hit, or its end.
     pub(in crate::intersect) fn end(&self, k: usize) -> f64 {
         self.z[k]
     }
@@ -281,8 +281,8 @@ impl Packet {
         }
     }
 
-    /// One bit for each of the sixteen rays from `base` on that starts in its part of a piece: from
-    /// and to in `s`, then in `t`, for each half of the rays.
+    /// One bit for each of the sixteen rays from `base` on that starts in its part of a piece;
+    /// `parts` holds from and to in `s`, then in `t`, for each half of the rays.
     #[simd]
     pub(super) fn starts_in<S: Simd>(
         &self,
@@ -309,8 +309,8 @@ impl Packet {
     }
 
     /// One bit for each of the sixteen rays from `base` on that starts on a leaf, or near it on its
-    /// piece, that does not lie ahead of it again. A point may be as far from a ray as its magnitude
-    /// times `factor`.
+    /// piece, and is proved not to have that leaf ahead of it again. The error bound of a point's
+    /// distance from a ray is the ray's magnitude times `factor`.
     #[simd]
     pub(super) fn departs_from<S: Simd>(
         &self,
@@ -349,7 +349,7 @@ impl Packet {
             return 0;
         }
         let narrow = |[low, high]: [f64x8<S>; 2]| simd.narrow_f64x8(low, high);
-        // Both rounded up by more than they were rounded.
+        // Both are rounded up by more than their rounding errors.
         let error = magnitude * f32x16::splat(simd, 1.001 * factor as f32);
         let departure = Departure {
             place: [narrow(place[0]), narrow(place[1])],
@@ -413,11 +413,12 @@ fn pair(lanes: &[[f64; PACKET]; 2], k: usize) -> DVec2 {
     DVec2::new(lanes[0][k], lanes[1][k])
 }
 
-/// Components of directions this near to zero decide nothing: their inverses, times distances, must be numbers of f32.
+/// Direction components this near to zero decide nothing: their inverses, times distances, must not overflow
+/// f32.
 const TINY: f32 = 1e-20;
 
 impl PacketBounds {
-    /// Takes the range of a coordinate of all directions.
+    /// Sets the range of one coordinate of all directions.
     pub(super) fn set_directions(&mut self, i: usize, low: f32, high: f32) {
         (self.axis_min[i], self.axis_max[i]) = (low, high);
         // Inverses are rounded outwards by two units.

@@ -11,7 +11,7 @@ use super::pairs::{Outcomes, PairLanes, eight};
 use super::proof::WIDENED;
 
 impl PairLanes {
-    /// Newton's steps in f64 for one half of the pairs.
+    /// Takes Newton's steps in f64 for one half of the pairs.
     #[simd]
     pub(super) fn finish<S: Simd>(
         &mut self,
@@ -45,7 +45,7 @@ impl PairLanes {
         if root.found.all_false() {
             return Outcomes { open, steps, ..Outcomes::default() };
         }
-        // The point and the normal of the place itself, not of one a last step away.
+        // The point and the normal at the place itself, not at one a last step away.
         root.look(simd, &leaves);
         let from_error = Some(eight(simd, &self.from_error, half));
         let ends = Ends { z: frames.ends, from_error };
@@ -148,7 +148,7 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
         self.third
     }
 
-    /// Normals are looked at where the roots are.
+    /// Normals are evaluated at the roots instead.
     #[inline(always)]
     fn asks_normals(&self) -> bool {
         false
@@ -159,7 +159,7 @@ impl<S: Simd> Leaves<S> for Eight<'_, S> {
         self.clearance
     }
 
-    /// None: these are left to the ray's own proof.
+    /// None: such rays are left to their own proof.
     #[inline(always)]
     fn surely_away<R: Rays<S>>(&self, simd: S, _: &R, _: &Step<S>) -> mask64x8<S> {
         simd.splat_mask64x8(false)

@@ -1,7 +1,7 @@
-//! Sixteen pairs of a ray and a leaf that it meets once at most, side by side.
+//! Sixteen pairs, side by side, of a ray and a leaf that it meets at most once.
 //!
-//! What happens to a lane is what [`single`](super::single) does with one ray and one leaf, in the
-//! steps that the packets take; it does not depend on the other lanes.
+//! A lane is treated as [`single`](super::single) treats one ray and one leaf, in the steps that
+//! the packets take; its result does not depend on the other lanes.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask64x8};
 use fearless_simd_macros::simd;
@@ -21,7 +21,7 @@ use crate::intersect::Shot;
 use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};
 
-/// A ray, and a leaf whose certificate speaks of it.
+/// A ray, and a leaf whose certificate holds for it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     /// Which ray of the batch.
@@ -40,7 +40,7 @@ pub(super) type Lanes = [f64; LANES];
 pub(super) struct PairLanes {
     start: [[f32; LANES]; 2],
     distances: LaneDistances,
-    /// Of the leaves.
+    /// Data of the leaves.
     leaf_middle: [Lanes; 3],
     pub(super) half: [Lanes; 2],
     pub(super) middle: [Lanes; 2],
@@ -50,10 +50,10 @@ pub(super) struct PairLanes {
     pub(super) clearance: Lanes,
     magnitude: Lanes,
     fit_error: [f32; LANES],
-    /// Of the roots that rays start on.
+    /// Error bounds of the roots that rays start on.
     pub(super) from_error: Lanes,
     pub(super) net: LaneNet,
-    /// Of the roots that were found.
+    /// The roots that were found.
     pub(super) z: Lanes,
     pub(super) z_error: Lanes,
     pub(super) st: [Lanes; 2],
@@ -61,14 +61,14 @@ pub(super) struct PairLanes {
     pub(super) cross: [Lanes; 3],
 }
 
-/// What became of sixteen pairs.
+/// The outcome for sixteen pairs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcomes {
     /// The lanes with a root within the ray's range.
     pub(super) met: u32,
-    /// Those whose root the scalar search must judge.
+    /// The lanes whose root the scalar search must judge.
     pub(super) judged: u32,
-    /// Those that did not converge.
+    /// The lanes that did not converge.
     pub(super) open: u32,
     /// Newton's steps taken, over all lanes.
     pub(super) steps: u32,
@@ -136,7 +136,7 @@ impl PairLanes {
         let near = self.distances.refine(simd, &searched);
         let mut all = Outcomes::default();
         let mut wanted = ((1u64 << pairs.len()) - 1) as u32;
-        // A start outside leads to a root outside, as a rule: the proof knows sooner.
+        // As a rule, a start outside leads to a root outside, which the proof shows sooner.
         let farthest = near[0].abs().max(near[1].abs());
         let outside = wanted & !lane_bits(farthest.simd_lt(widened));
         if outside != 0 {
@@ -162,7 +162,7 @@ impl PairLanes {
         all
     }
 
-    /// Of the `asked` lanes those that are proved not to meet the leaf: see
+    /// Those of the `asked` lanes that are proved not to meet the leaf: see
     /// [`lane_proof`](super::lane_proof).
     #[simd]
     fn missed<S: Simd>(
@@ -200,7 +200,7 @@ impl PairLanes {
         known & missed(simd, &self.distances, off_ray)
     }
 
-    /// How far points may be from eight rays.
+    /// Error bounds of points' distances from eight rays.
     #[inline(always)]
     pub(super) fn error<S: Simd>(
         &self,
@@ -221,8 +221,8 @@ impl PairLanes {
         HitPlace { leaf, z: self.z[lane], z_error: self.z_error[lane], st }
     }
 
-    /// Puts a lane's root into a hit, number by number: what is copied at once after it was written
-    /// so has to wait.
+    /// Puts a lane's root into a hit, number by number: a copy of something that was just written
+    /// number by number has to wait.
     #[inline(always)]
     pub(super) fn put(&self, lane: usize, leaf: u32, hit: &mut SingleHit) {
         hit.leaf = leaf;
@@ -236,7 +236,7 @@ impl PairLanes {
         hit.size = hit.cross.length();
     }
 
-    /// Takes in what is to be known of a leaf but for its approximation.
+    /// Takes in the data of a leaf except its approximation.
     #[inline(always)]
     fn take(&mut self, lane: usize, guess: Guess, leaf: &Leaf, piece: &Piece) {
         let rect = leaf.rect();
@@ -256,7 +256,7 @@ impl PairLanes {
         self.fit_error[lane] = leaf.fit_error();
     }
 
-    /// The distances of the approximations from the rays' planes, as in [`LaneDistances::take`].
+    /// Sets the distances of the approximations from the rays' planes, as in [`LaneDistances::take`].
     #[simd]
     fn take_distances<S: Simd>(
         &mut self,
@@ -282,7 +282,7 @@ impl PairLanes {
                 let both = simd.narrow_f64x8(normals[0][k][i], normals[1][k][i]);
                 both.store_slice(&mut normal[i]);
             }
-            // First each lane's sixteen coefficients: so two matrices are transposed, not three.
+            // Each lane's sixteen coefficients come first: so two matrices are transposed, not three.
             let mut rows = [f32x16::splat(simd, 0.0); LANES];
             for lane in 0..LANES {
                 let [x, y, z] = leaves[lane].leaf.fit();
@@ -293,7 +293,7 @@ impl PairLanes {
                 rows[lane] = nz.mul_add(f32x16::from_slice(simd, z), sum);
             }
             let middle = simd.narrow_f64x8(middle[k][0], middle[k][1]);
-            // They are of one form: all have weights, or none.
+            // All leaves are of one form: all have weights, or none.
             let weighted = leaves[0].weight.is_some();
             if weighted {
                 let mut of_lane = [0.0; LANES];

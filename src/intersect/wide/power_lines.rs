@@ -1,12 +1,12 @@
-//! From control points to coefficients of powers, line by line of a net: eight nets side by side, or eight numbers of
-//! one.
+//! Converts control points to coefficients of powers, line by line of a net: of eight nets side by side, or
+//! of eight numbers of one net.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
 use crate::patch::{MOST_DEGREE_BY_POWERS, ToPowers};
 
-/// The most points of a line.
+/// The largest number of points of a line.
 pub(super) const LONG: usize = MOST_DEGREE_BY_POWERS + 1;
 
 /// For each coefficient the [shares](ToPowers::shares) of control points, for degrees below `N`.
@@ -32,18 +32,18 @@ pub(super) fn coefficients<S: Simd>(
     coefficients
 }
 
-/// Where lines of points lie among eights of numbers.
+/// Where lines of points lie in an array of groups of eight numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Lines {
-    /// Lines that lie side by side are a block: how many there are, and how far apart they begin.
+    /// Lines that lie side by side form a block: how many blocks there are, and how far apart they begin.
     pub(super) blocks: usize,
     pub(super) apart: usize,
-    /// The lines of a block, and how far apart the points of a line are.
+    /// How many lines a block has, and how far apart the points of a line are.
     pub(super) count: usize,
     pub(super) step: usize,
 }
 
-/// From points to coefficients of powers, in place, for any degree up to seven.
+/// Converts points to coefficients of powers, in place, for any degree up to seven.
 #[inline(always)]
 pub(super) fn make_lines<S: Simd>(
     simd: S,
@@ -62,7 +62,8 @@ pub(super) fn make_lines<S: Simd>(
     }
 }
 
-/// The same for lines of `N` points, by the operations of [`coefficients`]: unrolled, sums stay in registers.
+/// The same for lines of `N` points, with the operations of [`coefficients`]; unrolled, so that sums stay in
+/// registers.
 #[simd]
 fn make_lines_of<S: Simd, const N: usize>(
     simd: S,

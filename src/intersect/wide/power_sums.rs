@@ -1,5 +1,5 @@
-//! The true surface at eight places, in f64, by powers about the middle of its pieces (Horner): the jets of
-//! [`jets`](super::jets) in less than half as many operations, for degrees up to seven.
+//! Evaluates the true surface at eight places, in f64, by powers about the middle of its pieces (Horner):
+//! the jets of [`jets`](super::jets) in less than half as many operations, for degrees up to seven.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
@@ -7,7 +7,7 @@ use fearless_simd_macros::simd;
 use super::form::Form;
 use super::jets::{Jets, Net, Sums, in_space};
 
-/// [`jets`](super::jets::jets), with unrolled loops for the degrees met most.
+/// [`jets`](super::jets::jets), with unrolled loops for the most common degrees.
 #[simd]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
@@ -47,7 +47,7 @@ fn jets_of<
     let one = f64x8::splat(simd, 1.0);
     let [x, y] = [st[0] + st[0] - one, st[1] + st[1] - one];
     let zero = [f64x8::splat(simd, 0.0); C];
-    // With half of the second derivatives by x alone and y alone, as Horner's scheme has them.
+    // `by_xx` and `by_yy` are half the second derivatives, as in Horner's scheme.
     let [mut value, mut by_x, mut by_y, mut by_xx, mut by_xy, mut by_yy] = [zero; 6];
     for i in (0..=p).rev() {
         let row = net.row(i, C * (q + 1));
@@ -77,7 +77,7 @@ fn jets_of<
             by_y[c] = by_y[c].mul_add(x, slope[c]);
         }
     }
-    // The unit square has sides of two in x and y.
+    // In `x` and `y` the unit square has sides of two.
     let of = |factor| f64x8::splat(simd, factor);
     let (two, four, eight) = (of(2.0), of(4.0), of(8.0));
     for c in 0..C {
@@ -91,8 +91,8 @@ fn jets_of<
     )
 }
 
-/// The next sum of a derivative in Horner's scheme, after this many steps: from that of one order less. At first it is
-/// zero, so nothing is multiplied.
+/// The next sum of a derivative in Horner's scheme, after `step` steps, from `lower`, the sum of one order
+/// less. At first the sum is zero, so nothing is multiplied.
 #[inline(always)]
 fn next<S: Simd>(
     sum: f64x8<S>,
@@ -126,7 +126,8 @@ mod tests {
     use crate::math::testing::same_cases;
     use crate::patch::{PatchSet, TensorPatch};
 
-    /// A net of some degrees, more or less wild: its points within one of the origin, its weights within a factor.
+    /// A net of some degrees, more or less wild: its points are within one of the origin, its weights within
+    /// a factor.
     fn nets() -> impl Strategy<Value = NurbsSurface> {
         let weights = prop_oneof![Just(1.0), 1.0..15.9f64];
         let degrees = (1usize..=8, 1usize..=8, weights, prop_oneof![Just(1.0), 0.0..0.3f64]);
@@ -148,8 +149,8 @@ mod tests {
         })
     }
 
-    /// The largest differences from the scalar code: of points, of first derivatives, and of second, for the size of
-    /// these.
+    /// The largest differences from the scalar code: of points, of first derivatives, and of second ones
+    /// relative to their size.
     fn off(patch: &TensorPatch, places: &[DVec2; 8]) -> [f64; 3] {
         let mut most = [0f64; 3];
         for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
@@ -170,7 +171,7 @@ mod tests {
                     let truth = patch.derivatives(place);
                     let firsts = [truth.du, truth.dv];
                     let seconds = [truth.duu, truth.duv, truth.dvv];
-                    // They are larger, the more weights differ.
+                    // Second derivatives are the larger the more the weights differ.
                     let largest = seconds.iter().map(|v| v.length()).fold(1.0, f64::max);
                     most[0] = most[0].max(vector(jets.point).distance(truth.point));
                     for k in 0..2 {
@@ -206,8 +207,8 @@ mod tests {
         let by_powers = [Cell::new(0), Cell::new(0)];
         let config = ProptestConfig { max_shrink_iters: 200, ..same_cases(600) };
         proptest!(config, |(surface in nets(), places in places)| {
-            // The bounds are those of points on the piece, whose weight is no less than all that it is made of;
-            // outside it may vanish.
+            // The bounds are those of points on the piece, whose weight is no less than the least
+            // weight of the control points; outside the piece it may vanish.
             let least = surface.control().iter().map(|c| c.w).fold(f64::INFINITY, f64::min);
             let places = places.map(|place| {
                 let heavy = weight(&surface, place) >= least;
@@ -220,7 +221,7 @@ mod tests {
             let counted = &by_powers[usize::from(p.max(q) > 3)];
             counted.set(counted.get() + u32::from(patch.sums_by_powers()));
             let [point, first, second] = off(patch, &places);
-            // Both are off; half of the promise is for other things.
+            // Both have errors; half of the promise is left for other things.
             let bound = patch.error_bound(0.0);
             prop_assert!(point <= 0.5 * bound, "{:e} of {:e}", point, bound);
             prop_assert!(first <= 200.0 * bound, "{:e} of {:e}", first, bound);

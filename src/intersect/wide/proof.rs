@@ -1,47 +1,48 @@
-//! What the proofs about one ray and a leaf share: how far leaves reach, their parts, and what rounding leaves.
+//! Shared by the proofs about one ray and a leaf: how far leaves reach, parts of leaves, and rounding errors.
 
 use crate::patch::{LEAF_SLACK, WIDENING};
 
-/// How far certificates speak of a leaf, in half sides.
+/// How far from its middle a leaf's certificate holds, in half sides.
 pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
-/// How far outside a leaf's rectangle roots are its own, in half sides.
+/// How far from its middle a leaf answers for roots, in half sides: the rectangle and its slack.
 pub(super) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
 
-/// What rounding to f32 does to distances whose terms add up to one: 33 units of 2⁻²⁴. To a
-/// coefficient happen 6 (the middle's distance, a normal, three products added up), on the way
-/// into a smaller box 5 in each direction, in combining two distances 3, in Bernstein
-/// coefficients 4 in each direction: 27 in all. To derivatives twice as much may happen: a term of
-/// third degree counts threefold there, but only part of what is above.
+/// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
+/// takes 6 roundings (the middle's distance, a normal, three products added up), the change to a
+/// smaller box 5 in each direction, the combination of two distances 3, and Bernstein coefficients
+/// 4 in each direction: 27 in all. Derivatives may take twice as many: a term of third degree
+/// counts threefold there, but only part of the roundings above occur.
 pub(super) const DISTANCE_ROUNDING: f32 = 2e-6;
 
-/// Below it f32 loses digits: products of two lengths of a tiny scene may lie there.
+/// Below this, f32 loses digits: products of two lengths of a tiny scene may lie there.
 pub(super) const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
-/// Above it nothing is proved: sums of products of two lengths of a huge scene would not be
-/// numbers of f32, and their differences no numbers at all.
+/// Above this, nothing is proved: sums of products of two lengths of a huge scene would overflow
+/// f32, and their differences would be NaN.
 pub(super) const LARGEST: f32 = 1e18;
 
-/// How far the leaf and its slack reach.
+/// How far from its middle a leaf and its slack reach, in half sides.
 pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 
-/// Roots are unique in a box widened by this: so that one on its side is not lost.
+/// Roots are unique in a box widened by this factor, so that one on its side is not lost.
 pub(super) const GROWN: f32 = 1.1;
 
-/// Where Newton's step from the middle of a box may lead that is to hold a root.
+/// How far Newton's step from the middle of a box may lead, in its half sides, if the box is to hold a root.
 pub(super) const MAY_STEP: f32 = 1.05;
 
-/// Boxes are not halved for that alone if they are smaller, in half sides of the leaf.
+/// Boxes smaller than this, in half sides of the leaf, are not halved merely because such a step leads away.
 pub(super) const SMALLEST: f32 = 0.1;
 
-/// A box a root starts in is widened by less.
+/// A box that a ray's start is looked for in is widened by less than [`GROWN`].
 pub(super) const START_GROWN: f32 = 1.09;
 
-/// The largest row sum that is wanted of `P`: so that rounding moves a root by no more than its error
+/// The largest accepted row sum of `P`: rounding moves a root by no more than the rounding error
 /// times twenty and the inverse Jacobian.
 pub(super) const MOST_INVERSE: f32 = 20.0;
 
-/// That times twenty is half of the leaf's slack, in half sides.
+/// The largest accepted product of error and inverse Jacobian: times twenty, half of the leaf's
+/// slack, in half sides.
 pub(super) const MOST_NOISE: f32 = LEAF_SLACK as f32 / 20.0;
 
 /// A part of a leaf, in its box coordinates.
@@ -57,7 +58,7 @@ impl LeafPart {
         Self { middle: [0.0; 2], half: [LEAF; 2] }
     }
 
-    /// Halved across the longer side, for the lengths of the leaf's sides.
+    /// Its two halves, cut across the longer side, for the lengths of the leaf's sides.
     pub(super) fn halved(&self, lengths: [f32; 2]) -> [Self; 2] {
         let k = usize::from(lengths[1] * self.half[1] > lengths[0] * self.half[0]);
         [-0.5, 0.5].map(|side| {
@@ -72,7 +73,7 @@ impl LeafPart {
         (0..2).all(|k| (place[k] - self.middle[k]).abs() <= reach * self.half[k])
     }
 
-    /// Where its root is the only one.
+    /// The rectangle in which the part's root is the only one.
     pub(super) fn domain(&self) -> [[f32; 2]; 2] {
         [0, 1].map(|k| {
             let (middle, reach) = (self.middle[k], GROWN * self.half[k]);

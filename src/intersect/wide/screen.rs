@@ -1,28 +1,29 @@
-//! What the search in f32 proves of a leaf's one root, before anything is done in f64: that it is not
-//! there, or that it surely is.
+//! Proofs from the search in f32 about a leaf's one root, before anything is done in f64: that it is
+//! not there, or that it surely is.
 //!
-//! Most rays that meet the box of a leaf beside the one they hit have a root just outside of it; and
-//! of a ray that asks for any hit nothing is to be known but that there is one.
+//! Most rays that meet the box of a leaf beside the one they hit have a root just outside of that
+//! leaf; and for a ray that asks for any hit, it only matters that there is one.
 //!
 //! # Proof
-//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and their derivatives
-//! at `x₁`, in box coordinates, `A` the matrix that is to be the inverse of `J = (a b)`, and
-//! `x₂ = x₁ + h`. With the bounds of [`FitError`](crate::patch::FitError) `E`, `σ` and `M` the true
-//! ones are, at any `x` with `|x − x₁| ≤ r` (the larger component),
+//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and their
+//! derivatives at `x₁`, in box coordinates; let `A` be the matrix meant to be the inverse of `J = (a b)`, and
+//! `x₂ = x₁ + h`. With the bounds `E`, `σ` and `M` of [`FitError`](crate::patch::FitError), the true
+//! distances are, at any `x` with `|x − x₁| ≤ r` (the larger component),
 //!
 //! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`,
 //!
-//! but for what a point may be off by anyway, times the weight, and rounding: both are added to `E`.
+//! except for the error that a point may have anyway, times the weight, and for rounding: both are
+//! added to `E`.
 //!
 //! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of `|A J − I|`.
 //! Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`. If this is less than
 //! `ρ` wherever `|x − x₂| = ρ`, the two components of `A F` have the signs of those of `x − x₂` on the
-//! sides of the square of half side `ρ` about `x₂`: there is a root in it (Miranda 1940). Where
-//! the leaf's certificate speaks of the ray, it is the only one of the widened leaf.
+//! sides of the square of half side `ρ` about `x₂`, so there is a root in it (Miranda 1940). Where the
+//! leaf's certificate holds for the ray, that root is the only one in the widened leaf.
 //!
-//! *There is none.* Where `x₁` lies beyond the leaf, the certificate says of `F(x₁)` alone that the
-//! leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` is `f` but for `E`, and what is asked of it
-//! holds for its multiples, too.
+//! *There is none.* Where `x₁` lies beyond the leaf, the certificate shows from `F(x₁)` alone that
+//! the leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` differs from `f` by
+//! at most `E`, and the condition on `F(x₁)` holds for its multiples, too.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use fearless_simd_macros::simd;
@@ -36,34 +37,34 @@ use super::vectors::{lane_bits, load3, splat};
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::WIDENING;
 
-/// The largest square about the root that was found, as half a side.
+/// Half the side of the largest square about the root that was found, in box coordinates.
 const MOST_OFF: f32 = 1.0 / 128.0;
 
-/// How far from the middle there is one root at most.
+/// How far from the middle there is at most one root.
 const DOMAIN: f32 = 1.0 + 1.999 * WIDENING as f32;
 
-/// Where the surface surely goes on: a little less than the leaf.
+/// How far from the middle the surface surely goes on: a little less than the leaf.
 const INSIDE: f32 = 1.0 - 2.0 * f32::EPSILON;
 
-/// The inverse Jacobian is one to a twentieth or better where its largest row sum times the
-/// Jacobian's entries is less than this: its rounding is no more than ten units of 2⁻²⁴ of that.
+/// The inverse Jacobian is accurate to a twentieth or better where its largest row sum times the
+/// Jacobian's entries is less than this: its rounding error is at most ten units of 2⁻²⁴ of that.
 const WORST: f32 = 8e4;
 
-/// Derivatives shorter than this are not trusted: products of two lose digits.
+/// Derivatives smaller than this are not trusted: products of two of them lose digits.
 const SHORTEST: f32 = 1e-12;
 
 /// What is proved of sixteen rays, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Screened {
-    /// They miss the leaf.
+    /// The rays that miss the leaf.
     pub(super) missed: u32,
-    /// They meet the leaf, and ask no more.
+    /// The rays that meet the leaf, and ask no more.
     pub(super) met: u32,
 }
 
-/// What the last step of the search in f32 proves of rays `base … base + 15` of the packet that the
-/// leaf's certificate speaks of: those that are `asked` for. `error` is how far a point may be from the
-/// ray.
+/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet, for
+/// those that are `asked` for; the leaf's certificate holds for them. `error` is the error bound of a
+/// point's distance from the ray.
 #[simd]
 pub(super) fn screen<S: Simd>(
     simd: S,
@@ -72,7 +73,7 @@ pub(super) fn screen<S: Simd>(
     (distances, crossing, searched): (&LaneDistances, &BoxCrossing<S>, &NearRoots<S>),
     (asked, error): (u32, f32x16<S>),
 ) -> Screened {
-    // Rays that hit the leaf, as most do, are not worth a look if more is wanted of them.
+    // Rays that hit the leaf, as most do, are not worth screening if more is wanted of them.
     let [x, y] = searched.last.to;
     let farthest = x.abs().max(y.abs());
     let outside = asked & !lane_bits(farthest.simd_le(splat(simd, INSIDE)));
@@ -100,25 +101,25 @@ struct Screen<'a, S: Simd> {
     target: &'a Target<'a>,
     /// The normals of the rays' planes.
     normals: [[f32x16<S>; 3]; 2],
-    /// How steep the rays are: its sign is that of the determinant, which is the same on all of the leaf.
+    /// How steep the rays are. The sign is that of the determinant, which is the same on all of the leaf.
     upright: f32x16<S>,
-    /// What rounding of the distances is measured by.
+    /// The measure of the rounding error of the distances.
     terms: f32x16<S>,
-    /// How far a point may be from the ray, times the weight.
+    /// Error bound of a point's distance from the ray, times the weight.
     error: f32x16<S>,
 }
 
 impl<S: Simd> Screen<'_, S> {
-    /// What the last step of the search says of them, whatever the part of the rays that counts.
+    /// What the last step of the search proves of the rays, whatever the part of them that counts.
     #[inline(always)]
     fn ask(&self, simd: S, searched: &NearRoots<S>) -> Screened {
         let LastStep { from, to, distances: [f1, f2], slopes, inverse } = searched.last;
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.target.leaf;
 
-        // Twelve roundings of coefficients and sums happen to distances, and as many to derivatives of
-        // three times the size; those of the step and what it leaves are small against what it is given to
-        // spare (`per_move`, `MOST_OFF`).
+        // Distances take twelve roundings of coefficients and sums, and derivatives of three times
+        // the size as many. The roundings of the step and of what it leaves are small compared with
+        // the slack given to it (`per_move`, `MOST_OFF`).
         let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
@@ -153,8 +154,8 @@ impl<S: Simd> Screen<'_, S> {
         Screened { missed, met: lane_bits(known & within) }
     }
 
-    /// The lanes that are beyond the leaf on some side, and of which the certificate says that the leaf
-    /// is missed.
+    /// The lanes that are beyond the leaf on some side, and for which the certificate shows that the
+    /// leaf is missed.
     #[inline(always)]
     fn away(
         &self,
@@ -178,7 +179,7 @@ impl<S: Simd> Screen<'_, S> {
         let [[other_s, out_s], [other_t, out_t]] = self.target.leaf.certificate.bend();
         let (other_s, out_s) = (splat(simd, other_s as f32), splat(simd, out_s as f32));
         let (other_t, out_t) = (splat(simd, other_t as f32), splat(simd, out_t as f32));
-        // What a distance that is off does to each of the three.
+        // What an error of the distances does to each of the three.
         let (across_a, across_b) = (along_a.abs() + rest, along_b.abs() + rest);
         let across_n = along_n.abs() + rest;
         let turned_s = across_a.mul_add(other_s, across_n.mul_add(out_s, rest));
@@ -211,8 +212,8 @@ mod tests {
     use crate::math::{Ray, rounding};
     use crate::patch::Leaf;
 
-    /// What is said of sixteen lines and a leaf whose certificate speaks of those whose bits are
-    /// returned last.
+    /// What is proved of sixteen lines and a leaf. The bits returned last are those of the lines
+    /// for which its certificate holds.
     fn said(bvh: &SurfaceBvh, index: u32, queries: &[Query]) -> (Screened, u32) {
         let scene = bvh.scene();
         let oriented = scene.tree.oriented(index);
@@ -249,7 +250,7 @@ mod tests {
         hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
     }
 
-    /// Lines past places of a leaf and just outside of it, at any angle that its certificate speaks of.
+    /// Lines through places of a leaf and just outside of it, at any angle for which its certificate holds.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
         let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]
@@ -293,7 +294,7 @@ mod tests {
                 met.set(met.get() + said.met.count_ones());
             }
         });
-        // Most is known: what is left is near the leaf's sides, or at a small angle.
+        // Most lines are decided: those left are near the leaf's sides, or at a small angle.
         let [asked, missed, met] = [asked.get(), missed.get(), met.get()];
         assert!(asked > 10_000 && missed > asked / 5 && met > asked / 5, "{asked} {missed} {met}");
         assert!(missed + met > 3 * asked / 4, "{asked} {missed} {met}");

@@ -1,23 +1,23 @@
-//! Everything that is searched, and asked for before it is.
+//! All data that are searched, and their prefetching.
 
 use crate::intersect::bits::set_bits;
 use crate::intersect::tree::Tree;
 use crate::math::prefetch;
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
 
-/// Everything that is searched.
+/// All data that are searched.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::intersect) struct Searched<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
-    /// As many, or none if no leaf is approximated by a quotient.
+    /// One weight for each leaf, or none if no leaf is approximated by a quotient.
     pub(in crate::intersect) weights: &'a [WeightFit],
     pub(in crate::intersect) set: &'a PatchSet,
     /// The largest coordinate an origin may have for the work in f32.
     pub(in crate::intersect) reach_of_f32: f64,
 }
 
-/// A leaf, and its weight if its piece is one of those whose leaves have them.
+/// A leaf, with its weight if its piece is one of those whose leaves have weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted<'a> {
     pub(super) leaf: &'a Leaf,
@@ -25,15 +25,15 @@ pub(super) struct Fitted<'a> {
 }
 
 impl Fitted<'_> {
-    /// The largest weight, or more. Where a point may be off a ray by some error, its distances times the weight may
-    /// be off by this many times that.
+    /// An upper bound of the weight. Where a point may be off a ray by some error, its distances times the
+    /// weight may be off by this many times that error.
     #[inline(always)]
     pub(super) fn heaviest(self) -> f32 {
         if self.weight.is_some() { MOST_WEIGHT } else { 1.0 }
     }
 }
 
-/// Scenes of more leaves than this do not fit into the memory near the processor.
+/// Scenes of more leaves than this do not fit into the processor's caches.
 const FAR: usize = 1 << 14;
 
 impl Searched<'_> {
@@ -43,21 +43,21 @@ impl Searched<'_> {
         magnitude > self.reach_of_f32
     }
 
-    /// Whether all that is wanted soon is worth asking for in advance, stage by stage: leaves, their
-    /// pieces, whose control points.
+    /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and the
+    /// control points of these.
     #[inline(always)]
     pub(super) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR
     }
 
-    /// A leaf of a piece.
+    /// A leaf of a piece, with its weight if it has one.
     #[inline(always)]
     pub(super) fn fitted(&self, leaf: u32, patch: &TensorPatch) -> Fitted<'_> {
         let weight = patch.has_quotient_leaves().then(|| &self.weights[leaf as usize]);
         Fitted { leaf: &self.leaves[leaf as usize], weight }
     }
 
-    /// Asks for those leaves of a block whose bits are set in `met`.
+    /// Prefetches those leaves of a block whose bits are set in `met`.
     #[inline(always)]
     pub(super) fn prefetch_leaves(&self, first: u32, met: u32) {
         set_bits(met).for_each(|k| self.leaves[first as usize + k].prefetch());
@@ -66,13 +66,13 @@ impl Searched<'_> {
         }
     }
 
-    /// The pieces of such leaves, which are there by now.
+    /// Prefetches the pieces of such leaves, which have arrived by now.
     #[inline(always)]
     pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
         set_bits(met).for_each(|k| prefetch(self.piece_of(first as usize + k)));
     }
 
-    /// The control points of such pieces, which are there by now.
+    /// Prefetches the control points of such pieces, which have arrived by now.
     #[inline(always)]
     pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
         set_bits(met).for_each(|k| self.piece_of(first as usize + k).patch.prefetch_net());

@@ -1,21 +1,21 @@
-//! One ray on its way through the boxes: the nearest certain hit, and what is left.
+//! Traces one ray through the boxes: the nearest certain hit, and the leaves that are left undecided.
 //!
 //! # Why it is right
-//! - No box is entered too late or left too early: the planes of axis-parallel boxes are moved
-//!   outwards by more than rounding comes to, oriented boxes were grown when they were made.
-//!   So every leaf that is met before the nearest hit is searched, in whatever order, and of
-//!   the hits the least counts: the answer does not depend on the tree.
-//! - In small parts of the scene it is the same in other coordinates (see
-//!   [`regions`](crate::intersect::regions)), into which the ray is brought anew from f64. A ray that passes
-//!   far beside such a part has poor coordinates there, but nothing to meet.
-//! - A leaf is left as missed where the certificate, or the ray's own proof, leaves one root at
-//!   most in the widened leaf or a part of it, and Newton's iteration on the true surface finds
-//!   it outside the leaf, beyond a side of the piece by more than any error, outside the ray's range, or to
-//!   be the one the ray starts on; where the proof leaves none; or where the ray leaves the leaf and cannot
-//!   come back (`departure`).
+//! - No box is entered too late or left too early: the planes of axis-parallel boxes are moved outwards by
+//!   more than the rounding errors, and oriented boxes were grown when they were made. So every leaf that is
+//!   met before the nearest hit is searched, in whatever order, and the nearest of the hits counts: the
+//!   answer does not depend on the tree.
+//! - In small parts of the scene the same holds in other coordinates (see
+//!   [`regions`](crate::intersect::regions)), to which the ray is converted anew from f64. A ray that passes
+//!   far beside such a part has inaccurate coordinates there, but nothing to meet.
+//! - A leaf is left as missed where the certificate, or the ray's own proof, leaves at most one root in the
+//!   widened leaf or a part of it, and Newton's iteration on the true surface finds that root outside the
+//!   leaf, beyond a side of the piece by more than any error, outside the ray's range, or to be the one the
+//!   ray starts on; where the proof leaves no root; or where the ray leaves the leaf and cannot come back
+//!   (`departure`).
 //! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
-//! - Everything else is named in [`SingleWork::rest`] for the scalar search, which knows about
-//!   borders, poles, tangency and the ends of rays.
+//! - Everything else is listed in [`SingleWork::rest`] for the scalar search, which handles borders, poles,
+//!   tangency and the ends of rays.
 
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
@@ -39,19 +39,19 @@ pub(in crate::intersect) struct SingleWork {
     stack: Stack,
     /// Whether there is a hit.
     met: bool,
-    /// Two places for hits, so that none is copied, and which of them is the nearest certified hit's:
-    /// of any-hit searches the first found.
+    /// Two places for hits, so that none is copied, and which of them holds the nearest certified
+    /// hit; in any-hit searches, the first one found.
     hits: [SingleHit; 2],
     best: usize,
-    /// Leaves the scalar search must look at.
+    /// Leaves that the scalar search must examine.
     pub(in crate::intersect) rest: Vec<u32>,
-    /// Newton's steps in f64, not counted elsewhere yet.
+    /// Newton's steps in f64 that have not been counted elsewhere yet.
     pub(in crate::intersect) steps: u64,
     nets: RecentNets,
 }
 
-/// Finds a ray's nearest certified hit, or any if that is all it asks; `work.rest` names the
-/// leaves that could not be certified or decided, which may hold nearer ones.
+/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.rest` lists
+/// the leaves that could not be certified or decided, which may hold nearer hits.
 #[simd]
 pub(in crate::intersect) fn trace_single<S: Simd>(
     simd: S,
@@ -93,7 +93,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
     }
 }
 
-/// The leaves of a block, near ones first.
+/// Searches the leaves of a block, near ones first.
 #[simd]
 fn search_block<S: Simd>(
     simd: S,
@@ -123,7 +123,8 @@ fn search_block<S: Simd>(
     }
 }
 
-/// One leaf against one ray, whose way through its box is told with those of a block.
+/// Searches one leaf, the `k`-th of a block, for one ray, whose ways through the block's boxes are
+/// in `crossings`.
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
@@ -143,8 +144,8 @@ fn search_leaf<S: Simd>(
     }
 }
 
-/// One leaf against one ray that does not start on the one root it has there: from a start in box
-/// coordinates, if the leaf is certified for the ray; `error` is how far a point may be from it.
+/// Searches one leaf for one ray that does not start on its one root there: from a start in box coordinates, if
+/// the leaf is certified for the ray; `error` is the error bound of a point's distance from the ray.
 #[inline(always)]
 pub(super) fn search_ahead<S: Simd>(
     simd: S,
@@ -155,7 +156,7 @@ pub(super) fn search_ahead<S: Simd>(
 ) {
     let leaf = &scene.leaves[index as usize];
     let patch = &scene.set.pieces()[leaf.piece as usize].patch;
-    // Most will want it; made now, it is ready when the search in f32 is.
+    // Most rays will need the net; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
     let fitted = scene.fitted(index, patch);
@@ -164,7 +165,7 @@ pub(super) fn search_ahead<S: Simd>(
     work.nets = nets;
 }
 
-/// The same, once there is a net for sums.
+/// The same, with the net for sums.
 #[inline(always)]
 fn search_net<S: Simd>(
     simd: S,
@@ -179,7 +180,7 @@ fn search_net<S: Simd>(
         } else {
             Distances::new(simd, fitted, ray).newton(simd, start)
         };
-        // A start outside leads to a root outside, as a rule: the proof knows sooner.
+        // As a rule, a start outside leads to a root outside, which the proof shows sooner.
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let wanted = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
             let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
@@ -196,7 +197,7 @@ fn search_net<S: Simd>(
     search_by_proof(simd, scene, (index, fitted, surface), error, (ray, work));
 }
 
-/// The same by the ray's own proof of how many roots it has there.
+/// The same by the ray's own proof of how many roots it has in the leaf.
 #[simd] // a function of its own: it needs far more room than the usual way
 fn search_by_proof<S: Simd>(
     simd: S,
@@ -235,7 +236,7 @@ impl SingleWork {
         self.stack.clear();
     }
 
-    /// The nearest certified hit: of any-hit searches the first found.
+    /// The nearest certified hit; in any-hit searches, the first one found.
     #[inline(always)]
     pub(in crate::intersect) fn hit(&self) -> Option<&SingleHit> {
         self.met.then_some(&self.hits[self.best])
@@ -247,7 +248,7 @@ impl SingleWork {
         &mut self.hits[1 - self.best]
     }
 
-    /// Takes the hit of a leaf that was put there.
+    /// Takes the hit of a leaf that was put into [`Self::other`].
     #[inline(always)]
     fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, scene: &Searched<'_>) {
         self.other().leaf = leaf;

@@ -1,11 +1,11 @@
 //! One ray against one leaf, in f64 on the true surface.
 //!
-//! In the domain the caller names there is one root at most: in the widened leaf, where the
-//! certificate speaks of the ray, or in a part of it, where the ray's own proof does. So where
-//! Newton's iteration converges it has found the one root: a hit if that lies in the leaf or its
-//! slack, else that domain is proved to hold none. A root outside the piece is a miss where it is outside by more
-//! than `clearance`. Other roots outside it, or too near an end of the ray or the root it starts on, are left to
-//! the scalar search, as is what does not converge.
+//! In the domain that the caller gives there is at most one root: in the widened leaf, where the certificate
+//! holds for the ray, or in a part of it, where the ray's own proof does. So where Newton's iteration
+//! converges, it has found this one root: a hit if the root lies in the leaf or its slack; else the domain is
+//! proved to hold none. A root outside the piece by more than `clearance` is a miss. Other roots outside the
+//! piece, or too near an end of the ray or the root it starts on, are left to the scalar search, as is a ray
+//! whose iteration does not converge.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
@@ -22,30 +22,30 @@ use super::single_ray::{SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
 use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// Steps in f64: one or two are usual after the search in f32.
+/// The largest number of steps in f64: one or two are usual after the search in f32.
 const MOST_STEPS: u64 = 4;
 
-/// Parameters are rounded by half a unit. What that moves a point by may be a quarter of the
-/// promised error, for the sum of both speeds times this.
+/// The sum of both speeds times this must not exceed the promised error: then the rounding of
+/// parameters, by half a unit, moves a point by at most a quarter of that error.
 pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
 pub(super) struct Search {
-    /// What the search in f32 has found, in box coordinates.
+    /// The place that the search in f32 has found, in box coordinates.
     pub(super) near: [f32; 2],
-    /// Where there is one root at most, in box coordinates.
+    /// The domain with at most one root, in box coordinates.
     pub(super) domain: [[f64; 2]; 2],
-    /// How far a point may be from the ray.
+    /// Error bound of a point's distance from the ray.
     pub(super) error: f64,
     /// See [`Guess::clearance`](super::single_ray::Guess::clearance).
     pub(super) clearance: f64,
 }
 
-/// What became of a ray and a leaf.
+/// The outcome for a ray and a leaf.
 #[derive(Clone, Copy)]
 pub(super) enum Outcome {
-    /// Proved to be missed.
+    /// The leaf is proved to be missed.
     Missed,
     /// There is one root, a hit.
     Hit,
@@ -55,11 +55,11 @@ pub(super) enum Outcome {
     NotFound,
 }
 
-/// Newton's steps in f64 in a domain where there is one root at most. A hit is put into `found`, all
-/// but its leaf: returned, it would be copied, which stalls. Also returns the number of steps.
+/// Takes Newton's steps in f64 in a domain with at most one root. A hit is put into `found`, all but
+/// its leaf: a returned hit would be copied, which stalls. Also returns the number of steps.
 ///
-/// All is done in homogeneous coordinates relative to the origin, `Y = X − o W`: where
-/// `n · Y / W` is zero, so is `n · Y`, and the weight need not be divided by on the way.
+/// Everything is computed in homogeneous coordinates relative to the origin, `Y = X − o W`: where
+/// `n · Y / W` is zero, so is `n · Y`, and no division by the weight is needed on the way.
 #[inline(always)]
 pub(super) fn finish<S: Simd>(
     simd: S,
@@ -69,8 +69,8 @@ pub(super) fn finish<S: Simd>(
     wanted: &Search,
     found: &mut SingleHit,
 ) -> (Outcome, u64) {
-    // Told apart here, not in the sums: what the general degrees need for them would be worked
-    // out in advance for all.
+    // Forms are told apart here, not in the sums: otherwise, what the general degrees need for them
+    // would be computed in advance for all.
     let form = Form::of(surface.patch);
     let [p, q] = form.degree();
     match (form.by_powers, [p, q], form.rational) {
@@ -162,10 +162,10 @@ fn finish_of<S: Simd, F: Sums<S>>(
                 return (Outcome::Missed, step);
             }
             let st = DVec2::new(s - step_x * half_s, t - step_y * half_t);
-            // The weight goes along the same plane as what is divided by it.
+            // The weight follows the same tangent plane as what is divided by it.
             let divisor = weight - along_x[3] * step_x - along_y[3] * step_y;
             let z = (at[2] - a[2] * step_x - b[2] * step_y) / divisor;
-            // At a pole tangents vanish, and those nearby say nothing of them.
+            // At a pole tangents vanish, and those nearby say nothing about them.
             let tangents = if ray.asks_where() || leaf.has_pole() {
                 let [value, along_s, along_t] = F::at(simd, surface, st.x, st.y);
                 let along_x = along_s * f64x4::splat(simd, half_s);
@@ -184,9 +184,10 @@ fn finish_of<S: Simd, F: Sums<S>>(
     (Outcome::NotFound, MOST_STEPS)
 }
 
-/// Whether a point `W (S − o)` is within the error, or will be after a step: it and its tangents in the ray's
-/// coordinates, and one over their determinant. The tangent plane leaves no more of the residual than `bent`, and
-/// rounding of the step some, too. (The weight leaves about as much again: a small part of the error.)
+/// Whether a point `W (S − o)` is within the error, or will be after a step; `at`, `a` and `b` are
+/// the point and its tangents in the ray's coordinates, `inverse` is one over their determinant.
+/// The tangent plane leaves no more of the residual than `bent`, and rounding of the step leaves
+/// some, too. (The weight leaves about as much again: a small part of the error.)
 #[inline(always)]
 fn has_converged(
     [at, a, b]: [[f64; 3]; 3],
@@ -223,8 +224,8 @@ impl Tangents {
         Self { point: vector(point), along_x, along_y, cross }
     }
 
-    /// From those before a last small step: the point follows the tangent plane, the
-    /// tangents the second derivatives in the middle of the leaf's approximation.
+    /// From the sums before a last small step: the point follows the tangent plane, and the
+    /// tangents follow the second derivatives in the middle of the leaf's approximation.
     #[inline(always)]
     fn after<S: Simd>(
         Fitted { leaf, weight }: Fitted<'_>,
@@ -243,7 +244,7 @@ impl Tangents {
     }
 }
 
-/// No less than the length.
+/// The sum of the components' absolute values, which is no less than the length.
 #[inline(always)]
 fn sum_of_sizes(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
@@ -254,12 +255,12 @@ struct FoundRoot {
     st: DVec2,
     /// Half the leaf's sides.
     half: [f64; 2],
-    /// How far along the ray.
+    /// The distance along the ray.
     z: f64,
     tangents: Tangents,
 }
 
-/// Whether a root of the leaf is a hit, which then is put into `found`.
+/// Judges whether a root of the leaf is a hit, which is then put into `found`.
 #[inline(always)]
 fn judge(
     root: &FoundRoot,
@@ -279,7 +280,7 @@ fn judge(
         return Outcome::Missed;
     }
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
-    // Rounding of a parameter must be small against the error: no certificate has looked at it.
+    // Rounding of a parameter must be small compared with the error, which no certificate has checked.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
     let fine = COARSEST * speed <= error * half[0] * half[1];
     if !(on_piece && clear && fine) {
@@ -320,7 +321,7 @@ fn seen<S: Simd>(v: f64x4<S>, columns: &[f64x4<S>; 3]) -> [f64; 3] {
     [xyz[0], xyz[1], xyz[2]]
 }
 
-/// How far outside from 0 to 1; not above zero inside.
+/// How far `s` lies outside the range from 0 to 1; not above zero inside.
 #[inline(always)]
 fn beyond(s: f64) -> f64 {
     (-s).max(s - 1.0)

@@ -1,4 +1,4 @@
-//! The true surface at one place, in f64, lanes for the coordinates.
+//! The true surface at one place, in f64, with lanes for the coordinates.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
 
@@ -6,9 +6,9 @@ use super::jets::OneNet;
 use crate::math::bernstein::binomials;
 use crate::patch::TensorPatch;
 
-/// How the sums of a patch are made at one place.
+/// How the sums of a patch are computed at one place.
 pub(super) trait Sums<S: Simd> {
-    /// `X, W` and their derivatives by `s` and by `t`, lanes for the coordinates.
+    /// Returns `X, W` and their derivatives by `s` and by `t`, with lanes for the coordinates.
     fn at(simd: S, surface: &OneNet<'_>, s: f64, t: f64) -> [f64x4<S>; 3];
 }
 
@@ -42,7 +42,7 @@ impl<S: Simd, const P: usize, const Q: usize, const C: usize, const N: usize> Su
             value = value.mul_add(x, sums[i]);
             along_y = along_y.mul_add(x, slopes[i]);
         }
-        // The unit square has sides of two.
+        // In `x` and `y` the unit square has sides of two.
         weighted::<S, C>(patch, [value, along_x + along_x, along_y + along_y])
     }
 }
@@ -77,7 +77,7 @@ impl<S: Simd, const N: usize, const C: usize> Sums<S> for Bernstein<N, C> {
     }
 }
 
-/// With the one weight of all points, where they have three numbers.
+/// Sets the one weight of all points, where points have three numbers.
 #[inline(always)]
 fn weighted<S: Simd, const C: usize>(
     patch: &TensorPatch,
@@ -90,7 +90,7 @@ fn weighted<S: Simd, const C: usize>(
     [with_weight(value, weight), with_weight(along_s, 0.0), with_weight(along_t, 0.0)]
 }
 
-/// A control point of a row, of `C` numbers; the weight is any number where there are three.
+/// A control point of a row, of `C` numbers; where it has three, the weight is any number.
 #[inline(always)]
 fn load<S: Simd, const C: usize>(simd: S, row: &[f64], j: usize) -> f64x4<S> {
     f64x4::from_slice(simd, &row[C * j..C * j + 4])
@@ -103,7 +103,7 @@ fn with_weight<S: Simd>(v: f64x4<S>, weight: f64) -> f64x4<S> {
     mask64x4::from_bitmask(simd, 0b1000).select(f64x4::splat(simd, weight), v)
 }
 
-/// Bernstein functions and their derivatives, filled in where they stand: returned, they would be
+/// Bernstein functions and their derivatives, filled in where they stand: returned ones would be
 /// copied, which stalls.
 struct Basis<const N: usize> {
     values: [f64; N],
@@ -113,13 +113,13 @@ struct Basis<const N: usize> {
 impl<const N: usize> Basis<N> {
     const ZERO: Self = Self { values: [0.0; N], slopes: [0.0; N] };
 
-    /// From those of one degree less, by the recurrence.
+    /// Fills in the functions of a degree, by the recurrence from those of one degree less.
     #[inline(always)]
     fn fill(&mut self, degree: usize, t: f64) {
         let Self { values, slopes } = self;
         let rest = 1.0 - t;
         let binomials = binomials(degree - 1);
-        // The lower ones take the places of the slopes for a while.
+        // The functions of the lower degree are kept in `slopes` for a while.
         let mut power = 1.0;
         for i in 0..degree {
             slopes[i] = power * binomials[i];

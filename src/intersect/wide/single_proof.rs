@@ -1,20 +1,20 @@
-//! What a leaf's bicubic approximation proves of one ray.
+//! Proofs from a leaf's bicubic approximation about one ray.
 //!
-//! The certificate speaks of all rays that are steep enough. Of one ray more can be said, from
-//! the coefficients of its own two distances `f₁`, `f₂`, times the weight: the true ones differ from them by no
-//! more than the bounds of [`FitError`](crate::patch::FitError), and rounding by a few
-//! units of f32 of the sum of their sizes. The leaf is halved into boxes until each is proved
-//! to hold no root, or one at most.
+//! The certificate holds for all rays that are steep enough. More can be said of one ray, from the
+//! coefficients of its own two distances `f₁`, `f₂`, times the weight: the true distances differ
+//! from them by no more than the bounds of [`FitError`](crate::patch::FitError), and by rounding of
+//! a few units of f32 of the sum of the coefficients' absolute values. The leaf is halved into
+//! boxes until each is proved to hold no root, or at most one.
 //!
-//! *No root*: in a box with the derivatives `a`, `b` in its middle, put `g₁ = b × f` and
-//! `g₂ = a × f`. If all Bernstein coefficients of one of them are farther from zero than errors
-//! reach, on the same side, so is it everywhere.
+//! *No root*: in a box with the derivatives `a`, `b` in its middle, let `g₁ = b × f` and
+//! `g₂ = a × f`. If all Bernstein coefficients of one of them are farther from zero than the errors
+//! reach, on the same side, so is that function everywhere in the box.
 //!
-//! *One root at most*: over `a × b` they become `g₁ = x + …`, `g₂ = y + …`. Between two roots the
-//! mean of `g'` would be singular; with `|I − g'| ≤ R` everywhere, entry by entry, it is not where
-//! `I − R` has an inverse `P` without negative entries; the entries of the mean's inverse are no larger
-//! than those of `P` (Ostrowski 1937). The slopes of the true distances differ by what is known of the
-//! approximation's.
+//! *One root at most*: divided by `a × b` they become `g₁ = x + …`, `g₂ = y + …`. Between two roots the
+//! mean of `g'` would be singular. With `|I − g'| ≤ R` everywhere, entry by entry, it is not singular
+//! where `I − R` has an inverse `P` without negative entries; the entries of the mean's inverse are
+//! then no larger than those of `P` (Ostrowski 1937). The slopes of the true distances differ from the
+//! approximation's by their known error bounds.
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
@@ -29,10 +29,11 @@ use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
 use crate::math::rounding;
 
-/// Boxes to look at before the scalar search is called: it takes as long as some thirty.
+/// The largest number of boxes to examine before the scalar search is called, which takes as long as about
+/// thirty.
 const MOST_BOXES: usize = 24;
 
-/// Boxes with a root each: a ray that needs more is rare.
+/// The largest number of boxes with a root each: a ray that needs more is rare.
 const MOST_UNIQUE: usize = 4;
 
 /// Parts that hold at most one root each.
@@ -48,8 +49,8 @@ impl UniqueParts {
     }
 }
 
-/// All roots of a leaf but the one the ray starts on, each in a part of its own; `None` where
-/// that cannot be proved. `error` is how far a point may be from the ray.
+/// Isolates all roots of a leaf except the one the ray starts on, each in a part of its own; `None`
+/// where that cannot be proved. `error` is the error bound of a point's distance from the ray.
 #[simd]
 pub(super) fn isolate<S: Simd>(
     simd: S,
@@ -63,18 +64,18 @@ pub(super) fn isolate<S: Simd>(
     let mut unique = UniqueParts::default();
     let start = ray.start.place_in(leaf);
     let lengths = leaf.half_side_lengths();
-    // Coefficients come from sums in which most may cancel, and a small box has the errors of
-    // the large one it was cut from: so rounding is measured by all terms of the whole leaf, and
-    // nothing is proved of leaves thinner than f32 can see.
+    // Coefficients come from sums in which most terms may cancel, and a small box has the errors of
+    // the large one it was cut from. So rounding is measured by all terms of the whole leaf, and
+    // nothing is proved of leaves thinner than f32 can resolve.
     let terms = distances.terms(simd, fitted, ray);
     let in_range = terms <= LARGEST; // false for NaN
     if !in_range {
         return None;
     }
     let noise = DISTANCE_ROUNDING * terms;
-    // A ray that passes within the error of a border meets it: closer is not missed.
+    // A ray that passes within the error of a border meets it: what is closer than this is not missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(weighted);
-    // Of the whole leaf little more is to be learnt than its certificate says.
+    // The whole leaf shows little more than its certificate says.
     let mut waiting = [LeafPart::default(); MOST_BOXES];
     waiting[..2].copy_from_slice(&LeafPart::whole().halved(lengths));
     let mut count = 2;
@@ -118,7 +119,7 @@ pub(super) fn isolate<S: Simd>(
 #[derive(Clone, Copy)]
 pub(super) struct Local<S: Simd> {
     columns: [f32x8<S>; 4],
-    /// The sum of all sizes.
+    /// The sum of the absolute values of all coefficients.
     size: f32,
     /// The derivatives in the middle.
     along_x: [f32; 2],
@@ -144,7 +145,7 @@ impl<S: Simd> Distances<S> {
 }
 
 impl<S: Simd> Local<S> {
-    /// Whether there is no root in the part; `error` is how far the distances may be off.
+    /// Whether there is no root in the part; `error` is the error bound of the distances.
     #[simd]
     pub(super) fn is_missed(self, simd: S, error: f32) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
@@ -167,8 +168,8 @@ impl<S: Simd> Local<S> {
         missed
     }
 
-    /// Whether Newton's step from the middle leads to a place outside, where the iteration for
-    /// the one root of this part could not follow: halves can be proved to be missed.
+    /// Whether Newton's step from the middle leads out of the part, where the iteration for the
+    /// part's one root could not follow; its halves can be proved to be missed.
     #[inline(always)]
     pub(super) fn leads_away(&self) -> bool {
         let ([a1, a2], [b1, b2]) = (self.along_x, self.along_y);
@@ -195,7 +196,7 @@ impl<S: Simd> Local<S> {
         let slope_error = slope_error + 2.0 * DISTANCE_ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
         let off = [reach[0] * slope_error, reach[1] * slope_error];
-        // What is wanted of g' is part of the sums: 1. All are false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are false for NaN.
         let (left_x, left_y) = (2.0 - xx - off[0], 2.0 - yy - off[1]);
         let (xy, yx) = (xy + off[0], yx + off[1]);
         let sure = (left_x * left_y - xy * yx) * MOST_INVERSE;

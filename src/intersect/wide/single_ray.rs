@@ -1,4 +1,4 @@
-//! A ray prepared for all that one ray is put through.
+//! A ray prepared for all that is done with a single ray.
 
 use glam::{DVec2, DVec3};
 
@@ -10,23 +10,23 @@ use crate::intersect::Root;
 use crate::math::RayFrame;
 use crate::patch::{Leaf, SceneFrame};
 
-/// Where to look for the one root of a ray in a leaf whose certificate speaks of it.
+/// Where to look for the one root of a ray in a leaf whose certificate holds for the ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guess {
-    /// Where to begin, in box coordinates.
+    /// The start, in box coordinates.
     pub(super) start: [f32; 2],
-    /// Where the root lies farther than this beyond a side of the piece, in box coordinates, the piece is
+    /// If the root lies farther than this beyond a side of the piece, in box coordinates, the piece is
     /// missed there.
     pub(super) clearance: f64,
 }
 
 impl Guess {
-    /// From what the box's rows say of the direction, and how far a point may be from the ray; `None`
-    /// where the leaf's certificate does not speak of the ray.
+    /// Makes a guess from the slopes of the direction by the box's rows, and the error bound of a
+    /// point's distance from the ray; `None` where the leaf's certificate does not hold for the ray.
     #[inline(always)]
     pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
         let certificate = &leaf.certificate;
-        // How far rays pass from a pole is not looked at here: the scalar search and the packets do.
+        // How far rays pass from a pole is not examined here, only by the scalar search and the packets.
         if leaf.has_pole() {
             return None;
         }
@@ -35,7 +35,7 @@ impl Guess {
     }
 }
 
-/// Where a hit is: what tells which of two is the nearer.
+/// Where a hit is: enough to tell which of two is the nearer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HitPlace {
     pub(super) leaf: u32,
@@ -46,20 +46,20 @@ pub(super) struct HitPlace {
 
 /// A hit that is certain.
 ///
-/// In this order, with the leaf between the two vectors: else both would be written as one long and one short vector,
-/// and be read across the two, which has to wait for them.
+/// The fields are in this order, with the leaf between the two vectors: else both would be written as one
+/// long and one short vector, and read across the two, which has to wait for them.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(in crate::intersect) struct SingleHit {
     pub(in crate::intersect) st: DVec2,
     pub(in crate::intersect) z: f64,
-    /// How far `z` may be off.
+    /// Error bound of `z`.
     pub(in crate::intersect) z_error: f64,
     pub(in crate::intersect) point: DVec3,
     pub(in crate::intersect) leaf: u32,
     /// Along `S_s × S_t`.
     pub(in crate::intersect) cross: DVec3,
-    /// The length of that.
+    /// The length of `cross`.
     pub(in crate::intersect) size: f64,
 }
 
@@ -97,7 +97,7 @@ impl<'a> SingleRay<'a> {
         Self { frame, start, wanted, boxes, shift, scale: scene.scale }
     }
 
-    /// Brings the ray, as far as its nearest hit if there is one, into other scaled coordinates.
+    /// Converts the ray, up to its nearest hit if there is one, to other scaled coordinates.
     #[cold]
     pub(super) fn change_to(&mut self, region: &SceneFrame, hit: Option<&SingleHit>) {
         let end = hit.map_or(self.frame.z_range[1], |hit| hit.z);
@@ -110,14 +110,14 @@ impl<'a> SingleRay<'a> {
         self.frame.magnitude
     }
 
-    /// How far from the ray's start a root may be and yet be the start itself, for the
-    /// error of its place along the ray.
+    /// How far from the ray's start a root may be and yet be the start itself; `error` is the error
+    /// bound of its place along the ray.
     #[inline(always)]
     pub(super) fn start_reach(&self, error: f64) -> f64 {
         2.0 * error + self.start.from.map_or(0.0, |root| root.error)
     }
 
-    /// Whether more is wanted of a hit than that there is one.
+    /// Whether more is wanted than that there is a hit.
     pub(super) fn asks_where(&self) -> bool {
         self.wanted == Wanted::First
     }
@@ -133,7 +133,7 @@ impl<'a> SingleRay<'a> {
     }
 }
 
-/// A ray in scaled coordinates, as far as `end`, and the distance by which its origin was moved.
+/// A ray in scaled coordinates, up to `end`, and the distance by which its origin was moved.
 #[inline(always)]
 pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRay, f64) {
     let scale = scene.scale;

@@ -6,12 +6,12 @@ use fearless_simd_macros::simd;
 use super::searched::Fitted;
 use super::single_ray::SingleRay;
 
-/// Steps in f32: from the middle of a flat leaf the first leaves about 1e-2 of the leaf, the
-/// second 1e-4 or the fit's error.
+/// Steps in f32: from the middle of a flat leaf, the first leaves an error of about 1e-2 of the
+/// leaf, the second 1e-4 or the fit's error.
 const STEPS: usize = 2;
 
-/// The search, and what is proved, may leave the leaf as far as the bounds of the approximation's
-/// error hold, in box coordinates.
+/// How far the search and the proofs may leave the leaf, in box coordinates: as far as the bounds
+/// of the approximation's error hold.
 pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes, times its weight (see
@@ -22,8 +22,8 @@ pub(super) struct Distances<S: Simd> {
 }
 
 impl<S: Simd> Distances<S> {
-    /// The distances of the leaf's middle are found in f64; what is added to them in f32 is
-    /// of the size of the leaf, so its rounding is small against the leaf.
+    /// The distances of the leaf's middle are computed in f64; what is added to them in f32 has the
+    /// size of the leaf, so its rounding error is small compared with the leaf.
     #[simd]
     pub(super) fn new(simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> Self {
         let Fitted { leaf, weight } = fitted;
@@ -54,8 +54,8 @@ impl<S: Simd> Distances<S> {
         Self { rows }
     }
 
-    /// The sum of the sizes of all terms the coefficients were added up from, for the larger of
-    /// the two distances: what their rounding is measured by.
+    /// The sum of the absolute values of all terms that the coefficients were added up from, for
+    /// the larger of the two distances: the measure of their rounding error.
     #[simd]
     pub(super) fn terms(self, simd: S, fitted: Fitted<'_>, ray: &SingleRay<'_>) -> f32 {
         let Fitted { leaf, weight } = fitted;
@@ -77,11 +77,12 @@ impl<S: Simd> Distances<S> {
         (sum(0) + e1 * weights).max(sum(4) + e2 * weights)
     }
 
-    /// Newton's iteration in box coordinates, from a start there.
+    /// Runs Newton's iteration in box coordinates, from a start there.
     ///
-    /// Sums of powers of `x` run on all lanes at once; they are then turned into four powers
-    /// of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before, so sums are made by
-    /// halves (Estrin 1960): of a cubic two operations wait for each other, not three as in Horner's scheme.
+    /// Sums of powers of `x` are computed on all lanes at once; they are then transposed into four powers of
+    /// `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before, so sums are
+    /// made by halves (Estrin 1960): of a cubic two operations wait for each other, not three as in Horner's
+    /// scheme.
     #[simd]
     pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;
@@ -114,8 +115,8 @@ fn within_reach(x: f32) -> f32 {
     if raised < FIT_DOMAIN { raised } else { FIT_DOMAIN }
 }
 
-/// From lanes by power of `y` to vectors by power of `y`, with lanes for the first and second
-/// half of both arguments.
+/// Converts lanes by power of `y` to vectors by power of `y`, with lanes for the first and the
+/// second half of both arguments.
 #[inline(always)]
 fn transposed<S: Simd>(value: f32x8<S>, slope: f32x8<S>) -> [f32x4<S>; 4] {
     let ((v1, v2), (s1, s2)) = (value.split(), slope.split());
@@ -124,7 +125,7 @@ fn transposed<S: Simd>(value: f32x8<S>, slope: f32x8<S>) -> [f32x4<S>; 4] {
     [a.zip_low(b), a.zip_high(b), c.zip_low(d), c.zip_high(d)]
 }
 
-/// Both halves of four vectors, each half of all four a matrix, transposed.
+/// Transposes both halves of four vectors; each half of all four is a matrix.
 #[inline(always)]
 pub(super) fn transposed_rows<S: Simd>(rows: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
     let [(a, e), (b, f), (c, g), (d, h)] =

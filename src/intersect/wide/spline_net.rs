@@ -1,4 +1,4 @@
-//! The nets for sums of pieces that are made of a B-spline's control points, in lanes.
+//! Makes the nets for the sums of pieces from a B-spline's control points, in lanes.
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdSplit, f64x4, f64x8};
 use fearless_simd_macros::simd;
@@ -8,12 +8,12 @@ use crate::patch::{
     LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers,
 };
 
-/// How many nets are kept. More than the pieces that one packet meets, as a rule: the packets beside it meet some
-/// of them, too.
+/// How many nets are kept. As a rule, more than the pieces that one packet meets: the packets beside it meet
+/// some of them, too.
 const KEPT: usize = 16;
 
-/// Nets that were made for the last searches, of a scene's pieces: neighbouring rays often meet the same ones.
-/// There is room for them once one is made.
+/// Nets made for the last searches, of a scene's pieces: neighbouring rays often meet the same pieces. Room
+/// for the nets is allocated once one is made.
 #[derive(Debug, Default)]
 pub(super) struct RecentNets(Option<Box<[RecentNet; KEPT]>>);
 
@@ -24,7 +24,7 @@ struct RecentNet {
 }
 
 impl RecentNets {
-    /// [`TensorPatch::sums_source`] of a piece, made in lanes where it is not here.
+    /// [`TensorPatch::sums_source`] of a piece; if the net is not kept here, it is made in lanes.
     #[inline(always)]
     pub(super) fn net_of<'n, S: Simd>(
         &'n mut self,
@@ -34,8 +34,8 @@ impl RecentNets {
         match patch.sums_source() {
             NetSource::Kept(net) => net,
             NetSource::Spline(spline) => {
-                // Each piece has its place (multiplicative hashing, Knuth 1973): rows of pieces are often as long
-                // as a power of two.
+                // Each piece has its place (multiplicative hashing, Knuth 1973), since the length
+                // of rows of pieces is often a power of two.
                 let place = piece.wrapping_mul(0x9e37_79b9) >> (u32::BITS - KEPT.ilog2());
                 let nets = self.0.get_or_insert_with(Self::none);
                 let RecentNet { piece: made, room } = &mut nets[place as usize];
@@ -66,7 +66,7 @@ pub(super) fn make<'r, S: Simd>(
         (None, ..) => {
             spline.make(room);
         }
-        // Unrolled for the degrees met most.
+        // Unrolled for the most common degrees.
         (Some(along), [3, 3], 3) => make_of(simd, (spline, along), ([3, 3], 3), room),
         (Some(along), [3, 3], 4) => make_of(simd, (spline, along), ([3, 3], 4), room),
         (Some(along), [2, 2], 3) => make_of(simd, (spline, along), ([2, 2], 3), room),
@@ -105,7 +105,7 @@ fn make_long<S: Simd>(
         }
         let line = Lines { blocks: 1, apart: 0, count: 1, step: 1 };
         make_lines(simd, (&shares, q), line, &mut points);
-        // The last numbers of points of three are those of the next ones.
+        // Where points have three numbers, the fourth one belongs to the next point.
         for j in 0..=q {
             for (row, half) in [(first, 0), (second, 4)] {
                 let numbers = &mut room.row::<LONGEST>(row)[size * j..size * j + 4];
@@ -148,7 +148,7 @@ fn make_of<S: Simd>(
             points[j] = halves[j / 2][first][j % 2].combine(halves[j / 2][second][j % 2]);
         }
         let coefficients = coefficients(simd, &along_t, q, points);
-        // The last numbers of points of three are those of the next ones.
+        // Where points have three numbers, the fourth one belongs to the next point.
         for j in 0..=q {
             let (one, other) = coefficients[j].split();
             one.store_slice(&mut room.row::<LONGEST_OF_CUBIC>(first)[size * j..size * j + 4]);
@@ -267,7 +267,7 @@ mod tests {
         DVec4::from_array(sum)
     }
 
-    /// That of its Bézier points by Bernstein functions.
+    /// The sum of a net's Bézier points by Bernstein functions.
     fn sum_by_bernstein(control: &[DVec4], [p, q]: [usize; 2], (s, t): (f64, f64)) -> DVec4 {
         let in_s: Basis = bernstein::basis(p, s);
         let in_t: Basis = bernstein::basis(q, t);
@@ -275,7 +275,7 @@ mod tests {
         terms.map(|(k, &point)| in_s[k / (q + 1)] * in_t[k % (q + 1)] * point).sum()
     }
 
-    /// The sums by powers are those of Bernstein functions: of the numbers of a net, row by row.
+    /// For the numbers of a net, row by row, the sums by powers equal those by Bernstein functions.
     #[test]
     fn lanes_make_the_same_surface_by_powers() {
         for degree in [[3, 3], [3, 2], [2, 3], [2, 2], [3, 1], [1, 3], [5, 5], [4, 2], [3, 7]] {
@@ -315,9 +315,9 @@ mod tests {
         }
     }
 
-    /// A control point at either end of those that govern a piece has so small a share in it that it may be hundreds
-    /// of times as heavy as all on the piece, which is well conditioned all the same: what is made of such points is
-    /// as exact as of others.
+    /// A control point at either end of those that govern a piece has so small a share in the piece that it
+    /// may be hundreds of times as heavy as all points on the piece, which is well conditioned all the same:
+    /// what is made of such points is as exact as what is made of others.
     #[test]
     fn heavy_points_at_the_ends_take_no_digits() {
         for (degree, times) in

@@ -1,4 +1,4 @@
-//! Where a ray starts, if on a root: which leaves it need not look at for that.
+//! The root that a ray starts on, if any, and the leaves that need not be searched because of it.
 
 use fearless_simd::{Simd, SimdBase, f32x16};
 use fearless_simd_macros::simd;
@@ -13,14 +13,14 @@ use crate::patch::{Leaf, TensorPatch, WIDENING};
 /// A ray's start.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Start<'a> {
-    /// The root it starts on, if it does.
+    /// The root that the ray starts on, if any.
     pub(super) from: Option<&'a Root>,
-    /// Whether hits count ahead of the origin only.
+    /// Whether hits count only ahead of the origin.
     pub(super) ahead: bool,
 }
 
 impl Start<'_> {
-    /// Where in a leaf's box coordinates the ray starts, if on the leaf's piece.
+    /// The ray's start in a leaf's box coordinates, if it lies on the leaf's piece.
     #[inline(always)]
     pub(super) fn place_in(&self, leaf: &Leaf) -> Option<[f32; 2]> {
         let root = self.from.filter(|root| root.piece == leaf.piece)?;
@@ -29,9 +29,9 @@ impl Start<'_> {
         Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
     }
 
-    /// Whether the ray is known not to meet a leaf again that it starts on; `certified` says whether
-    /// the leaf's certificate speaks of the ray from `origin` along the unit vector `axis`, `error` how far a
-    /// point may be from it.
+    /// Whether the ray starts on a leaf and is known not to meet it again. `certified` says whether the
+    /// leaf's certificate holds for the ray from `origin` along the unit vector `axis`, `error` is the error
+    /// bound of a point's distance from the ray.
     #[inline(always)]
     pub(super) fn is_done_with<S: Simd>(
         &self,
@@ -50,13 +50,13 @@ impl Start<'_> {
     /// Whether the ray starts on the one root it has with a leaf that is certified for it.
     #[inline(always)]
     fn is_root_of(&self, leaf: &Leaf) -> bool {
-        // A little less than the certificate speaks of: in f32.
+        // A little less than where the certificate holds, as this is in f32.
         let reach = 1.0 + 1.99 * WIDENING as f32;
         self.place_in(leaf).is_some_and(|[x, y]| x.abs() <= reach && y.abs() <= reach)
     }
 
-    /// Whether the ray starts on a leaf, or near it on its piece, that does not
-    /// lie ahead of it again; `error` is how far a point may be from the ray.
+    /// Whether the ray starts on a leaf, or near it on its piece, and is proved not to have that
+    /// leaf ahead of it again; `error` is the error bound of a point's distance from the ray.
     #[simd]
     fn departs_from<S: Simd>(
         &self,

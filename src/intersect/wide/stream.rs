@@ -1,9 +1,9 @@
-//! Rays that have nothing in common, many of them in flight: each goes through the boxes by itself
-//! as far as the next leaf; then the leaves of all of them are searched side by side.
+//! Many rays in flight that have nothing in common: each goes through the boxes by itself as far as
+//! the next leaf; then the leaves of all rays are searched side by side.
 //!
-//! Boxes, starts and leaves that are not certified are treated as those of a ray that comes alone
-//! (see [`single`](super::single), also for why nothing is lost). What becomes of a ray does not
-//! depend on the others.
+//! Boxes, starts and leaves that are not certified are treated as for a single ray (see
+//! [`single`](super::single), also for why nothing is lost). The result for a ray does not depend
+//! on the others.
 
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
@@ -24,15 +24,15 @@ use crate::intersect::{Shot, Statistics};
 use crate::math::{Ray, RayFrame};
 use crate::patch::SceneFrame;
 
-/// Rays in flight at a time: enough to fill the lanes with pairs, few enough to stay near the
-/// processor.
+/// Rays in flight at a time: enough to fill the lanes with pairs, few enough for their data to stay
+/// near the processor.
 pub(in crate::intersect) const FLIGHTS: usize = 256;
 
 /// A ray on its way.
 #[derive(Clone, Debug, Default)]
 struct Flight {
     boxes: BoxRay,
-    /// What is still to be entered.
+    /// The boxes still to be entered.
     stack: Stack,
     /// As in [`SingleRay`].
     shift: f64,
@@ -50,7 +50,8 @@ struct Flight {
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Stream {
     flights: Vec<Flight>,
-    /// Those on their way through the boxes, with what they come to, and those that wait for their pairs.
+    /// The rays on their way through the boxes, with what each comes to next, and the rays that wait for
+    /// their pairs.
     walking: Vec<(u32, ChildCode)>,
     waiting: Vec<u32>,
     nodes: Visits,
@@ -68,7 +69,7 @@ impl Stream {
         self.flights[k].met
     }
 
-    /// That hit, and what takes distances to its ray parameter.
+    /// The hit of a ray, and the factor that converts distances to its ray parameter.
     #[inline(always)]
     pub(in crate::intersect) fn hit(&self, k: usize) -> (&SingleHit, f64) {
         let flight = &self.flights[k];
@@ -99,14 +100,14 @@ pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     }
 }
 
-/// Boxes that are looked at in one go: first all of them are tested, one after the other without a
-/// branch, so that the tests overlap; then what they say is done.
+/// Boxes that are examined in one go: first all of them are tested, one after the other without a
+/// branch, so that the tests overlap; then the results are acted on.
 const AT_ONCE: usize = 16;
 
 /// A ray, and the node or block it comes to.
 type Visit = (u32, u32);
 
-/// Some of those that rays of a batch come to.
+/// Some of the nodes, or of the blocks, that rays of a batch come to.
 #[derive(Debug)]
 struct Visits {
     places: [Visit; FLIGHTS],
@@ -124,7 +125,7 @@ impl Visits {
         self.count = 0;
     }
 
-    /// Writes one down, and keeps it or not. There are no more than flights.
+    /// Writes down a visit, and keeps it or not. There are no more visits than flights.
     #[inline(always)]
     fn put(&mut self, visit: Visit, kept: bool) {
         self.places[self.count % FLIGHTS] = visit;
@@ -136,7 +137,7 @@ impl Visits {
     }
 }
 
-/// What a node's boxes say of a ray.
+/// Where a ray enters a node's boxes, and which of them it meets.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Entered {
@@ -144,13 +145,13 @@ struct Entered {
     met: u32,
 }
 
-/// What the boxes say of the rays that are looked at in one go.
+/// The results for the rays that are examined in one go.
 struct Seen {
     entered: [Entered; AT_ONCE],
     crossings: [Crossings; AT_ONCE],
 }
 
-/// Takes all rays on to the next leaves they may meet, which are put down as pairs.
+/// Takes all waiting rays on to the next leaves they may meet, which are added as pairs.
 #[simd]
 fn walk<S: Simd, Q: Shot>(
     simd: S,
@@ -169,7 +170,7 @@ fn walk<S: Simd, Q: Shot>(
         stream.nodes.clear();
         stream.blocks.clear();
         for &(k, next) in &stream.walking {
-            // Which of the two it is has no pattern to be learnt: so there is no branch for it.
+            // Whether it is a node or a block cannot be predicted: so there is no branch for it.
             stream.nodes.put((k, next.index()), next.is_node());
             stream.blocks.put((k, next.index()), next.is_block());
             if let Child::Region(index, way) = next.child() {
@@ -183,7 +184,7 @@ fn walk<S: Simd, Q: Shot>(
     }
 }
 
-/// The rays that come to a region, in or out.
+/// Takes on the rays that come to a region, in or out.
 fn enter_regions<Q: Shot>(scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     let Stream { flights, walking, regions, .. } = stream;
     for (k, (index, way)) in regions.drain(..) {
@@ -195,7 +196,7 @@ fn enter_regions<Q: Shot>(scene: &Searched<'_>, shots: &[Q], stream: &mut Stream
     }
 }
 
-/// The rays that come to a node.
+/// Takes on the rays that come to a node.
 #[inline(always)]
 fn enter_nodes<S: Simd>(
     simd: S,
@@ -221,7 +222,7 @@ fn enter_nodes<S: Simd>(
     }
 }
 
-/// The rays that come to a block of leaves: those with pairs wait for what becomes of them.
+/// Takes on the rays that come to a block of leaves; those with pairs wait for their outcome.
 #[inline(always)]
 fn look_at_blocks<S: Simd, Q: Shot>(
     simd: S,
@@ -256,7 +257,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     }
 }
 
-/// Asks for the leaves whose boxes are met: see [`Searched::is_far`].
+/// Prefetches the leaves whose boxes are met: see [`Searched::is_far`].
 fn prefetch(scene: &Searched<'_>, visits: &[Visit], crossings: &[Crossings]) {
     for stage in [Searched::prefetch_leaves, Searched::prefetch_pieces, Searched::prefetch_nets] {
         for (&(_, block), crossings) in visits.iter().zip(crossings) {
@@ -272,7 +273,7 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
     Start { from: shot.start_root(), ahead: ray.t_min() >= 0.0 }
 }
 
-/// All rays before the root.
+/// Starts all rays before the root of the tree.
 #[simd]
 fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     stream.waiting.clear();
@@ -328,7 +329,7 @@ struct StreamRay<'a> {
 }
 
 impl StreamRay<'_> {
-    /// The leaves of a block whose boxes the ray meets.
+    /// Examines the leaves of a block whose boxes the ray meets.
     #[simd]
     fn look_at<S: Simd>(
         &self,
@@ -371,7 +372,7 @@ impl StreamRay<'_> {
         }
     }
 
-    /// The search of one leaf for this ray only: see [`search_ahead`].
+    /// Searches one leaf for this ray only: see [`search_ahead`].
     #[simd]
     fn search<S: Simd>(
         &self,
@@ -397,7 +398,7 @@ impl StreamRay<'_> {
 }
 
 impl Flight {
-    /// Puts the ray, if it comes to anything more, among those on their way.
+    /// Puts the ray among those on their way, if there is anything more for it to enter.
     #[inline(always)]
     fn go_on(&mut self, k: u32, walking: &mut Vec<(u32, ChildCode)>) {
         while let Some((entry, code)) = self.stack.pop() {
@@ -408,8 +409,8 @@ impl Flight {
         }
     }
 
-    /// Goes on in other scaled coordinates. (Back in the first, these may be rounded otherwise than in
-    /// [`start`], but the same way for every such ray.)
+    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded differently
+    /// from those of [`start`], but in the same way for every such ray.)
     #[cold]
     fn change_to(&mut self, scene: &SceneFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);
@@ -418,7 +419,7 @@ impl Flight {
         self.scale = scene.scale;
     }
 
-    /// Whether a hit is the nearest so far: then the ray ends there.
+    /// Whether a hit is the nearest so far; if so, ends the ray there.
     #[inline(always)]
     fn takes(&mut self, scene: &Searched<'_>, hit: &HitPlace) -> bool {
         let known = self.hit.place();
@@ -435,7 +436,7 @@ impl Flight {
     }
 }
 
-/// All pairs put down so far, those of one form together.
+/// Searches all pairs added so far, those of one form together.
 #[simd]
 fn search_pairs<S: Simd, Q: Shot>(
     simd: S,

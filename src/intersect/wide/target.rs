@@ -25,11 +25,11 @@ pub(super) struct Target<'a> {
     rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
     domain: [[f64; 2]; 2],
-    /// The point the leaf ends in, if it does.
+    /// The pole that the leaf ends in, if it does.
     pub(super) pole: Option<DVec3>,
 }
 
-/// What is to be known of a leaf that roots are looked for in.
+/// The data of a leaf that are needed once roots are looked for in it.
 #[derive(Clone, Copy)]
 pub(super) struct Closer {
     /// Whether a hit may be near a side, in the sense of [`Target::near_side`].
@@ -38,19 +38,19 @@ pub(super) struct Closer {
     half: [f64; 2],
     per_half: [f64; 2],
     middle: [f64; 2],
-    /// How far a computed point may be from the true one, over the larger of two magnitudes: the
-    /// patch's, and that of the ray's origin.
+    /// Error bound of a computed point, over the larger of two magnitudes: the patch's, and that of
+    /// the ray's origin.
     pub(super) residual_factor: f64,
     pub(super) magnitude: f64,
     /// See [`FitError`](crate::patch::FitError).
     bend: f64,
     third: f64,
-    /// Of the piece.
+    /// The form of the piece.
     form: Form,
 }
 
 impl<'a> Target<'a> {
-    #[inline(always)] // returned, it would be copied, which stalls
+    #[inline(always)] // a returned result would be copied, which stalls
     pub(super) fn new(scene: &'a Searched<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
         let leaf = &scene.leaves[index as usize];
         let piece = &scene.set.pieces()[leaf.piece as usize];
@@ -75,8 +75,8 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How near a side of the piece a hit may be at a border of the surface, or its normal a limit; minus
-    /// infinity if neither can be.
+    /// The distance from a side of the piece within which a hit may be at a border of the surface,
+    /// or its normal may be a limit; minus infinity if neither can be.
     #[inline(always)]
     pub(super) fn near_side(&self, side: usize) -> f64 {
         let border = self.leaf.near_border(self.piece, side).unwrap_or(f64::NEG_INFINITY);
@@ -97,7 +97,7 @@ impl<'a> Target<'a> {
         self.oriented.unit_axes()
     }
 
-    /// The rectangle where the leaf's certificate holds, for all of eight rays.
+    /// The rectangle where the leaf's certificate holds, the same for all of eight rays.
     #[inline(always)]
     pub(super) fn certified<S: Simd>(&self, simd: S) -> [f64x8<S>; 4] {
         let [[s0, s1], [t0, t1]] = self.domain;
@@ -109,7 +109,7 @@ impl<'a> Target<'a> {
         ]
     }
 
-    /// The rays that pass the leaf's pole far enough for its certificate to speak of them.
+    /// The rays that pass the leaf's pole far enough away for its certificate to hold.
     #[inline(always)]
     pub(super) fn is_away_from_pole<S: Simd, R: Rays<S>>(
         &self,
@@ -131,8 +131,8 @@ impl<'a> Target<'a> {
         dot_d(splat3(simd, row), rays.axis(simd)).abs()
     }
 
-    /// Half of sixteen rectangles of box coordinates, in the piece's parameters: from and to in
-    /// `s`, then in `t`.
+    /// Converts half of sixteen rectangles of box coordinates to the piece's parameters: from and
+    /// to in `s`, then in `t`.
     #[inline(always)]
     pub(super) fn parameters<S: Simd>(
         &self,
@@ -153,15 +153,15 @@ impl<'a> Target<'a> {
     }
 }
 
-/// A leaf, and where in it eight rays have one root at most.
+/// A leaf, and the domain in it where eight rays have at most one root each.
 pub(super) struct Ground8<'a, S: Simd> {
     pub(super) target: &'a Target<'a>,
     pub(super) closer: &'a Closer,
     /// The piece and its control net.
     pub(super) surface: &'a OneNet<'a>,
-    /// From and to in `s`, then in `t`.
+    /// The domain: from and to in `s`, then in `t`.
     pub(super) domain: [f64x8<S>; 4],
-    /// Whether that is what the leaf's certificate says.
+    /// Whether the domain is that of the leaf's certificate.
     pub(super) certified: bool,
     /// Whether normals are asked for.
     pub(super) normals: bool,
@@ -223,8 +223,8 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
         rays.error() * per_error / target.steepness(simd, rays)
     }
 
-    /// Where a step from beyond the leaf surely leads away from it, so that it is missed, as in the
-    /// scalar search.
+    /// The lanes where a step from beyond the leaf surely leads away from it, so that the leaf is
+    /// missed, as in the scalar search.
     #[simd]
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S> {
         let ([s, t], [step_s, step_t], [f1, f2]) = (step.at, step.by, step.distances);
@@ -252,7 +252,7 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
             .mul_add(f64x8::splat(simd, other_s), normal.mul_add(f64x8::splat(simd, out_s), rest));
         let turned_t = (across_b + rest)
             .mul_add(f64x8::splat(simd, other_t), normal.mul_add(f64x8::splat(simd, out_t), rest));
-        // The step leads away where it has the sign of the place's side.
+        // The step goes back by `step_s` and `step_t`: it leads away where it has the sign of the place's side.
         let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);
         let away_t = beyond_t & (from_middle_t * step_t).simd_lt(zero);
         let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));
@@ -262,10 +262,10 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     }
 }
 
-/// Why there is one root at most, and where.
+/// The reason why there is at most one root, and where.
 #[derive(Clone, Copy)]
 pub(super) enum Ground<S: Simd> {
-    /// The leaf's certificate speaks of the rays: in the widened leaf.
+    /// The leaf's certificate holds for the rays: in the widened leaf.
     Certificate,
     /// The rays' own proofs: in rectangles of box coordinates.
     Own([[f32x16<S>; 2]; 2]),

@@ -1,4 +1,4 @@
-//! A packet's way through the wide hierarchy.
+//! Takes a packet through the wide hierarchy.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
@@ -22,26 +22,26 @@ use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
 
-/// What is to be entered, where the first ray may, and the rays that may.
+/// Where the first ray may enter a child, the child, and the rays that may enter it.
 type Visit = (f32, ChildCode, u64);
 
-/// Covers f32 rounding of slabs at the distances a ray has inside the scene.
+/// Slack for the f32 rounding of slabs at the distances a ray has inside the scene.
 const SLAB_SPARE: f32 = 1e-5;
 
-/// A box's row decides where the least slope of a packet's rays is more than this part of the largest: else it may
-/// vanish, as far as rounding can tell, and would say little.
+/// A box's row decides only where the least slope of a packet's rays is more than this part of the largest:
+/// else the slope may vanish, as far as rounding can tell, and the row would say little.
 const LEAST_DECIDED: f32 = 1e-3;
 
 /// Scratch memory and results of tracing packets.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Work {
     stack: Vec<Visit>,
-    /// Rays and leaves the scalar search must look at.
+    /// Rays and leaves that the scalar search must examine.
     pub(in crate::intersect) rest: Vec<(usize, u32)>,
     apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
-    /// Rays and leaves to be looked at closer, and parts of such leaves.
+    /// Rays and leaves that need a closer look, and parts of such leaves.
     pub(super) doubts: Box<Doubts>,
     pub(super) parts: Parts,
     pub(super) nets: RecentNets,
@@ -50,7 +50,7 @@ pub(in crate::intersect) struct Work {
 }
 
 impl Work {
-    /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set.
+    /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set in `lanes`.
     #[inline(always)]
     pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {
         self.rest_rays |= u64::from(lanes) << base;
@@ -58,10 +58,9 @@ impl Work {
     }
 }
 
-/// Finds the nearest certified hit of every one of up to [`PACKET`] rays, or any if that is all
-/// they ask (`packet.any`). `work.rest` names the
-/// pairs of ray and leaf that could not be certified or decided, which may hold nearer ones. The rays
-/// `ahead` are asked for on the way.
+/// Finds the nearest certified hit of each of up to [`PACKET`] rays, or any hit if that is all they
+/// ask for (`packet.any`). `work.rest` lists the pairs of ray and leaf that could not be certified or
+/// decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
@@ -75,8 +74,8 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.rest.clear();
     work.doubts.clear();
     work.rest_rays = 0;
-    // Where the packet before has met something, this one is likely to; rays that leave a hit meet the
-    // box of its leaf.
+    // If the packet before has met something, this one probably does, too; rays that leave a hit meet
+    // the box of its leaf.
     let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
     if packet.met() == 0
         && !leaves_hits
@@ -119,7 +118,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     }
 }
 
-/// Goes on in the coordinates of another region; what was put aside is in those of the last.
+/// Goes on in the coordinates of another region; the pairs put aside, in those of the last, are settled first.
 #[cold]
 #[simd]
 fn change_region<S: Simd>(
@@ -176,11 +175,11 @@ fn meets_nothing<S: Simd, Q: Shot>(
     true
 }
 
-/// Where the packet may enter each of a node's boxes, and which it may meet at all.
+/// Returns where the packet may enter each of a node's boxes, and which boxes it may meet at all.
 ///
-/// For every ray of the packet the entry into a slab is `(plane − o) / d` with `o` and
-/// `1 / d` in known ranges; its least value over them bounds the entry of all. Coordinates
-/// in which the directions differ in sign decide nothing.
+/// For every ray of the packet the entry into a slab is `(plane − o) / d` with `o` and `1 / d` in
+/// known ranges; the least value over these ranges bounds the entry of all rays. Coordinates in
+/// which the directions differ in sign decide nothing.
 #[simd]
 fn enter<S: Simd>(
     simd: S,
@@ -218,11 +217,11 @@ fn enter<S: Simd>(
     (near.into(), lane_bits(met) & filled)
 }
 
-/// Where the packet may enter each of a block's boxes, and which it may meet at all.
+/// Returns where the packet may enter each of a block's boxes, and which boxes it may meet at all.
 ///
-/// Box coordinates of a ray are `at + z·slope`, both linear in origin and direction: over all rays
-/// of the packet each lies within the sum of the sizes of its terms from that of the middle ray.
-/// Rows whose slopes may vanish decide nothing.
+/// Box coordinates of a ray are `at + z·slope`, both linear in origin and direction. Over all rays
+/// of the packet, each of the two lies within the sum of the absolute values of its terms from that
+/// of the middle ray. Rows whose slopes may vanish decide nothing.
 #[simd]
 pub(super) fn enter_block<S: Simd>(
     simd: S,
@@ -263,13 +262,13 @@ pub(super) fn enter_block<S: Simd>(
     (near.into(), lane_bits(met))
 }
 
-/// The middle of a range, and how far it reaches from there, with some roundings to spare.
+/// The middle of a range, and how far the range reaches from there, with slack for some roundings.
 fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
     let middle = 0.5 * (min + max);
     (middle, 0.5 * (max - min) + 4.0 * f32::EPSILON * min.abs().max(max.abs()))
 }
 
-/// The leaves of a block, near ones first.
+/// Searches the leaves of a block, near ones first.
 #[simd]
 fn search_block<S: Simd, Q>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Vectors in lanes: a coordinate a register.
+//! Vectors in lanes: a register for each coordinate.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, mask32x16};
 use fearless_simd_macros::simd;
@@ -67,7 +67,7 @@ pub(super) fn cross_d<S: Simd>(a: [f64x8<S>; 3], b: [f64x8<S>; 3]) -> [f64x8<S>;
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The sum of the components' sizes: no less than the length.
+/// The sum of the components' absolute values, which is no less than the length.
 #[inline(always)]
 pub(super) fn sum_of_sizes<S: Simd>([x, y, z]: [f64x8<S>; 3]) -> f64x8<S> {
     x.abs() + y.abs() + z.abs()

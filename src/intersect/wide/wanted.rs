@@ -2,7 +2,7 @@
 
 use super::frames::END_SPARE;
 
-/// What a ray asks for.
+/// What a ray asks for: its first hit, or any hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intersect) enum Wanted {
     First,
@@ -10,8 +10,8 @@ pub(in crate::intersect) enum Wanted {
 }
 
 impl Wanted {
-    /// As far as a ray is of interest in scaled coordinates once it has a hit, if its origin was
-    /// moved by `shift`.
+    /// How far along a ray, in scaled coordinates, anything matters once the ray has a hit at `z`,
+    /// if its origin was moved by `shift`.
     #[inline(always)]
     pub(super) fn far(self, z: f64, shift: f64, scale: f64) -> f32 {
         match self {

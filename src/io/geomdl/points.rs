@@ -9,7 +9,7 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 /// A list of points, read without a list for each point.
 #[derive(Debug, Default)]
 pub(super) struct Points {
-    /// The points; coordinates there are not are 0.
+    /// The points; missing coordinates are 0.
     pub(super) points: Vec<DVec3>,
     /// The number of coordinates of the first point.
     pub(super) dimension: usize,

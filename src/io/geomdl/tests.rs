@@ -1,4 +1,4 @@
-//! What geomdl files say, and what is said of broken ones.
+//! What is read from geomdl files, and the errors of broken ones.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ fn model(text: &str) -> Model {
     read_geomdl(text, "m.json", "m").unwrap()
 }
 
-/// What the user is told, whichever floor notices.
+/// The message that the user gets, whichever layer notices the error.
 fn error(text: &str) -> String {
     let model = match read_geomdl(text, "m.json", "m") {
         Ok(model) => model,
@@ -45,7 +45,8 @@ fn net(part: &Part) -> &Net {
     net
 }
 
-/// To the last bit: a unit there is within what is promised of hits, but not what the file says.
+/// To the last bit: an error of one unit there is within the accuracy promised for hits, but it is
+/// not the number of the file.
 #[test]
 fn numbers_are_those_of_the_file() {
     for k in 1..400 {
@@ -163,7 +164,7 @@ fn keys_that_nobody_knows_are_noted() {
         ]
     );
 
-    // Of two lists of weights one is used, and the other one named.
+    // If there are two lists of weights, one is used and the other one noted.
     let twice = changed("\"degree_u\"", "\"weights\": [1, 1, 1, 1, 3, 1], \"degree_u\"");
     let twice = model(&twice);
     assert_eq!(net(&twice.parts[0]).weights.as_ref().unwrap().value[4], 2.0);
@@ -173,7 +174,7 @@ fn keys_that_nobody_knows_are_noted() {
         "m.json:2:1: surface \"m/lid\": \"weights\" left out: those of \"control_points\" are used"
     );
 
-    // A surface alone may say what only a file may say.
+    // A surface alone may have the keys that belong to a file.
     let alone = SURFACE.replace("\"name\": \"lid\",", "\"order\": \"v fastest\", \"units\": 1,");
     let text = model(&alone).notes.iter().map(ToString::to_string).collect::<String>();
     assert_eq!(text, format!("m.json:2:34: key \"units\", once: {unknown}"));

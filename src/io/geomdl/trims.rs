@@ -1,6 +1,6 @@
 //! Trim curves of a surface, as geomdl's `export_json` writes them.
 //!
-//! `trims` is `{"count": …, "data": […]}`, or the list alone, of closed loops: splines, free-form
+//! `trims` is a list of closed loops, alone or as `{"count": …, "data": […]}`: splines, free-form
 //! points, or containers of such curves in turn.
 
 use std::collections::BTreeSet;
@@ -41,7 +41,7 @@ struct CurveKeys<'a> {
     reversed: Raw<'a>,
 }
 
-/// What is not used of the trims of a surface, once each.
+/// Notes on what is not used in the trims of a surface, once each.
 type Unused = BTreeSet<&'static str>;
 
 impl<'a> Reader<'a> {
@@ -59,7 +59,7 @@ impl<'a> Reader<'a> {
         if loops.is_empty() {
             return Ok(None);
         }
-        // Without outlines the whole domain is one.
+        // Without outlines, the border of the domain is the outline.
         let outlined = loops.iter().any(|one| one.sense == Some(LoopSense::Outline));
         let kept = if outlined { Kept::Odd } else { Kept::Even };
         Ok(Some(TrimSpec { place: self.place(raw), kept, loops }))
@@ -84,7 +84,7 @@ impl<'a> Reader<'a> {
     ) -> Result<LoopSpec, LoadError> {
         let place = self.place(raw);
         let Keyed(keys): Keyed<CurveKeys<'a>> = self.parse(raw.get())?;
-        // What a curve goes around is cut off, or what it goes around is kept.
+        // The region inside a loop is cut off, or kept if the loop is reversed.
         let cuts = !is_set(keys.reversed);
         let sense = Some(if cuts { LoopSense::Hole } else { LoopSense::Outline });
         let curves = match keys.data {
@@ -106,7 +106,7 @@ impl<'a> Reader<'a> {
             }
             None => {
                 let mut curve = self.trim_curve(entry, (index, place.clone()), &keys, unused)?;
-                // Free-form points alone are a polygon, whether it is said to close or not.
+                // Free-form points alone are a closed polygon, whether the last repeats the first or not.
                 if let CurveKind::Polyline(points) = &mut curve.kind {
                     let first = points.first().copied();
                     points.extend(first.filter(|first| points.last() != Some(first)));
@@ -155,7 +155,7 @@ impl<'a> Reader<'a> {
         Ok(CurveSpec { place, kind, transform: Vec::new(), reverse: false })
     }
 
-    /// Points of (u, v).
+    /// Returns points as points of (u, v), which have 2 coordinates.
     fn in_plane(
         &self,
         entry: &Entry<'a>,

@@ -1,4 +1,4 @@
-//! Keys that nobody reads: nothing a file says is left out without a note.
+//! Keys that the reader does not know: nothing in a file is left out without a note.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -10,15 +10,15 @@ use serde_json::value::RawValue;
 use super::{LoadError, Reader};
 use crate::scene::{ImportNote, nearest};
 
-/// What an object may hold, or each object of a list.
+/// The keys of an object, or of each object of a list.
 pub(super) struct Keys {
     /// Keys that are read, and those that change no surface.
     known: &'static [&'static [&'static str]],
-    /// Those of them that hold such objects in turn.
+    /// Keys that hold objects to look into, and the keys of these.
     inner: &'static [(&'static str, &'static Keys)],
 }
 
-/// The outermost object of a file. What its surfaces hold is looked at one by one.
+/// The outermost object of a file. Its surfaces are looked into one by one.
 pub(super) const DOCUMENT: Keys =
     Keys { known: &[&["shape", "surfaces", "order"]], inner: &[("shape", &SHAPE)] };
 
@@ -77,7 +77,7 @@ impl Keys {
     }
 }
 
-/// Unknown keys: where the first value of each is, how many there are, what was meant.
+/// Unknown keys: the offset of the first value of each, how often it occurs, and the key meant.
 pub(super) type Unknown = BTreeMap<String, (usize, usize, Option<&'static str>)>;
 
 impl<'a> Reader<'a> {
@@ -123,7 +123,7 @@ impl<'a> Reader<'a> {
 /// A walk through objects and lists.
 struct Walk<'f, 'a> {
     keys: &'static Keys,
-    /// Keys, their values, what might be there instead.
+    /// Unknown keys, their values, and the keys known there.
     found: &'f mut Vec<(String, &'a str, &'static Keys)>,
 }
 

@@ -1,4 +1,5 @@
-//! What trims keep of the cells of a piece, as grids: whole cells, and trapezoids of the others.
+//! The cells of a piece that trims keep, as grids: whole cells, and the kept part of cut cells as
+//! trapezoids.
 
 use glam::{DVec2, DVec3};
 
@@ -58,8 +59,8 @@ impl<'a> Cutter<'a> {
         Ok(Self { piece, trims, us, vs, vertices, chords })
     }
 
-    /// Adds what is kept of the cells `rows` × `columns`: runs of whole ones along v as one grid
-    /// each, of the others one grid of four vertices a trapezoid.
+    /// Adds the kept part of the cells `rows` × `columns`: each run of whole cells along v as one
+    /// grid, each trapezoid of a cut cell as a grid of four vertices.
     ///
     /// # Errors
     /// When the mesh becomes too large.
@@ -108,9 +109,9 @@ impl<'a> Cutter<'a> {
         mesh.push_grid((2, columns.len() + 1), |row, column| self.vertex(i + row, first + column))
     }
 
-    /// The kept part of a cell, cut at the v of every end of a chord and of every crossing with
-    /// the cell's sides: between two of these each chord crosses the whole strip or none of it,
-    /// and chords do not cross each other.
+    /// Adds the kept part of a cell. The cell is cut into strips at the v of every end of a chord
+    /// and of every crossing of a chord with the cell's sides: each chord then crosses a whole
+    /// strip or none of it, and chords do not cross each other.
     fn push_trapezoids(&self, i: usize, j: usize, mesh: &mut GridMesh) -> Result<(), MeshError> {
         let UvBox { min, max } = self.cell(i, j);
         let mut near: Vec<Edge> = self.chords[j]
@@ -120,7 +121,7 @@ impl<'a> Cutter<'a> {
             .collect();
         let mut levels = vec![min.y, max.y];
         levels.extend(near.iter().flat_map(|edge| [edge.from.y, edge.to.y]));
-        // Chords along u end strips, but are no sides of any.
+        // Chords along u end strips, but are not sides of any trapezoid.
         near.retain(|edge| edge.from.y < edge.to.y);
         for edge in &near {
             for side in [min.x, max.x] {
@@ -128,7 +129,7 @@ impl<'a> Cutter<'a> {
                 levels.push(edge.from.y + share * (edge.to.y - edge.from.y));
             }
         }
-        levels.retain(|v| min.y <= *v && *v <= max.y); // NaN is not
+        levels.retain(|v| min.y <= *v && *v <= max.y); // drops NaN, too
         levels.sort_by(f64::total_cmp);
         levels.dedup();
 
@@ -159,8 +160,8 @@ impl<'a> Cutter<'a> {
         Ok(())
     }
 
-    /// The point of the surface at a place of a cell; on the cell's sides that of the straight
-    /// line between two vertices, which the neighbour has, too.
+    /// The point of the surface at `uv` in a cell. On the cell's sides its position is on the
+    /// straight line between two vertices, which the neighbouring cell has, too.
     fn point(&self, (i, j): (usize, usize), uv: DVec2) -> MeshPoint {
         let UvBox { min, max } = self.cell(i, j);
         let at = (uv - min) / (max - min);

@@ -9,8 +9,8 @@ use crate::geometry::trim::TrimError;
 /// The most vertices along a side of a grid: Embree's documented limit.
 pub const MAX_GRID_SIDE: usize = 32_767;
 
-/// The most vertices of a mesh: 5 GB of positions, normals and parameters. Fewer than
-/// 32 bits can number, as Embree does.
+/// The most vertices of a mesh: 5 GB of positions, normals and parameters. 32 bits, as Embree
+/// has, can number them.
 pub const MAX_VERTICES: usize = 1 << 26;
 
 /// Why a mesh cannot be made.
@@ -106,7 +106,7 @@ impl Grid {
 ///
 /// # Invariants, kept by [`GridMesh::push_grid`]
 /// - every grid has 2 to [`MAX_GRID_SIDE`] rows and columns, and all its vertices;
-/// - positions, normals and parameters are equally many, at most [`MAX_VERTICES`].
+/// - there are as many normals and parameters as positions, at most [`MAX_VERTICES`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridMesh {
     positions: Vec<DVec3>,
@@ -176,7 +176,7 @@ impl GridMesh {
         &self.uv
     }
 
-    /// The grids: one a knot span, of trimmed surfaces several.
+    /// The grids: one a knot span, several a knot span of trimmed surfaces.
     pub fn grids(&self) -> &[Grid] {
         &self.grids
     }

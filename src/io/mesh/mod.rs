@@ -1,5 +1,5 @@
-//! Surfaces as grids of triangles, for Embree only: nothing of ours is traced, measured or
-//! written through a mesh.
+//! Surfaces as grids of triangles, for Embree only: `nurbray` itself traces, measures and writes
+//! nothing through a mesh.
 
 mod cut;
 mod grid_mesh;

@@ -15,7 +15,7 @@ use crate::geometry::{
 pub(super) struct Piece {
     surface: NurbsSurface,
     map: ChartMap,
-    /// What is kept of it, if not all.
+    /// The trims, if they do not keep all of the piece.
     pub(super) trims: Option<Arc<Trims>>,
 }
 
@@ -35,10 +35,11 @@ pub(super) struct Row {
 }
 
 impl Piece {
-    /// The pieces of a surface: each chart is cut at every knot as multiple as the degree, or more.
+    /// The pieces of a surface: each chart is cut at every knot whose multiplicity is the degree
+    /// or more.
     ///
-    /// Cut there, neighbours have the border's control points in common, and so its vertices
-    /// bit for bit; but each has its own normals.
+    /// Neighbours then share the control points of their border, and so its vertices bit for bit;
+    /// but each has its own normals.
     ///
     /// # Errors
     /// When a surface cannot be cut there.

@@ -8,7 +8,7 @@ use super::piece::{Piece, Row, Tangents};
 use crate::geometry::trim::{Side, UvBox};
 use crate::geometry::{BasisDerivatives, Direction, Span};
 
-/// Points of one piece to measure, beyond what [`MIN_PROBES`] asks for: about 10 ms of work.
+/// Points to measure on one piece, unless [`MIN_PROBES`] asks for more: about 10 ms of work.
 const SAMPLE_BUDGET: usize = 1 << 17;
 
 /// Cells measured along each side of a knot span, at least and at most. Odd, so that besides
@@ -16,8 +16,8 @@ const SAMPLE_BUDGET: usize = 1 << 17;
 const MIN_PROBES: usize = 3;
 const MAX_PROBES: usize = 9;
 
-/// Where a cell is sampled along each side: corners, middles, and the thirds that the
-/// centroids of its two triangles have.
+/// Fractions at which each side of a cell is sampled: corners, middles, and the thirds at which
+/// the centroids of its two triangles lie.
 const FRACTIONS: [f64; 5] = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0];
 
 /// A direction counts as a cause of a deviation if it contributes this share of it.
@@ -31,7 +31,7 @@ pub(super) struct Plan {
     counts: [Vec<usize>; 2],
 }
 
-/// Distances between a piece and the triangles of its plan, at most.
+/// Largest distances between a piece and the triangles of its plan.
 #[derive(Clone, Debug)]
 pub(super) struct Deviations {
     /// Along edges that run in u, and in v, for each span in that direction.
@@ -56,7 +56,7 @@ impl Plan {
         Self { piece, spans, counts }
     }
 
-    /// Counts from the deviation of the present ones, which falls with their square.
+    /// Sets the counts from the deviation with the present ones; it falls with their square.
     ///
     /// Equal shares for both directions give the fewest cells, unless one direction is
     /// (nearly) straight: then the other may have what is left.
@@ -107,7 +107,7 @@ impl Plan {
         measured.worst() > distance
     }
 
-    /// The number of vertices the plan makes; neighbouring grids have their borders twice.
+    /// The number of vertices the plan makes; those on a border between grids count in each.
     pub(super) fn vertex_count(&self) -> usize {
         let [rows, columns] = self.counts.each_ref().map(|counts| {
             counts.iter().fold(0usize, |sum, &count| sum.saturating_add(count).saturating_add(1))
@@ -116,7 +116,7 @@ impl Plan {
     }
 
     /// Adds the grids of the plan to a mesh. Trim curves become chords within `distance` of
-    /// them in space, as the surface is stretched where it was looked at.
+    /// them in space, judged by how far the surface is stretched at the points sampled.
     pub(super) fn carry_out(&self, distance: f64, mesh: &mut GridMesh) -> Result<(), MeshError> {
         let too_many = |counts: &Vec<usize>| counts.iter().any(|&n| n + 1 > MAX_GRID_SIDE);
         if self.counts.iter().any(too_many) {
@@ -162,7 +162,7 @@ impl Plan {
         parameters
     }
 
-    /// How far a step of 1 in u or in v goes in space, where it goes farthest, as sampled.
+    /// The largest sampled speed of the surface: the length in space of a step of 1 in u or in v.
     fn speed(&self) -> f64 {
         let samples = [Direction::U, Direction::V].map(|direction| {
             let knots = self.piece.knots(direction);
@@ -223,7 +223,7 @@ impl Plan {
         found
     }
 
-    /// Cells to measure along one direction, `probes` a span.
+    /// Cells to measure along one direction, at most `probes` a span.
     fn cells(&self, direction: usize, probes: usize) -> Vec<CellSide> {
         let knots = self.piece.knots([Direction::U, Direction::V][direction]);
         let (start, end) = knots.domain();
@@ -294,8 +294,8 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// The distance between a point of the surface and the point of its triangle with the same
-/// parameters, along the normal: across it, points only slide on the surface.
+/// The distance along the normal between a point of the surface and the point of its triangle
+/// with the same parameters: across the normal, points only slide on the surface.
 fn along_normal(on_surface: Tangents, on_triangle: DVec3) -> f64 {
     let gap = on_surface.point - on_triangle;
     match on_surface.du.cross(on_surface.dv).try_normalize() {
@@ -317,8 +317,8 @@ fn at(span: &Span, fraction: f64) -> f64 {
     if fraction >= 1.0 { span.end } else { span.start + fraction * (span.end - span.start) }
 }
 
-/// How many cells there must be instead of `count` to divide a deviation by `factor`.
-/// More than a grid can have means: too many.
+/// The number of cells needed instead of `count` to divide a deviation by `factor`.
+/// [`MAX_GRID_SIDE`], one more than a grid can have, means: too many.
 fn scaled(count: usize, factor: f64) -> usize {
     let cells = (count as f64 * factor.sqrt()).ceil();
     (cells as usize).clamp(1, MAX_GRID_SIDE)

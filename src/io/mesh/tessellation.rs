@@ -8,30 +8,30 @@ use super::plan::Plan;
 use crate::geometry::Charts;
 
 /// Rounds of refinement before the counts are taken as they are. The deviation falls with
-/// the square of the counts, so that two or three rounds suffice, but where the
-/// parametrisation is singular. What is reached is measured and reported in any case.
+/// the square of the counts, so that two or three rounds suffice, except where the
+/// parametrisation is singular. The deviation reached is measured and reported in any case.
 const MAX_ROUNDS: usize = 10;
 
-/// Surfaces that are flat have chords of trim curves within this share of the diagonal, where
-/// nothing else says how many there should be.
+/// Tolerance of the chords of trim curves on flat surfaces, as a share of the diagonal, where
+/// nothing else says how many chords there should be.
 const FLAT_EDGES: f64 = 1e-4;
 
-/// How finely surfaces are to be cut: found once, carried out as often as need be.
+/// How finely surfaces are to be cut: found once, carried out as often as needed.
 #[derive(Clone, Debug)]
 pub struct TessellationPlan {
     surfaces: usize,
     plans: Vec<(usize, Plan)>,
     diagonal: f64,
-    /// How far chords of trim curves may be from these.
+    /// Tolerance of the chords of trim curves, in scene units.
     edges: f64,
 }
 
 impl TessellationPlan {
-    /// Every knot span is to be cut into `cells` × `cells`.
+    /// Plans to cut every knot span into `cells` × `cells`.
     ///
     /// # Errors
-    /// When a surface cannot be cut at its creases. Of more cells than a grid may have nothing
-    /// can be made, as [`TessellationPlan::meshes`] says then.
+    /// When a surface cannot be cut at its creases. If `cells` is more than a grid may have,
+    /// [`TessellationPlan::meshes`] fails.
     pub fn with_cells(surfaces: &[impl Charts], cells: usize) -> Result<Self, MeshError> {
         let cells = cells.min(2 * MAX_GRID_SIDE); // more is too many all the same
         let diagonal = diagonal(&plans(surfaces, shown)?);
@@ -41,9 +41,9 @@ impl TessellationPlan {
         Ok(Self { surfaces: surfaces.len(), plans, diagonal, edges })
     }
 
-    /// Surfaces are to be cut so finely that they stay within `fraction` of the diagonal of
-    /// their common bounding box from their triangles; each row and each column of knot spans
-    /// has counts of its own. That they stay there is checked by sampling: see
+    /// Plans to cut surfaces so finely that their distance from their triangles stays within
+    /// `fraction` of the diagonal of their common bounding box. Each row and each column of knot
+    /// spans has a count of its own. The distance is checked by sampling: see
     /// [`Tessellation::deviation`].
     ///
     /// # Errors
@@ -100,9 +100,9 @@ impl TessellationPlan {
 
 /// Surfaces as grids of triangles: one mesh a surface, one grid a knot span.
 ///
-/// Of trimmed surfaces, cells that are kept whole come in runs, and of the others the kept part
-/// is cut into trapezoids along chords of the trim curves, as near to these as the triangles are
-/// to the surface, each a grid of two triangles.
+/// On trimmed surfaces, cells that are kept whole form runs. The kept part of a cut cell is split
+/// along chords of the trim curves into trapezoids, each a grid of two triangles; the chords are as
+/// near to the curves as the triangles are to the surface.
 ///
 /// Within a surface neighbouring grids share the vertices of their borders, bit for bit.
 /// Between surfaces they do so if the counts agree, as [`Tessellation::with_cells`] makes
@@ -123,8 +123,8 @@ impl Tessellation {
         Self::carried_out(&TessellationPlan::with_cells(surfaces, cells)?)
     }
 
-    /// Cuts surfaces so finely that they stay within `fraction` of the diagonal of their
-    /// common bounding box from their triangles.
+    /// Cuts surfaces so finely that their distance from their triangles stays within `fraction`
+    /// of the diagonal of their common bounding box.
     ///
     /// # Errors
     /// As [`TessellationPlan::to_tolerance`] and [`TessellationPlan::meshes`].
@@ -142,10 +142,10 @@ impl Tessellation {
         &self.meshes
     }
 
-    /// How far the surfaces lie from their triangles, in scene units, at most, as sampled
-    /// in some cells of every knot span: at the middles of edges and triangles, along the
-    /// normal; at the borders of smooth pieces in space. What lies between may deviate a few
-    /// per cent more.
+    /// The largest distance between the surfaces and their triangles, in scene units, sampled in
+    /// some cells of every knot span at the middles of edges and triangles. It is measured along
+    /// the normal, and in space at the borders of smooth pieces. Points between the samples may
+    /// deviate a few per cent more.
     pub fn deviation(&self) -> f64 {
         self.deviation
     }
@@ -156,7 +156,7 @@ impl Tessellation {
     }
 }
 
-/// What is to be cut, with the number of the surface it belongs to.
+/// The plans of all pieces, each with the number of the surface it belongs to.
 fn plans(
     surfaces: &[impl Charts],
     cells: impl Fn(usize) -> usize,
@@ -169,7 +169,7 @@ fn plans(
     Ok(plans)
 }
 
-/// Cells a span that show how it bends and how far it reaches.
+/// Cells a span that suffice to show how a span bends and how far it reaches.
 fn shown(degree: usize) -> usize {
     2 * degree
 }

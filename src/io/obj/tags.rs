@@ -5,11 +5,11 @@ use crate::geometry::{BoundaryRule, Corner, Crease};
 use crate::io::LoadError;
 use crate::math::Counted;
 
-/// From this sharpness on files mean infinite, as OpenSubdiv does.
+/// A sharpness in a file of this or more is infinite, as in OpenSubdiv.
 const INFINITE: f64 = 10.0;
 
 impl<'a> Reader<'a> {
-    /// A tag: its name, how many values of each kind, the values.
+    /// Reads a tag: its name, the number of values of each kind, and the values.
     pub(super) fn tag(&mut self, keyword: &'a str, words: &[&'a str]) -> Result<(), LoadError> {
         let [name, counts, values @ ..] = words else {
             let message = "a tag needs a name and counts, as in t crease 2/1/0 0 1 2.5";

@@ -128,7 +128,7 @@ fn free_form_surfaces_are_named_where_they_begin() {
     let surface = "v 0 0 0\nv 1 0 0 W\nv 0 1 0\nv 1 1 1\ncstype bspline\ndeg 1 1\n\
         surf 0 1 0 1 1 2 3 4\nparm u 0 0 1 1\nparm v 0 0 1 1\nend\n";
     for weight in ["7.6", ""] {
-        // Alone, and beside a cage that is sound: that is shown.
+        // Alone it is an error; beside a sound cage the cage is shown.
         let surface = surface.replace('W', weight);
         assert_eq!(
             error(&surface),
@@ -146,7 +146,7 @@ fn free_form_surfaces_are_named_where_they_begin() {
     }
     let curve = "vp 0 1\ncstype rat bezier\ndeg 1\ncurv2 -1 -1\nend\n";
     assert!(error(curve).starts_with(&format!("x.obj:1:1: statement \"vp\": {unread}")));
-    // A cage that is sound is shown, and what is beside it is noted.
+    // A sound cage is shown, and the statements beside it are noted.
     let model = read_obj_cage(&format!("{SQUARES}{curve}"), "x").unwrap();
     let notes: Vec<String> = model.notes.iter().map(ToString::to_string).collect();
     assert_eq!(notes.len(), 6 + 5);
@@ -157,7 +157,7 @@ fn free_form_surfaces_are_named_where_they_begin() {
 
 #[test]
 fn what_other_programs_leave_behind_is_noted() {
-    // Vertices of no face before, between and behind the others: faces and tags go on naming those they name.
+    // Vertices of no face before, between and after the others: faces and tags still name the same vertices.
     let loose =
         "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 8 8 8\nv 1 1 0\nv 0 1 0\nv 7 7 7 0.5\nv 2 0 0\nv 2 1 0\n";
     let tags = "t crease 2/1/0 2 4 2\nt corner 1/1/0 7 3\n";

@@ -64,13 +64,13 @@ fn patch(net: &[[DVec3; 4]; 4], flatness: f64) -> Result<String, PovrayGap> {
     ))
 }
 
-/// How often a patch must be halved each way until every part's control points are within
-/// `flatness` of the plane through three of its corners, which is when POV-Ray stops.
+/// The number of halvings of a patch each way until every part's control points are within
+/// `flatness` of the plane through three of its corners: then POV-Ray stops.
 ///
-/// Let no second difference of the net, mixed ones included, be longer than `δ`. Then
+/// Let δ be the length of the longest second difference of the net, mixed ones included. Then
 /// `P_ij = P_00 + i (P_30 − P_00) / 3 + j (P_03 − P_00) / 3 + e` with `|e| ≤ (1 + 1 + 9) δ`:
-/// on a border a cubic's point is within δ of the chord's, and i j ≤ 9 mixed differences lead
-/// inwards. Halving divides δ by four at least.
+/// a control point on a border is within δ of its place on the chord, and i j ≤ 9 mixed
+/// differences lead inwards. Halving divides δ by at least four.
 fn halvings(net: &[[DVec3; 4]; 4], flatness: f64) -> u32 {
     let mut longest: f64 = 0.0;
     for i in 0..4 {

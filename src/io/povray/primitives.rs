@@ -7,10 +7,10 @@ use crate::math::rounding;
 use crate::patch::SceneFrame;
 use crate::scene::{NamedShape, Shape, Transform, Written, placed};
 
-/// A primitive in its place, in the coordinates of a frame; `None` of a shape POV-Ray does not
+/// A primitive in its place, in the coordinates of a frame; `None` for a shape POV-Ray does not
 /// know.
 ///
-/// The primitive itself is about as large as 1, too: POV-Ray meets it in its own coordinates.
+/// The primitive itself, too, has a size of about 1, as POV-Ray intersects it in its own coordinates.
 pub(super) fn primitive(
     shape: &Shape,
     steps: &[Written<Transform>],
@@ -37,7 +37,7 @@ pub(super) fn primitive(
         NamedShape::Cone { radius, height } => {
             format!("cone {{ 0, {:?}, <0, 0, {:?}>, 0 open", unit * radius, unit * height)
         }
-        // POV-Ray's lies around the y axis.
+        // POV-Ray's torus lies around the y axis.
         NamedShape::Torus { major, minor } => {
             format!("torus {{ {:?}, {:?} sturm rotate 90*x", unit * major, unit * minor)
         }

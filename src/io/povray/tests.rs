@@ -1,4 +1,4 @@
-//! What is written, and what is said of the rest.
+//! What is written, and why the rest is left out.
 
 use super::*;
 use crate::io::read_scene;
@@ -100,7 +100,7 @@ shape = { octant = { radius = 1 } }
     assert!(scene.text.contains("clipped_by"));
 }
 
-/// One shape may make several surfaces: what follows it is still what it is.
+/// One shape may make several surfaces: those after it are still written as their own shapes.
 #[test]
 fn surfaces_are_written_as_what_they_were_made_of() {
     let sheet = net("[1, 1]", "[[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 1]]]", "");

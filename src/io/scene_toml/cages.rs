@@ -28,7 +28,7 @@ pub(super) struct SubdivisionKeys {
     tolerance: Option<Spanned<f64>>,
 }
 
-/// Vertices, and how sharp they, or the edges between them, are.
+/// Vertices, and the sharpness of these, or of the edges between them.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SharpKeys {
@@ -44,7 +44,7 @@ enum BoundaryKey {
 }
 
 impl Reader<'_, '_> {
-    /// The surface, and what it is called if nobody says.
+    /// Returns the surface, and before it the name to use if none is given.
     pub(super) fn subdivision(
         &mut self,
         scheme: Scheme,

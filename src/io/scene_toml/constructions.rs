@@ -14,9 +14,9 @@ use crate::scene::{Construction, Written};
 /// A construction, if its keys make one.
 type Built = Result<Construction, LoadError>;
 
-/// What the keys of a construction make.
+/// The keys of a construction.
 pub(super) trait ConstructionKeys {
-    /// The construction, with its curves. Where its numbers are written goes to `measures`.
+    /// Makes the construction, with its curves; adds the offsets of its numbers to `measures`.
     fn construction(self: Box<Self>, reader: &Reader<'_, '_>, measures: &mut Measures) -> Built;
 }
 
@@ -264,20 +264,20 @@ impl ConstructionKeys for IsoCurvesKeys {
     }
 }
 
-/// Balls at control points are so many times as thick as lines, if nothing else is said.
+/// The radius of balls at control points as a multiple of that of lines, if not given.
 const JOINTS: f64 = 2.0;
 
 fn numbers(list: Vec<Number>) -> Vec<f64> {
     list.into_iter().map(|number| number.0).collect()
 }
 
-/// The value of a key; where it is written goes to the measures.
+/// Returns the value of a key; adds its offset to the measures.
 fn noted_one<T>(key: &'static str, value: Spanned<T>, measures: &mut Measures) -> T {
     measures.push((key, value.span().start));
     value.into_inner()
 }
 
-/// The value of a key that may be left out, likewise.
+/// As [`noted_one`], for a key that may be left out.
 fn noted<T>(key: &'static str, value: Option<Spanned<T>>, measures: &mut Measures) -> Option<T> {
     value.map(|value| noted_one(key, value, measures))
 }

@@ -1,4 +1,4 @@
-//! Kinds of things, told apart by the one key of a table.
+//! Things of several kinds: the only key of a table names the kind.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -12,9 +12,9 @@ use serde::de::{
 
 /// Things of several kinds, each of which is an enum's variant with one value.
 pub(super) trait Kinds {
-    /// A thing and one of its kinds: `a shape, as in { sphere = { radius = 1 } }`.
+    /// The thing, with one of its kinds as an example: `a shape, as in { sphere = { radius = 1 } }`.
     const EXAMPLE: &'static str;
-    /// How two of them are written.
+    /// How two such things are written.
     const APART: &'static str;
 
     /// What to write instead of these keys in one table.
@@ -23,7 +23,7 @@ pub(super) trait Kinds {
     }
 }
 
-/// One kind of thing: `{ kind = … }`, or its name alone where its keys may all be left out.
+/// One kind of thing: `{ kind = … }`, or `"kind"` alone if all its keys may be left out.
 pub(super) struct OneOf<T>(pub(super) T);
 
 impl<'de, T: Kinds + Deserialize<'de>> Deserialize<'de> for OneOf<T> {
@@ -52,7 +52,7 @@ impl<'de, T: Kinds + Deserialize<'de>> Deserialize<'de> for OneOf<T> {
     }
 }
 
-/// A kind of which only the name is given.
+/// A kind given by its name alone.
 struct NameAlone<'a, E> {
     name: &'a str,
     error: PhantomData<E>,
@@ -169,5 +169,5 @@ impl<'de, A: MapAccess<'de>> VariantAccess<'de> for OneKey<A> {
     }
 }
 
-/// Kinds hold one value each: [`Kinds`] asks for it.
+/// Kinds hold one value each, as [`Kinds`] demands.
 const SEVERAL_VALUES: &str = "a kind has one value";

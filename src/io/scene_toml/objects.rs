@@ -46,7 +46,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The surfaces of a shape, and what the object is called if it has no name.
+    /// Returns the surfaces of a shape, and before them the name of an object that has none.
     fn shape(
         &mut self,
         called: Option<&str>,
@@ -93,7 +93,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// What has a name in errors, each with its place.
+    /// The measures, which have names in errors, each with its place.
     fn measures(&self, measures: Measures) -> Vec<Written<&'static str>> {
         let place = |(name, offset)| Written::new(name, self.source.place(offset));
         measures.into_iter().map(place).collect()
@@ -103,7 +103,7 @@ impl Reader<'_, '_> {
         let offset = keys.points.span().start;
         let knots = [keys.knots_u, keys.knots_v].map(|knots| match knots {
             Some(knots) => self.written(knots, |knots| knots.0),
-            // Nothing is written: errors point at the net they were made for.
+            // No knots are written: errors point at the net that these are made for.
             None => Written::new(Knots::ClampedUniform, self.source.place(offset)),
         });
         let size = self.size(called, "points", keys.points.get_ref())?;
@@ -147,7 +147,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The weights, at the place of the first one that cannot be, if there is one.
+    /// The weights; their place is that of the first unusable one, if there is one.
     fn weights(
         &self,
         called: &str,

@@ -1,4 +1,4 @@
-//! What is said of triangles and cages in scenes.
+//! Triangles and cages in scenes, and the errors about them.
 
 use glam::{DVec2, DVec3};
 
@@ -65,7 +65,7 @@ fn an_octant_s_constants_are_told_where_they_are_written() {
     );
 }
 
-/// Each at the curve that folds.
+/// Each error is placed at the curve that folds.
 #[test]
 fn profiles_that_fold_are_told_where_they_are_written() {
     let of = |shape: &str| error(&format!("[[object]]\nname = 'o'\n[object.shape.{shape}"));
@@ -193,7 +193,7 @@ fn what_is_no_cage_is_told_where_it_is_written() {
         cage("doo_sabin]\nfile = 'x.obj'\nfaces = [[0, 1, 2]]"),
         "s.toml:4:8: doo_sabin: needed is a file, or points and faces, not both"
     );
-    // No such surface reaches the border, whichever of the rules it is.
+    // No Doo–Sabin surface reaches the border, whichever rule is given.
     for rule in ["edge_only", "edge_and_corner"] {
         assert_eq!(
             cage(&format!("doo_sabin]\nfile = 'x.obj'\nboundary = '{rule}'")),
@@ -220,8 +220,8 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     let corner = world.surfaces.iter().find(|one| one.name == "net/point 1").unwrap();
     let middle = 0.5 * (corner.surface.point_at(DVec2::ZERO) + corner.surface.point_at(DVec2::Y));
     assert!(middle.distance(DVec3::splat(2.0)) < 1e-14, "moved with the box: {middle}");
-    // After a step of Doo and Sabin: three corners of each triangle, which moves halfway to its middle; of edges
-    // each triangle has three, and three that lead to its neighbours, of which it has half.
+    // After a Doo–Sabin step there are three points for each triangle, which moves halfway to its middle. Each
+    // triangle has three edges of its own, and six that lead to its neighbours, which share them.
     let refined = net.replace("'box'", "'box', steps = 1");
     let world = World::new(&scene(&format!("{cage}{refined}"))).unwrap();
     assert_eq!(world.surfaces.len(), 1 + 24 + 12);

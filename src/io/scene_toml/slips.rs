@@ -1,29 +1,29 @@
-//! Slips of the pen that are no TOML, in better words than the parser's.
+//! Better messages than the parser's for slips of the pen that are not TOML.
 //!
-//! What the parser expected is rarely what was meant. For the commonest slips the text at the place
-//! it complains about says more; where it does not for sure, the parser has the word.
+//! What the parser expected is rarely what was meant. For the commonest slips, the text at the place
+//! of its complaint says more; where that is not certain, the parser's message stays.
 
 use crate::math::Shown;
 
-/// What the parser says of text that stands where a value is needed, of a comma that is too many in
-/// a table, of zeros, and of the end of a line that goes on.
+/// Messages of the parser: for text where a value is needed, a comma too many in a table, leading
+/// zeros, and a line that goes on where it should end.
 const NO_VALUE: &str = "string values must be quoted, expected literal string";
 const NO_VALUE_IN_BRACES: &str = "invalid literal string, expected `'`";
 const COMMA_IN_BRACES: &str = "extra comma in inline table, expected `=`";
 const LEADING_ZERO: &str = "unexpected leading zero, expected nothing";
 const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
 
-/// Longer text is not repeated.
+/// Longer text is not repeated in messages.
 const LONGEST: usize = 40;
 
-/// What is wrong at an offset of the text of which the parser says `message`, if that is plain.
+/// Returns what is wrong at an offset of the text, where the parser says `message`, if that is plain.
 pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
     let (before, after) = text.split_at_checked(offset)?;
     let before = before.rsplit('\n').next()?;
     let after = after.lines().next().unwrap_or("");
     match message {
         NO_VALUE => no_value(after),
-        // The same message is given for a string without an end, which goes on to that of the line.
+        // The same message is given for a string without an end, which runs to the end of the line.
         NO_VALUE_IN_BRACES if after.starts_with('}') => match before.trim_end().ends_with('=') {
             true => no_value(after),
             false => no_brackets(before, after),
@@ -35,23 +35,24 @@ pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
     }
 }
 
-/// Whether it is a number as TOML has them, or nearly: with a zero or a sign too many.
+/// Whether a word is a number of TOML, or nearly one: with a zero or a sign too many.
 fn is_number(word: &str) -> bool {
     word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
 }
 
-/// Whether digits may be a group of a longer number's, as in `1,000,000`: TOML has no such numbers that begin with a zero.
+/// Whether a word may be a group of digits of a longer number, as in `1,000,000`: three digits, the first a zero,
+/// which are no number of their own in TOML.
 fn is_group(word: &str) -> bool {
     word.len() == 3 && word.starts_with('0') && word.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// That groups of digits are one number.
+/// The message that groups of digits are one number.
 fn one_number(found: &str, groups: &[&str]) -> String {
     let [whole, groups] = [groups.concat(), groups.join("_")];
     format!("found {found}, needed {whole} or {groups}: a number has no gaps")
 }
 
-/// Text without quotes, a fraction, numbers without commas, or nothing at all.
+/// The message for text without quotes, a fraction, numbers without commas, or nothing at all.
 fn no_value(after: &str) -> Option<String> {
     let found = after.split([',', ']', '}', '#']).next()?.trim();
     if found.is_empty() {
@@ -96,8 +97,8 @@ fn no_value(after: &str) -> Option<String> {
     ))
 }
 
-/// Numbers behind a key, with commas and without brackets; of two it may be that the comma is
-/// meant as the point.
+/// The message for numbers after a key, with commas but without brackets; between two numbers the
+/// comma may be meant as a decimal point.
 fn no_brackets(before: &str, after: &str) -> Option<String> {
     let value = before.rfind('=')? + 1;
     let written = format!("{}{after}", &before[value..]);
@@ -124,7 +125,7 @@ fn no_brackets(before: &str, after: &str) -> Option<String> {
     Some(format!("found {list}, needed brackets around a list: [{list}]"))
 }
 
-/// Zeros before the digits of a number.
+/// The message for zeros before the digits of a number.
 fn leading_zero(after: &str) -> Option<String> {
     let of_number = |c: char| c.is_ascii_alphanumeric() || "._+-".contains(c);
     let found = after.split(|c| !of_number(c)).next()?;
@@ -134,7 +135,7 @@ fn leading_zero(after: &str) -> Option<String> {
     sensible.then(|| format!("found {found}, needed {zero}{bare}: a number has no zeros in front"))
 }
 
-/// A comma behind the value of a key that has a line to itself.
+/// The message for a comma after the value of a key that has a line to itself.
 fn comma_at_end(before: &str, after: &str) -> Option<String> {
     let rest = after.strip_prefix(',')?.trim_start();
     let ends = before.contains('=') && (rest.is_empty() || rest.starts_with('#'));
@@ -145,7 +146,7 @@ fn comma_at_end(before: &str, after: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// What is said of a line in a table, and at which of its columns.
+    /// The message about a line in a table, and the column it names.
     fn said(line: &str) -> String {
         let text = format!("[a]\n{line}\nafter = 1\n");
         let error = toml::from_str::<toml::Table>(&text).unwrap_err();

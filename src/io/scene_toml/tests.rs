@@ -1,4 +1,4 @@
-//! What scenes say, and what is said of broken ones.
+//! What is read from scenes, and the errors of broken ones.
 
 use std::cell::RefCell;
 
@@ -18,7 +18,7 @@ pub(super) fn scene(text: &str) -> Scene {
     read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// What the user is told, whichever floor notices.
+/// The message that the user gets, whichever layer notices the error.
 pub(super) fn error(text: &str) -> String {
     match read(text) {
         Err(error) => error.to_string(),
@@ -43,7 +43,7 @@ fn documented() -> Vec<String> {
     blocks
 }
 
-/// What the documentation is made of besides the module's own.
+/// The files that are part of the module's documentation.
 const DOCUMENTS: [&str; 3] =
     [include_str!("from_curves.md"), include_str!("plots.md"), include_str!("trims.md")];
 

@@ -1,4 +1,4 @@
-//! What trims cut, and what is said of broken ones.
+//! What trims cut, and the errors of broken ones.
 
 use glam::{DVec2, DVec3};
 

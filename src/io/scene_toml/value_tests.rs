@@ -1,9 +1,9 @@
-//! What is said of keys, names and values that mean nothing.
+//! The errors about keys, names and values that mean nothing.
 
 use super::tests::{error, scene};
 use crate::scene::Plane;
 
-/// A sphere, and these lines behind it.
+/// A sphere, and these lines after it.
 fn with_sphere(lines: &str) -> String {
     format!("[[object]]\nshape = {{ sphere = {{}} }}\n{lines}")
 }
@@ -226,7 +226,7 @@ fn only_plots_of_space_have_a_plane() {
     assert_eq!(scene(&comb).plots[0].plane, Some(Plane::Xz));
 }
 
-/// A list of values in the order of a table's keys would do for the parser.
+/// The parser would accept a list of values in the order of a table's keys.
 #[test]
 fn lists_are_no_tables() {
     for (lines, place) in [
@@ -260,7 +260,7 @@ fn lists_are_no_tables() {
     );
 }
 
-/// Longer lists would do for the parser, too.
+/// The parser would accept longer lists, too.
 #[test]
 fn lists_have_as_many_values_as_they_need() {
     for (lines, message) in [

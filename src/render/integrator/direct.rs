@@ -37,8 +37,8 @@ struct Shaded {
 }
 
 impl Direct {
-    /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow
-    /// rays are traced as is said with the tracer.
+    /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow rays are traced with
+    /// the coherence given with the tracer.
     pub(super) fn light(
         &mut self,
         world: &World,
@@ -82,7 +82,7 @@ impl Direct {
             }
         }
 
-        // Rays towards one light are neighbours as their hits are.
+        // Rays towards one light are as close together as their hits are.
         tracer.occlusions(&self.shadows, coherence, &mut self.hidden);
         for (&(index, diffuse), hidden) in self.brought.iter().zip(&self.hidden) {
             if !hidden.occluded {

@@ -26,7 +26,7 @@ enum Method {
     Direct(Direct),
     /// A property of the hit as a colour; black where there is none.
     Hit(HitColor),
-    /// How much work a ray was, hit or not.
+    /// How much work a ray took, hit or not.
     Iterations,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Batch {
 }
 
 impl Integrator {
-    /// For camera rays that are such neighbours.
+    /// The integrator of this kind; `neighbours` says how rays are best traced.
     pub(super) fn new(kind: IntegratorKind, world: &World, neighbours: Neighbours) -> Self {
         let way = match kind {
             IntegratorKind::Direct => Method::Direct(Direct::default()),
@@ -55,7 +55,7 @@ impl Integrator {
     /// Traces a batch of neighbouring camera rays and finds what each sees.
     ///
     /// Rays are handed over all at once, so that kernels may take them in packets; only
-    /// `iterations` goes ray by ray, to tell the work of each.
+    /// `iterations` goes ray by ray, to measure the work of each.
     pub(super) fn see(
         &mut self,
         world: &World,

@@ -1,4 +1,4 @@
-//! Iterations: how much work each ray was, as a colour.
+//! Iterations: how much work each ray took, as a colour.
 
 use super::Batch;
 use crate::intersect::{Statistics, Tracer};

@@ -169,7 +169,7 @@ fn materials_by_name_and_the_default() {
     assert_eq!(world.materials.len(), 2);
     assert_eq!(world.materials[world.surfaces[0].material].texture, red.texture);
 
-    // What nobody has described is not known, though others may use it.
+    // A material that the scene does not describe cannot be named, even if other objects use it.
     let mut plain = self::scene(vec![object(SPHERE), painted.clone()]);
     assert_eq!(
         message(&plain),

@@ -1,11 +1,12 @@
-//! Catmull–Clark patches against B-splines, limit masks, and refinement by force.
+//! Catmull–Clark patches against B-splines, limit masks, and brute-force refinement.
 
 use glam::DVec3;
 
 use super::*;
 use crate::geometry::KnotVector;
 
-/// The squares of the cage's faces after this many steps, quads only from the first step on.
+/// The cage after this many steps of refinement, and the squares of its faces, which are quads from
+/// the first step on.
 fn refined_squares(cage: &Cage, steps: usize) -> (Cage, Vec<FaceSquare>) {
     let sides: Vec<usize> = (0..cage.face_count()).map(|f| cage.face(f).unwrap().len()).collect();
     let mut squares = Vec::new();
@@ -55,7 +56,7 @@ fn patches_pass_where_the_masks_of_a_refined_cage_say() {
 
 #[test]
 fn bounds_are_not_idle() {
-    // Somewhere the patches deviate by a good part of what is reported.
+    // Somewhere the patches deviate by a good part of the reported bound.
     let cage = cage(&cube_parts());
     let probe = Probe::new(cage.catmull_clark(1e-2).unwrap());
     let (refined, squares) = refined_squares(&cage, 7);
@@ -149,7 +150,7 @@ fn creases_and_borders_are_cubic_splines() {
     }
 }
 
-/// The place on the border of a quad, seen from its corner k on.
+/// The place at `t` along the border of a quad, starting at its corner k.
 fn on_border(k: usize, t: f64) -> [f64; 2] {
     [[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]][k]
 }
@@ -251,8 +252,8 @@ fn a_smaller_tolerance_costs_a_few_patches_more() {
         assert_eq!(limit.patches().len() - exact, 24, "one beside each corner of each face");
         exact
     });
-    // Three more around each of the 24 corners for each step of refinement; one or two steps
-    // more where borders that are moved to meet would be off too far.
+    // Three more around each of the 24 corners for each step of refinement; one or two steps more
+    // where borders moved to meet would otherwise be too far off.
     assert!(counts.iter().all(|count| count % 72 == 0));
     assert_eq!(counts, [216, 432, 864, 792, 936, 1368]);
 }

@@ -1,4 +1,4 @@
-//! Cages that cannot be, one message each.
+//! Invalid cages, with one message each.
 
 use super::*;
 

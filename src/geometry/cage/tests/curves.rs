@@ -32,7 +32,7 @@ fn lines_run_where_there_are_patches_and_nowhere_else() {
                         gaps += usize::from(theirs.is_none());
                         match (ours, theirs) {
                             (Some(ours), Some(theirs)) => {
-                                // Beside each other patches agree within the tolerance.
+                                // Adjacent patches agree within the tolerance.
                                 assert!(
                                     ours.distance(theirs) <= 1e-2,
                                     "{context}: {ours} {theirs}"

@@ -1,4 +1,4 @@
-//! Doo–Sabin patches against B-splines and refinement by force.
+//! Doo–Sabin patches against B-splines and brute-force refinement.
 
 use glam::DVec3;
 
@@ -31,8 +31,8 @@ fn a_sheet_is_the_uniform_biquadratic_spline() {
     }
 }
 
-/// The smallest distance of a point from the patches, by looking closer and closer around
-/// the nearest of a few samples.
+/// The smallest distance of a point from the patches, by searching ever more finely around the
+/// nearest of a few samples.
 fn distance(probe: &Probe, point: DVec3) -> f64 {
     let samples = || (0..25).map(|k| [f64::from(k / 5) / 4.0, f64::from(k % 5) / 4.0]);
     let far =
@@ -73,7 +73,7 @@ fn middles_of_faces_of_a_refined_cage_are_on_the_surface() {
         for _ in 0..6 {
             refined = refined.refined_doo_sabin();
         }
-        // A face's centroid never moves; on the surface are those with a vertex inside.
+        // A face's centroid never moves; it is on the surface if the face has a vertex inside.
         let topology = &refined.mesh().topology;
         let inside =
             |face: &usize| topology.face(*face).iter().any(|&vertex| topology.star(vertex).closed);

@@ -11,7 +11,7 @@ fn refinement_keeps_limit_points_and_normals() {
         let corners =
             (0..cage.face_count()).flat_map(|f| (0..before[f].len()).map(move |k| (f, k)));
         for (child, (face, k)) in corners.enumerate() {
-            // The quad of a corner, and where in it the corner is.
+            // The quad of a corner, and the position of the corner in it.
             let place = if before[face].len() == 4 { k } else { 0 };
             let (a, b) = (before[face][k], after[child][place]);
             assert!(a.point.distance(b.point) < 1e-14, "{name}, face {face}, corner {k}");
@@ -34,7 +34,7 @@ fn vertices_of_much_refined_cages_are_near_their_limits() {
         let limits = cage.catmull_clark_limits();
         for (face, vertices) in parts.faces.iter().enumerate() {
             for (k, &vertex) in vertices.iter().enumerate() {
-                // Each step leaves at most some 0.4 of the way: 0.4⁵ is 0.01.
+                // Each step leaves at most about 0.4 of the way: 0.4⁵ is 0.01.
                 let left = refined.positions()[vertex].distance(limits[face][k].point);
                 let way = cage.positions()[vertex].distance(limits[face][k].point);
                 assert!(left <= 0.05 * way + 2e-3, "{name}, vertex {vertex}: {left} of {way}");
@@ -80,8 +80,8 @@ fn normals_at_extraordinary_vertices_are_those_of_small_faces_there() {
         for (face, vertices) in parts.faces.iter().enumerate() {
             for (k, &vertex) in vertices.iter().enumerate() {
                 let Some(normal) = limits[face][k].normal else { continue };
-                // All small faces there are nearly in the tangent plane, or across a crease;
-                // around smooth vertices of the border with one face as slowly as 1/6.
+                // All small faces there are nearly in the tangent plane, or beyond a crease; around
+                // smooth border vertices of a single face they approach it only as slowly as 1/6.
                 let small = (0..refined.face_count()).map(|f| refined.face(f).unwrap());
                 let touching = small.filter(|quad| quad.contains(&(vertex as u32)));
                 let nearest = touching.map(|quad| {

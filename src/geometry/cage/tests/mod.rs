@@ -1,4 +1,4 @@
-//! Cages to test with, and what their limit surfaces are compared with.
+//! Test cages, and references for their limit surfaces.
 
 mod catmull_clark;
 mod checks;
@@ -14,7 +14,7 @@ use crate::geometry::NurbsSurface;
 
 pub(super) const SHARP: f64 = f64::INFINITY;
 
-/// Numbers from −1 to 1 that look random: the same every time.
+/// Pseudo-random numbers from −1 to 1, the same in every run.
 pub(super) fn noise(seed: usize) -> f64 {
     let mut x = seed as u64 ^ 0x9e37_79b9_7f4a_7c15;
     for _ in 0..3 {
@@ -83,7 +83,7 @@ pub(super) fn crease(a: usize, b: usize, sharpness: f64) -> Crease {
     Crease { vertices: [a, b], sharpness }
 }
 
-/// Cages of all kinds, with a name each.
+/// Named cages of all kinds.
 pub(super) fn zoo() -> Vec<(&'static str, CageParts)> {
     let cube = cube_parts();
     let with = |creases: Vec<Crease>| CageParts { creases, ..cube.clone() };
@@ -125,7 +125,7 @@ pub(super) fn cage(parts: &CageParts) -> Cage {
     Cage::new(parts.clone()).unwrap()
 }
 
-/// A limit surface that can be asked by unit square.
+/// A limit surface that can be evaluated by unit square.
 pub(super) struct Probe {
     pub(super) limit: LimitSurface,
     surfaces: Vec<NurbsSurface>,
@@ -148,7 +148,7 @@ impl Probe {
         Some((patch, u, v))
     }
 
-    /// A point, and how far it may be from the true one.
+    /// A point, and the bound on its distance from the true one.
     pub(super) fn point(&self, unit: usize, at: [f64; 2]) -> Option<(DVec3, f64)> {
         let (patch, u, v) = self.patch(unit, at)?;
         Some((self.surfaces[patch].point_at(u, v), self.limit.patches()[patch].deviation))

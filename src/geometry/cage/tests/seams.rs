@@ -1,4 +1,4 @@
-//! Limit surfaces as wholes: without gaps, in their unit squares, turned and moved.
+//! Limit surfaces as a whole: without gaps, evaluated by unit squares, reversed and moved.
 
 use std::collections::HashMap;
 
@@ -20,7 +20,7 @@ fn limits(tolerance: f64) -> Vec<(String, Cage, LimitSurface)> {
     limits
 }
 
-/// A point on each side of a patch, at a share of it.
+/// A point on a side of a patch, at a fraction of the side.
 fn on_side(surface: &NurbsSurface, side: usize, share: f64) -> DVec3 {
     let [u, v] = surface.domain();
     let at = |(from, to): (f64, f64), t: f64| from + t * (to - from);
@@ -32,7 +32,7 @@ fn on_side(surface: &NurbsSurface, side: usize, share: f64) -> DVec3 {
     }
 }
 
-/// On a grid much finer than patches, much coarser than rounding.
+/// The cell of a point in a grid much finer than patches and much coarser than rounding.
 fn cell(point: DVec3) -> [i64; 3] {
     (point * 1e8 + DVec3::splat(0.3)).floor().to_array().map(|x| x as i64)
 }
@@ -115,7 +115,7 @@ fn surfaces_are_their_charts() {
                 }
             }
         }
-        // Turned, u and v change places within each unit square.
+        // Reversal exchanges u and v within each unit square.
         let turned = plain.reversed();
         assert_eq!(turned.reversed(), plain);
         for k in 0..64 {
@@ -126,7 +126,7 @@ fn surfaces_are_their_charts() {
                 let normals = plain.normal(here).zip(turned.normal(there));
                 assert!(normals.is_none_or(|(a, b)| a.distance(-b) < 1e-9));
             } else {
-                // Only where there is nothing: a Doo–Sabin surface ends inside its cage.
+                // Only where there is no surface: a Doo–Sabin surface ends inside its cage.
                 assert!(name.contains("(ds)") && !cage.is_closed(), "{name} {here}");
             }
         }
