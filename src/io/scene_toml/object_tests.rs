@@ -168,7 +168,7 @@ fn knots_by_name() {
         ("{ period = [0, 1, 2] }", "2:107: unknown key \"period\"; did you mean \"periodic\"?"),
         (
             "3",
-            "2:105: found 3, needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
+            "2:105: found integer 3, needed a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }",
         ),
     ] {
         let text = curve(&format!("nurbs = {{ {points}, knots = {knots} }}"));
