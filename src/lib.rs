@@ -19,10 +19,10 @@
 //! | floor | what it holds |
 //! |---|---|
 //! | [`math`] | numbers only: [`Ray`](math::Ray), boxes, Bernstein polynomials, bounds of rounding errors |
-//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), what is made from curves ([`construct`](geometry::construct)), and what is cut from surfaces ([`trim`](geometry::trim)) |
+//! | [`geometry`] | surfaces as authored: [`KnotVector`](geometry::KnotVector), [`NurbsSurface`](geometry::NurbsSurface), refinement, exact [`shapes`](geometry::shapes), surfaces made from curves ([`construct`](geometry::construct)), and loops that trim surfaces ([`trim`](geometry::trim)) |
 //! | [`patch`] | everything becomes rational Bézier pieces, and pieces become leaves with proved bounds |
-//! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once, a [`Tracer`](intersect::Tracer) a thread asks it for the first [`Hit`](intersect::Hit), any hit, or all of them |
-//! | [`scene`] | what is seen: a [`Scene`](scene::Scene) is as its author wrote it, a [`World`](scene::World) is checked and ready to trace |
+//! | [`intersect`] | one ray, one answer: [`SurfaceBvh`](intersect::SurfaceBvh) is built once; a [`Tracer`](intersect::Tracer) per thread finds the first [`Hit`](intersect::Hit) of a ray, any hit, or all hits |
+//! | [`scene`] | what is seen: the [`Scene`](scene::Scene) as its author wrote it, and the [`World`](scene::World), checked and ready to trace |
 //! | [`render`] | light: integrators turn rays into a [`Film`](render::Film), the same for any number of threads |
 //! | [`io`] | files: scenes, models and rays in, pictures and hits out |
 //!
@@ -92,8 +92,8 @@
 //!   pole: a ray that passes the pole within that distance meets it.
 //! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray as a
 //!   rule within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
-//! - The kept part of a trimmed surface is closed, too: a root that may lie on a trim edge, given
-//!   rounding, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
+//! - The kept part of a trimmed surface is closed, too: a root that may lie on a trim edge, as
+//!   far as rounding can tell, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
 //! - Answers depend only on the ray and the surfaces, except for the last digits, which the
 //!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change. Pictures
 //!   depend only on the scene and its settings: not on threads, tiles or crops.

@@ -124,7 +124,7 @@ fn pixel(k: u32) -> DVec2 {
     middle + shift(DVec2::splat(3.5), [within % 8, within / 8])
 }
 
-/// The offset of a pixel from the middle of its block, in a picture of 1 × 1; both in pixels.
+/// The offset of a pixel from a middle, both given in pixels, as a share of the picture's side.
 fn shift(middle: DVec2, [x, y]: [u32; 2]) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) - middle) / f64::from(PIXELS)
 }

@@ -25,8 +25,8 @@ use super::{console, input, output, threads};
 use check::Audit;
 use report::Report;
 
-/// The largest number of rays of one audit: at least a day's work. What an audit keeps of its rays
-/// does not grow with their number.
+/// The largest number of rays of one audit: at least a day's work. Except for rays with faults,
+/// what an audit keeps of its rays does not grow with their number.
 pub(crate) const MAX_RAYS: u64 = 1_000_000_000;
 
 /// The text that `--help` prints after the options.

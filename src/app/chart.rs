@@ -186,7 +186,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// Converts an error of plotters, which has as many types of them as backends.
+/// Converts an error of plotters, which has as many error types as backends.
 fn failed(error: impl std::fmt::Display) -> Error {
     anyhow!("cannot draw: {error}")
 }

@@ -46,7 +46,7 @@ impl Failure {
     }
 }
 
-/// Says of an error whose fault it is. There is no `From`: each `?` has to decide.
+/// Says whose fault an error is. There is no `From`: each `?` has to decide.
 pub(crate) trait OrFail<T> {
     /// The user has something to change (exit code 2).
     fn or_bad_input(self) -> Result<T, Failure>;

@@ -114,10 +114,17 @@ fn bar(what: &'static str, total: u64, rays: &Arc<AtomicU64>) -> ProgressBar {
             let _ = text.write_str(&rate(rays, state.elapsed().as_secs_f64()));
         }
     };
-    let template = "{msg} {wide_bar} {percent:>3} %  {rate}  ETA {eta}";
+    let eta = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        // Before anything is done, nothing is known of the time it takes.
+        if state.pos() > 0 {
+            let _ = write!(text, "ETA {}", duration(state.eta().as_secs_f64()));
+        }
+    };
+    let template = "{msg} {wide_bar} {percent:>3} %  {rate}  {eta}";
     let style = ProgressStyle::with_template(template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .with_key("rate", rate);
+        .with_key("rate", rate)
+        .with_key("eta", eta);
     ProgressBar::new(total).with_style(style).with_message(what)
 }
 

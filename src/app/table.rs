@@ -3,8 +3,8 @@
 use glam::DVec3;
 use nurbray::math::Counted;
 
-/// Aligns cells in columns: words to the left, everything else to the right. The first row
-/// is the heading; its first cell and those of `words` hold words.
+/// Aligns cells in columns: the columns `words` to the left, all others to the right. The first
+/// row is the heading.
 pub(crate) fn table(rows: &[Vec<String>], words: &[usize]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {

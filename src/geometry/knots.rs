@@ -148,13 +148,13 @@ impl KnotVector {
 
     /// The knots of a closed spline, repeated with its period.
     ///
-    /// `period` lists the knots `k₀ ≤ … ≤ kₙ` of one period, the domain `[k₀, kₙ]`, for `n` different control
-    /// points. The spline has `n + p` control points, the first `p` again after the last, and is as
-    /// smooth at its seam as a knot of that multiplicity lets it be (`kₙ` is `k₀` again, and counted once).
+    /// `period` lists the knots `k₀ ≤ … ≤ kₙ` of one period, for `n` different control points; the domain is
+    /// `[k₀, kₙ]`. The spline has `n + p` control points: the first `p` follow again after the last. Its smoothness
+    /// at the seam is that of a knot of the same multiplicity (`kₙ` is `k₀` again, and the two count once).
     ///
     /// # Errors
-    /// When the degree is not supported, there are fewer than four knots, they are not finite numbers in order, all
-    /// are equal, or one occurs more than `p + 1` times.
+    /// When the degree is not supported; when there are fewer than four knots, or too many; when they are not finite
+    /// numbers in order; when all are equal, or one occurs more than `p + 1` times.
     pub fn periodic(degree: usize, period: &[f64]) -> Result<Self, KnotError> {
         check_degree(degree)?;
         Self::new(degree, periodic_values(degree, period)?)
@@ -273,7 +273,7 @@ impl KnotVector {
 /// The fewest different control points of a closed spline: two would make it double back on itself.
 const LEAST_AROUND: usize = 3;
 
-/// The knots of one period, and as many as the degree before and after it.
+/// The knots of one period, with `degree` more before it and after it, which repeat it.
 pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>, KnotError> {
     let count = period.len().saturating_sub(1);
     if count < LEAST_AROUND {
@@ -286,7 +286,7 @@ pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>,
     if length == 0.0 {
         return Err(KnotError::AllEqual { knot: first });
     }
-    // Equal knots stay equal: both ends are what they were, and others differ from them as in the period.
+    // The ends are kept as they are, and knots beyond them are placed by distances within the period.
     let before = (1..=degree).rev().map(|k| {
         let (rounds, at) = ((k - 1) / count, count - 1 - (k - 1) % count);
         first - (last - period[at]) - rounds as f64 * length

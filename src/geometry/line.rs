@@ -177,7 +177,7 @@ pub(crate) fn restrict(
         new => (Cow::Owned(merged(knots.values(), new)), Cow::Owned(refine(knots, points, new))),
     };
 
-    // With p copies of each end present, the points from `first` to `beyond − 1` alone
+    // With p copies of each end present, the points from `last_start − p` to `beyond − 1` alone
     // decide what happens between them, whatever knots lie outside.
     let last_start = values.partition_point(|&knot| knot <= start) - 1;
     let beyond = values.partition_point(|&knot| knot < end);

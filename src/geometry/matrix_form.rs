@@ -104,9 +104,10 @@ impl MatrixForm {
         to.given_by_bezier(self.to_bezier(geometry))
     }
 
-    /// The chain of the segments of every four consecutive points, each one parameter unit long. For
-    /// B-splines it is smooth to the second derivative, for Catmull–Rom to the first; Bézier
-    /// and Hermite segments advance by three and by two vectors.
+    /// The chain of the segments of four consecutive vectors each, whose first vectors are `advance`
+    /// apart; each is one parameter unit long and begins where the one before it ends. Catmull–Rom
+    /// segments advance by one point, Hermite segments by their own four vectors; both chains are
+    /// smooth to the first derivative.
     fn chain(self, points: &[DVec3], advance: usize) -> Result<NurbsCurve, CurveError> {
         let mut control: Vec<DVec4> = Vec::new();
         let mut pieces = 0;
@@ -170,7 +171,7 @@ pub(super) fn check_count(found: usize, needed: usize) -> Result<(), CurveError>
 /// a bicubic Bézier patch on the unit square; `u` is `s` and runs over the rows of `G`.
 ///
 /// # Errors
-/// When a coordinate is not finite, or all points coincide.
+/// When a coordinate is not finite, or all points are on one line.
 pub fn matrix_patch(
     form: MatrixForm,
     geometry: [[DVec3; 4]; 4],

@@ -102,7 +102,7 @@ impl NurbsSurface {
     /// multiplicity `p + 1` lets the surface jump there.
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or a part is only a point.
+    /// When `t` is not inside the domain, or a part's control points are all on one line.
     pub fn split_u(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::U, t)
     }
@@ -111,7 +111,7 @@ impl NurbsSurface {
     /// [`NurbsSurface::split_u`].
     ///
     /// # Errors
-    /// When `t` is not inside the domain, or a part is only a point.
+    /// When `t` is not inside the domain, or a part's control points are all on one line.
     pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         self.split(Direction::V, t)
     }

@@ -14,7 +14,7 @@ use crate::math::rounding;
 /// - the net has `nu × nv` points, the numbers the knot vectors ask for;
 /// - no coordinate is larger than [`MAX_MAGNITUDE`], and weights are from [`MIN_MAGNITUDE`]
 ///   to [`MAX_MAGNITUDE`];
-/// - the control points are not all the same (within rounding), and span at least
+/// - the control points are not all on one line (within rounding), and span at least
 ///   [`MIN_MAGNITUDE`] along an axis;
 /// - the domains of u and v are from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`] long.
 #[derive(Clone, Debug, PartialEq)]

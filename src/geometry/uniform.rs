@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::matrix_form::check_count;
 use super::{CurveError, KnotVector, NurbsCurve};
 
-/// How often a control point may occur in a row: a cubic meets one that occurs three times, stands
-/// still there for a whole span if it occurs four times, and does not change for more.
+/// How often an end point may occur: a cubic meets one that occurs three times, and stands still
+/// there for a whole span if it occurs four times; more changes nothing.
 pub const MAX_REPEATED: usize = 4;
 
 impl NurbsCurve {
@@ -107,7 +107,7 @@ mod tests {
         );
     }
 
-    /// A clamped cubic and a uniform one are the same curve once knots are inserted.
+    /// A standard cubic meets its outermost points; a uniform cubic keeps its shape when it is clamped.
     #[test]
     fn standard_and_uniform_knots_agree_away_from_the_ends() {
         let points = points();
@@ -115,8 +115,7 @@ mod tests {
             .map(|kind| kind(3, &points).unwrap());
         assert_eq!(standard.ends(), [points[0], points[6]]);
         assert_eq!(standard.knots().values(), [0., 0., 0., 0., 1., 2., 3., 4., 4., 4., 4.]);
-        // Points 3 and 4 govern the middle of both with the same knots around only in part:
-        // the uniform one, restricted to [3, 7] and clamped, keeps its shape.
+        // Clamped at the ends of its domain [3, 7], the uniform cubic keeps its shape.
         let clamped = uniform.clamped();
         assert_eq!(clamped.knots().values(), [3., 3., 3., 3., 4., 5., 6., 7., 7., 7., 7.]);
         for k in 0..=40 {

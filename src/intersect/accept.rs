@@ -116,8 +116,8 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Drops what trims cut off, but not what lies on their edges. A pole stays if any kept parameter
-    /// leads to it.
+    /// Drops what trims cut off, but not what lies on their edges. At a pole, a kept parameter that leads
+    /// to it is taken, if there is one.
     fn keep_to_trims(&mut self) -> Result<(), Dropped> {
         let Self { question, leaf, ref on_ray, error, z_error, .. } = *self;
         let OnRay { ref spot, z, allowed, .. } = *on_ray;
@@ -161,7 +161,7 @@ impl<'a> Candidate<'a> {
         if let Some((root, start)) = question.start_on(self.on_ray.spot.piece.surface) {
             let reach = start_reach(proof, error, z_error, cosine) + root.error;
             if z.abs() <= reach && point.distance(start.patch.point(root.st)) <= 2.0 * reach {
-                // Where the ray may touch a pole, what lies behind or ahead is its next root, or none.
+                // Where the ray may touch the surface at a pole, this may be its next root.
                 let touches = flags.contains(HitFlags::DOUBTFUL);
                 let is_other = touches || !is_same_root(proof, self.leaf, (root, start), reach);
                 return Err(if is_other { Dropped::InDoubt(0.0) } else { Dropped::Surely });

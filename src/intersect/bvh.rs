@@ -67,7 +67,7 @@ impl SurfaceBvh {
         }
         tree.fill(&leaves, &boxes);
         let (leaf_width, reach_of_f32) = (leaf_width(&leaves), reach.of_tree(&tree));
-        // Twice the error bound of a point: rounding of distances up to there is less than the second.
+        // Twice the error bound of a point: the second time for rounding of distances up to there.
         let surroundings = set.bounds().grown(2.0 * reach.factor * reach_of_f32);
         Ok(Self { set, leaves, weights, tree, leaf_width, reach_of_f32, surroundings })
     }

@@ -126,7 +126,7 @@ impl<'a> Collapse<'a> {
         Child::Block(self.wide.starts.len() as u32 - 2)
     }
 
-    /// Makes blocks of the many leaves of a binary node, whose groups share one box, and nodes above them.
+    /// Makes blocks of the many leaves of a binary node (groups that share one box), and nodes above them.
     fn crowd(&mut self, node: &BinaryNode) -> Child {
         let leaves = node.first as usize..(node.first + node.leaves) as usize;
         if leaves.len() <= LANES {

@@ -56,7 +56,8 @@ impl Face<'_> {
         angle.filter(|angle| angle.is_finite())
     }
 
-    /// The angle around a place with a tangent plane: of all directions in it that neither a side nor trims cut off.
+    /// The angle around a place with a tangent plane: of the directions in that plane that neither a side nor trims
+    /// cut off.
     fn around_place(&self, [s0, s1, t0, t1]: [bool; 4]) -> Option<f64> {
         let Meeting { st, jet, flags, .. } = self.meeting;
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));

@@ -1,5 +1,7 @@
 //! What a ray meets: hits, their flags, and queries for them.
 
+use std::fmt;
+
 use glam::{DVec2, DVec3};
 
 use crate::math::Ray;
@@ -52,7 +54,7 @@ impl Root {
 }
 
 /// Facts about a hit, one bit each; the numbers are the `flags` column of `cast`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
 pub struct HitFlags(u8);
 
 impl HitFlags {
@@ -99,6 +101,15 @@ impl HitFlags {
     /// Whether no bit is set.
     pub fn is_empty(self) -> bool {
         self.0 == 0
+    }
+}
+
+impl fmt::Debug for HitFlags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const NAMES: [&str; 5] = ["DOUBTFUL", "BORDER", "NO_NORMAL", "TRIM_EDGE", "INSIDE"];
+        let set = NAMES.iter().enumerate().filter(|&(bit, _)| self.0 >> bit & 1 != 0);
+        let names: Vec<_> = set.map(|(_, name)| *name).collect();
+        write!(f, "HitFlags({})", if names.is_empty() { "NONE".into() } else { names.join(" | ") })
     }
 }
 
@@ -206,6 +217,17 @@ pub struct Occlusion {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn flags_are_shown_by_name() {
+        let shown = |flags: HitFlags| format!("{flags:?}");
+        assert_eq!(shown(HitFlags::NONE), "HitFlags(NONE)");
+        assert_eq!(shown(HitFlags::INSIDE), "HitFlags(INSIDE)");
+        let both = HitFlags::TRIM_EDGE.with(HitFlags::DOUBTFUL);
+        assert_eq!(shown(both), "HitFlags(DOUBTFUL | TRIM_EDGE)");
+        let all = [HitFlags::BORDER, HitFlags::NO_NORMAL, HitFlags::INSIDE].into_iter();
+        assert_eq!(shown(all.fold(both, HitFlags::with)).matches('|').count(), 4);
+    }
 
     #[test]
     fn a_hit_without_a_normal_equals_nothing() {

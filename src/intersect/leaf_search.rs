@@ -153,7 +153,8 @@ fn cost_of_box([p, q]: [usize; 2]) -> u64 {
 /// The rectangle in which roots are searched for, and whether it holds all roots that count. It is the leaf with its
 /// slack; where the leaf ends at a side of its piece, it reaches beyond the side by as much as points may be off.
 ///
-/// Far from the origin that may be more than the slack, or more than the leaf: then nothing is known.
+/// Far from the origin that may be more than the slack, or even than the leaf; as [`FARTHEST_BEYOND`] limits it, roots
+/// that count may lie farther out.
 fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();

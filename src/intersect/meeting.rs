@@ -137,7 +137,7 @@ impl<'a> Question<'a> {
     /// The root the ray starts on, and its piece, if it lies on that surface.
     pub(super) fn start_on(&self, surface: u32) -> Option<(&'a Root, &'a Piece)> {
         let root = self.from?;
-        // A root of other surfaces than these is none of theirs.
+        // For a root of other surfaces, the piece's number may be out of range.
         let piece = self.set.pieces().get(root.piece as usize)?;
         (piece.surface == surface).then_some((root, piece))
     }

@@ -23,7 +23,7 @@ const SMALL: f32 = 1.0 / 32.0;
 /// A region's parts are no wider than this on average: about thirty times the growth of their boxes.
 const FINE: f64 = 1.0 / 8192.0;
 
-/// A change of coordinates that gains less than this factor is not made: the scale is then at its limit, for
+/// A change of coordinates that gains less than this factor is not made: the scale is then near its limit, for
 /// deeper regions, too.
 const GAIN: f64 = 8.0;
 

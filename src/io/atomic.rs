@@ -48,7 +48,8 @@ enum Target {
 }
 
 /// Checks that a file can be written, before the work that fills it: the folder exists and takes
-/// new files, and a file of that name may be replaced. Leaves no trace.
+/// new files, and a file of that name may be replaced. A device or a pipe is not tried. Leaves no
+/// trace.
 ///
 /// # Errors
 /// When [`write_atomically`] would fail for these reasons.
@@ -219,7 +220,7 @@ fn beside(
     if let Some(old) = old {
         temporary.as_file().set_permissions(old)?;
     }
-    // On the disk before the rename, lest a power cut leave a name without contents.
+    // On the disk before the rename, so that a power cut cannot leave a name without contents.
     temporary.as_file().sync_all()?;
     Ok(Staged::File { temporary, file })
 }

@@ -21,6 +21,7 @@
 //! | `vp`, `cstype`, `deg`, `curv`, `surf` and the like: free-form (NURBS) curves and surfaces | not read yet: beside a sound cage a note says so, else an error does |
 //! | `t crease`, `t corner` | as OpenSubdiv's test shapes write them: vertices counted from 0, sharpness of 10 or more is infinite |
 //! | `t interpolateboundary` | 1: edges and corners, 2: edges only; others are an error |
+//! | `t creasemethod` | `normal` or `uniform`, which make no difference; others are an error |
 //! | `vt`, `vn`, `g`, `o`, `s`, `usemtl`, `mtllib`, points, lines | left out, with one note a kind |
 //! | statements for display only, or that call other programs | left out, with one note a kind |
 //! | anything else | an error |

@@ -8,9 +8,10 @@
 //! So a pixel is the cosine of the angle between ray and normal, and pictures differ where
 //! geometry differs. Where nothing is hit the picture is pure blue.
 //!
-//! POV-Ray drops hits nearer than an absolute 1e-6 or so, and more. So the scene and its camera are
-//! moved to the middle of the scene's bounding box and scaled by a power of two to a size between
-//! 1 and 2. This changes no pixel and gives POV-Ray its best case.
+//! POV-Ray has constants made for lengths of about 1: it drops hits nearer than an absolute 1e-6 or
+//! so, for example. So the scene and its camera are moved to the middle of the scene's bounding box
+//! and scaled by a power of two to a size between 1 and 2. This changes no pixel and gives POV-Ray
+//! its best case.
 
 mod patches;
 mod primitives;

@@ -62,7 +62,7 @@ impl Aabb {
     #[inline(always)]
     pub(crate) fn is_beside(&self, ray: &Ray) -> bool {
         let (origin, inverse) = (ray.origin(), ray.direction().recip());
-        // NaN must result for the plane that the ray starts in, and not for the other one.
+        // Never −∞: for a ray in the plane of a side, the box's other plane must not exclude anything either.
         let inverse = DVec3::select(inverse.cmplt(DVec3::MIN), DVec3::INFINITY, inverse);
         let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
         let (mut entry, mut exit) = (ray.t_min(), ray.t_max());

@@ -42,7 +42,7 @@ const LEAST_SEEN: f64 = 1e4;
 /// eighth relative to the side; the fourth root of that counts, which shrinks about as a bend does.
 ///
 /// Measured: sheets of degrees 4 and 5 with random weights are traced 1.2 to 2 times as fast, with up to twice as many
-/// leaves; an octant sphere of degree 4 × 4 1.0 to 1.1 times, with as many. A third of this value gained little more.
+/// leaves; an octant sphere of degree 4 × 4 1.0 to 1.1 times, with no more. A third of this value gained little more.
 const OFF_CUBIC: f64 = 3e-4;
 
 /// How much a part bends.

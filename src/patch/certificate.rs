@@ -27,9 +27,9 @@ use crate::math::Interval;
 /// its terms, and likewise for `b`. So intervals around the quotients of the coefficients hold the quotients of the
 /// means of `a` and of `b` over any set.
 ///
-/// Where the weights differ, `X_s` and `(S − c) W_s` hide each other's changes in these boxes. So unless there are too
-/// many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients replace those
-/// boxes, and the square of `W` replaces `W`.
+/// Where the weights differ, changes of `X_s` and of `(S − c) W_s` may cancel, which these boxes do not show. So unless
+/// there are too many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients
+/// replace those boxes, and the square of `W` replaces `W`.
 ///
 /// # What is concluded
 /// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
@@ -105,7 +105,7 @@ pub(crate) struct Certificate {
 const SLOPE_ROUNDING: f64 = 1e-5;
 
 /// How many times as far beyond a side as needed a root must lie to prove a miss: the root, and the points of the
-/// piece, may be off by an error each; and slopes are in f32.
+/// piece, may each be off by the error bound; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
 impl Certificate {

@@ -110,7 +110,7 @@ impl MadePowers {
 pub(super) struct Control {
     /// Four numbers a point, or three, then some more that may be read but mean nothing.
     numbers: Vec<f64>,
-    /// The weight of all points, if they have the same.
+    /// The weight of all points, if all have the same.
     weight: Option<f64>,
 }
 
@@ -151,7 +151,7 @@ pub(super) struct PieceSpan {
     pub(super) border: [bool; 2],
     /// Whether something else begins at the far end.
     pub(super) open_end: bool,
-    /// How many pieces come before it in its direction, and how many there are in all.
+    /// How many pieces come before it in its direction, and how many there are in that direction.
     number: u32,
     count: u32,
 }
@@ -349,7 +349,7 @@ impl ChartNet {
         }
     }
 
-    /// The weight of all points, if they have the same.
+    /// The weight of all points, if all have the same.
     #[inline(always)]
     pub(super) fn weight(&self) -> Option<f64> {
         self.control.weight

@@ -23,7 +23,7 @@ impl CollapsedSide {
         }
     }
 
-    /// The end at which that parameter is constant: 0 or 1.
+    /// The value of the constant parameter: 0 or 1.
     pub fn end(self) -> usize {
         match self {
             Self::S(end) | Self::T(end) => end,

@@ -41,8 +41,8 @@ pub(super) struct Approximation {
 }
 
 impl Approximation {
-    /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by that quotient, and
-    /// everything else by a polynomial near the surface.
+    /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by that quotient if its
+    /// weights differ little enough ([`MOST_WEIGHT`]), and everything else by a polynomial near the surface.
     pub(super) fn new(halving: &Halving, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
         let quotient = if p.max(q) <= 3 { Quotient::new(halving, piece) } else { None };

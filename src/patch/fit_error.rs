@@ -7,7 +7,8 @@
 //! approximated, both exactly except for rounding. The bounds are for `F = n · X + m W` with a unit vector `n`, and
 //! `m` no larger than the distance at which rays pass the middle, or than the length of `S` in `D`. So `E`, the
 //! slopes' bound and `M` are those of a polynomial whose coefficients are as large as those of `X` and `m W`
-//! together. `M` also bounds `S`, and `T` bounds `S` alone. For all other pieces `W` is 1 in what follows:
+//! together. `M` also bounds `S`, and `T` bounds `S` alone. All other approximations are polynomials `Q`; in what
+//! follows, `X` and `W` are the surface's own:
 //!
 //! *Values.* With `S = X / W`, the polynomial `X − W Q` has a Bernstein form; the largest of
 //! its coefficients over the least weight bounds `|S − Q|` by `E`.
@@ -51,7 +52,7 @@ pub(crate) struct FitError {
     pub value: f64,
     /// Of either partial derivative.
     pub slope: f64,
-    /// `M`, of both.
+    /// `M`, of `F` and of the surface.
     pub bend: f64,
     /// `T`, of the surface.
     pub third: f64,

@@ -12,11 +12,10 @@ use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
 /// Finer leaves are made as long as all leaves together take no more than this: a tenth of the memory of triangles
-/// that approximate the teapot to 1e-5.
+/// that approximate the teapot to 1e-5 of its diagonal.
 const WORTHWHILE_BYTES: usize = 25 << 15;
 
-/// Leaves that are no more than half as many again as the coarsest may take this, about the size of a second-level
-/// cache.
+/// Up to 1.5 times as many leaves as there are coarsest ones may take this, about the size of a second-level cache.
 const MOST_BYTES: usize = 5 << 18;
 
 /// Parts that bend much and are large in the scene are worth more memory, up to this.

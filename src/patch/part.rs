@@ -143,8 +143,8 @@ impl Halving {
         })
     }
 
-    /// The direction in which to halve a part that a trim curve passes through, if that is worthwhile: along the
-    /// longer side.
+    /// The direction in which to halve a part that a trim curve passes through, if that is worthwhile: that of
+    /// the longer side.
     fn direction_to_cut(&self, piece: &Piece) -> Option<usize> {
         let trims = self.trims_of(piece)?;
         let middle = piece.uv_box(self.on_piece(-RIM));
@@ -167,8 +167,8 @@ impl Halving {
         [half(0), half(1)]
     }
 
-    /// What is kept of the part: its place, and an axis-parallel box that holds every point its leaf answers for,
-    /// except for rounding.
+    /// What is kept of the part: its place, and an axis-parallel box around every point its leaf answers for, grown by
+    /// the error bound of points.
     pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {

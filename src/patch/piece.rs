@@ -11,8 +11,8 @@ use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 
-/// The smallest sine of the angle between tangents that is used to tell how far a side is. Places with a smaller sine
-/// count as at a side within a thousand times the distance.
+/// The smallest sine of the angle between tangents that is used to tell how far a side is; it replaces smaller ones. So
+/// a side counts as no nearer than a thousandth of the way to it along the parameter.
 const LEAST_SINE: f64 = 1e-3;
 
 /// Places count as beside a collapsed side within this fraction of the piece, at most: where a surface hardly moves

@@ -26,7 +26,7 @@ pub(crate) struct PieceNet<'a> {
     stride: usize,
     /// How many numbers of a row belong to the piece.
     length: usize,
-    /// The weight of all points, if they have the same: then a point has three numbers, else four.
+    /// The weight of all points, if all have the same: then a point has three numbers, else four.
     weight: Option<f64>,
 }
 

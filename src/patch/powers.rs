@@ -7,7 +7,7 @@
 //! nets, which reach 8 times in degree three and more than 100 times in degree seven, or where weights differ much,
 //! sums stay in Bernstein form, whose terms are never larger than their sum may be.
 //!
-//! The coefficients are made of differences of points from one in the middle, as far from all others as can be: so
+//! The coefficients are made of differences of points from one in the middle, as far from both ends as can be: so
 //! they are zero where points are equal. The first or last of the spline control points that govern a piece may be
 //! far larger than anything on the piece, because its share there is small (`1 / p!` where knots are evenly spaced);
 //! the rounding error of differences from such a point would exceed the promised error bound.

@@ -154,7 +154,7 @@ impl Tile {
 
     /// The number of rows that its tiles get: a power of two, from the side lengths of some pieces.
     fn rows_of_a_tile(&self, pieces: &[Piece]) -> usize {
-        // A prime larger than any number of columns, so that the pieces looked at are in all columns.
+        // A prime larger than a square's number of columns, so that the pieces looked at are in all columns.
         const LOOKED_AT: usize = 17;
         let mut lengths = [0.0; 2];
         for k in self.pieces().step_by(LOOKED_AT) {

@@ -72,7 +72,7 @@ fn named(threads: usize) -> String {
 /// ```
 ///
 /// # Errors
-/// When the settings are refused, or memory or threads cannot be had.
+/// When the settings are refused, or memory or threads cannot be obtained.
 pub fn render(
     world: &World,
     settings: &RenderSettings,

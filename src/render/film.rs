@@ -56,7 +56,7 @@ pub enum FilmError {
     /// There can be no such picture.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The memory cannot be had.
+    /// The memory cannot be allocated.
     #[error("a film of {width}x{height} pixels needs {bytes} bytes, more than can be had")]
     Memory {
         /// The width of the rendered part.

@@ -91,7 +91,7 @@ pub enum Construction {
         style: TubeStyle,
     },
     /// Curves of constant parameter on another object's surfaces, where trims keep them, as
-    /// tubes: on NURBS surfaces and triangular patches.
+    /// tubes.
     IsoCurves {
         /// The object's name.
         of: Written<String>,

@@ -92,7 +92,7 @@ pub enum CurveKind {
         /// Both coordinates of control point 2.
         x2: f64,
     },
-    /// A quarter of the unit circle of degree 4, by the weights next to its ends.
+    /// A quarter of the unit circle of degree 4, by the weight next to its ends.
     QuarticArc {
         /// Which solution of the constraint.
         arc: QuarticArc,

@@ -181,7 +181,7 @@ pub enum SceneFault {
     /// A net or curves of an object that the scene does not have.
     #[error("object \"{object}\": {error}")]
     Draws {
-        /// The object that is drawn.
+        /// The object that draws.
         object: String,
         /// The name and the nearest known one.
         error: UnknownName,
@@ -189,9 +189,9 @@ pub enum SceneFault {
     /// A net of a net.
     #[error("object \"{object}\": \"{of}\" is itself drawn from another object: name that one")]
     DrawsDrawn {
-        /// The object that is drawn.
+        /// The object that draws.
         object: String,
-        /// The one it names.
+        /// The object it names.
         of: String,
     },
     /// Two things with one name.

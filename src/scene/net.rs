@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Written;
 use crate::geometry::{Direction, KnotError, KnotVector, NurbsSurface, SurfaceError};
 
-/// Knots as an author lists them.
+/// Knots as an author writes them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Knots {
     /// Clamped and evenly spaced on `[0, 1]`: what is meant when none are given.
@@ -17,9 +17,10 @@ pub enum Knots {
     Multiplicities(Vec<(f64, usize)>),
     /// Evenly spaced, without repeated ends: `0, 1, 2, …`.
     Uniform,
-    /// Those of a closed spline, `0, 1, 2, …`: the control points are there once, and are followed by the first again.
+    /// The knots `0, 1, 2, …` of a closed spline: each control point is written once, and the first ones follow
+    /// again after the last.
     PeriodicUniform,
-    /// The same, listed: the knots of one period, one more than control points.
+    /// As [`Knots::PeriodicUniform`], with the knots of one period listed: one more than there are control points.
     Periodic(Vec<f64>),
 }
 
@@ -95,21 +96,21 @@ impl Net {
 }
 
 impl Knots {
-    /// Whether they are those of a closed spline, so that the first control points are repeated.
+    /// Whether these are the knots of a closed spline, for which the first control points are repeated.
     pub(super) fn close(&self) -> bool {
         matches!(self, Self::PeriodicUniform | Self::Periodic(_))
     }
 }
 
-/// The knots of a period of this many spans.
+/// The knots `0, 1, 2, …` of a period of this many spans.
 pub(super) fn evenly_spaced(spans: usize) -> Vec<f64> {
     (0..=spans).map(|knot| knot as f64).collect()
 }
 
-/// The entries of a grid, those of the second direction fastest, with the first rows and columns again after the last
-/// until there are as many as knots of closed directions need.
+/// The entries of a grid of `size` (second direction fastest), with the first rows and columns repeated after the last
+/// until the grid has the size `wanted`, which the knots of closed directions need.
 ///
-/// A grid of another size is left as it is, for the surface to refuse.
+/// Entries that do not fill `size` are returned as they are: the surface or curve then refuses them.
 pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 2]) -> Vec<T> {
     if wanted == size || entries.len() != size[0] * size[1] {
         return entries.to_vec();
@@ -118,8 +119,8 @@ pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 
     (0..wanted[0]).flat_map(row).collect()
 }
 
-/// The knot vector of so many control points, as written. It has more points where it closes: the first ones again, as
-/// [`wrapped`] repeats them.
+/// The knot vector for this many control points, as written. That of a closed spline has more points: the first ones
+/// again, as [`wrapped`] repeats them.
 pub(super) fn knot_vector(
     degree: usize,
     knots: &Knots,

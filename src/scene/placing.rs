@@ -20,7 +20,7 @@ pub(super) fn affine(name: &str, object: &Object) -> Result<DAffine3, SceneError
 /// Makes and places the parts of objects.
 pub(super) struct Placer<'a> {
     pub(super) scene: &'a Scene,
-    /// The most control points that may be drawn for one object; drawings have many more than are written.
+    /// The most control points that may be drawn for one object: many times as many as are written.
     pub(super) most_points: usize,
 }
 

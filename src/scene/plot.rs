@@ -209,8 +209,8 @@ impl PlottedCurve {
     }
 }
 
-/// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows
-/// the difference of another.
+/// The most rounds of corner cutting: each doubles the polygon, and after ten no screen shows what
+/// another one changes.
 pub(super) const MAX_ROUNDS: usize = 10;
 
 /// The most teeth a span's comb may have: more would be closer together than any screen shows.

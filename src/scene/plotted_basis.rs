@@ -180,7 +180,7 @@ impl BasisSpec {
     fn listed(&self) -> Option<usize> {
         match &self.knots.value {
             Knots::ClampedUniform | Knots::Uniform | Knots::PeriodicUniform => None,
-            // As many as so many different functions would need, if they did not close.
+            // The number of knots that as many different functions would need if they did not close.
             Knots::Periodic(period) => Some(period.len().saturating_add(self.degree)),
             Knots::Values(values) => Some(values.len()),
             Knots::Multiplicities(pairs) => {

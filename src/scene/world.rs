@@ -40,7 +40,7 @@ pub struct Instance {
     /// Its material, an index into [`World::materials`].
     pub material: usize,
     /// Error bound of the surface in space, against what the scene asks for: 0 if it is exact, a
-    /// measured bound if a construction had to approximate.
+    /// measured bound if a construction had to approximate, a proved one for limit surfaces.
     pub deviation: f64,
 }
 

@@ -169,8 +169,8 @@ fn lines_of_an_open_doo_sabin_surface_end_where_it_does() {
         })
         .collect();
     let axes = Axes::new([rings[0], rings[rings.len() - 2]], [[0.0, 0.0], [3.0, 3.0]]);
-    // Borders: those of the surface, and twice the inner ones of faces; between them the middles
-    // of faces, on the border half of the time.
+    // The border of the surface and, twice, the inner borders of faces; then the middle lines of
+    // faces: six of length 2, four of them on the border.
     for (color, width, expected) in [(BLUE, 1.6, 8.0 + 16.0), ("#56B4E9", 1.0, 12.0)] {
         let lines = polylines(&svg, color, width);
         let mut length = 0.0;

@@ -137,7 +137,7 @@ fn help_says_what_is_done_when_nothing_is_said() {
     }
 }
 
-/// What `--help` says of joining ranges is true: R, G, B, A and Albedo are means, the rest is
+/// What `--help` says about joining ranges is true: R, G, B, A and Albedo are means, the rest is
 /// that of the lowest range which hits.
 #[test]
 fn ranges_of_samples_are_joined_as_help_says() {

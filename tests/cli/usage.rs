@@ -77,8 +77,8 @@ fn negative_numbers_are_values() {
     sandbox.run(line).misused("a value is required for '--size <WxH>' but none was supplied");
 }
 
-/// `-` does not stand for a stream, as it may elsewhere: the message says so before anything else
-/// is checked.
+/// `-` does not stand for a stream, though it may in other programs: the message says so before
+/// anything else is checked.
 #[test]
 fn a_dash_is_no_stream() {
     let sandbox = Sandbox::with(&[("s.toml", SPHERE)]);

@@ -83,8 +83,8 @@ pub(crate) fn compare(
             let direction = ray.direction().normalize();
             let magnitude = ray.origin().abs().max(a.point.abs()).max_element();
             let [p, q] = pieces_of(bvh, a.surface).next().unwrap().patch.degree();
-            // Twice the promise, as either answer may use all of it; as if no control point were
-            // farther out.
+            // Twice the promise, as either answer may use all of it; made as if no control point
+            // were farther out than origin and hit.
             let twice = 2.0 * rounding::residual_factor(p, q) * magnitude;
             let tips = pieces_of(bvh, a.surface).flat_map(Piece::collapsed_sides);
             let to_tip = tips.map(|(_, tip)| a.point.distance(tip)).fold(f64::INFINITY, f64::min);

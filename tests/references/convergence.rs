@@ -33,8 +33,8 @@ fn levels(model: &Model, rays: &[Ray]) -> Option<Vec<Level>> {
     Some(model.cells.map(level).into_iter().collect())
 }
 
-/// Pixels that see the same surface in every picture, away from silhouettes: so do all their
-/// neighbours, at about the same depth.
+/// Pixels that see the same surface in every picture, away from silhouettes: all their neighbours
+/// hit, steeply and with similar normals.
 fn comparable(ours: &Picture, levels: &[Level], rays: &[Ray]) -> Vec<usize> {
     let [width, height] = SIZE;
     let steep = |at: usize| ours[at].filter(|s| s.normal.dot(rays[at].direction()).abs() > STEEP);

@@ -1,6 +1,6 @@
 //! Closed bodies of many surfaces, triangles or limit surfaces' patches: no ray leaks through
-//! their seams, and none is said to enter without leaving, not even past a sharp edge. Of sheets
-//! that cross, each is met.
+//! their seams, and none is said to enter without leaving, not even past a sharp edge. Sheets that
+//! cross are each met.
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::{Cage, KnotVector, NurbsSurface, Surface};

@@ -59,6 +59,6 @@ fn a_ray_along_a_side_does_not_slip_off_it() {
     let direction = DVec3::new(-0.08404130760430094, 0.1605136537515085, 0.9834492491102427);
     let ray = Ray::new(origin, direction).unwrap();
     let answer = bvh.tracer().first_hit(&Query::primary(ray));
-    assert!(answer.doubtful, "{answer:?}"); // from where it starts
+    assert!(answer.doubtful, "{answer:?}"); // the ray starts on the side
     assert!(answer.hit.is_some_and(|hit| hit.t <= 0.5192), "{answer:?}");
 }

@@ -1,4 +1,4 @@
-//! Origins so far away that a point may be off its ray by more than f32 resolves.
+//! Origins so far away that the error bound of a point exceeds the resolution of f32.
 
 use glam::{DVec2, DVec3, DVec4};
 use nurbray::geometry::trim::{Kept, TrimDomain, TrimLoop, Trims};
@@ -142,7 +142,7 @@ fn kernels_agree_from_anywhere() {
 }
 
 /// A sheet far from the origin, and rays from farther away that pass its border by less than the
-/// error bound of points there, which is more than f32 resolves for so small a thing.
+/// error bound of points there, which exceeds the resolution of f32 for so small a sheet.
 #[test]
 fn small_things_far_from_the_origin_are_met_as_far_off_as_points_may_be() {
     for distance in [1e8, 1e9, 1e10, 1e11, 1e12] {

@@ -129,7 +129,7 @@ pub(crate) fn periodic_tube() -> Model {
     Model::new("periodic tube", NurbsSurface::new(u, v, points.collect(), None).unwrap())
 }
 
-/// The 32 pieces of the teapot, scaled to about the size of the others.
+/// The 32 pieces of the teapot.
 pub(crate) fn teapot() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot.json");
     let world = World::new(&load_input(&path).unwrap()).unwrap();

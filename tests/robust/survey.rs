@@ -88,7 +88,7 @@ impl<'a> Survey<'a> {
         Self { model, bvh: model.bvh(), judge: Judge::new(model), rays: Rays::new(model) }
     }
 
-    /// Asks as many rays as planned, in blocks with tracers and random numbers of their own.
+    /// Traces as many rays as planned, in blocks with tracers and random numbers of their own.
     pub(crate) fn class(&self, class: Class, plan: Plan, seed: u64) -> Tally {
         let block_size = 250;
         let block = |block: u64| {

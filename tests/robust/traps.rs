@@ -45,7 +45,7 @@ fn tiny_scenes_do_not_vanish() {
         let mut tracer = bvh.tracer();
         let mut random = Random::new(41);
         for k in 0..64 {
-            let middle = bvh_middle(&bvh, k, scale);
+            let middle = sphere_middle(k, scale);
             let ray = Ray::new(middle + 1e-2 * scale * random.direction(), random.direction());
             let answer = tracer.first_hit(&Query::primary(ray.unwrap()));
             let hit = answer.hit.unwrap_or_else(|| panic!("scale {scale:e}: sphere {k} is lost"));
@@ -55,7 +55,7 @@ fn tiny_scenes_do_not_vanish() {
     }
 }
 
-fn bvh_middle(_: &SurfaceBvh, k: u32, scale: f64) -> DVec3 {
+fn sphere_middle(k: u32, scale: f64) -> DVec3 {
     let (x, y, z) = (k % 4, k / 4 % 4, k / 16);
     scale * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) - 1.5)
 }
@@ -69,7 +69,7 @@ fn directions_need_not_be_normalised() {
     for k in (-140..=140).step_by(10) {
         let length = 10f64.powi(k);
         for _ in 0..20 {
-            let target = bvh_middle(&bvh, random.below(64) as u32, 1.0);
+            let target = sphere_middle(random.below(64) as u32, 1.0);
             let from = target + 5.0 * random.direction();
             let unit = (target - from).normalize();
             let first = |d: DVec3| tracer_first(&mut bvh.tracer(), from, d);
@@ -206,7 +206,7 @@ fn surfaces_are_not_taken_for_one_another() {
     let bvh = build(&surfaces);
     let mut tracer = bvh.tracer();
     for (surface, &place) in (0u32..).zip(&places) {
-        let middle = bvh_middle(&bvh, place, 1.0);
+        let middle = sphere_middle(place, 1.0);
         let ray = Ray::new(middle, random.direction()).unwrap();
         assert_eq!(tracer.first_hit(&Query::primary(ray)).hit.unwrap().surface, surface);
     }

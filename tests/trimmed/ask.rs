@@ -26,9 +26,9 @@ pub(crate) fn build(surfaces: &[Surface]) -> SurfaceBvh {
     SurfaceBvh::build(surfaces).unwrap()
 }
 
-/// The first hits of rays by every way to trace them: in packets, alone, by the exact solver, and
-/// as the first of all hits. Any-hit searches must agree on whether there is a hit. Doubtful
-/// answers are `None` in the outer option.
+/// The first hits of rays by every way to trace them: as coherent and as incoherent batches, by the
+/// exact solver, and as the first of all hits. Any-hit searches must agree on whether there is a
+/// hit. Doubtful answers are `None` in the outer option.
 pub(crate) fn asked(
     bvh: &SurfaceBvh,
     queries: &[Query],

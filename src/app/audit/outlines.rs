@@ -85,7 +85,7 @@ impl Outlines {
         })
     }
 
-    /// Whether a point is one of those of [`Self::joints`].
+    /// Whether a point is a corner of a polyline, within the domain or not.
     pub(crate) fn is_joint(&self, uv: DVec2) -> bool {
         self.lines.iter().flatten().any(|&joint| joint == uv)
     }

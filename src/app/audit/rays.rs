@@ -163,13 +163,13 @@ impl<'a> RaySource<'a> {
         Ray::new(point - back * direction, direction).ok()
     }
 
-    /// A point of a surface: every other one where pieces meet or are halved.
+    /// A point of a surface; half of the time one where pieces meet or are halved.
     fn anywhere_or_on_line(&self, random: &mut Random) -> Site {
         if random.coin() { self.sites.anywhere(random) } else { self.sites.on_line(random) }
     }
 
     /// Through two points of the plane of three points of one border. If the border is a plane
-    /// curve, the ray lies in its plane, and meets the surface on the border or not at all.
+    /// curve, the ray lies in its plane, and meets the surface only where that plane cuts it.
     fn in_seam_plane(&self, random: &mut Random) -> Option<Ray> {
         let border = self.sites.border(random)?;
         let [a, b, c] = [(); 3].map(|()| self.sites.point(self.sites.on_border(random, border)));

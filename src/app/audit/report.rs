@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::super::table::{count, table};
 use super::class::{Class, Group};
-use super::tally::Tally;
+use super::tally::{DoubtCount, Tally};
 
 /// The tallies of all classes, to be shown.
 #[derive(Debug)]
@@ -22,8 +22,8 @@ struct Row {
     false_hits: u64,
     doubtful: u64,
     doubtful_any: u64,
-    /// Rays that are exactly tangent, and how many of them are doubtful.
-    tangent: [u64; 2],
+    /// Rays that are exactly tangent.
+    tangent: DoubtCount,
     undecided: u64,
     /// The quantiles of the error that are reported: 50 %, 99 % and the largest.
     errors: [Option<f64>; 3],
@@ -87,14 +87,14 @@ impl Report {
         self.total.misses + self.total.wrong_roots + self.total.false_hits
     }
 
-    /// How the answers without faults stand, in three lines.
+    /// Two lines about doubtful answers; before them, if there are no faults, a line that says so.
     pub(crate) fn verdict(&self) -> String {
         let faults = match self.faults() {
             0 => "no unflagged miss, no wrong root, no false hit\n",
             _ => "",
         };
         let groups = Group::ALL.map(|group| {
-            let (rays, doubtful) = self.doubts(group);
+            let DoubtCount { rays, doubtful } = self.doubts(group);
             let share = 100.0 * doubtful as f64 / rays.max(1) as f64;
             let which = match group {
                 Group::Random => "random",
@@ -110,20 +110,23 @@ impl Report {
         )
     }
 
-    /// The rays of a group, and how many of them are doubtful.
-    fn doubts(&self, group: Group) -> (u64, u64) {
-        let counts = self.rows.iter().map(|(class, row)| {
-            let ([tangent, tangent_doubtful], own) = (row.tangent, class.group() == group);
-            match class.group() {
+    /// The rays of a group: those of its classes; tangent ones count apart, whatever their class.
+    fn doubts(&self, group: Group) -> DoubtCount {
+        let mut sum = DoubtCount::default();
+        for (class, row) in &self.rows {
+            let (own, tangent) = (class.group() == group, row.tangent);
+            let (rays, doubtful) = match class.group() {
                 Group::Apart if own => (row.rays, row.doubtful),
-                _ if own => (row.rays - tangent, row.doubtful - tangent_doubtful),
+                _ if own => (row.rays - tangent.rays, row.doubtful - tangent.doubtful),
                 Group::Random | Group::Nasty if group == Group::Apart => {
-                    (tangent, tangent_doubtful)
+                    (tangent.rays, tangent.doubtful)
                 }
                 _ => (0, 0),
-            }
-        });
-        counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1))
+            };
+            sum.rays += rays;
+            sum.doubtful += doubtful;
+        }
+        sum
     }
 
     /// What is at fault, in one sentence; `None` if nothing is.
@@ -147,7 +150,7 @@ impl Report {
             object
         });
         let groups = Group::ALL.map(|group| {
-            let (rays, doubtful) = self.doubts(group);
+            let DoubtCount { rays, doubtful } = self.doubts(group);
             json!({ "group": group.name(), "rays": rays, "doubtful": doubtful })
         });
         [classes.collect(), groups.into_iter().collect(), self.total.json()]

@@ -6,6 +6,13 @@ use nurbray::math::Ray;
 
 use super::judge::{Fault, Finding};
 
+/// A number of rays, and how many of them are doubtful.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct DoubtCount {
+    pub(crate) rays: u64,
+    pub(crate) doubtful: u64,
+}
+
 /// Counts over the rays of one class.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
@@ -24,7 +31,7 @@ pub(crate) struct Tally {
     /// Rays whose occlusion answer the fast path flags as doubtful.
     pub(crate) doubtful_any: u64,
     /// Rays that are exactly tangent, and how many of them are doubtful.
-    pub(crate) tangent: [u64; 2],
+    pub(crate) tangent: DoubtCount,
     /// Rays for which the exact solver could not decide everything.
     pub(crate) undecided: u64,
     /// The error of each hit of an answer without doubt, over the largest coordinate
@@ -43,8 +50,8 @@ impl Tally {
         self.hits += u64::from(finding.error.is_some());
         self.doubtful += u64::from(finding.doubtful);
         self.doubtful_any += u64::from(finding.doubtful_any);
-        self.tangent[0] += u64::from(finding.tangent);
-        self.tangent[1] += u64::from(finding.tangent && finding.doubtful);
+        self.tangent.rays += u64::from(finding.tangent);
+        self.tangent.doubtful += u64::from(finding.tangent && finding.doubtful);
         if finding.doubtful {
             self.doubtful_error = larger(self.doubtful_error, finding.error);
         } else {
@@ -68,7 +75,8 @@ impl Tally {
         self.false_hits += other.false_hits;
         self.doubtful += other.doubtful;
         self.doubtful_any += other.doubtful_any;
-        self.tangent = [0, 1].map(|k| self.tangent[k] + other.tangent[k]);
+        self.tangent.rays += other.tangent.rays;
+        self.tangent.doubtful += other.tangent.doubtful;
         self.undecided += other.undecided;
         self.errors.merge(other.errors);
         self.doubtful_error = larger(self.doubtful_error, other.doubtful_error);
@@ -195,7 +203,10 @@ mod tests {
             );
             all.merge(one);
         }
-        assert_eq!((all.rays, all.hits, all.doubtful, all.tangent), (5, 4, 4, [4, 4]));
+        assert_eq!(
+            (all.rays, all.hits, all.doubtful, all.tangent),
+            (5, 4, 4, DoubtCount { rays: 4, doubtful: 4 })
+        );
         assert_eq!(all.doubtful_any, 1);
         assert_eq!((all.error_quantile(1.0), all.doubtful_error()), (Some(1.0), Some(7.0)));
     }

@@ -41,7 +41,7 @@ pub(super) fn all_rows(
 /// Whether a ray's answer leaves something open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Doubt {
-    /// Every hit was found, and each is one.
+    /// All hits were found, and none is false.
     None,
     /// Floating point could not decide.
     Open,

@@ -41,8 +41,8 @@ pub(super) enum Verdict {
 /// Why two answers differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// A ray as near as the tolerance sees on the surface what the triangles show, or may see
-    /// it: the silhouette is in the wrong place.
+    /// A ray at most [`SAME_PLACE`] tolerances aside sees on the surface what the triangles show,
+    /// or may see it: the silhouette is in the wrong place.
     Silhouette,
     /// No such ray: there is a gap between triangles, or they overlap.
     Gap,

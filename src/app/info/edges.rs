@@ -96,7 +96,7 @@ impl<'a> Edges<'a> {
         Self { curves, collapsed, trim_edges, left_out, rounding }
     }
 
-    /// The largest distance between points of two curves that meet.
+    /// How far apart rounding may put points where two curves meet.
     pub(super) fn rounding(&self, pair: [usize; 2]) -> f64 {
         pair.iter().map(|&k| self.rounding[self.curves[k].0.surface]).sum()
     }

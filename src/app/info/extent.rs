@@ -10,8 +10,8 @@ use nurbray::math::bernstein::restrict_net;
 use nurbray::patch::TensorPatch;
 
 /// The error allowed for the sides of a box, as a share of the control points' box. A part of a
-/// surface bulges from its control points by the square of its size, so two more halvings
-/// would be needed for each further digit and a half; f64 itself has 16 digits.
+/// surface bulges from its control points by the square of its size, so four more halvings, two
+/// in each direction, gain little more than one digit; f64 itself has 16 digits.
 const TIGHTNESS: f64 = 1e-12;
 
 /// The error of a side that cannot be avoided, relative to the largest coordinate: halving a
@@ -20,7 +20,7 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
 /// The most halvings for one side of a box: a tenth of a second's work. A surface that touches
 /// its box in points needs a hundred. One that touches it along a curve that is not a parameter
-/// line needs more, the more the finer, and has by then reached about 1e-9 of its size.
+/// line needs more the finer the tolerance, and has by then reached about 1e-9 of its size.
 const MOST_HALVINGS: usize = 100_000;
 
 /// The error bound of such a box's sides; `bounds` is the box itself or the control points'.
@@ -66,7 +66,7 @@ fn farthest(nets: &[Net], axis: DVec3, tolerance: f64) -> f64 {
     for _ in 0..MOST_HALVINGS {
         let Some(part) = open.pop() else { return reached };
         if part.limit <= reached + tolerance {
-            return reached; // and so do all others
+            return reached; // all other limits are no larger
         }
         for half in part.halves() {
             reached = reached.max(half.reached());

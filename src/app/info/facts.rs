@@ -77,7 +77,7 @@ impl Facts {
             surface.pieces = patches.pieces_of(surface.index).len();
             surface.bytes = patches.bytes_of(surface.index);
         }
-        // The leaves of trimmed surfaces: their bounds are those of the surfaces.
+        // The leaves of trimmed surfaces, whose kept parts give the surfaces' bounds.
         let mut trimmed: Vec<Vec<&Leaf>> = vec![Vec::new(); surfaces.len()];
         for leaf in world.bvh().leaves() {
             let surface = &mut surfaces[patches.pieces()[leaf.piece as usize].surface as usize];

@@ -279,7 +279,7 @@ mod tests {
         assert_eq!((borders, trim_edges), (4, 2), "one along u = 0");
     }
 
-    /// Where no curve of a supported degree is a trim edge, the border that it runs along is kept.
+    /// Where trim edges are no curves of a supported degree, the borders they run along are kept.
     #[test]
     fn borders_stand_for_edges_that_are_not_known() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);

@@ -30,7 +30,7 @@ struct Neighbours {
     /// For each, the numbers of its samples and their distances from the other curve: only of
     /// samples that are near it and where the surface ends.
     distances: [Vec<(usize, f64)>; 2],
-    /// The largest distance between points that meet.
+    /// How far apart rounding may put points that meet.
     rounding: f64,
 }
 
@@ -132,7 +132,7 @@ fn near([a, b]: [f64; 2]) -> f64 {
 pub(super) struct Beside {
     /// Whether they meet, to within rounding, all the way.
     pub(super) met: bool,
-    /// The largest distance from one to the other, over points where nothing else meets the first.
+    /// The largest distance from one to the other, over points where nothing meets the first.
     pub(super) open: Option<Widest>,
 }
 

@@ -13,8 +13,8 @@ use super::super::console;
 use super::super::failure::{Failure, OrFail};
 use super::super::table::count;
 
-/// Of cages with more faces than this, only the faces' borders are drawn: more lines would make
-/// one dark spot.
+/// Cages with more faces than this show only the faces' borders: more lines would make one dark
+/// spot.
 const MOST_FACES: usize = 200;
 
 /// The plots that suit a scene, curves first.

@@ -234,7 +234,7 @@ pub(super) fn curves(
     Panel { title, axes: projection.axes(), scale: Scale::Space, items, legend }
 }
 
-/// Labels beside the knots of a curve, on the side it bends away from.
+/// Labels beside the knots of a curve, towards the middle of its control points.
 fn knot_labels(
     curve: &PlottedCurve,
     projection: Projection,

@@ -53,8 +53,8 @@ fn rounds(curve: &PlottedCurve, t: f64) -> Vec<Vec<DVec4>> {
     rounds
 }
 
-/// A point constructed from a curve's as text: `(1.25, 0.5)`; with z, unless the curve lies in
-/// z = 0.
+/// The coordinates of a point constructed on a curve, as text: `(1.25, 0.5)`; with z, unless the
+/// curve lies in z = 0.
 fn coordinates(curve: &PlottedCurve, point: DVec4) -> String {
     // What rounding in the rounds may leave of a coordinate that is 0, as a share of the largest.
     const ROUNDING: f64 = 1e-14;

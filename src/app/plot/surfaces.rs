@@ -62,7 +62,7 @@ pub(super) fn surfaces(
             Surface::Trimmed(surface) => drawn.trimmed(surface, lines)?,
             Surface::Triangle(patch) => drawn.triangle(patch, lines),
             Surface::Limit(surface) => drawn.limit(surface, lines),
-            // Of any other kind of surface, points are known.
+            // Surfaces of any other kind are drawn by their points.
             other => drawn.any(other, lines),
         }
     }

@@ -189,7 +189,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// The ray from a distance `t_near` on; one that ends before, from its middle on.
+/// The ray from a distance `t_near` on, but from its middle at the latest.
 fn clear(ray: &Ray, t_near: f64) -> Ray {
     let start = t_near / ray.direction().length();
     let start = ray.t_min().max(start).min(0.5 * ray.t_min() + 0.5 * ray.t_max());

@@ -45,8 +45,8 @@ impl Steps {
     }
 }
 
-/// Repeats `work`, at least once, for as long as `budget`. Returns the last result, and the
-/// seconds of the run with the median time.
+/// Repeats `work`, at least once and at most [`MOST_RUNS`] times, for as long as `budget`. Returns
+/// the last result, and the seconds of the run with the median time.
 ///
 /// # Errors
 /// The first error met.

@@ -277,7 +277,7 @@ fn edge_sharpness(topology: &Topology, creases: &[Crease]) -> Result<Vec<f64>, C
         .collect())
 }
 
-/// The sharpness of each vertex: as authored, or infinite by the boundary rule.
+/// The sharpness of each vertex: as authored, but infinite where the boundary rule says so.
 fn vertex_sharpness(topology: &Topology, parts: &CageParts) -> Result<Vec<f64>, CageError> {
     let mut sharpness = vec![None; topology.vertex_count()];
     for (index, corner) in parts.corners.iter().enumerate() {

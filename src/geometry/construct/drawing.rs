@@ -96,7 +96,7 @@ impl Drawing {
     /// Adds a tube around a curve.
     ///
     /// # Errors
-    /// As [`tube`](super::tube).
+    /// As [`tube`](super::tube()).
     pub fn tube(&mut self, curve: &NurbsCurve) -> Result<(), ConstructError> {
         self.add_tube(curve).map_err(|error| error.around_a_curve("tube"))
     }

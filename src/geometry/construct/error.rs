@@ -411,7 +411,7 @@ pub enum ConstructError {
         /// Its value.
         factor: f64,
     },
-    /// There is no scale, or all are zero.
+    /// All scales are zero.
     #[error("the scale is 0 all along the path: one at least must be positive")]
     NoScale,
     /// There are no scales, or too many.

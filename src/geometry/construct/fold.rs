@@ -104,8 +104,8 @@ pub(crate) fn check_turned(
     Err(ConstructError::CoversItself { t, point, twice, degrees, between })
 }
 
-/// The distance from the axis within which a profile crosses it, relative to its largest distance:
-/// the squared distance is known to the rounding error of 1, and the place to the root of that
+/// The distance from the axis within which a fold counts as on it, relative to the profile's largest
+/// distance: the squared distance is known to the rounding error of 1, and the place to the root of that
 /// again.
 const ON_AXIS: f64 = 1e-3;
 

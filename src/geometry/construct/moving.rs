@@ -232,7 +232,7 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 const SECTIONS: usize = 29;
 
 /// How far inside a piece, as a fraction of it, curvature is measured at its ends: if the path
-/// stands still at an end, the noise of the derivatives at this distance is a thousandth of them.
+/// stands still at an end, the first derivative there is only rounding error.
 const INSIDE: f64 = 1.0 / 1024.0;
 
 /// The most cubic pieces along a path, in addition to the pieces it has. Each halving divides the error by

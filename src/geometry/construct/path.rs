@@ -137,7 +137,7 @@ impl OnCircle {
     ///
     /// The circle of curvature at the start is the only candidate. The path of degree `p` lies on
     /// it if a polynomial of degree `2p` vanishes on each piece, which `2p + 1` samples decide, up
-    /// to rounding.
+    /// to rounding; one more is taken.
     pub(crate) fn of(curve: &NurbsCurve) -> Option<Self> {
         let (start, _) = curve.domain();
         let at = curve.derivatives(start);

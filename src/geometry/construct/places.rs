@@ -38,7 +38,7 @@ impl Places {
     /// The number of the place of a point; adds a new place if there is none.
     pub(super) fn of(&mut self, point: DVec3) -> usize {
         let cell = |at: DVec3| {
-            // Halfway off the grid's planes, where round numbers lie.
+            // Shifted, so that round numbers do not lie on the grid's planes.
             (at / (CELL * self.tolerance) + 0.3).floor().to_array().map(|x| x as i64)
         };
         let reach = DVec3::splat(self.tolerance);

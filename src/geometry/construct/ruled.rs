@@ -17,9 +17,9 @@ use crate::math::ShownVector;
 /// outward.
 ///
 /// # Errors
-/// When the vector is zero or not finite; when the profile runs back over itself; or when it does
-/// so as seen along the vector, as a circle does in its own plane: it would pass over the same
-/// places twice.
+/// When the vector is zero, not finite, or within rounding of the profile's coordinates; when the
+/// profile runs back over itself; or when it does so as seen along the vector, as a circle does in
+/// its own plane: it would pass over the same places twice.
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {

@@ -74,8 +74,8 @@ const FINEST: f64 = 1e-11;
 /// spread over the path (evenly in its parameter), so that the sweep closes.
 ///
 /// The surface is an exact rational one for straight paths without twist (a scale that varies needs
-/// a polynomial path), and for circles and arcs, of any degree, without twist and scale. All other
-/// sweeps are approximated: the frame's coordinates by cubic pieces that interpolate its
+/// a polynomial path), and for circles and arcs, of any degree, without twist and with constant
+/// scale. All other sweeps are approximated: the frame's coordinates by cubic pieces that interpolate its
 /// derivatives, halved until the distance to the true sweep is within the tolerance.
 ///
 /// # Errors

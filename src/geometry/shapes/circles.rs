@@ -130,8 +130,7 @@ impl QuarticConstants {
     }
 }
 
-/// A constraint holds if its residual is no more than this share of its terms: a few dozen
-/// roundings.
+/// A constraint holds if its residual is no more than this share of its terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 fn plane_curve(knots: KnotVector, points: &[(f64, f64, f64)]) -> NurbsCurve {
@@ -152,7 +151,7 @@ pub fn quarter_circle_quadratic(arc: QuadraticArc) -> NurbsCurve {
 /// `w₀, w₁, w₂` that satisfy the note's constraint `2 w₁² = w₀ w₂`.
 ///
 /// # Errors
-/// When a weight is not positive and finite, or the constraint is violated.
+/// When a weight is not a positive, normal number, or the constraint is violated.
 pub fn quarter_circle_weighted([w0, w1, w2]: [f64; 3]) -> Result<NurbsCurve, CurveError> {
     for (index, weight) in [w0, w1, w2].into_iter().enumerate() {
         let usable = weight.is_normal() && weight > 0.0 && weight.is_finite();

@@ -80,7 +80,7 @@ pub fn deck_patch() -> NurbsSurface {
 mod tests {
     use super::*;
 
-    /// Parameters, point, derivatives along rows and columns, and their product.
+    /// The parameters `(u, v)`, the point, `Sᵤ` and `Sᵥ`.
     type Fact = ((f64, f64), [f64; 3], [f64; 3], [f64; 3]);
 
     fn close(a: DVec3, b: [f64; 3]) {

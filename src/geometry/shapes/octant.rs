@@ -25,7 +25,7 @@ pub struct OctantConstants {
 }
 
 /// The polynomial counts as zero if its Bernstein coefficients are no more than this share of their
-/// terms: a few dozen roundings.
+/// terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The exponents of a quartic triangle, which add up to 4, in the order of [`TrianglePatch`].
@@ -56,7 +56,7 @@ impl OctantConstants {
     /// The constants `a₀ … a₂` and `b₀ … b₃`, if they make an octant.
     ///
     /// # Errors
-    /// When one is not positive and finite, or the patch is not on the sphere; the error says by
+    /// When one is not from 1e-70 to 1e70, or the patch is not on the sphere; the error says by
     /// how much, and where.
     pub fn new(a: [f64; 3], b: [f64; 4]) -> Result<Self, ShapeError> {
         const NAMES: [&str; 7] = ["a0", "a1", "a2", "b0", "b1", "b2", "b3"];
@@ -84,7 +84,8 @@ impl OctantConstants {
 
     /// The control points `(w x, w y, w z, w)` on the unit sphere.
     ///
-    /// A coordinate depends on its own exponent and the largest one; the weight on the latter.
+    /// The weight depends on the largest exponent and on whether the point is inside the triangle; a
+    /// coordinate depends on these and on its own exponent.
     fn control(&self) -> impl Iterator<Item = DVec4> {
         let Self { a: [a0, a1, a2], b: [b0, b1, b2, b3] } = *self;
         exponents().map(move |[i, j, k]| {
@@ -140,11 +141,11 @@ impl OctantConstants {
     /// [`QuarticConstants`](super::QuarticConstants) with `w₁ = b₁/b₀`.
     ///
     /// # Errors
-    /// When the radius is not positive and finite.
+    /// When the radius is not from 1e-70 to 1e70.
     pub fn octant(&self, radius: f64) -> Result<TrianglePatch, ShapeError> {
         check_length("radius", radius)?;
         let control = self.control().map(|point| (radius * point.xyz()).extend(point.w));
-        // The measures are checked and the numbers are known: only the radius can make this fail.
+        // The constants are valid: only the radius can make this fail.
         TrianglePatch::from_homogeneous(4, control.collect())
             .map_err(|_| ShapeError::Length { measure: "radius", value: radius })
     }
@@ -155,7 +156,7 @@ impl OctantConstants {
 /// note's constants.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn octant_quartic(radius: f64) -> Result<TrianglePatch, ShapeError> {
     OctantConstants::of_the_note().octant(radius)
 }

@@ -12,8 +12,8 @@ use crate::geometry::{KnotVector, NurbsSurface};
 const HALF_CIRCLE: [(f64, f64, f64); 4] =
     [(0.0, 1.0, 1.0), (2.0, 1.0, 1.0 / 3.0), (2.0, -1.0, 1.0 / 3.0), (0.0, -1.0, 1.0)];
 
-/// The circle in the plane of x and y that starts at `(1, 0)`, as `(x, y, w)`: two half
-/// circles, stretched to what a row of a sphere's net needs.
+/// The circle in the plane of x and y that starts at `(1, 0)`, as `(x, y, w)` with `x`, `y` not yet
+/// multiplied by `w`: two half circles.
 const AROUND: [(f64, f64, f64); 7] = [
     (1.0, 0.0, 1.0),
     (1.0, 2.0, 1.0 / 3.0),
@@ -34,7 +34,7 @@ const AROUND: [(f64, f64, f64); 7] = [
 /// the indices are `4 ≤ i ≤ 7` ("4 <= 7" is printed).
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     let half = 0.5;
@@ -49,7 +49,7 @@ pub fn sphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// sphere, which turns the normals outward.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     Ok(spherical(radius, unit_knots(3), &AROUND[..4]))
@@ -62,7 +62,7 @@ pub fn hemisphere(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// `(−2, 0, ±1)` and `(−2, 4, ±1)`.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn hemisphere_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
     Ok(hemisphere(radius)?.swapped())
 }
@@ -85,7 +85,7 @@ fn spherical(radius: f64, knots_v: KnotVector, around: &[(f64, f64, f64)]) -> Nu
 /// normals outward.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
     Ok(octant_of_the_note(radius)?.swapped())
 }
@@ -99,7 +99,7 @@ pub fn octant_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// `u = 1` is the pole.)
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn octant_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     // Bézier coefficients of 1 − t², 2t and 1 + t².
@@ -116,7 +116,7 @@ pub fn octant_of_the_note(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// plane `z = 0`, facing `+z`; `(u, v)` in the unit square.
 ///
 /// # Errors
-/// When width or height is not positive and finite.
+/// When width or height is not from 1e-70 to 1e70.
 pub fn plane(width: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("width", width)?;
     check_length("height", height)?;

@@ -34,7 +34,7 @@ fn revolved(profile: &[(f64, f64, f64)], knots_v: KnotVector) -> NurbsSurface {
 /// `u` runs around from `+x` over `+y`, `v` from the pole `−z` to the pole `+z`.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn sphere_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     let (r, c) = (radius, FRAC_1_SQRT_2);
@@ -48,7 +48,7 @@ pub fn sphere_biquadratic(radius: f64) -> Result<NurbsSurface, ShapeError> {
 /// `u` runs around the axis, `v` around the tube, from its outer equator upwards.
 ///
 /// # Errors
-/// When a radius is not positive and finite, or `minor` is not smaller than `major`.
+/// When a radius is not from 1e-70 to 1e70, or `minor` is not smaller than `major`.
 pub fn torus(major: f64, minor: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("major radius", major)?;
     check_length("minor radius", minor)?;
@@ -65,7 +65,7 @@ pub fn torus(major: f64, minor: f64) -> Result<NurbsSurface, ShapeError> {
 /// `u` runs around, `v` up.
 ///
 /// # Errors
-/// When the radius or the height is not positive and finite.
+/// When the radius or the height is not from 1e-70 to 1e70.
 pub fn cylinder(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     check_length("height", height)?;
@@ -77,7 +77,7 @@ pub fn cylinder(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 /// `u` runs around, `v` up. The tip has no normal of its own; each `u` has its own limit normal.
 ///
 /// # Errors
-/// When the radius or the height is not positive and finite.
+/// When the radius or the height is not from 1e-70 to 1e70.
 pub fn cone(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     check_length("height", height)?;
@@ -89,7 +89,7 @@ pub fn cone(radius: f64, height: f64) -> Result<NurbsSurface, ShapeError> {
 /// `u` runs from the centre, a collapsed edge, to the rim, `v` around.
 ///
 /// # Errors
-/// When the radius is not positive and finite.
+/// When the radius is not from 1e-70 to 1e70.
 pub fn disk(radius: f64) -> Result<NurbsSurface, ShapeError> {
     check_length("radius", radius)?;
     Ok(revolved(&[(0.0, 0.0, 1.0), (radius, 0.0, 1.0)], unit_knots(1)).swapped())

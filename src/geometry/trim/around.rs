@@ -77,7 +77,7 @@ impl Trims {
         edges.sort_by(f64::total_cmp);
 
         // The half-open rule counts the crossings of a ray towards larger `u` that starts just above the point. If it
-        // starts only slightly above that direction, it crosses none of the curves through the point.
+        // starts in the sector just after the angle 0, it crosses none of the curves through the point.
         let point = vertex.unwrap_or(uv);
         let crossings = self.tree.crossings(point, &target, |index| {
             if met.contains(&index) {

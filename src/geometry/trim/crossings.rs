@@ -11,8 +11,8 @@ use super::tree::Tree;
 use super::{TrimError, TrimLoopError, UvBox};
 
 /// The number of parts into which a contact that could not be resolved further is divided for
-/// sampling: two curves that cross there and back again are noticed over a sixteenth of the
-/// contact.
+/// sampling: two curves that cross there and back again are noticed if a sixteenth of the contact
+/// lies between.
 const INSIDE_CONTACT: usize = 16;
 
 /// The number of halvings that narrow a crossing from the length of a loop down to rounding error.

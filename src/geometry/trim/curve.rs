@@ -8,8 +8,8 @@ use super::TrimCurveError;
 use super::domain::MAX_PARAMETER;
 use crate::geometry::{KnotVector, NurbsCurve};
 
-/// The most points of a polyline, or Bézier pieces of a spline; more are taken for a mistake. An
-/// outline of a million points is far beyond what a map holds.
+/// The most points of a polyline, or Bézier pieces of a spline times its degree; more are taken for
+/// a mistake. An outline of a million points is far beyond what a map holds.
 pub const MAX_TRIM_POINTS: usize = 1 << 20;
 
 /// The smallest weight, relative to the largest of its piece. With a smaller one, a step from one
@@ -89,8 +89,8 @@ impl TrimCurve {
     /// A NURBS curve in the plane `z = 0`, whose x and y are u and v.
     ///
     /// # Errors
-    /// When the curve leaves the plane, has more than [`MAX_TRIM_POINTS`] pieces, or a weight
-    /// is too small beside its neighbours.
+    /// When the curve leaves the plane, has more than [`MAX_TRIM_POINTS`] pieces times its degree,
+    /// or a weight is too small relative to the largest of its piece.
     pub fn nurbs(curve: &NurbsCurve) -> Result<Self, TrimCurveError> {
         if let Some(index) = curve.control().iter().position(|point| point.z != 0.0) {
             return Err(TrimCurveError::NotFlat { index, z: curve.point(index).z });

@@ -164,7 +164,7 @@ fn in_letter(p: DVec2) -> bool {
 #[test]
 fn a_letter_with_counters_and_an_island() {
     let letter = trims(&letter());
-    // On a grid that holds every height of a corner, but no point of an edge.
+    // On a grid that holds every height of a corner, and points of horizontal edges, but of no others.
     for j in -1..=17 {
         for i in -2..=26 {
             let point = DVec2::new(0.25 * f64::from(i) + 0.0625, 0.5 * f64::from(j));
@@ -529,7 +529,8 @@ fn outlines_keep_their_tolerance() {
             assert!(2.0 - middle.length() <= tolerance, "{middle}");
             assert!(middle.perp_dot(ends[1] - DVec2::new(1.0, -1.0)) > 0.0, "it runs as given");
         }
-        // Four control points deep, so at most twice as many chords as are needed.
+        // Control points are farther off than the curve, and parts are halved: fewer than four times
+        // as many chords as are needed, and a few.
         let needed = PI / (tolerance / 2.0).sqrt() / 2f64.sqrt();
         assert!((outline.len() as f64) < 4.0 * needed + 8.0, "{} points", outline.len());
     }

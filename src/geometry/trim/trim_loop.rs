@@ -256,7 +256,7 @@ impl LoopPiece {
         self.control[index] = (weight * to).extend(weight);
     }
 
-    /// Whether it is a straight line by its degree, its ends as they were written.
+    /// Whether the piece is a straight line by its degree, which is 1.
     fn is_line(&self) -> bool {
         self.control.len() == 2
     }

@@ -107,7 +107,8 @@ impl Trims {
     /// # Errors
     /// When there is no loop; when a loop encloses nothing, is run through twice, has a dangling
     /// edge or lies outside the domain; when loops cross themselves or each other; when two loops
-    /// are the same; or when the loops are absurdly large. Loops are counted from 0.
+    /// are the same; or when they span too many periods or need too
+    /// many segments. Loops are counted from 0.
     pub fn new(domain: TrimDomain, kept: Kept, loops: &[TrimLoop]) -> Result<Self, TrimError> {
         let loops: Vec<TrimLoop> =
             loops.iter().map(|one| one.straight_along_seams(&domain)).collect();

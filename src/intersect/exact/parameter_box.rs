@@ -145,7 +145,7 @@ impl Preconditioned {
     }
 
     /// The part of `[0, 1]` in direction `axis` outside which component `component` is
-    /// proved to differ from zero by more than `error`; `None` if it is proved to on all of it.
+    /// proved to differ from zero by more than `error`; `None` if that is proved for all of it.
     ///
     /// A polynomial lies in the convex hull of its Bernstein coefficients over `i / p`
     /// (Bézier clipping: Sederberg & Nishita 1990); of each row of coefficients only the

@@ -28,7 +28,7 @@ const OVERLAP: f64 = 1.0 / 256.0;
 /// A box cut down to a part keeps this fraction of the part's sides around it, so that a root at its end is inside.
 const MARGIN: f64 = 0.05;
 
-/// A clip that leaves more than this part of a side is followed by halving.
+/// A clip is kept if it leaves less than this part of a side that can still be halved; else the box is halved.
 const WORTHWHILE: f64 = 0.7;
 
 /// A box is not clipped to an image thinner than this many errors along one parameter while its
@@ -55,8 +55,8 @@ const FINEST: f64 = 4.0 * f64::EPSILON;
 pub(crate) const END: f64 = 1e-9;
 
 /// A contact longer than this part of the leaf is a stretch along which the ray runs inside
-/// the surface. A contact at a tangency of second order is about the root of the rounding
-/// error, 1e-8, at one of fourth order 1e-4.
+/// the surface. A contact at a tangency of second order is about 1e-8 long, the root of the
+/// rounding error; at one of fourth order, 1e-4.
 pub(crate) const STRETCH: f64 = 1e-3;
 
 /// A ray that passes the point of a collapsed side within this many errors meets it there.
@@ -95,7 +95,7 @@ pub(crate) enum Proof {
 }
 
 impl Proof {
-    /// The range along the ray in which the solution lies, if rounding leaves no more known about it.
+    /// The range along the ray in which the solution lies, if rounding allows no more precise answer.
     pub(crate) fn stretch(self) -> Option<[f64; 2]> {
         match self {
             Self::Isolated(_) | Self::Collapsed => None,

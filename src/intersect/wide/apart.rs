@@ -27,7 +27,7 @@ pub(super) const ALL: u64 = u64::MAX;
 const FAR_APART: f32 = 4.0;
 
 /// If more leaves of a block than this are met, each sixteen rays of a packet are tested by themselves: the
-/// leaves are then small compared with the packet, and most other tests would be for nothing.
+/// leaves are then small compared with the packet, and most would be tested for nothing by other sixteens.
 const FEW: u32 = 4;
 
 /// What is known of a packet's rays beyond their shared bounds.

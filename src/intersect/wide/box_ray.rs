@@ -24,7 +24,7 @@ pub(super) const LEAST_SLOPE: f32 = 1e-12;
 /// the distances a ray has inside the scene.
 pub(super) const SPARE: f32 = 4e-6;
 
-/// A box's reach around its leaf is computed for boxes that are met with this much slack.
+// `OrientedBox::farthest_from`, which bounds how far rays that meet a box pass, allows for no more slack.
 const _: () = assert!(SPARE as f64 <= OrientedBox::GROWTH);
 
 /// Boxes still to be entered, and where the ray enters them.

@@ -15,7 +15,7 @@
 //! `N` is the approximation's normal at the start. With `Δ = y − y₁`, each coordinate times the
 //! length of the leaf's half side in its direction:
 //!
-//! - The points are at least `|Δ| / stretch` apart ([`Leaf::stretch`]).
+//! - The points are at least `|Δ| / stretch` apart ([`Leaf::stretch`](crate::patch::Leaf::stretch)).
 //! - The approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of its second
 //!   derivatives, from the sums of their terms' absolute values: below zero where the leaf bends away from the
 //!   ray. `ε` bounds how far `N` is from being perpendicular to the tangents at `y₁`. At the stated start `N`
@@ -61,7 +61,7 @@ use crate::patch::FIT_DOMAIN;
 
 /// Rounding error in f32 of places, as a part of the sides' lengths, and of all that does not depend on the
 /// normal: 30 units of 2⁻²⁴. Where the stretch is finite, terms add up to at most twice the sides; each takes
-/// 12 roundings by Horner's scheme, and few by the origin, the axis and the start. (Quotients have more terms
+/// 12 roundings by Horner's scheme; the origin, the axis and the start take few. (Quotients have more terms
 /// and larger ones: see [`Weights::terms`].)
 const PLACE_ROUNDING: f32 = 2e-6;
 
@@ -279,7 +279,8 @@ mod tests {
     }
 
     /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere. None that meets its leaf again is
-    /// proved final; all that leave the sphere outwards are, whatever the angle.
+    /// proved final; all that leave the sphere outwards are, except at a cosine below 1e-2 or on a leaf with a
+    /// stretch above 2.
     #[test]
     fn only_what_is_not_met_again_is_final() {
         let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();

@@ -143,7 +143,7 @@ impl LaneDistances {
             let to = [x - xx.mul_add(f1, xy * f2), y - yx.mul_add(f1, yy * f2)];
             let (distances, slopes) = ([f1, f2], [[a1, a2], [b1, b2]]);
             last = LastStep { from: [x, y], to, distances, slopes, inverse };
-            // `max` and `min` with the bound first turn a NaN into a bound.
+            // `max` with a bound turns a NaN into that bound.
             x = to[0].max(low_x).min(high_x);
             y = to[1].max(low_y).min(high_y);
         }

@@ -17,7 +17,7 @@ use crate::intersect::bits::set_bits;
 use crate::patch::Piece;
 
 /// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross product is
-/// less than this part of the square of the sum of their lengths: that many of their digits are lost there.
+/// less than this part of the square of the sum of their lengths: there the product loses digits accordingly.
 const LEAST_SINE: f64 = 1e-2;
 
 /// The outcome for some rays, a lane each.
@@ -117,7 +117,7 @@ fn put_hits<S: Simd>(
     let t_from_z = f64x8::from_slice(simd, &packet.t_from_z[base..base + 8]);
     let ray_t = z * t_from_z;
     let inverse = high / size;
-    // A closer look is also due where the normal or `t` is not a number.
+    // A closer look is also due where the normal or `t` is not finite.
     let infinity = f64x8::splat(simd, f64::INFINITY);
     let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
     if target.pole.is_some() {

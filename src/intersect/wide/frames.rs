@@ -8,8 +8,8 @@ use crate::intersect::Shot;
 use crate::math::Ray;
 use crate::patch::SceneFrame;
 
-/// Origins farther than this from the scene, in its half sizes, are moved nearer for the work in
-/// f32, which would otherwise lose digits to the distance.
+/// Origins farther than this from the middle of the scene, in its half sizes, are moved nearer for
+/// the work in f32, which would otherwise lose digits to the distance.
 const NEAR: f64 = 3.0;
 
 /// Slack of the ends of rays in f32, in scaled coordinates: some units of f32 for distances of a

@@ -1,5 +1,5 @@
 //! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight patches of one
-//! form; by powers ([`power_sums`](super::power_sums)), or by Bernstein functions like [`TensorPatch::jet`].
+//! form; by powers ([`power_sums`]), or by Bernstein functions like [`TensorPatch::jet`].
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;

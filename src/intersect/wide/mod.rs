@@ -12,7 +12,7 @@
 //! other two concern a ray and a leaf for which the certificate does not hold: what the leaf's approximation
 //! says of that ray's roots (`single_proof`; `lane_proof` does this for sixteen rays and leaves at a time,
 //! which packets collect in `doubts`), and that a ray which leaves a leaf does not come back to it
-//! (`departure`, used in `start`). What is not proved is left to the scalar search.
+//! (`departure`, used in `start` and `packet`). What is not proved is left to the scalar search.
 //!
 //! Parts that are small compared with the scene are searched in coordinates of their own (see
 //! [`regions`](super::regions)); all three ways take rays into these coordinates and back.

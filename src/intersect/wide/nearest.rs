@@ -23,7 +23,7 @@ pub(super) enum Kept {
 #[inline(always)]
 pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitPlace>) -> Kept {
     let leaf = &scene.leaves[found.leaf as usize];
-    // A hit that lies beyond the nearest by more than the errors need not be judged.
+    // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
         let piece = &scene.set.pieces()[leaf.piece as usize];

@@ -31,8 +31,8 @@ pub(super) const MOST_ROUNDED: f64 = {
     most * most
 };
 
-/// The largest bound, in radians, of the normal's error after a last step; otherwise the normal is evaluated
-/// where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
+/// The largest accepted bound, in radians, of the normal's error after a last step; above it the normal is
+/// evaluated where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
 const MOST_TURN: f64 = 5e-12;
 
 /// The longest step, in half sides, of which anything is claimed: in longer ones rounding of second
@@ -456,7 +456,8 @@ impl<S: Simd> Converged<S> {
         (self.point, self.cross) = (point, cross_d(ds, dt));
     }
 
-    /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to others.
+    /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to the scalar
+    /// search.
     #[inline(always)]
     pub(super) fn verdict(
         &self,
@@ -481,7 +482,7 @@ impl<S: Simd> Converged<S> {
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
         let mut judged = found & (!on_piece(simd, self.st) | !clear);
         if !certified {
-            // Rounding of a parameter must be small compared with the error, which no certificate has checked.
+            // Rounding of a parameter must be small compared with the error; no certificate has checked that.
             judged |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
         let acceptable = found & !judged & z.simd_gt(z_min);

@@ -91,7 +91,8 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     Outline::Bounds(bounds, (to * frame.scale - shift) as f32 + END_SPARE)
 }
 
-/// The range of a component of unit vectors, from the range of that of vectors and of one over their lengths.
+/// The range of a component of unit vectors, from the ranges of that component of the vectors as given and of one
+/// over their lengths.
 fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f64; 2] {
     [
         from * if from < 0.0 { per_shortest } else { per_longest },

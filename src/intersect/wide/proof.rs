@@ -5,7 +5,7 @@ use crate::patch::{LEAF_SLACK, WIDENING};
 /// How far from its middle a leaf's certificate holds, in half sides.
 pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
-/// How far from its middle a leaf answers for roots, in half sides: the rectangle and its slack.
+/// How far from a leaf's middle roots count as the leaf's, in half sides: in its rectangle and its slack.
 pub(super) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
@@ -34,7 +34,7 @@ pub(super) const MAY_STEP: f32 = 1.05;
 /// Boxes smaller than this, in half sides of the leaf, are not halved merely because such a step leads away.
 pub(super) const SMALLEST: f32 = 0.1;
 
-/// A box that a ray's start is looked for in is widened by less than [`GROWN`].
+/// The box in which a ray's start is looked for is widened by this factor: by less than [`GROWN`].
 pub(super) const START_GROWN: f32 = 1.09;
 
 /// The largest accepted row sum of `P`: rounding moves a root by no more than the rounding error

@@ -117,8 +117,8 @@ impl<S: Simd> Screen<'_, S> {
         let ([[a1, a2], [b1, b2]], [[xx, xy], [yx, yy]]) = (slopes, inverse);
         let leaf = self.target.leaf;
 
-        // Distances take twelve roundings of coefficients and sums, and derivatives of three times
-        // the size as many. The roundings of the step and of what it leaves are small compared with
+        // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
+        // size, take as many. The roundings of the step and of what it leaves are small compared with
         // the slack given to it (`per_move`, `MOST_OFF`).
         let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;

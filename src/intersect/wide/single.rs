@@ -193,7 +193,7 @@ fn search_net<S: Simd>(
             }
         }
     }
-    // Too flat an angle, or the one root is outside.
+    // Too flat an angle, a leaf with a pole, a start outside, or no convergence.
     search_by_proof(simd, scene, (index, fitted, surface), error, (ray, work));
 }
 

@@ -280,7 +280,7 @@ fn judge(
         return Outcome::Missed;
     }
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
-    // Rounding of a parameter must be small compared with the error, which no certificate has checked.
+    // Rounding of a parameter must be small compared with the error; without a certificate, nothing has checked that.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
     let fine = COARSEST * speed <= error * half[0] * half[1];
     if !(on_piece && clear && fine) {

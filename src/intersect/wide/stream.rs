@@ -273,7 +273,7 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
     Start { from: shot.start_root(), ahead: ray.t_min() >= 0.0 }
 }
 
-/// Starts all rays before the root of the tree.
+/// Sets all rays to begin at the root of the tree.
 #[simd]
 fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     stream.waiting.clear();
@@ -319,7 +319,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &
     }
 }
 
-/// One ray, and what is asked of it.
+/// One ray of a batch, with its start.
 struct StreamRay<'a> {
     scene: &'a Searched<'a>,
     ray: &'a Ray,

@@ -168,7 +168,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
                     work.stack.push((0.0, node.child[k], ALL));
                 }
             }
-            // A closer look is due.
+            // This needs a closer look.
             Child::Region(..) => return false,
         }
     }

@@ -59,7 +59,7 @@ impl Plan {
     /// Sets the counts from the deviation with the present ones; it falls with their square.
     ///
     /// Equal shares for both directions give the fewest cells, unless one direction is
-    /// (nearly) straight: then the other may have what is left.
+    /// (nearly) straight: then the other may have the rest.
     pub(super) fn estimate(&mut self, distance: f64) {
         let measured = self.measure().along;
         let old = self.counts.clone();

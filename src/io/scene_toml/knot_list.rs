@@ -10,11 +10,11 @@ use super::values::{Loose, Number, loosely};
 use crate::math::Shown;
 use crate::scene::Knots;
 
-/// `[0, 0, 1, 1]`; `[[0, 2], [1, 2]]` as value and multiplicity; a name; or those of one period.
+/// `[0, 0, 1, 1]`; `[[0, 2], [1, 2]]` as value and multiplicity; a name; or `{ periodic = [0, 1, 2, 3] }`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct KnotList(pub(super) Knots);
 
-/// What knots can be, for messages.
+/// The ways to write knots, for messages.
 const KINDS: &str =
     "a list of knots, \"clamped\", \"uniform\", \"periodic\" or { periodic = [...] }";
 
@@ -60,7 +60,7 @@ impl<'de> Visitor<'de> for Visit {
     }
 }
 
-/// The knots of one period.
+/// The table `{ periodic = […] }` with the knots of one period.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PeriodKeys {

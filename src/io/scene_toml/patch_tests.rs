@@ -240,7 +240,7 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     );
     let lines =
         "[[object]]\nname = 'l'\nshape.iso_curves = { of = 'box', u = [0.5], radius = 0.1 }";
-    // Every tube is as far from the cage's surface as it is thick, or a cap or a joint of one.
+    // The middle of every tube is within 0.03 of a grid of points on the cage's surface.
     let thin = |shape: &str| format!("[[object]]\nname = 'l'\nshape.iso_curves = {{ {shape} }}\n");
     let on_cage = thin("of = 'box', u = [0.5, 12], v = [0.25], radius = 1e-3");
     let world = World::new(&scene(&format!("{cage}{on_cage}"))).unwrap();

@@ -10,7 +10,8 @@ use crate::intersect::exact::Rect;
 use crate::intersect::exact::contact::{self, Contact};
 
 impl ExactSolver {
-    /// Adds one contact that stands for all the spare boxes: its first and last place.
+    /// Adds one contact that stands for all the spare boxes: from the first to the last place in them
+    /// where the ray may meet the leaf.
     pub(super) fn search_ends(&mut self, problem: &Problem<'_>) {
         let (first, last) = (self.search_end(problem, 1.0), self.search_end(problem, -1.0));
         if let (Some(first), Some(last)) = (first, last) {
@@ -32,7 +33,7 @@ impl ExactSolver {
     }
 
     /// The first place (for `sign` 1, the last for −1) where the ray may meet the spare
-    /// boxes: of all boxes the one that may hold it is divided next.
+    /// boxes: the nearest box, in which it may lie, is always divided next.
     fn search_end(&mut self, problem: &Problem<'_>, sign: f64) -> Option<(DVec2, f64)> {
         let mut queue = std::mem::take(&mut self.queue);
         queue.clear();
@@ -60,9 +61,9 @@ impl ExactSolver {
         end
     }
 
-    /// Across which direction to halve the box just looked at on the way to an end. At a
-    /// collapsed side that is the one that leads away from it: halves across the other would both
-    /// keep the point.
+    /// The direction across which to halve the box just looked at in the search for an end. At a
+    /// collapsed side it is the one that leads away from the side: halves across the other direction
+    /// would both contain the pole.
     fn end_axis(&self, problem: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match problem.collapsed.filter(|_| self.at_collapsed_side(problem, rect)) {
@@ -94,7 +95,8 @@ impl ExactSolver {
         let first = solutions.len();
         for &solution in &self.isolated {
             let Proof::Isolated(rect) = solution.proof else { continue };
-            // The same one lies in both; of two that are near each other one may be off into the other's box.
+            // One root found twice lies in both boxes. Of two roots near each other, rounding may put one into
+            // the other's box.
             let known = solutions[first..].iter().any(|other| match other.proof {
                 Proof::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
                 _ => false,
@@ -112,7 +114,7 @@ impl ExactSolver {
             });
             let length = contact.z[1] - contact.z[0];
             if proved {
-                continue; // the box's one root, seen again from its edge
+                continue; // the box's only root, seen again from its edge
             }
             if length > STRETCH * self.size {
                 let proof = Proof::Stretch(contact.z);
@@ -120,8 +122,8 @@ impl ExactSolver {
                 continue;
             }
             let middle = 0.5 * (ends[0] + ends[1]);
-            // Boxes beside a pole reach it where all they hold is one line through it, to within
-            // rounding: the ray may still pass the line farther along.
+            // Boxes at a pole may hold, to within rounding, only a line through it: the ray may pass
+            // that line away from the pole.
             let side = problem.collapsed.filter(|_| contact.collapsed);
             let pole = side.map(|side| side.beside(middle));
             let pole =
@@ -135,8 +137,8 @@ impl ExactSolver {
     }
 }
 
-/// So much of their trace is added to the normal equations: what a direction moves the point by counts where it is
-/// more than the root of this, 1e-5, of what the other does.
+/// This part of their trace is added to the diagonal of the normal equations: a direction counts where it moves the
+/// point by more than the root of this, 1e-5, of what the other direction does.
 const DAMPING: f64 = 1e-10;
 
 /// A place near `st`, within the problem's rectangle, where the surface is closest to the ray

@@ -1,5 +1,5 @@
-//! What a leaf's approximation says of rays that start on it: their tangent planes, and how the
-//! surface bends, as the proof of [`departure`](super) wants it.
+//! What the proof of [`departure`](super) takes from a leaf's approximation, for rays that start on
+//! the leaf: the tangent planes at the starts, and second derivatives.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
@@ -12,18 +12,18 @@ use crate::intersect::wide::vectors::{cross, dot, scaled, splat};
 /// The approximation's tangent plane at the starts.
 pub(super) struct Plane<S: Simd> {
     pub(super) point: [f32x16<S>; 3],
-    /// How far the ray's origin is from the point in each coordinate at most.
+    /// How far the ray's origin is from the point: the largest of the three coordinates.
     pub(super) off: f32x16<S>,
     pub(super) weight: f32x16<S>,
-    /// The tangents, by the parameters times the lengths of the half sides.
+    /// The tangents: derivatives by box coordinates times the lengths of the half sides.
     pub(super) along: [[f32x16<S>; 3]; 2],
-    /// Of length one, on the side to which the ray goes.
+    /// The unit normal, on the side to which the ray goes.
     pub(super) normal: [f32x16<S>; 3],
     /// One over the length of the tangents' cross product.
     pub(super) per_length: f32x16<S>,
-    /// In the plane, across the ray, of length one.
+    /// The unit vector in the plane that is perpendicular to the ray.
     pub(super) across: [f32x16<S>; 3],
-    /// Of the angle between ray and normal.
+    /// The cosine and the sine of the angle between ray and normal.
     pub(super) cosine: f32x16<S>,
     pub(super) sine: f32x16<S>,
 }
@@ -68,7 +68,7 @@ impl<S: Simd> Plane<S> {
 struct Tangents<S: Simd> {
     point: [f32x16<S>; 3],
     weight: f32x16<S>,
-    /// By box coordinates.
+    /// The derivatives by box coordinates.
     along_x: [f32x16<S>; 3],
     along_y: [f32x16<S>; 3],
 }
@@ -123,12 +123,12 @@ fn sums<S: Simd>(simd: S, &[x, y]: &[f32x16<S>; 2], coefficients: &[f32; 16]) ->
     ]
 }
 
-/// What is known of a weight, within [`FARTHEST`] of the middle.
+/// Bounds of a weight within [`FARTHEST`] of the middle.
 pub(super) struct Weights {
     pub(super) least: f32,
-    /// In any direction, where box coordinates are multiplied by the lengths of the half sides.
+    /// Bound of its slope in any direction, by box coordinates times the lengths of the half sides.
     pub(super) slope: f32,
-    /// How much more rounding there is than with none.
+    /// How many times as large rounding errors are as without a weight.
     pub(super) terms: f32,
 }
 
@@ -151,8 +151,8 @@ impl Weights {
             by_y += size * j as f32;
         }
         let least = (1.0 - others).max(1.0 / fitted.heaviest());
-        // Numerators may be larger than the surface, and each is rounded as often; the weight as often again, and
-        // multiplied with points; all is divided by it.
+        // Numerators may be larger than the surface, and take as many roundings each; the weight takes as many
+        // again, and is multiplied with points; everything is divided by it.
         let [x, y, z, _] = sizes(simd, fitted);
         let numerators = (x + y + z) * reach_to(6) / (length_x + length_y);
         let terms = (numerators + 2.0 * (1.0 + others)) / (least * least);
@@ -160,20 +160,20 @@ impl Weights {
     }
 }
 
-/// Second derivatives of an approximation, by the parameters times the lengths of the half sides: twice
+/// Second derivatives of an approximation, by box coordinates times the lengths of the half sides: twice
 /// by the first, by both, twice by the second.
 pub(super) struct Bends<S: Simd> {
-    /// Of the height, in the middle of the leaf.
+    /// Those of the height, in the middle of the leaf.
     height: [f32x16<S>; 3],
-    /// How much they may differ elsewhere.
+    /// Bounds of how much those differ elsewhere.
     more: [f32x16<S>; 3],
-    /// Of the distance across the ray, in size and anywhere.
+    /// Bounds, anywhere, of the absolute values of those of the distance across the ray.
     aside: [f32x16<S>; 3],
 }
 
 impl<S: Simd> Bends<S> {
-    /// From the sizes of the approximation's terms along the normal, and across the ray: of numerators less the point
-    /// at the start times the weight.
+    /// From the approximation's terms along the normal and across the ray: those of the numerators minus the point at
+    /// the start times the weight.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -200,7 +200,7 @@ impl<S: Simd> Bends<S> {
                     }
                 }
                 let (up, off) = (dot(normal, term), dot(across, term).abs());
-                // What comes down of the powers.
+                // The factors that differentiation takes from the exponents.
                 let factors = [i * i.saturating_sub(1), i * j, j * j.saturating_sub(1)];
                 for k in 0..3 {
                     if factors[k] == 0 {
@@ -219,20 +219,20 @@ impl<S: Simd> Bends<S> {
         bends
     }
 
-    /// No less than the norm of the height's.
+    /// An upper bound of the norm of the height's second derivatives.
     #[inline(always)]
     pub(super) fn norm(&self) -> f32x16<S> {
         let ([xx, xy, yy], more) = (self.height, self.more);
         (xx.abs() + more[0]).max(yy.abs() + more[2]) + xy.abs() + more[1]
     }
 
-    /// The same of the distance across the ray.
+    /// The same for the distance across the ray.
     #[inline(always)]
     pub(super) fn norm_aside(&self) -> f32x16<S> {
         self.aside[0].max(self.aside[2]) + self.aside[1]
     }
 
-    /// No less than the largest eigenvalue of the height's.
+    /// An upper bound of the largest eigenvalue of the height's second derivatives.
     #[inline(always)]
     pub(super) fn largest(&self, simd: S) -> f32x16<S> {
         let ([xx, xy, yy], more) = (self.height, self.more);
@@ -241,8 +241,8 @@ impl<S: Simd> Bends<S> {
         splat(simd, 0.5) * (xx + yy + apart.mul_add(apart, twice * twice).sqrt())
     }
 
-    /// How fast the distance across the ray grows, times the weight, and what the height's come to at most in the one
-    /// direction in which it does not.
+    /// How fast the distance across the ray grows, times the weight; and an upper bound of the height's second
+    /// derivative in the one direction in which that distance does not grow.
     #[inline(always)]
     pub(super) fn ahead(&self, simd: S, plane: &Plane<S>) -> (f32x16<S>, f32x16<S>) {
         let ([xx, xy, yy], more) = (self.height, self.more);
@@ -254,7 +254,8 @@ impl<S: Simd> Bends<S> {
         (speed * plane.weight, at + off)
     }
 
-    /// What the distance across the ray bends by, over the distance of two places, so far apart at most.
+    /// A bound of what second derivatives add to the distance across the ray, over the distance of two places, which
+    /// are at most this far apart.
     #[inline(always)]
     pub(super) fn bent_aside(&self, simd: S, [far_x, far_y]: [f32x16<S>; 2]) -> f32x16<S> {
         let bent = splat(simd, 0.5) * self.aside[0].mul_add(far_x, self.aside[2] * far_y);
