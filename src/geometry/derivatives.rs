@@ -19,8 +19,8 @@ pub struct SurfaceDerivatives {
     pub dvv: DVec3,
 }
 
-/// The error bound of a first derivative, relative to the coordinates: derivatives come from sums
-/// of a few dozen terms as large as the coordinates.
+/// The error bound of a first derivative in units of `M / Δ` (see [`SurfaceDerivatives::unit_normal`]):
+/// derivatives come from sums of a few dozen terms as large as the coordinates.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A limit found from second derivatives counts if the sine of the angle between the two factors

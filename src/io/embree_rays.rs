@@ -33,7 +33,7 @@ pub struct EmbreeHit {
     pub geometric_normal: DVec3,
 }
 
-/// Words behind `geomID` that Embree may write: `instID`, in version 4 also `instPrimID`,
+/// Words after `geomID` that Embree may write: `instID`, in version 4 also `instPrimID`,
 /// each as long as the build has instance levels (1 by default). Four levels fit, and the
 /// structure of one ray is a multiple of 16 bytes, as its alignment demands.
 const INSTANCE_WORDS: usize = 9;

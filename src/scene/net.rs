@@ -31,7 +31,7 @@ pub struct Net {
     pub degree: [usize; 2],
     /// The knots in u and v.
     pub knots: [Written<Knots>; 2],
-    /// The number of control points along u and v.
+    /// The number of control points written along u and v.
     pub size: [usize; 2],
     /// The control points, v fastest, not multiplied by their weights.
     pub points: Written<Vec<DVec3>>,
