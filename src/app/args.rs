@@ -53,7 +53,7 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Check the fast path against the exact solver on random and nasty rays
     Audit(AuditArguments),
-    /// Trace the camera's rays another way, too, and report how the pictures differ
+    /// Trace the camera's rays by Embree or POV-Ray, too, and report how the pictures differ
     Compare(CompareArguments),
     /// List what a scene or model holds, its gaps, and what was not imported
     Info(InfoArguments),

@@ -51,62 +51,67 @@ Rays are made from the model's own surfaces, by class:
   leaving      leaving a hit, as secondary rays do
   far          as aimed, from a million sizes away
 
-A third of the rays is traced one by one, a third in packets (but those that
-leave a hit), a third in batches of incoherent rays: each for its first hit, and
-for whether anything is hit.
+A third of the rays is traced one by one, a third in packets (except rays that
+leave a hit), a third in batches of incoherent rays. Each is asked for its first
+hit, and for whether anything is hit.
 
 Columns, for each class:
   rays         rays made
   hits         rays for which the fast path has a hit
-  misses       the fast path, without doubt, has no first hit, or says that
-               nothing is hit, but there is a certain hit
+  misses       there is a certain hit, but the fast path, without doubt, has no
+               first hit, or says that nothing is hit
   wrong        the fast path's hit lies behind a certain hit by more than the
                bound of t (JSON: wrong_roots)
-  false        the fast path's hit has a residual above the bound, lies outside
-               the ray's range or in what trims have cut off, by more than
-               it may be off, or the exact solver, without doubt, has no root
-               there; or it says that something is hit, and there is nothing
-               (JSON: false_hits)
-  doubtful     rays whose first hit the fast path flags; such answers are not
-               judged, nor are flagged ones to whether anything is hit (counted
-               below the table; JSON: doubtful_any)
+  false        the fast path's hit has a residual above the bound; or lies
+               outside the ray's range, or in what trims cut off, by more than
+               its error bound; or the exact solver, without doubt, has no root
+               there; or the fast path says that something is hit, and nothing
+               is (JSON: false_hits)
+  doubtful     rays whose first hit the fast path flags. Flagged answers are not
+               judged. (Doubt about whether anything is hit is counted below the
+               table; JSON: doubtful_any)
   undecided    rays for which the exact solver could not decide everything; its
                certain hits still count
   error        |S(u, v) - (o + t d)| / M over the hits without doubt: 50 % and
                99 % (at most 1/256 too large), the largest (JSON: error_50,
                error_99, error_max; null without such hits)
   if doubtful  the largest such error of a doubtful hit (JSON: error_doubtful)
-Certain is a hit of the exact solver without doubt, unless it lies within the
-bound of an end of the ray's range, or the ray passes a border on its outside by
-more than a quarter of the bound, or a trim edge in what is cut off by more than
-the promise and the curve's rounding; and the point a ray was aimed at, if
-|N.d| >= 0.01 or the point lies on a border, and trims have not cut it off; but
-no border point of a triangle or subdivision surface that rounding of u and v
-may have put beyond the border by more than a quarter of the promise. What trims
-keep is judged by even-odd against polylines within 1/1000 of the domain of the
-trim curves, which the tracer does not know; within twice that of one both sides
-pass, but points of class trim-edges are on the curves, and owed. M is the
-largest coordinate magnitude of the ray's origin and the surface's control
-points. The bound of the residual, for degrees p and q and e = 2^-53, is
-b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|): the promise 4 (p + q + 4) e M
-twice, for the hit and for checking it, and the rounding of u and v. The bound
-of t, in units of length, is the sum of both hits' b over |N.d|, at most
-4 sqrt(b R) with R the radius of the model; hits between which the ray stays
-within b of the surface are one.
 
-Doubt is summed up by groups: random (the classes random and aimed, as pictures
-have them), nasty (the others), and apart: tangents, origins, and rays of other
-classes that are exactly tangent somewhere, as far as f64 can tell, or run
-inside a surface. Whether a ray that runs in a tangent plane meets the surface,
-or one that starts on it meets it at its start, is beyond any rounded
-arithmetic, and to say so is the right answer. (A ray that says which root it
-leaves, as secondary rays do, is no such ray: class leaving.)
+Bounds. M is the largest coordinate magnitude of the ray's origin and the
+surface's control points. The bound of the residual, for degrees p and q and
+e = 2^-53, is b = 8 (p + q + 4) e M + 2 e (|u||S_u| + |v||S_v|): twice the
+promise 4 (p + q + 4) e M, for the hit and for checking it, plus the rounding of
+u and v. The bound of t, in units of length, is the sum of both hits' b over
+|N.d|, at most 4 sqrt(b R) with R the radius of the model. Hits between which
+the ray stays within b of the surface count as one.
+
+Certain hits are
+  - hits of the exact solver without doubt; but not within the bound of an end
+    of the ray's range, nor where the ray passes outside a border by more than a
+    quarter of the bound, nor where it passes a trim edge in what is cut off by
+    more than the promise and the curve's rounding;
+  - the point a ray was aimed at, if trims do not cut it off, and |N.d| >= 0.01
+    or the point lies on a border; but not a border point of a triangle or
+    subdivision surface that rounding of u and v may have put beyond the border
+    by more than a quarter of the promise.
+What trims keep is judged by even-odd against polylines within 1/1000 of the
+domain of the trim curves, which the tracer does not know. Within twice that
+distance of a polyline both sides pass, except for points of class trim-edges:
+these are on the curves.
+
+Doubt is counted in three groups: random (classes random and aimed: rays as
+pictures have them), nasty (the others), and apart (tangents, origins, and rays
+of other classes that are exactly tangent somewhere, as far as f64 can tell, or
+run inside a surface). No rounded arithmetic can decide whether a ray in a
+tangent plane meets the surface, or whether a ray that starts on it meets it at
+its start: doubt is the right answer there. (Rays that say which root they
+leave, as secondary rays do, are in class leaving.)
 
 The exit code is 1 if there is a miss, a wrong root or a false hit. With --json
 one object: input, rays, seed, kernel, threads, seconds, classes (a list; each
 has class, group and the columns), groups (a list: group, rays, doubtful), total
 (the columns). RAYS.npy has a row (origin, direction, t_min, t_max) for each ray
-at fault, in order of the classes; rays of the class leaving start on the hit
+at fault, in the order of the classes; rays of class leaving start on the hit
 they leave.
 
 Example:

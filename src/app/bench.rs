@@ -25,8 +25,8 @@ Ray sets; N is --size:
                      packets: tiles of 64 x 64 pixels, in each a Z-order curve,
                      so that 16 rays are 4 x 4 pixels; if leaves are smaller
                      than two pixels, in batches, as pictures are traced
-  single             the same rays in the same order, one call a ray; our answers
-                     are dropped as they come, Embree's stay in its rays
+  single             the same rays in the same order, one call a ray; nurbray's
+                     answers are dropped as they come, Embree's stay in its rays
   incoherent         N x N chords of a sphere around the model (1 % wider than
                      it), in batches
   incoherent-single  the same chords, one call a ray
@@ -38,15 +38,14 @@ Ray sets; N is --size:
   shadow             any hit on the way from those hits to the scene's first
                      lamp, in packets if leaves are wider than two pixels, else
                      in batches
-Rays are made before the clock starts, the same for everyone and in every run;
-they lie in memory, Embree's in the packets it wants.
+Rays are made before the clock starts, the same for all kernels, for the rival
+and in every run; they lie in memory, Embree's in the packets it wants.
 
 Speed: the median of 5 rounds, and (largest - smallest) / median as spread.
-Kernels and rival take turns in each round; before the first everyone traces all
-rays once. Everyone works on the same number of threads, which take 4096 rays at
-a time.
+Kernels and rival take turns in each round; before the first, each traces all
+rays once. All use the same number of threads, which take 4096 rays at a time.
 
-Of several models or numbers of threads, a table at the end has a line each.
+For several models or numbers of threads, a table at the end has a line each.
 
 Bytes a Bezier patch: everything that tracing needs, divided by the number of
 patches that the surfaces are cut into at their knots (a triangular patch is
@@ -56,13 +55,13 @@ three of these; trims and the hierarchy count, too).
 libembree4 or libembree3, or the library named by EMBREE_LIB. Every knot span is
 cut evenly, as often as is needed for the sampled distance between surface and
 triangles to stay within tolerance x diagonal; cells that trims cut become
-trapezoids, grids of their own, along chords as near to the trim curves.
+trapezoids, grids of their own, along chords equally near to the trim curves.
 rtcIntersect1 (rtcOccluded1) for single rays; else the fastest of 1, 8 and 16.
 Triangles and rays are moved to the middle of the bounding box and scaled by a
 power of two to a size between 1 and 2, which suits Embree's constants best.
-tnear is 0, but for rays that leave a surface twice the tolerance; nurbray needs
-none. A ray differs in t if the rival's hit is farther from the tangent plane of
-ours than the tolerance.
+tnear is 0, except for rays that leave a surface: twice the tolerance. (nurbray
+needs none.) A ray differs in t if the rival's hit is farther from the tangent
+plane of ours than the tolerance.
 
 With --json one object a line, for each model, ray set, kernel and tolerance:
   model, rays (the set), count, kernel, threads, mrays_per_s, spread, hits,

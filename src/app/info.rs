@@ -27,23 +27,24 @@ pub(crate) const HELP: &str = "\
 Gaps: each border of each surface is sampled at 33 points or more, no farther
 apart than about 1/32 of its length, and each point's nearest point on every
 other border is found by Newton's method. Two borders run side by side where at
-least a quarter of the length of one lies within 1e-3 of the size of the object
-they belong to (of two objects' borders, within 1e-3 of the larger one's size
-and 1e-2 of the smaller one's; and within 1/20 of the shorter border's length)
-of the other. They meet if none of these points is farther off than rounding, 4
-(p + q + 4) 2^-53 M for each surface; else the largest distance is listed as a
-gap, through which rays may pass, measured from points of one border along
-which no other one meets it. Gaps narrower than the samples are long may be
-missed. A knot of multiplicity p + 1 within a domain makes two borders, as the
-surface may jump there. Trim edges are borders from corner to corner; what
-trims cut off a border does not count, nor what an edge runs along, nor do the
-parts of one tube, ribbon or net, which run into each other.
+least a quarter of the length of one is near the other: within 1e-3 of the size
+of the object they belong to (for borders of two objects, within 1e-3 of the
+larger one's size and 1e-2 of the smaller one's), and within 1/20 of the shorter
+border's length. They meet if none of these points is farther off than rounding,
+4 (p + q + 4) 2^-53 M for each surface. Else the largest distance is listed as a
+gap, through which rays may pass; it is measured from points of one border that
+no other border meets. Gaps that are shorter than the distance between samples
+may be missed. A knot of multiplicity p + 1 within a domain makes two borders,
+as the surface may jump there. Trim edges are borders from corner to corner.
+Parts of borders that trims cut off do not count, nor parts along which a trim
+edge runs, nor do the parts of one tube, ribbon or net, which run into each
+other.
 
-Bounds: the boxes the surfaces themselves just fit in, not their control points
+Bounds: the tight boxes of the surfaces themselves, not of their control points
 or leaves, to 1e-12 of their size (1e-9 where a surface touches its box along a
-curve askew to u and v). Those of a trimmed surface hold its leaves, as far as
-they lie in the rectangle of u and v around what is kept; leaves at an edge may
-reach beyond it.
+curve askew to u and v). The box of a trimmed surface holds its leaves, as far
+as they lie in the rectangle of u and v around what is kept; leaves at an edge
+may reach beyond it.
 
 With --json one object:
   input, build_seconds

@@ -52,7 +52,7 @@ What an EXR holds besides, the AOVs (--aov chooses):
   id      which surface was hit, counted from 0 as `nurbray info` lists them;
           -1 where nothing is hit
   Albedo  the share of light sent back, a mean over all samples; misses count as 0
-All but Albedo speak of one hit: that of the pixel's first sample that hits.
+All except Albedo describe one hit: that of the pixel's first sample that hits.
 
 With --crop, an EXR keeps the whole picture as its display window and holds the
 crop's pixels as its data window; a PNG holds the crop's pixels only.

@@ -282,20 +282,20 @@ pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>,
     check_points(degree, count.saturating_add(degree))?;
     check_order(period)?;
     let (first, last) = (period[0], period[count]);
-    let length = last - first;
-    if length == 0.0 {
+    if first == last {
         return Err(KnotError::AllEqual { knot: first });
     }
-    // The ends are kept as they are, and knots beyond them are placed by distances within the period.
-    let before = (1..=degree).rev().map(|k| {
-        let (rounds, at) = ((k - 1) / count, count - 1 - (k - 1) % count);
-        first - (last - period[at]) - rounds as f64 * length
-    });
-    let after = (1..=degree).map(|k| {
-        let (rounds, at) = ((k - 1) / count, (k - 1) % count + 1);
-        last + (period[at] - first) + rounds as f64 * length
-    });
-    Ok(before.chain(period.iter().copied()).chain(after).collect())
+    // Each further period begins where the one before it ends, so that equal knots stay equal and all stay in order.
+    let (mut before, mut after) = (Vec::new(), Vec::new());
+    let (mut start, mut end) = (first, last);
+    while after.len() < degree {
+        before.extend(period[..count].iter().rev().map(|knot| start - (last - knot)));
+        after.extend(period[1..].iter().map(|knot| end + (knot - first)));
+        (start, end) = (before[before.len() - 1], after[after.len() - 1]);
+    }
+    before.truncate(degree);
+    after.truncate(degree);
+    Ok(before.into_iter().rev().chain(period.iter().copied()).chain(after).collect())
 }
 
 fn check_degree(degree: usize) -> Result<(), KnotError> {

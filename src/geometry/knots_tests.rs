@@ -263,6 +263,10 @@ fn periodic_knots_close() {
         assert!(start.distance(end) < 1e-14);
     }
     assert_eq!(KnotVector::periodic(2, &[0.0, 1.0, 2.0, 3.0]).unwrap().values().len(), 8);
+    // Several periods of rounded numbers: double knots stay double.
+    let double = KnotVector::periodic(7, &[-1.34, -1.34, 2.56, 3.52]).unwrap();
+    let runs = double.values().chunk_by(|a, b| a == b).map(<[f64]>::len);
+    assert_eq!(runs.collect::<Vec<_>>(), [1, 2].repeat(6));
     let message = |period: &[f64]| KnotVector::periodic(2, period).unwrap_err().to_string();
     assert_eq!(message(&[0.0, 1.0, 2.0]), "a closed spline of 2 points: at least 3 are needed");
     assert_eq!(message(&[1.0; 4]), "all knots are 1: two must differ");

@@ -143,6 +143,7 @@ impl CurveSpec {
             CurveKind::Nurbs { degree, knots, points, weights } => {
                 let vector = knot_vector(*degree, &knots.value, points.len())
                     .map_err(|error| CurveFault::Curve(knots.place.clone(), error.into()))?;
+                check_weights(points, weights.as_deref()).map_err(blame)?;
                 let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
                 let weights = weights.as_ref().map(|weights| wrapped(weights, given, needed));
                 NurbsCurve::new(vector, wrapped(points, given, needed), weights)
@@ -195,6 +196,7 @@ impl CurveSpec {
         if let Some(index) = points.iter().position(|point| !point.is_finite()) {
             return Err(blame(CurveError::Point { index, point: points[index] }));
         }
+        check_weights(points, Some(weights)).map_err(blame)?;
         let placed = self.placed()?;
         let [given, needed] = [points.len(), vector.point_count()].map(|count| [1, count]);
         let mut weights = wrapped(weights, given, needed);
@@ -207,5 +209,15 @@ impl CurveSpec {
             vector = vector.reversed();
         }
         Ok((RationalBasis::new(vector, weights).map_err(blame)?, points))
+    }
+}
+
+/// There must be a weight for each control point, before those of a closed curve are repeated.
+fn check_weights(points: &[DVec3], weights: Option<&[f64]>) -> Result<(), CurveError> {
+    match weights.map(<[f64]>::len) {
+        Some(found) if found != points.len() => {
+            Err(CurveError::WeightCount { weights: found, points: points.len() })
+        }
+        _ => Ok(()),
     }
 }

@@ -91,7 +91,7 @@ impl Shape {
     /// The number of control points; 0 for a shape known by name, which has only a few.
     fn point_count(&self) -> usize {
         match self {
-            Self::Net(net) => net.points.value.len(),
+            Self::Net(net) => net.point_count(),
             Self::Triangle(net) => net.points.value.len(),
             Self::Subdivision(surface) => surface.cage.positions().len(),
             Self::Named(..) => 0,

@@ -73,6 +73,16 @@ impl Net {
         })
     }
 
+    /// The number of control points, those that closed directions repeat included.
+    pub(super) fn point_count(&self) -> usize {
+        let repeated = [0, 1].map(|k| if self.knots[k].value.close() { self.degree[k] } else { 0 });
+        if repeated == [0, 0] {
+            return self.points.value.len();
+        }
+        let [rows, columns] = [0, 1].map(|k| self.size[k].saturating_add(repeated[k]));
+        rows.saturating_mul(columns)
+    }
+
     fn knot_vector(&self, direction: Direction) -> Result<KnotVector, NetFault> {
         let k = match direction {
             Direction::U => 0,

@@ -168,7 +168,10 @@ impl BasisSpec {
                 return Err((&knots.place, PlotError::NoDomain { knots: found, degree }));
             }
         }
-        let count = given.or(listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))));
+        let count = given.or_else(|| match &knots.value {
+            Knots::Periodic(period) => Some(period.len().saturating_sub(1)),
+            _ => listed.map(|knots| knots.saturating_sub(degree.saturating_add(1))),
+        });
         let count = count.ok_or((&knots.place, PlotError::NoCount))?;
         if count > Plot::MAX_FUNCTIONS {
             return Err((&knots.place, PlotError::Functions { count }));
@@ -176,12 +179,13 @@ impl BasisSpec {
         Ok(count)
     }
 
-    /// The number of knots that are listed.
+    /// The number of knots that are listed, other than those of a period.
     fn listed(&self) -> Option<usize> {
         match &self.knots.value {
-            Knots::ClampedUniform | Knots::Uniform | Knots::PeriodicUniform => None,
-            // The number of knots that as many different functions would need if they did not close.
-            Knots::Periodic(period) => Some(period.len().saturating_add(self.degree)),
+            Knots::ClampedUniform
+            | Knots::Uniform
+            | Knots::PeriodicUniform
+            | Knots::Periodic(_) => None,
             Knots::Values(values) => Some(values.len()),
             Knots::Multiplicities(pairs) => {
                 Some(pairs.iter().map(|&(_, times)| times).fold(0, usize::saturating_add))
@@ -210,6 +214,9 @@ impl BasisSpec {
             Knots::ClampedUniform => KnotVector::clamped_uniform(degree, count)?.values().to_vec(),
             Knots::Uniform => (0..=count + degree).map(|index| index as f64).collect(),
             Knots::PeriodicUniform => periodic_values(degree, &evenly_spaced(count))?,
+            Knots::Periodic(period) if period.len() != count + 1 => {
+                return Err(KnotError::PeriodCount { knots: period.len(), points: count });
+            }
             Knots::Periodic(period) => periodic_values(degree, period)?,
             Knots::Values(values) => values.clone(),
             Knots::Multiplicities(pairs) => {

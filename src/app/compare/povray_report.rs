@@ -64,7 +64,7 @@ impl Report<'_> {
              {camera}, {width} x {height} pixels, one ray through the middle of each; on \
              {threads}. nurbray (kernel {kernel}), and {rival}. Tolerances are fractions of the \
              diagonal of the bounding box, {diagonal}.\n\n\
-             ![what is looked at]({PICTURE})\n\n{}## Times and errors\n\n{}\n## Where\n\n{}\n\
+             ![the picture]({PICTURE})\n\n{}## Times and errors\n\n{}\n## Where\n\n{}\n\
              ![what the colours mean]({LEGEND})\n\n{NOTES}{}",
             self.left_out(),
             self.table(),

@@ -78,7 +78,7 @@ impl Report<'_> {
              {camera}, {width} x {height} pixels, one ray through the middle of each; on \
              {threads}. nurbray (kernel {kernel}) traces the {surfaces}, {rival} triangles that stay \
              within a tolerance of them. Tolerances are fractions of the diagonal of the bounding \
-             box, {diagonal}.\n\n![what is looked at]({PICTURE})\n\n\
+             box, {diagonal}.\n\n![the picture]({PICTURE})\n\n\
              ## What it costs\n\n{}\n![speed, memory and errors over the tolerance]({PLOT})\n\n\
              ## What it gets wrong\n\n{}\n## Where\n\n{}\n\
              ![what the colours mean]({LEGEND})\n\n{NOTES}{}",

@@ -37,7 +37,7 @@ impl<'a> Reader<'a> {
             _ => {
                 let message = format!(
                     "tag {} is not understood: crease, corner, interpolateboundary and \
-                     creasemethod normal are",
+                     creasemethod normal or uniform are",
                     shown(name)
                 );
                 Err(self.malformed(name, message))

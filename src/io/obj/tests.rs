@@ -111,7 +111,7 @@ fn errors_name_line_and_column() {
         ),
         (
             "t wave 0/0/0",
-            "x.obj:16:3: tag \"wave\" is not understood: crease, corner, interpolateboundary and creasemethod normal are",
+            "x.obj:16:3: tag \"wave\" is not understood: crease, corner, interpolateboundary and creasemethod normal or uniform are",
         ),
     ];
     for (line, message) in lines {

@@ -156,6 +156,10 @@ fn knots_by_name() {
         tube("knots = 'periodic'").unwrap().surfaces.len(),
         World::new(&scene(&curve(closed))).unwrap().surfaces.len()
     );
+    assert_eq!(
+        error(&curve(&format!("nurbs = {{ {points}, knots = 'periodic', weights = [1, 1, 1] }}"))),
+        "s.toml:2:28: surface \"tube\": curve: 3 weights for 4 control points: each needs one, or none has any"
+    );
     for (knots, message) in [
         (
             "'open'",
