@@ -30,6 +30,8 @@ mod model;
 mod models;
 #[path = "robust/near.rs"]
 mod near;
+#[path = "robust/parity.rs"]
+mod parity;
 #[path = "common/patches.rs"]
 mod patches;
 #[path = "common/random.rs"]

@@ -148,6 +148,12 @@ impl<'a> Candidate<'a> {
             Side::Outside if matches!(self.solution.proof, Proof::Stretch(_)) => {
                 return Err(Dropped::from(z, ray));
             }
+            Side::Outside if question.all_hits => {
+                let known = KnownRoot { ray, error: SPARE * error, along: SPARE * z_error };
+                let side = trim_side(leaf, piece, (spot.st, &spot.jet), &known);
+                let is_near = matches!(side, Side::Edge { .. });
+                return Err(if is_near { Dropped::from(z, ray) } else { Dropped::Surely });
+            }
             Side::Outside => return Err(Dropped::Surely),
         }
         Ok(())
@@ -288,6 +294,10 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 /// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside the leaf may be
 /// off by that much.
 pub(super) const AROUND: f64 = 4.0;
+
+/// Two searches find one root within the sum of their errors: one that is at a trim edge by the one search is within
+/// this many times the reach of the other.
+const SPARE: f64 = 2.0;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the error
 /// across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the edge by as much.

@@ -1,8 +1,9 @@
 //! Merges the meetings that are one crossing.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::meeting::Meeting;
+use super::same_place::{at_one_place, reach_along};
 use super::{HitFlags, vertices};
 use crate::patch::Piece;
 
@@ -26,7 +27,8 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
         // Crossings are in order, except where a certain view has replaced one, from within reach behind it.
         let near = |earlier: &&mut Crossing| meeting.t - earlier.view.t <= 2.0 * reach;
         let same = crossings.iter_mut().rev().take_while(near).find(|earlier| {
-            same_side(&earlier.view, &meeting) && at_one_place(&earlier.view, &meeting, pieces)
+            same_side(&earlier.view, &meeting)
+                && at_one_place(&earlier.view, &meeting, pieces, axis)
         });
         match same {
             Some(crossing) => crossing.join(meeting),
@@ -37,8 +39,8 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     meetings.extend(crossings.into_iter().map(|crossing| crossing.view));
     // A certain view may lie a little behind the doubtful one whose place it has taken.
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t));
-    doubt_tips(meetings, pieces);
-    doubt_half_touches(meetings, pieces);
+    doubt_tips(meetings, pieces, axis);
+    doubt_half_touches(meetings, pieces, axis);
 }
 
 /// Views of one crossing.
@@ -72,10 +74,10 @@ impl Crossing {
 
 /// Flags tips at whose place something else is met. This comes after views of one crossing are merged, so
 /// that no view can take the flag away again.
-fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
+fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let tip = &meetings[k];
-        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, tip, pieces)) {
+        if meetings.iter().any(|m| !has_no_normal(m) && at_one_place(m, tip, pieces, axis)) {
             meetings[k].flags.insert(HitFlags::DOUBTFUL);
         }
     }
@@ -83,11 +85,11 @@ fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece]) {
 
 /// Flags what is met only because the ray passes close to it on its outside, unless another side of
 /// the same edge is met there in the opposite direction and matches no other meeting there.
-fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece]) {
+fn doubt_half_touches(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     for k in (0..meetings.len()).filter(|&k| meetings[k].beyond).collect::<Vec<_>>() {
         let touch = &meetings[k];
         let same_way = |m: &Meeting| m.cosine * touch.cosine > 0.0;
-        let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, pieces);
+        let near = |a: &Meeting, b: &Meeting| at_one_place(a, b, pieces, axis);
         let is_taken = |m: &Meeting| {
             (0..meetings.len()).any(|j| j != k && same_way(&meetings[j]) && near(&meetings[j], m))
         };
@@ -125,104 +127,6 @@ fn same_side(a: &Meeting, b: &Meeting) -> bool {
     }
 }
 
-/// Surfaces met at a smaller cosine than this, the root of the unit roundoff, cannot be told from touched ones.
-pub(super) const LEAST_COSINE: f64 = 1e-8;
-
-/// Meetings at one place are no farther apart along the ray than this many times the sum of their error bounds along
-/// it. A point beyond a border may be off the ray by the whole error; where the other surface is met obliquely, this
-/// amounts to the other meeting's error along the ray.
-const ALONG: f64 = 2.0;
-
-/// Meetings at one place are closer in space than this many times the sum of their errors, over the smaller cosine:
-/// more than the error of each and its move to a border. (Other factors were not tried.)
-pub(super) const APART: f64 = 4.0;
-
-/// How far apart, in `t`, meetings at the same place may be.
-pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
-    2.0 * meetings.iter().map(off_along).fold(0.0, f64::max)
-}
-
-/// How far, in `t`, a meeting may be from another one at the same place; at a trim edge, the distance of the edge is
-/// added.
-fn off_along(meeting: &Meeting) -> f64 {
-    let t_from_z = meeting.t_error / meeting.z_error;
-    ALONG * meeting.t_error + meeting.edge * t_from_z
-}
-
-/// Whether two meetings are at the same place: of one piece, or one that two pieces share.
-pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece]) -> bool {
-    let along = off_along(a) + off_along(b); // no more than `reach_along`
-    let reach = APART * (a.error + b.error) / a.cosine.abs().min(b.cosine.abs()).max(LEAST_COSINE);
-    let reach = reach + a.edge + b.edge;
-    let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach;
-    if !near {
-        return false;
-    }
-    if a.piece == b.piece {
-        // Two leaves of one piece: the same parameters, or both at the same pole.
-        let d = a.st - b.st;
-        let apart = (a.jet.ds * d.x).length() + (a.jet.dt * d.y).length();
-        if apart <= reach {
-            return true;
-        }
-    }
-    let same_piece = a.piece == b.piece;
-    let [a, b] = [a, b].map(|m| AtSides::new(m, &pieces[m.piece as usize], reach));
-    // Borders may meet, even two of one piece, as at the seam of a tube.
-    if a.at_end && b.at_end {
-        return true;
-    }
-    if same_piece || a.meeting.surface != b.meeting.surface {
-        return false;
-    }
-    if !a.piece.shares_chart_with(b.piece) {
-        // The charts of a surface meet along any of their sides.
-        return (a.at_end || a.sides != [false; 4]) && (b.at_end || b.sides != [false; 4]);
-    }
-    a.adjoins(&b) || b.adjoins(&a) || a.is_beside(&b, reach) || b.is_beside(&a, reach)
-}
-
-/// The sides of its piece that a meeting is at.
-struct AtSides<'a> {
-    meeting: &'a Meeting,
-    piece: &'a Piece,
-    /// `s = 0`, `s = 1`, `t = 0`, `t = 1`.
-    sides: [bool; 4],
-    /// Whether one of these sides is a border of the surface or collapsed to a point, or there is a trim edge:
-    /// whatever else ends there may be met at the same place.
-    at_end: bool,
-}
-
-impl<'a> AtSides<'a> {
-    fn new(meeting: &'a Meeting, piece: &'a Piece, reach: f64) -> Self {
-        let distances = piece.side_distances(meeting.st, &meeting.jet);
-        let sides = distances.map(|distance| distance <= reach);
-        let ends = |side: usize| piece.is_border(side) || piece.is_collapsed(side);
-        let at_end = meeting.flags.contains(HitFlags::TRIM_EDGE)
-            || (0..4).any(|side| sides[side] && ends(side));
-        Self { meeting, piece, sides, at_end }
-    }
-
-    /// Whether both meetings are at a knot line between their pieces, `self` before the line.
-    fn adjoins(&self, after: &Self) -> bool {
-        let (before, behind) = (self.piece.domain(), after.piece.domain());
-        let touch = (0..2).all(|k| before[k][0] <= behind[k][1] && behind[k][0] <= before[k][1]);
-        let at_line =
-            |k: usize| before[k][1] == behind[k][0] && self.sides[2 * k + 1] && after.sides[2 * k];
-        touch && (0..2).any(at_line)
-    }
-
-    /// Whether another meeting is at the same parameters, to within four times `reach`: there may be a thin piece
-    /// between their pieces.
-    fn is_beside(&self, other: &Self, reach: f64) -> bool {
-        let [here, there] = [self, other].map(|at| at.piece.chart_uv(at.meeting.st));
-        let lengths = self.piece.domain().map(|[from, to]| to - from);
-        let d = (here - there) / DVec2::from_array(lengths);
-        let Meeting { jet, .. } = self.meeting;
-        (jet.ds * d.x).length() + (jet.dt * d.y).length() <= 4.0 * reach
-    }
-}
-
 /// Drops the ends of stretches that lie inside another stretch of the same surface.
 fn join_stretches(meetings: &mut Vec<Meeting>) {
     let stretches: Vec<(u32, [f64; 2], f64)> =
@@ -244,6 +148,8 @@ fn join_stretches(meetings: &mut Vec<Meeting>) {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::intersect::{Query, SurfaceBvh};

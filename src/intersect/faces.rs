@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::HitFlags;
 use super::borders::trim_reach;
 use super::meeting::Meeting;
+use super::same_place::{Reach, moved};
 use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
@@ -24,7 +25,7 @@ pub(super) struct Face<'a> {
     pub(super) piece: &'a Piece,
     pub(super) meeting: &'a Meeting,
     /// How far the place may be from the same place as met on other pieces.
-    pub(super) reach: f64,
+    pub(super) reach: Reach,
     /// The ray's direction.
     pub(super) axis: DVec3,
 }
@@ -32,15 +33,12 @@ pub(super) struct Face<'a> {
 impl Face<'_> {
     /// The sides of the piece that the place is at.
     pub(super) fn sides(&self) -> [bool; 4] {
-        let distances = self.piece.side_distances(self.meeting.st, &self.meeting.jet);
-        distances.map(|off| off <= self.reach)
+        self.reach.sides(self.meeting.st, &self.meeting.jet)
     }
 
     /// Whether another place of the piece is the same, to within rounding; at a pole all places of the side are.
     pub(super) fn holds(&self, st: DVec2) -> bool {
-        let Meeting { jet, st: here, .. } = self.meeting;
-        let apart = st - *here;
-        (jet.ds * apart.x).length() + (jet.dt * apart.y).length() <= 2.0 * self.reach
+        moved(&self.meeting.jet, st - self.meeting.st) <= 2.0 * self.reach.along_ray
     }
 
     /// The angle the face covers, in radians: positive if the ray leaves through the face, negative if it enters.
@@ -63,7 +61,7 @@ impl Face<'_> {
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
         let sectors = match self.piece.trims() {
             Some(trims) if flags.contains(HitFlags::TRIM_EDGE) => {
-                let reach = trim_reach(jet, self.reach) * lengths;
+                let reach = trim_reach(jet, self.reach.along_ray) * lengths;
                 Some(trims.around(self.piece.chart_uv(*st), reach)?)
             }
             _ => None,

@@ -99,13 +99,16 @@ pub(super) struct Question<'a> {
     pub(super) ray: &'a RayFrame,
     pub(super) t_range: [f64; 2],
     pub(super) from: Option<&'a Root>,
+    /// Whether all hits are wanted: then a root just beyond a trim edge, which another search may have found at the
+    /// edge, is doubtful.
+    pub(super) all_hits: bool,
 }
 
 impl<'a> Question<'a> {
     /// A query about these pieces; `ray` is its frame.
     pub(super) fn new(set: &'a PatchSet, query: &'a Query, ray: &'a RayFrame) -> Self {
         let t_range = [query.ray.t_min(), query.ray.t_max()];
-        Self { set, ray, t_range, from: query.from.as_ref() }
+        Self { set, ray, t_range, from: query.from.as_ref(), all_hits: false }
     }
 }
 

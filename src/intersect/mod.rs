@@ -93,6 +93,7 @@ mod newton;
 mod packets;
 mod read_ahead;
 mod regions;
+mod same_place;
 mod singles;
 mod statistics;
 mod streams;

@@ -123,7 +123,7 @@ impl<'a> Tracer<'a> {
     /// the same sign of `N · d`.
     pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
         let frame = RayFrame::new(&query.ray);
-        self.collect(query, &frame, exactly, |_| f64::INFINITY);
+        self.collect(query, &frame, all_exactly, |_| f64::INFINITY);
         crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces(), frame.axis);
         let set = &self.bvh.set;
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
@@ -231,6 +231,17 @@ fn exactly(
     findings.statistics.leaf_tests += 1;
     let from = leaf_search::met_from(place, passage, question.ray);
     leaf_search::search_exactly(question, place, from, limit, findings);
+}
+
+/// The same where all hits are wanted.
+fn all_exactly(
+    question: &Question<'_>,
+    place: &PlacedLeaf<'_>,
+    passage: &Passage,
+    limit: f64,
+    findings: &mut Findings,
+) {
+    exactly(&Question { all_hits: true, ..*question }, place, passage, limit, findings);
 }
 
 impl SurfaceBvh {

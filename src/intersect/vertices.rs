@@ -14,9 +14,10 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::HitFlags;
-use super::crossings::{APART, LEAST_COSINE, at_one_place, has_no_normal, reach_along, touches};
+use super::crossings::{has_no_normal, touches};
 use super::faces::Face;
 use super::meeting::Meeting;
+use super::same_place::{Reach, at_one_place, reach_along};
 use crate::patch::Piece;
 
 /// How far a sum of angles may be from a whole number of turns, in turns: far more than the rounding error if no face
@@ -36,12 +37,12 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
             continue;
         }
         let near = |&j: &usize| meetings[j].t - meetings[k].t <= reach;
-        let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces);
+        let here = |&j: &usize| j == k || at_one_place(&meetings[k], &meetings[j], pieces, axis);
         let group: Vec<usize> = (k..meetings.len()).take_while(near).filter(here).collect();
         let before = (0..k).rev().take_while(|j| meetings[k].t - meetings[*j].t <= reach);
         let mut before = before.filter(|&j| seen[j]);
         let overlaps = group.iter().any(|&j| seen[j])
-            || before.any(|j| at_one_place(&meetings[j], &meetings[k], pieces));
+            || before.any(|j| at_one_place(&meetings[j], &meetings[k], pieces, axis));
         group.iter().for_each(|&j| seen[j] = true);
 
         let all = || group.iter().map(|&j| &meetings[j]);
@@ -105,11 +106,8 @@ fn passage<'m>(
     let mut faces: Vec<(&Meeting, [bool; 4])> = Vec::new();
     let mut sum = 0.0;
     for meeting in meetings {
-        // How far apart two meetings with such an error may be.
-        let reach = 2.0 * APART * meeting.error / meeting.cosine.abs().max(LEAST_COSINE);
-        let reach = reach + 2.0 * meeting.edge;
         let piece = &pieces[meeting.piece as usize];
-        let face = Face { piece, meeting, reach, axis };
+        let face = Face { piece, meeting, reach: Reach::around(meeting, axis), axis };
         // Leaves of one piece may see the same corner; and a piece may meet itself.
         let sides = face.sides();
         let is_known = faces.iter().any(|&(known, its)| {

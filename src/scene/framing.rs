@@ -82,7 +82,12 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let Some(trims) = &chart.trims else { return points };
     let grid = us.iter().flat_map(|&u| vs.iter().map(move |&v| DVec2::new(u, v)));
     let kept = |&(uv, _): &(DVec2, DVec3)| trims.contains(uv) != Side::Outside;
-    grid.zip(points).filter(kept).map(|(_, point)| point).collect()
+    let kept = grid.zip(points).filter(kept).map(|(_, point)| point);
+    // Small parts may lie between the points of the grid, but not between those of their own edges.
+    let domain = trims.domain().bounds();
+    let thinned = trims.joints().step_by(1 + trims.segment_count() / (across * across).max(1));
+    let edges = thinned.filter(|uv| uv.cmpge(domain.min).all() && uv.cmple(domain.max).all());
+    kept.chain(edges.map(|uv| surface.point_at(uv.x, uv.y))).collect()
 }
 
 /// The ends of all spans within a range, and enough parameters between them to make up `across`.

@@ -226,7 +226,8 @@ impl Strand<'_> {
         let point = self.segments[index].directed_at(along);
         let own = &self.segments[index];
         let mut clear = true;
-        let crossings = self.other.crossings(point, &UvBox { min: point, max: point }, |other| {
+        let target = UvBox::about(point, own.reach());
+        let crossings = self.other.crossings(point, &target, |other| {
             if self.itself && other == index {
                 return 0;
             }
@@ -241,11 +242,11 @@ impl Strand<'_> {
         if !self.itself {
             return Some(crossings.rem_euclid(2));
         }
-        // The ray leaves a rising strand on its right, where the winding number is the smaller one,
-        // and a falling strand on its left. For a point on a horizontal strand the ray runs just
-        // above it: on its left if the strand goes towards larger u.
-        let [low, high] = own.ends();
-        let on_the_left = own.is_forward() == (low.y == high.y);
+        // The ray leaves a rising strand on its right, where the winding number is the smaller one, and a falling
+        // strand on its left. From the upper end of a strand, to within rounding, or from a horizontal one, the ray
+        // runs just above it: on its left if the strand goes towards larger u.
+        let [from, to] = own.directed_ends();
+        let on_the_left = if point.y < from.y.max(to.y) { to.y < from.y } else { from.x < to.x };
         Some(crossings - i32::from(on_the_left))
     }
 

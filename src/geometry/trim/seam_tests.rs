@@ -37,3 +37,21 @@ fn sides_along_a_seam_that_are_not_quite_straight_lie_on_it() {
     let error = band(1e-3).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(error.starts_with("loop 0 crosses itself at (u, v) = "), "{error}");
 }
+
+/// Circles whose copies, moved by a period, are less round than they were written.
+#[test]
+fn small_circles_on_a_seam_do_not_cross_themselves() {
+    let unit = TrimDomain::new([0.0, 1.0], [0.0, 1.0]).unwrap();
+    let domain = unit.periodic_in(Direction::U).periodic_in(Direction::V);
+    let mut wrong = Vec::new();
+    for k in 0..120 {
+        let radius = if k == 0 { 1e-4 } else { 10f64.powf(-1.0 - 0.05 * f64::from(k)) };
+        let u = [0.5, 0.0, 1.0, 0.01 * f64::from(k % 97)][k as usize % 4];
+        let corner = DVec2::new(u, f64::from(u8::from(k / 4 % 2 == 0)));
+        let circle = TrimLoop::circle(corner, radius).unwrap();
+        if let Err(error) = Trims::new(domain, Kept::Odd, &[circle]) {
+            wrong.push(format!("{corner} {radius}: {error}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong: {:#?}", wrong.len(), &wrong[..10.min(wrong.len())]);
+}
