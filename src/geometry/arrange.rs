@@ -48,12 +48,13 @@ pub(crate) fn check_invertible(map: &DAffine3) -> Result<(), SurfaceError> {
     if !map.is_finite() {
         return Err(SurfaceError::TransformNotFinite);
     }
-    flattening(map).map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
+    unfit_determinant(map)
+        .map_or(Ok(()), |determinant| Err(SurfaceError::Transform { determinant }))
 }
 
 /// The determinant of a finite map, if the map flattens space or enlarges it beyond the range of
 /// f64; else `None`.
-pub(super) fn flattening(map: &DAffine3) -> Option<f64> {
+pub(super) fn unfit_determinant(map: &DAffine3) -> Option<f64> {
     let determinant = map.matrix3.determinant();
     (!determinant.is_normal()).then_some(determinant)
 }

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 
-use super::arrange::{flattening, moved};
+use super::arrange::{moved, unfit_determinant};
 use super::shapes::unit_knots;
 use super::surface::{Extent, extent};
 use super::triangle_error::TriangleError;
@@ -334,7 +334,7 @@ impl TrianglePatch {
         if !map.is_finite() {
             return Err(TriangleError::TransformNotFinite);
         }
-        if let Some(determinant) = flattening(map) {
+        if let Some(determinant) = unfit_determinant(map) {
             return Err(TriangleError::Transform { determinant });
         }
         let control = self.control.iter().map(|point| moved(map, point)).collect();

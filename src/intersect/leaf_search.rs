@@ -219,7 +219,7 @@ fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
 fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
     let certificate = &place.leaf.certificate;
     let slopes = place.oriented.directions().map(|row| row.dot(ray.axis));
-    let Some(steepness) = certificate.speaks_of(slopes, error) else { return false };
+    let Some(steepness) = certificate.steepness_if_valid(slopes, error) else { return false };
     place.leaf.pole(place.piece).is_none_or(|pole| {
         let distance = ray.distance(pole);
         error * f64::from(certificate.pole_per_error()) <= steepness * distance

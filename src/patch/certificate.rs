@@ -168,7 +168,7 @@ impl Certificate {
     /// small against the leaf: `error` is the bound, in scene units, of a point's distance from the ray. Leaves that
     /// end in a pole have a further condition: see [`pole_per_error`](Self::pole_per_error).
     #[inline(always)]
-    pub(crate) fn speaks_of(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
+    pub(crate) fn steepness_if_valid(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
         let steepness = self.steepness(slopes);
         let needed = error * f64::from(self.steep_per_error());
         (self.holds(slopes) && needed <= steepness).then_some(steepness)

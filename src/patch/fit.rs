@@ -6,7 +6,7 @@ use glam::{DVec3, DVec4};
 
 use super::Piece;
 use super::fit_error::{BLOSSOM, FitError};
-use super::part::Halving;
+use super::part::PartNet;
 use super::powers::powers;
 use super::tensor::euclidean;
 use crate::math::bernstein;
@@ -43,18 +43,18 @@ pub(super) struct Approximation {
 impl Approximation {
     /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by that quotient if its
     /// weights differ little enough ([`MOST_WEIGHT`]), and everything else by a polynomial near the surface.
-    pub(super) fn new(halving: &Halving, piece: &Piece) -> Self {
+    pub(super) fn new(part_net: &PartNet, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
-        let quotient = if p.max(q) <= 3 { Quotient::new(halving, piece) } else { None };
-        quotient.map_or_else(|| Self::polynomial(halving, piece), Self::exact)
+        let quotient = if p.max(q) <= 3 { Quotient::new(part_net, piece) } else { None };
+        quotient.map_or_else(|| Self::polynomial(part_net, piece), Self::exact)
     }
 
     /// A polynomial near the surface.
-    pub(super) fn polynomial(halving: &Halving, piece: &Piece) -> Self {
+    pub(super) fn polynomial(part_net: &PartNet, piece: &Piece) -> Self {
         // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation (Trefethen 2013,
         // ch. 16).
         let nodes = NODES.map(|node| 0.5 * (1.0 + node));
-        let mut values = points_at(nodes, piece.patch.degree(), halving.net());
+        let mut values = points_at(nodes, piece.patch.degree(), part_net.net());
         let some = values[1][1];
         for value in values.as_flattened_mut() {
             *value -= some;
@@ -73,10 +73,10 @@ impl Approximation {
     }
 
     /// The error bounds for rays that pass the middle within `reach`.
-    pub(super) fn error(&self, halving: &Halving, piece: &Piece, reach: f64) -> FitError {
+    pub(super) fn error(&self, part_net: &PartNet, piece: &Piece, reach: f64) -> FitError {
         match &self.exact {
             Some(quotient) => quotient.error(reach),
-            None => FitError::new(halving, piece, self.middle, &self.fit),
+            None => FitError::new(part_net, piece, self.middle, &self.fit),
         }
     }
 }
@@ -98,10 +98,10 @@ struct Quotient {
 
 impl Quotient {
     /// The quotient over a leaf; `None` where the weights differ too much: see [`MOST_WEIGHT`].
-    fn new(halving: &Halving, piece: &Piece) -> Option<Self> {
+    fn new(part_net: &PartNet, piece: &Piece) -> Option<Self> {
         let [p, q] = piece.patch.degree();
         let mut net = [[DVec4::ZERO; 4]; 4];
-        for (row, control) in net.iter_mut().zip(halving.net().chunks_exact(q + 1)) {
+        for (row, control) in net.iter_mut().zip(part_net.net().chunks_exact(q + 1)) {
             row[..=q].copy_from_slice(control);
             *row = powers(q, *row);
         }

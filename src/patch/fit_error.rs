@@ -36,7 +36,7 @@ use smallvec::SmallVec;
 
 use super::Piece;
 use super::fit::{Fit, in_both_directions};
-use super::part::Halving;
+use super::part::PartNet;
 use crate::math::bernstein::binomials;
 
 /// The bounds hold up to this far from the middle, in box coordinates: Newton's steps may stray there.
@@ -68,11 +68,11 @@ impl FitError {
     };
 
     /// The bounds for a part of a piece and its approximation; infinite where nothing is known.
-    pub(super) fn new(halving: &Halving, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
+    pub(super) fn new(part_net: &PartNet, piece: &Piece, middle: DVec3, fit: &Fit) -> Self {
         let patch = &piece.patch;
         let degree = patch.degree();
         let more = 0.5 * (FIT_DOMAIN - 1.0);
-        let mut net = halving.grown(piece, [-more, 1.0 + more], [-more, 1.0 + more]);
+        let mut net = part_net.grown(piece, [-more, 1.0 + more], [-more, 1.0 + more]);
         for c in &mut net {
             *c = (c.truncate() - c.w * middle).extend(c.w);
         }

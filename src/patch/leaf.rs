@@ -6,7 +6,7 @@ use super::field::Net;
 use super::fit::{Approximation, Fit, NO_WEIGHT, WeightFit, second_derivatives};
 use super::fit_error::REACHES;
 use super::oriented_box::Axes;
-use super::part::Halving;
+use super::part::PartNet;
 use super::rounded::{Up8, Up16};
 use super::{
     Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
@@ -65,16 +65,16 @@ impl Leaf {
         piece: &Piece,
         frame: &SceneFrame,
     ) -> (Self, WeightFit, OrientedBox) {
-        let halving = Halving::over(piece, part.rect);
+        let part_net = PartNet::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);
-        let approximation = Approximation::new(&halving, piece);
+        let approximation = Approximation::new(&part_net, piece);
         let Approximation { middle, fit, weight, chords, .. } = approximation;
         let axes = Axes::along(chords);
         let noise = piece.patch.noise();
-        let oriented = OrientedBox::around(&halving.answered(piece), &axes, noise, frame);
-        let error = approximation.error(&halving, piece, oriented.farthest_from(middle, frame));
+        let oriented = OrientedBox::around(&part_net.answered(piece), &axes, noise, frame);
+        let error = approximation.error(&part_net, piece, oriented.farthest_from(middle, frame));
 
-        let widened = halving.widened(piece, collapsed);
+        let widened = part_net.widened(piece, collapsed);
         let (degree, rational) = (piece.patch.degree(), piece.patch.is_rational());
         // Parameters are known to half a unit in the last place of one.
         let spacing = part.rect.ranges().map(|[from, to]| rounding::UNIT_ROUNDOFF / (to - from));
@@ -99,7 +99,7 @@ impl Leaf {
         leaf.marks |= if is_flat { FLAT } else { 0 } | if part.trimmed { TRIMMED } else { 0 };
         leaf.marks |=
             if (0..4).any(|side| leaf.near_border(piece, side).is_some()) { AT_BORDER } else { 0 };
-        leaf.stretch = Up16::above(stretch(&leaf, &weight, &halving, piece, &error));
+        leaf.stretch = Up16::above(stretch(&leaf, &weight, &part_net, piece, &error));
         (leaf, weight, oriented)
     }
 
@@ -257,7 +257,7 @@ impl Leaf {
 fn stretch(
     leaf: &Leaf,
     weight: &WeightFit,
-    halving: &Halving,
+    part_net: &PartNet,
     piece: &Piece,
     error: &FitError,
 ) -> f64 {
@@ -284,8 +284,8 @@ fn stretch(
         return of_quotient;
     }
     // The bound of third derivatives grows with a leaf's length, though they need not.
-    let near = Approximation::polynomial(halving, piece);
-    let of_polynomial = of_polynomial(&near.fit, &near.error(halving, piece, 0.0));
+    let near = Approximation::polynomial(part_net, piece);
+    let of_polynomial = of_polynomial(&near.fit, &near.error(part_net, piece, 0.0));
     let longer = |k: usize| term(&leaf.fit, k).length() / term(&near.fit, k).length();
     of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
 }

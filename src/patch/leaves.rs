@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use super::part::{Cut, Halving};
+use super::part::{Cut, PartNet};
 use super::tiles::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
@@ -66,8 +66,8 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
 pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     GroupedParts::of(pieces, grids, |k, parts| {
         let piece = &pieces[k];
-        Halving::whole(piece).coarse_parts(piece, &mut |halving| {
-            parts.push(halving.part(k as u32, piece));
+        PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+            parts.push(part_net.part(k as u32, piece));
         });
     })
 }
@@ -83,15 +83,15 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
         .map(|k| {
             let piece = &pieces[k];
             let mut parts = SmallVec::new();
-            Halving::whole(piece).coarse_parts(piece, &mut |halving| {
-                parts.push(Flat::new(k as u32, piece, halving));
+            PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+                parts.push(Flat::new(k as u32, piece, part_net));
             });
             parts
         })
         .collect();
     let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
     let worthwhile = (open.len() + open.len() / 2).clamp(WORTHWHILE, MOST);
-    let all = open.iter().map(|flat| flat.halving.bounds()).fold(bounds, Aabb::union);
+    let all = open.iter().map(|flat| flat.part_net.bounds()).fold(bounds, Aabb::union);
     let worth_in_scene = WORTHWHILE_IN_SCENE * all.size().length().sqrt();
     while let Some(way) = open.peek().and_then(|flat| flat.way) {
         let is_due = open.len() < MOST_OF_SCENE && way.worth > worth_in_scene;
@@ -100,32 +100,32 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
         }
         let Some(flat) = open.pop() else { break };
         let piece = &pieces[flat.piece as usize];
-        flat.halving.halved(piece, way, &mut |halving| {
-            open.push(Flat::new(flat.piece, piece, halving));
+        flat.part_net.halved(piece, way, &mut |part_net| {
+            open.push(Flat::new(flat.piece, piece, part_net));
         });
     }
     let mut leaves = open.into_vec();
     leaves.par_sort_unstable_by_key(Flat::place);
-    let part = |flat: &Flat| flat.halving.part(flat.piece, &pieces[flat.piece as usize]);
+    let part = |flat: &Flat| flat.part_net.part(flat.piece, &pieces[flat.piece as usize]);
     leaves.par_iter().map(part).collect()
 }
 
 /// A part that becomes a leaf unless there is room for its halves.
 struct Flat {
     piece: u32,
-    halving: Box<Halving>,
+    part_net: Box<PartNet>,
     /// How to halve the part, if that is worth anything.
     way: Option<Cut>,
 }
 
 impl Flat {
-    fn new(index: u32, piece: &Piece, halving: Halving) -> Self {
-        let way = halving.way(piece);
-        Self { piece: index, halving: Box::new(halving), way }
+    fn new(index: u32, piece: &Piece, part_net: PartNet) -> Self {
+        let way = part_net.way(piece);
+        Self { piece: index, part_net: Box::new(part_net), way }
     }
 
     fn place(&self) -> (u32, DyadicRect) {
-        (self.piece, self.halving.rect())
+        (self.piece, self.part_net.rect())
     }
 }
 

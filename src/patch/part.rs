@@ -41,7 +41,7 @@ pub(crate) struct Part {
 
 /// A part of a piece and the control points over it, while it is being halved.
 #[derive(Debug)]
-pub(super) struct Halving {
+pub(super) struct PartNet {
     rect: DyadicRect,
     net: BezierNet,
     /// How often it was halved for the sake of trim curves.
@@ -66,7 +66,7 @@ pub(super) struct Cut {
     pub(super) worth: f64,
 }
 
-impl Halving {
+impl PartNet {
     /// A whole piece.
     pub(super) fn whole(piece: &Piece) -> Self {
         Self {

@@ -266,7 +266,7 @@ impl Piece {
     /// The derivatives, except those that are only rounding error.
     fn known_derivatives(&self, place: DVec2) -> SurfaceDerivatives {
         let derivatives = self.patch.derivatives(place);
-        derivatives.beyond_rounding(self.patch.degree(), self.patch.noise())
+        derivatives.without_noise(self.patch.degree(), self.patch.noise())
     }
 
     /// The limits of the unit normal at a few places along a side, where there are any.

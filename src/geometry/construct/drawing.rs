@@ -107,7 +107,7 @@ impl Drawing {
         for part in &smooth {
             if let Some([a, b]) = part.straight {
                 self.rod("tube", [a, b]);
-            } else if !self.knows(&part.curve) {
+            } else if !self.knows_or_adds(&part.curve) {
                 let piece = round_part(&profile, &part.curve, &self.style);
                 if let Some(piece) = tightest.sift(piece)? {
                     self.push(Item::Made(piece));
@@ -151,7 +151,7 @@ impl Drawing {
         for (&point, ends) in net.points.iter().zip(lines) {
             for end in ends {
                 let ends = [point, net.points[end]];
-                if self.places.of(ends[0]) != self.places.of(ends[1]) {
+                if self.places.find_or_add(ends[0]) != self.places.find_or_add(ends[1]) {
                     self.rod("line", ends);
                 }
             }
@@ -195,7 +195,7 @@ impl Drawing {
     }
 
     fn rod(&mut self, what: &'static str, ends: [DVec3; 2]) {
-        let mut key = ends.map(|end| self.places.of(end));
+        let mut key = ends.map(|end| self.places.find_or_add(end));
         key.sort_unstable();
         let index = self.items.len();
         if *self.straight.entry(key).or_insert(index) == index {
@@ -206,7 +206,7 @@ impl Drawing {
     fn ball(&mut self, what: &'static str, at: DVec3, radius: f64) {
         let whole = Item::Ball { what, at, radius };
         let index = self.items.len();
-        let key = (self.places.of(at), radius.to_bits());
+        let key = (self.places.find_or_add(at), radius.to_bits());
         let known = *self.round.entry(key).or_insert(index);
         if known == index {
             self.push(whole);
@@ -218,7 +218,7 @@ impl Drawing {
 
     /// Closes a tube that ends at a point in this direction.
     fn end(&mut self, at: DVec3, outward: DVec3) {
-        let place = self.places.of(at);
+        let place = self.places.find_or_add(at);
         match self.style.caps {
             Caps::Open => {}
             Caps::Flat => {
@@ -243,13 +243,14 @@ impl Drawing {
     }
 
     /// Whether a curved part is there already; if not, it is recorded.
-    fn knows(&mut self, curve: &NurbsCurve) -> bool {
+    fn knows_or_adds(&mut self, curve: &NurbsCurve) -> bool {
         let (start, end) = curve.domain();
         let middle = curve.point_at(0.5 * (start + end));
-        let mut ends = curve.ends().map(|end| self.places.of(end));
+        let mut ends = curve.ends().map(|end| self.places.find_or_add(end));
         ends.sort_unstable();
         let tolerance = self.places.tolerance();
-        let there = self.curved.entry([ends[0], ends[1], self.places.of(middle)]).or_default();
+        let there =
+            self.curved.entry([ends[0], ends[1], self.places.find_or_add(middle)]).or_default();
         let known = there.iter().any(|other| {
             coincide(curve, other, tolerance) || coincide(curve, &other.reversed(), tolerance)
         });

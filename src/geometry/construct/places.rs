@@ -36,7 +36,7 @@ impl Places {
     }
 
     /// The number of the place of a point; adds a new place if there is none.
-    pub(super) fn of(&mut self, point: DVec3) -> usize {
+    pub(super) fn find_or_add(&mut self, point: DVec3) -> usize {
         let cell = |at: DVec3| {
             // Shifted, so that round numbers do not lie on the grid's planes.
             (at / (CELL * self.tolerance) + 0.3).floor().to_array().map(|x| x as i64)
@@ -71,11 +71,11 @@ mod tests {
             for k in 0..200 {
                 let at = DVec3::new(0.1, -0.7, 0.3) * magnitude + step * 0.37 * f64::from(k);
                 let mut places = Places::new(magnitude);
-                assert_eq!(places.of(at), 0);
+                assert_eq!(places.find_or_add(at), 0);
                 for (index, axis) in DVec3::AXES.into_iter().enumerate() {
-                    assert_eq!(places.of(at + 0.9 * step * axis), 0, "{k}");
-                    assert_eq!(places.of(at - 0.9 * step * axis), 0, "{k}");
-                    assert_eq!(places.of(at + 1.2 * step * axis), index + 1, "{k}");
+                    assert_eq!(places.find_or_add(at + 0.9 * step * axis), 0, "{k}");
+                    assert_eq!(places.find_or_add(at - 0.9 * step * axis), 0, "{k}");
+                    assert_eq!(places.find_or_add(at + 1.2 * step * axis), index + 1, "{k}");
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::distances::widened;
 use super::doubts::settle;
 use super::finish::{Done, away_from_pole, finish};
 use super::jets::OneNet;
-use super::load::{farthest, turn};
+use super::load::{farthest, find_planes};
 use super::packet::Packet;
 use super::proof::WIDENED;
 use super::screen::{Screened, screen};
@@ -37,8 +37,8 @@ pub(super) fn search_leaf<S: Simd, Q>(
     // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
     // they are needed.
     let Some(mut next) = next_group(simd, oriented, packet, &mut groups) else { return };
-    if !packet.turned {
-        turn(simd, packet);
+    if !packet.planes_known {
+        find_planes(simd, packet);
     }
     // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
     let target = Target::new(scene, oriented, index);

@@ -42,7 +42,7 @@ pub(super) fn load<S: Simd, Q: Shot>(
         packet.far_off = far_off & (u64::MAX >> (PACKET - packet.count));
         leave_out(packet, far_off);
     }
-    packet.turned = false;
+    packet.planes_known = false;
     packet.start_on_roots(shots);
     packet.bounds = bounds(simd, packet, 0..PACKET);
     packet.farthest = farthest(simd, packet);
@@ -121,7 +121,7 @@ fn frames<S: Simd, Q: Shot>(simd: S, packet: &mut Packet, shots: &[Q], base: usi
 /// Computes the normals of the planes through the rays of a packet, as in
 /// [`RayFrame`](crate::math::RayFrame). Packets that meet no leaf do not need them.
 #[simd]
-pub(super) fn turn<S: Simd>(simd: S, packet: &mut Packet) {
+pub(super) fn find_planes<S: Simd>(simd: S, packet: &mut Packet) {
     let one = f64x8::splat(simd, 1.0);
     for base in (0..PACKET).step_by(LANES) {
         let mut normals = [[[one; 2]; 3]; 2];
@@ -141,7 +141,7 @@ pub(super) fn turn<S: Simd>(simd: S, packet: &mut Packet) {
             }
         }
     }
-    packet.turned = true;
+    packet.planes_known = true;
 }
 
 #[simd]

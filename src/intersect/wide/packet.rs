@@ -34,7 +34,7 @@ pub(in crate::intersect) struct Packet {
     pub(super) axis: Lanes3,
     /// The normals of the two planes through each ray, and whether they have been computed.
     pub(super) normals: [Lanes3; 2],
-    pub(super) turned: bool,
+    pub(super) planes_known: bool,
     /// `1 / |d|`.
     pub(super) t_from_z: [f64; PACKET],
     pub(super) z_min: [f64; PACKET],
@@ -130,7 +130,7 @@ impl Packet {
             origin: [[0.0; PACKET]; 3],
             axis: [[0.0; PACKET]; 3],
             normals: [[[0.0; PACKET]; 3]; 2],
-            turned: false,
+            planes_known: false,
             t_from_z: [0.0; PACKET],
             z_min: [0.0; PACKET],
             z_max: [0.0; PACKET],

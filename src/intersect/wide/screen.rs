@@ -205,7 +205,7 @@ mod tests {
     use crate::geometry::shapes;
     use crate::intersect::wide::Wanted;
     use crate::intersect::wide::box_crossing::{certify, cross_box};
-    use crate::intersect::wide::load::{load, turn};
+    use crate::intersect::wide::load::{find_planes, load};
     use crate::intersect::wide::proof::WIDENED;
     use crate::intersect::{Hit, Query, SurfaceBvh};
     use crate::math::testing::same_cases;
@@ -222,7 +222,7 @@ mod tests {
         packet.ask(Wanted::Any);
         dispatch!(Level::new(), simd => {
             load(simd, &mut packet, queries, &scene);
-            turn(simd, &mut packet);
+            find_planes(simd, &mut packet);
             let crossing = cross_box(simd, &oriented, &packet, 0);
             let factor = target.piece.patch.residual_factor();
             let magnitude = f32x16::splat(simd, 1e2);

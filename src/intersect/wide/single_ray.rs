@@ -30,7 +30,7 @@ impl Guess {
         if leaf.has_pole() {
             return None;
         }
-        let steepness = certificate.speaks_of(slopes.map(f64::from), error)?;
+        let steepness = certificate.steepness_if_valid(slopes.map(f64::from), error)?;
         Some(Self { start, clearance: certificate.clearance_per_error() * error / steepness })
     }
 }
