@@ -40,7 +40,8 @@ fn off_along(meeting: &Meeting) -> f64 {
 /// the ray.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVec3) -> bool {
     let along = off_along(a) + off_along(b); // no more than `reach_along`
-    let reach = Reach::between(a, b, axis);
+    let (across, edge) = (APART * (a.error + b.error), a.edge + b.edge);
+    let reach = Reach::new(across, slope(a).min(slope(b)), edge, axis);
     let near = (a.t - b.t).abs() <= along && a.jet.point.distance(b.jet.point) <= reach.along_ray;
     if !near {
         return false;
@@ -50,7 +51,11 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
         return true;
     }
     let same_piece = a.piece == b.piece;
-    let [a, b] = [a, b].map(|m| AtSides::new(m, &pieces[m.piece as usize], &reach));
+    // Each is as far from a side that they share as its own error leads along the ray.
+    let [a, b] = [a, b].map(|m| {
+        let own = Reach::new(across, slope(m), edge, axis);
+        AtSides::new(m, &pieces[m.piece as usize], &own)
+    });
     // Borders may meet, even two of one piece, as at the seam of a tube.
     if a.at_end && b.at_end {
         return true;
@@ -86,18 +91,13 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// Of the places of two meetings.
-    fn between(a: &Meeting, b: &Meeting, axis: DVec3) -> Self {
-        let across = APART * (a.error + b.error);
-        Self::of(across, slope(a).min(slope(b)), a.edge + b.edge, axis)
-    }
-
-    /// Of the place of a meeting and that of another one like it.
+    /// Between a meeting and another one like it.
     pub(super) fn around(meeting: &Meeting, axis: DVec3) -> Self {
-        Self::of(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.edge, axis)
+        Self::new(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.edge, axis)
     }
 
-    fn of(across: f64, cosine: f64, edge: f64, axis: DVec3) -> Self {
+    /// With an error `across` the ray, which the cosine makes longer along it; trim edges add `edge` to both.
+    fn new(across: f64, cosine: f64, edge: f64, axis: DVec3) -> Self {
         Self { axis, along_ray: across / cosine + edge, across_ray: across + edge }
     }
 
