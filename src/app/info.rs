@@ -1,6 +1,7 @@
 //! `nurbray info`: what a scene or model holds, how its borders fit, what is not shown.
 
 mod border_curve;
+mod chain;
 mod edges;
 mod extent;
 mod facts;

@@ -3,8 +3,9 @@
 //! Boxes are in scaled coordinates, so that no fixed length inside the builder matters. Traps of
 //! obvhs 0.4 that are avoided here, each with a test: its traversals clamp directions, ignore
 //! `t_min`, cull before `t = 1e-4` and lose axis-parallel rays in a box's face, so only its
-//! builder is used; equal boxes form a chain in the tree, so they become one primitive; its
-//! leaves hold slots, not indices.
+//! builder is used; equal boxes form a chain in the tree, so they become one primitive; boxes that
+//! are alike and evenly spaced take it the square of their number, so it gets them
+//! [unevenly](uneven) grown; its leaves hold slots, not indices.
 
 use std::ops::Range;
 
@@ -142,7 +143,7 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
     let indices = (0..boxes.len() as u32).collect();
     let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
-        boxes,
+        &uneven(boxes),
         indices,
         SortPrecision::U64,
         0,
@@ -150,18 +151,59 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
     let passes = if boxes.len() > MANY { Some(vec![1.0 / 3.0]) } else { None };
     ReinsertionOptimizer::default().run(&mut tree, 0.15, passes);
     let node = |node: &obvhs::bvh2::node::Bvh2Node| {
-        let bounds = node.aabb();
-        let bounds = ScaledBox { min: bounds.min.into(), max: bounds.max.into() };
         if node.is_leaf() {
             // A leaf's index is a slot in the builder's own order.
-            let slot = tree.primitive_indices[node.first_index as usize];
-            let range = &primitives[slot as usize];
+            let slot = tree.primitive_indices[node.first_index as usize] as usize;
+            let (bounds, range) = (as_scaled(&boxes[slot]), &primitives[slot]);
             BinaryNode { bounds, first: range.start, leaves: range.len() as u32 }
         } else {
-            BinaryNode { bounds, first: node.first_index, leaves: 0 }
+            BinaryNode { bounds: as_scaled(&node.aabb()), first: node.first_index, leaves: 0 }
         }
     };
-    tree.nodes.iter().map(node).collect()
+    let mut nodes: Vec<BinaryNode> = tree.nodes.iter().map(node).collect();
+    tighten(&mut nodes);
+    nodes
+}
+
+/// The boxes, each a little larger, and none by the same fraction.
+///
+/// The builder merges pairs of boxes that are each other's best. Of boxes that are alike and evenly spaced, as in a row,
+/// every one would prefer the neighbour on the same side, and each pass would merge one pair only.
+fn uneven(boxes: &[BuilderBox]) -> Vec<BuilderBox> {
+    let grown = |(k, b): (usize, &BuilderBox)| {
+        // Fibonacci hashing (Knuth 1998, section 6.4): neighbours get fractions that are far apart.
+        let fraction = (k as u32).wrapping_mul(0x9E37_79B9) as f32 * f32::powi(2.0, -32);
+        let rounding = b.min.abs().max(b.max.abs()) * (UNEVEN_UNITS * f32::EPSILON);
+        BuilderBox::new(b.min, b.max + fraction * (UNEVEN * (b.max - b.min) + rounding))
+    };
+    boxes.iter().enumerate().map(grown).collect()
+}
+
+/// The fraction of its size by which a box is grown at most: little enough to leave all other decisions as they are.
+const UNEVEN: f32 = 1.0 / 65536.0;
+
+/// The units in the last place of its coordinates by which a box is grown at most, in addition.
+const UNEVEN_UNITS: f32 = 4.0;
+
+/// Makes all boxes of inner nodes those around their children's.
+fn tighten(nodes: &mut [BinaryNode]) {
+    let (mut parents_first, mut waiting) = (Vec::new(), vec![0]);
+    while let Some(index) = waiting.pop().filter(|_| !nodes.is_empty()) {
+        let node: &BinaryNode = &nodes[index as usize];
+        if node.leaves == 0 {
+            parents_first.push(index);
+            waiting.extend([node.first, node.first + 1]);
+        }
+    }
+    for &index in parents_first.iter().rev() {
+        let first = nodes[index as usize].first as usize;
+        nodes[index as usize].bounds =
+            ScaledBox::around(&[nodes[first].bounds, nodes[first + 1].bounds]);
+    }
+}
+
+fn as_scaled(b: &BuilderBox) -> ScaledBox {
+    ScaledBox { min: b.min.into(), max: b.max.into() }
 }
 
 /// The first part of a key that sorts equal boxes next to each other; [`rest_of_key`] is the rest.
@@ -176,4 +218,50 @@ fn rest_of_key(b: &ScaledBox) -> [u32; 4] {
 /// The bits of a number, the same for both zeros.
 fn ordered_bits(x: f32) -> u32 {
     (x + 0.0).to_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(boxes: &[BuilderBox]) -> usize {
+        let indices = (0..boxes.len() as u32).collect();
+        let tree = PlocBuilder::new().build(
+            PlocSearchDistance::Medium,
+            boxes,
+            indices,
+            SortPrecision::U64,
+            0,
+        );
+        let (mut deepest, mut waiting) = (0, vec![(0, 1)]);
+        while let Some((index, depth)) = waiting.pop() {
+            let node: &obvhs::bvh2::node::Bvh2Node = &tree.nodes[index as usize];
+            deepest = deepest.max(depth);
+            if !node.is_leaf() {
+                waiting.extend([node.first_index, node.first_index + 1].map(|k| (k, depth + 1)));
+            }
+        }
+        deepest
+    }
+
+    /// A row of cubes, and a stack of sheets so thin that f32 does not tell the areas of pairs apart.
+    #[test]
+    fn trees_of_rows_are_not_deep() {
+        let count = 4000u16;
+        let at = |k: u16, step: f32, size: Vec3A| {
+            let min = step * f32::from(k) * Vec3A::X;
+            BuilderBox::new(min, min + size)
+        };
+        let row: Vec<_> = (0..count).map(|k| at(k, 2.0, Vec3A::ONE)).collect();
+        let stack: Vec<_> =
+            (0..count).map(|k| at(k, f32::powi(2.0, -20), Vec3A::new(0.0, 1.0, 1.0))).collect();
+        for boxes in [row, stack] {
+            assert!(depth(&boxes) > 1000, "the builder no longer needs uneven boxes");
+            assert!(depth(&uneven(&boxes)) < 40, "{}", depth(&uneven(&boxes)));
+            let primitives: Vec<Range<u32>> = (0..u32::from(count)).map(|k| k..k + 1).collect();
+            let nodes = build(&boxes, &primitives);
+            let whole = boxes.iter().fold(BuilderBox::empty(), |all, b| all.union(b));
+            assert_eq!(nodes[0].bounds.max, as_scaled(&whole).max, "bounds are not grown");
+        }
+    }
 }

@@ -8,6 +8,7 @@ use nurbray::geometry::{Chart, KnotVector, NurbsCurve, NurbsSurface};
 use nurbray::math::Aabb;
 
 use super::super::border::Border;
+use super::chain::Chain;
 
 /// The least number of intervals a border is sampled in. Spans get equal numbers of intervals,
 /// and long spans more.
@@ -85,6 +86,8 @@ pub(crate) struct BorderCurve<'a> {
     domain: (f64, f64),
     /// From end to end.
     samples: Vec<Sample>,
+    /// The intervals between them, in boxes that hold the curve.
+    chain: Chain,
     bounds: Aabb,
     length: f64,
     /// The estimated largest distance of the curve from the polyline through its samples.
@@ -141,14 +144,16 @@ impl<'a> BorderCurve<'a> {
         // Over two intervals a curve bulges four times as far from its chord as over one.
         let bulge = |w: &[(f64, DVec3)]| to_segment(w[1].1, [w[0].1, w[2].1]).0;
         let sag = points.windows(3).map(bulge).fold(0.0, f64::max);
-        let bounds = Aabb::around(points.iter().map(|point| point.1)).grown(sag);
+        let places: Vec<DVec3> = points.iter().map(|point| point.1).collect();
+        let bounds = Aabb::around(places.iter().copied()).grown(sag);
+        let chain = Chain::new(&places, sag);
         let ways: Vec<f64> = points.windows(2).map(chord).collect();
         let way = |k: usize| ways.get(k).copied().unwrap_or(0.0);
         let samples = points.iter().enumerate().map(|(k, &(t, point))| {
             let length = 0.5 * (if k > 0 { way(k - 1) } else { 0.0 } + way(k));
             Sample { t, point, length, kept: source.keeps(t) }
         });
-        Self { samples: samples.collect(), source, domain, bounds, length, sag }
+        Self { samples: samples.collect(), chain, source, domain, bounds, length, sag }
     }
 
     /// A box that holds the curve.
@@ -166,6 +171,17 @@ impl<'a> BorderCurve<'a> {
         &self.samples
     }
 
+    /// The numbers of those samples that may be within `near` of another curve, in order.
+    pub(crate) fn samples_beside(&self, other: &Self, near: f64) -> Vec<usize> {
+        let mut beside = self.chain.beside(&other.chain, near);
+        // The samples at both ends of each interval.
+        let ends: Vec<usize> = beside.iter().map(|k| k + 1).collect();
+        beside.extend(ends);
+        beside.sort_unstable();
+        beside.dedup();
+        beside
+    }
+
     /// The distance of a point from the curve; `None` if it is more than `near`, if the point lies
     /// beyond the end of the curve nearest to it, or if trims have cut the nearest point off.
     pub(crate) fn distance(&self, point: DVec3, near: f64) -> Option<f64> {
@@ -176,16 +192,13 @@ impl<'a> BorderCurve<'a> {
         }
 
         // The search starts on the nearest interval of the polyline.
-        let interval = |pair: &[Sample]| {
-            let (distance, share) = to_segment(point, [pair[0].point, pair[1].point]);
-            (distance, pair[0].t + share * (pair[1].t - pair[0].t))
+        let from = |k: usize| {
+            let [a, b] = [&self.samples[k], &self.samples[k + 1]];
+            let (distance, share) = to_segment(point, [a.point, b.point]);
+            (distance, a.t + share * (b.t - a.t))
         };
-        let nearest = self.samples.windows(2).map(interval).min_by(|x, y| x.0.total_cmp(&y.0))?;
-        let (coarse, start) = nearest;
-        if coarse > reach {
-            return None;
-        }
-        let (distance, beyond, t) = self.refined(point, start);
+        let nearest = self.chain.nearest(point, reach, |k| from(k).0)?;
+        let (distance, beyond, t) = self.refined(point, from(nearest).1);
         let there = distance <= near && beyond <= distance.max(near) * BEYOND;
         (there && self.source.keeps(t)).then_some(distance)
     }

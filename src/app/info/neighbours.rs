@@ -4,7 +4,7 @@ use glam::DVec3;
 use nurbray::math::Aabb;
 use rayon::prelude::*;
 
-use super::border_curve::{BorderCurve, Sample};
+use super::border_curve::BorderCurve;
 use super::edges::{Edge, Edges};
 
 /// Borders farther apart than this share of the larger one of their objects' sizes are apart on
@@ -105,8 +105,12 @@ pub(super) fn side_by_side(edges: &Edges<'_>, sizes: &[f64]) -> Vec<([usize; 2],
 /// The distances of a curve's samples from another curve, with the samples' numbers: only of
 /// samples within `near` and where the surface ends.
 fn distances(from: &BorderCurve<'_>, to: &BorderCurve<'_>, near: f64) -> Vec<(usize, f64)> {
-    let distance = |(k, sample): (usize, &Sample)| Some((k, to.distance(sample.point, near)?));
-    from.samples().iter().enumerate().filter(|(_, s)| s.kept).filter_map(distance).collect()
+    let distance = |k: usize| {
+        let sample = &from.samples()[k];
+        let distance = if sample.kept { to.distance(sample.point, near) } else { None };
+        Some((k, distance?))
+    };
+    from.samples_beside(to, near).into_iter().filter_map(distance).collect()
 }
 
 /// How far two borders are apart, and where.
@@ -136,14 +140,19 @@ pub(super) struct Beside {
     pub(super) open: Option<Widest>,
 }
 
-/// All pairs of boxes that have a point in common, by sweeping along x.
+/// All pairs of boxes that have a point in common, by sweeping along the axis on which they overlap least.
 fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
+    let whole = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union).size();
+    let sizes = boxes.iter().map(|b| b.size()).sum::<DVec3>() / whole;
+    // An axis on which all boxes are points at one place divides zero by zero: it tells nothing apart.
+    let overlap = |axis: &usize| if sizes[*axis].is_nan() { f64::INFINITY } else { sizes[*axis] };
+    let axis = (0..3).min_by(|a, b| overlap(a).total_cmp(&overlap(b))).unwrap_or(0);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&i, &j| boxes[i].min.x.total_cmp(&boxes[j].min.x));
+    order.sort_by(|&i, &j| boxes[i].min[axis].total_cmp(&boxes[j].min[axis]));
     let mut open: Vec<usize> = Vec::new();
     let mut pairs = Vec::new();
     for next in order {
-        open.retain(|&other| boxes[other].max.x >= boxes[next].min.x);
+        open.retain(|&other| boxes[other].max[axis] >= boxes[next].min[axis]);
         let common = |&&other: &&usize| {
             boxes[other].min.cmple(boxes[next].max).all()
                 && boxes[next].min.cmple(boxes[other].max).all()

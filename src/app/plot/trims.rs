@@ -25,6 +25,9 @@ const SLENDER: f64 = 4.0;
 /// More control points than this are not drawn: they would cover the curves.
 const MOST_CONTROLS: usize = 400;
 
+/// More loops than this are not numbered: the numbers would cover the loops.
+const MOST_NUMBERS: usize = 64;
+
 /// Where along a loop the heads of its two arrows may be, as shares of its length: at the first
 /// of these in the domain, and at the first more than a quarter farther on.
 const ARROWS: [f64; 8] = [0.06, 0.19, 0.31, 0.44, 0.56, 0.69, 0.81, 0.94];
@@ -160,7 +163,8 @@ fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
     None
 }
 
-/// Marks where each loop begins, with the number that errors give the loop.
+/// Marks where each loop begins, with the number that errors give the loop, unless there are more than
+/// [`MOST_NUMBERS`] of them.
 fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;
@@ -174,6 +178,9 @@ fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts: Vec<_> = starts.collect();
     let points = starts.iter().map(|&(_, start, _)| start).collect();
     let mut items = vec![Item::Marks { points, mark: Mark::Dot, color: BORDER }];
+    if starts.len() > MOST_NUMBERS {
+        return items;
+    }
     items.extend(starts.into_iter().map(|(number, at, towards)| Item::Label {
         at,
         towards,
