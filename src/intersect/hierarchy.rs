@@ -224,29 +224,22 @@ fn ordered_bits(x: f32) -> u32 {
 mod tests {
     use super::*;
 
-    fn depth(boxes: &[BuilderBox]) -> usize {
-        let indices = (0..boxes.len() as u32).collect();
-        let tree = PlocBuilder::new().build(
-            PlocSearchDistance::Medium,
-            boxes,
-            indices,
-            SortPrecision::U64,
-            0,
-        );
-        let (mut deepest, mut waiting) = (0, vec![(0, 1)]);
-        while let Some((index, depth)) = waiting.pop() {
-            let node: &obvhs::bvh2::node::Bvh2Node = &tree.nodes[index as usize];
-            deepest = deepest.max(depth);
-            if !node.is_leaf() {
-                waiting.extend([node.first_index, node.first_index + 1].map(|k| (k, depth + 1)));
-            }
-        }
-        deepest
+    /// The number of pairs that one pass of PLOC merges: of boxes that are each other's best among a few neighbours,
+    /// by the area of what holds both; the first of equally good ones is the best.
+    fn merged_at_once(boxes: &[BuilderBox]) -> usize {
+        let best = |k: usize| {
+            let area = |other: usize| boxes[k].union(&boxes[other]).half_area();
+            let neighbours = k.saturating_sub(14)..(k + 15).min(boxes.len());
+            let others = neighbours.filter(|&other| other != k);
+            others.min_by(|&a, &b| area(a).total_cmp(&area(b))).unwrap()
+        };
+        let bests: Vec<usize> = (0..boxes.len()).map(best).collect();
+        (0..boxes.len()).filter(|&k| bests[bests[k]] == k).count() / 2
     }
 
     /// A row of cubes, and a stack of sheets so thin that f32 does not tell the areas of pairs apart.
     #[test]
-    fn trees_of_rows_are_not_deep() {
+    fn many_pairs_of_a_row_are_merged_at_once() {
         let count = 4000u16;
         let at = |k: u16, step: f32, size: Vec3A| {
             let min = step * f32::from(k) * Vec3A::X;
@@ -256,8 +249,9 @@ mod tests {
         let stack: Vec<_> =
             (0..count).map(|k| at(k, f32::powi(2.0, -20), Vec3A::new(0.0, 1.0, 1.0))).collect();
         for boxes in [row, stack] {
-            assert!(depth(&boxes) > 1000, "the builder no longer needs uneven boxes");
-            assert!(depth(&uneven(&boxes)) < 40, "{}", depth(&uneven(&boxes)));
+            assert!(merged_at_once(&boxes) < 10, "uneven boxes are not needed any more");
+            let merged = merged_at_once(&uneven(&boxes));
+            assert!(merged > 300, "{merged}");
             let primitives: Vec<Range<u32>> = (0..u32::from(count)).map(|k| k..k + 1).collect();
             let nodes = build(&boxes, &primitives);
             let whole = boxes.iter().fold(BuilderBox::empty(), |all, b| all.union(b));
