@@ -56,6 +56,9 @@ fn meeting(
     candidate.keep_to_trims()?;
     candidate.leave_start()?;
     candidate.stay_in_range()?;
+    if candidate.just_cut_off {
+        return Err(Dropped::from(candidate.on_ray.z, question.ray));
+    }
     Ok(candidate.meeting())
 }
 
@@ -77,6 +80,8 @@ struct Candidate<'a> {
     edge: f64,
     /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
     cut_off: bool,
+    /// Whether trims cut it off for certain, but so near to their edge that another search may have found it there.
+    just_cut_off: bool,
 }
 
 impl<'a> Candidate<'a> {
@@ -113,6 +118,7 @@ impl<'a> Candidate<'a> {
             moved,
             edge: 0.0,
             cut_off: false,
+            just_cut_off: false,
         }
     }
 
@@ -151,8 +157,10 @@ impl<'a> Candidate<'a> {
             Side::Outside if question.all_hits => {
                 let known = KnownRoot { ray, error: SPARE * error, along: SPARE * z_error };
                 let side = trim_side(leaf, piece, (spot.st, &spot.jet), &known);
-                let is_near = matches!(side, Side::Edge { .. });
-                return Err(if is_near { Dropped::from(z, ray) } else { Dropped::Surely });
+                self.just_cut_off = matches!(side, Side::Edge { .. });
+                if !self.just_cut_off {
+                    return Err(Dropped::Surely);
+                }
             }
             Side::Outside => return Err(Dropped::Surely),
         }
@@ -295,8 +303,8 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 /// off by that much.
 pub(super) const AROUND: f64 = 4.0;
 
-/// Two searches find one root within the sum of their errors: one that is at a trim edge by the one search is within
-/// this many times the reach of the other.
+/// Two searches that are about equally exact find one root within twice the error: a root at a trim edge by one search
+/// is within this many times the reach of the edge by the other.
 const SPARE: f64 = 2.0;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the error

@@ -96,17 +96,8 @@ impl Hierarchy {
         of: impl Fn(&[u32]) -> T,
     ) -> Vec<T> {
         let nodes = &self.nodes;
-        let mut parents_first = Vec::with_capacity(nodes.len());
-        let mut waiting: Vec<u32> = (!nodes.is_empty()).then_some(0).into_iter().collect();
-        while let Some(index) = waiting.pop() {
-            parents_first.push(index);
-            let node = &nodes[index as usize];
-            if node.leaves == 0 {
-                waiting.extend([node.first, node.first + 1]);
-            }
-        }
         let mut totals = vec![T::default(); nodes.len()];
-        for &index in parents_first.iter().rev() {
+        for &index in parents_first(nodes).iter().rev() {
             let node = &nodes[index as usize];
             let first = node.first as usize;
             totals[index as usize] = if node.leaves == 0 {
@@ -165,7 +156,7 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
     nodes
 }
 
-/// The boxes, each a little larger, and none by the same fraction.
+/// The boxes, each a little larger, neighbours by different fractions.
 ///
 /// The builder merges pairs of boxes that are each other's best. Of boxes that are alike and evenly spaced, as in a row,
 /// every one would prefer the neighbour on the same side, and each pass would merge one pair only.
@@ -187,19 +178,27 @@ const UNEVEN_UNITS: f32 = 4.0;
 
 /// Makes all boxes of inner nodes those around their children's.
 fn tighten(nodes: &mut [BinaryNode]) {
-    let (mut parents_first, mut waiting) = (Vec::new(), vec![0]);
-    while let Some(index) = waiting.pop().filter(|_| !nodes.is_empty()) {
-        let node: &BinaryNode = &nodes[index as usize];
+    for &index in parents_first(nodes).iter().rev() {
+        let BinaryNode { first, leaves, .. } = nodes[index as usize];
+        if leaves == 0 {
+            let children = [0, 1].map(|k| nodes[first as usize + k].bounds);
+            nodes[index as usize].bounds = ScaledBox::around(&children);
+        }
+    }
+}
+
+/// The numbers of all nodes, each before those below it.
+fn parents_first(nodes: &[BinaryNode]) -> Vec<u32> {
+    let mut found = Vec::with_capacity(nodes.len());
+    let mut waiting: Vec<u32> = (!nodes.is_empty()).then_some(0).into_iter().collect();
+    while let Some(index) = waiting.pop() {
+        found.push(index);
+        let node = &nodes[index as usize];
         if node.leaves == 0 {
-            parents_first.push(index);
             waiting.extend([node.first, node.first + 1]);
         }
     }
-    for &index in parents_first.iter().rev() {
-        let first = nodes[index as usize].first as usize;
-        nodes[index as usize].bounds =
-            ScaledBox::around(&[nodes[first].bounds, nodes[first + 1].bounds]);
-    }
+    found
 }
 
 fn as_scaled(b: &BuilderBox) -> ScaledBox {
@@ -225,13 +224,13 @@ mod tests {
     use super::*;
 
     /// The number of pairs that one pass of PLOC merges: of boxes that are each other's best among a few neighbours,
-    /// by the area of what holds both; the first of equally good ones is the best.
+    /// by the area of what holds both; the last of equally good ones is the best.
     fn merged_at_once(boxes: &[BuilderBox]) -> usize {
         let best = |k: usize| {
             let area = |other: usize| boxes[k].union(&boxes[other]).half_area();
             let neighbours = k.saturating_sub(14)..(k + 15).min(boxes.len());
             let others = neighbours.filter(|&other| other != k);
-            others.min_by(|&a, &b| area(a).total_cmp(&area(b))).unwrap()
+            others.rev().min_by(|&a, &b| area(a).total_cmp(&area(b))).unwrap()
         };
         let bests: Vec<usize> = (0..boxes.len()).map(best).collect();
         (0..boxes.len()).filter(|&k| bests[bests[k]] == k).count() / 2
@@ -254,8 +253,15 @@ mod tests {
             assert!(merged > 300, "{merged}");
             let primitives: Vec<Range<u32>> = (0..u32::from(count)).map(|k| k..k + 1).collect();
             let nodes = build(&boxes, &primitives);
-            let whole = boxes.iter().fold(BuilderBox::empty(), |all, b| all.union(b));
-            assert_eq!(nodes[0].bounds.max, as_scaled(&whole).max, "bounds are not grown");
+            // No bounds are grown.
+            for node in &nodes {
+                let first = node.first as usize;
+                let expected = match node.leaves {
+                    0 => ScaledBox::around(&[nodes[first].bounds, nodes[first + 1].bounds]),
+                    _ => as_scaled(&boxes[first]),
+                };
+                assert_eq!(node.bounds, expected);
+            }
         }
     }
 }

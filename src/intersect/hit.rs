@@ -222,6 +222,8 @@ mod tests {
     fn flags_are_shown_by_name() {
         let shown = |flags: HitFlags| format!("{flags:?}");
         assert_eq!(shown(HitFlags::NONE), "HitFlags(NONE)");
+        assert_eq!(shown(HitFlags::BORDER), "HitFlags(BORDER)");
+        assert_eq!(shown(HitFlags::NO_NORMAL), "HitFlags(NO_NORMAL)");
         assert_eq!(shown(HitFlags::INSIDE), "HitFlags(INSIDE)");
         let both = HitFlags::TRIM_EDGE.with(HitFlags::DOUBTFUL);
         assert_eq!(shown(both), "HitFlags(DOUBTFUL | TRIM_EDGE)");

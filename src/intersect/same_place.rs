@@ -20,9 +20,10 @@ const ALONG: f64 = 2.0;
 /// more than the error of each and its move to a border. (Other factors were not tried.)
 const APART: f64 = 4.0;
 
-/// The smallest sine of the angle between tangents at which a place is told from its neighbours by parameters: where
-/// tangents are parallel, as in a cusp, every side would be near.
-const LEAST_SINE: f64 = 1e-6;
+/// The smallest sine of the angle between tangents that is used to tell how near a side is; it replaces smaller ones.
+/// Where tangents are parallel, as in a cusp, every side would be near. This is less than for
+/// [`Piece::side_distances`], whose sides have no other evidence: here two meetings are near each other already.
+const NARROWEST: f64 = 1e-6;
 
 /// How far apart, in `t`, meetings at the same place may be.
 pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
@@ -46,7 +47,8 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
     if !near {
         return false;
     }
-    if a.piece == b.piece && moved(&a.jet, a.st - b.st) <= reach.along_ray {
+    let moved_by = |jet: &Jet| moved(jet, a.st - b.st);
+    if a.piece == b.piece && moved_by(&a.jet).min(moved_by(&b.jet)) <= reach.along_ray {
         // Two leaves of one piece: the same parameters, or both at the same pole.
         return true;
     }
@@ -121,7 +123,7 @@ impl Reach {
         let steepest = [t.cross(normal) / sine, normal.cross(s) / sine];
         let far = |k: usize| {
             let along = self.along_ray * steepest[k].dot(self.axis).abs();
-            (along + self.across_ray) / (lengths[k] * sine.max(LEAST_SINE))
+            (along + self.across_ray) / (lengths[k] * sine.max(NARROWEST))
         };
         [far(0), far(1)]
     }

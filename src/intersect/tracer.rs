@@ -233,7 +233,7 @@ fn exactly(
     leaf_search::search_exactly(question, place, from, limit, findings);
 }
 
-/// The same where all hits are wanted.
+/// [`exactly`] where all hits are wanted.
 fn all_exactly(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,

@@ -30,6 +30,8 @@ const MOST_TURNED: f64 = 1e-6;
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
+    // Doubts are told at the end: what is at one place depends on them.
+    let mut doubtful = vec![false; meetings.len()];
     let mut others = Vec::new();
     let reach = reach_along(meetings);
     for k in 0..meetings.len() {
@@ -56,7 +58,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
         }
         if overlaps {
             // A meeting is at the place of two that are not at one place: which belong together is not known.
-            doubt(meetings, &group);
+            group.iter().for_each(|&j| doubtful[j] = true);
             continue;
         }
         match (passage(all(), pieces, axis), tip) {
@@ -67,7 +69,7 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                 group.iter().for_each(|&j| wrong[j] = meetings[j].cosine * way < 0.0);
                 // Dropped meetings leave their doubt to the others.
                 if group.iter().any(|&j| wrong[j] && !meetings[j].is_certain()) {
-                    doubt(meetings, &group);
+                    group.iter().for_each(|&j| doubtful[j] = true);
                 }
             }
             (AtVertex::Touching, Some(tip)) if !(leaves && enters) => {
@@ -75,8 +77,11 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
                 others.push(Meeting { cosine, ..meetings[tip] });
             }
             (AtVertex::Touching, _) => {}
-            (AtVertex::Unknown, _) => doubt(meetings, &group),
+            (AtVertex::Unknown, _) => group.iter().for_each(|&j| doubtful[j] = true),
         }
+    }
+    for (meeting, _) in meetings.iter_mut().zip(doubtful).filter(|(_, doubtful)| *doubtful) {
+        meeting.flags.insert(HitFlags::DOUBTFUL);
     }
     let mut wrong = wrong.into_iter();
     meetings.retain(|_| !wrong.next().unwrap_or(false));
@@ -91,10 +96,6 @@ enum AtVertex {
     Touching,
     /// Not all faces are met there, or the angle that one of them covers is not known.
     Unknown,
-}
-
-fn doubt(meetings: &mut [Meeting], group: &[usize]) {
-    group.iter().for_each(|&j| meetings[j].flags.insert(HitFlags::DOUBTFUL));
 }
 
 /// How a ray passes the faces that it meets at one place.

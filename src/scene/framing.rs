@@ -85,7 +85,7 @@ fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let kept = grid.zip(points).filter(kept).map(|(_, point)| point);
     // Small parts may lie between the points of the grid, but not between those of their own edges.
     let domain = trims.domain().bounds();
-    let thinned = trims.joints().step_by(1 + trims.segment_count() / (across * across).max(1));
+    let thinned = trims.joints().step_by(1 + trims.segment_count() / (across * across).max(16));
     let edges = thinned.filter(|uv| uv.cmpge(domain.min).all() && uv.cmple(domain.max).all());
     kept.chain(edges.map(|uv| surface.point_at(uv.x, uv.y))).collect()
 }

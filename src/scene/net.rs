@@ -75,7 +75,8 @@ impl Net {
 
     /// The number of control points, those that closed directions repeat included.
     pub(super) fn point_count(&self) -> usize {
-        let repeated = [0, 1].map(|k| if self.knots[k].value.close() { self.degree[k] } else { 0 });
+        let repeated =
+            [0, 1].map(|k| if self.knots[k].value.are_closed() { self.degree[k] } else { 0 });
         if repeated == [0, 0] {
             return self.points.value.len();
         }
@@ -107,7 +108,7 @@ impl Net {
 
 impl Knots {
     /// Whether these are the knots of a closed spline, for which the first control points are repeated.
-    pub(super) fn close(&self) -> bool {
+    pub(super) fn are_closed(&self) -> bool {
         matches!(self, Self::PeriodicUniform | Self::Periodic(_))
     }
 }

@@ -200,7 +200,7 @@ impl BasisSpec {
         if degree > MAX_DEGREE {
             return Err(KnotError::BasisDegree { degree });
         }
-        let closes = self.knots.value.close();
+        let closes = self.knots.value.are_closed();
         if !closes && count < if self.support { 1 } else { degree + 1 } {
             return Err(KnotError::TooFewPoints { points: count, degree });
         }

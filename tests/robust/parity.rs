@@ -38,8 +38,8 @@ fn a_root_of_a_needle_is_one_crossing() {
     }
 }
 
-/// Two faces meet along a straight edge. A ray nearly along it is as near to both over a long way: where it meets
-/// either is known to that way only.
+/// Two faces meet along a straight edge. A ray nearly along it is within rounding of both over a long way: the place
+/// where it meets either is uncertain by that length.
 #[test]
 fn a_ray_nearly_along_an_edge_passes_it_once() {
     let knots = || KnotVector::bezier(1).unwrap();
@@ -73,6 +73,7 @@ fn a_ray_nearly_along_an_edge_passes_it_once() {
             assert!(doubtful || count == 2, "10^-{power}: {ray:?}: {count}");
             doubted += u32::from(doubtful);
         }
-        assert!(power > 10 || doubted < 100, "10^-{power}: {doubted}");
+        // At the smaller angles nearly all of them are in doubt, and rightly.
+        assert!(doubted < [100, 900, 1001][(power > 10) as usize + (power > 11) as usize]);
     }
 }

@@ -82,7 +82,14 @@ const MOST_VOTES: usize = 64;
 fn surrounds(outer: &[DVec2], inner: &[DVec2]) -> bool {
     let side = area(inner).signum();
     let pairs = inner.iter().zip(inner.iter().cycle().skip(1));
-    let asked = pairs.step_by(inner.len().div_ceil(MOST_VOTES).max(1));
+    // Those that are asked must be a good part of the polygon, not its shortest edges.
+    let step = inner.len().div_ceil(MOST_VOTES).max(1);
+    let length = |pairs: &mut dyn Iterator<Item = (&DVec2, &DVec2)>| -> f64 {
+        pairs.map(|(a, b)| a.distance(*b)).sum()
+    };
+    let whole = length(&mut pairs.clone());
+    let is_fair = step as f64 * length(&mut pairs.clone().step_by(step)) >= 0.5 * whole;
+    let asked = pairs.step_by(if is_fair { step } else { 1 });
     let votes = asked.map(|(&a, &b)| {
         let inward = side * (b - a).perp();
         let within = winds(outer, 0.5 * (a + b) + 1e-3 * inward);
