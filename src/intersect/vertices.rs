@@ -30,7 +30,7 @@ const MOST_TURNED: f64 = 1e-6;
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
-    // Doubts are told at the end: what is at one place depends on them.
+    // Flags are set at the end: what is at one place depends on them.
     let mut doubtful = vec![false; meetings.len()];
     let mut others = Vec::new();
     let reach = reach_along(meetings);
