@@ -127,10 +127,11 @@ mod tests {
         assert_eq!(chain.beside(&other, 0.06).len(), 500);
         let far: Vec<DVec3> = points.iter().map(|p| *p + 9.0 * DVec3::X).collect();
         assert!(chain.beside(&Chain::new(&far, 0.0), 0.06).is_empty());
-        // More than six turns away along the axis, only ends are beside each other.
-        let shifted: Vec<DVec3> = points.iter().map(|p| *p + 0.4 * DVec3::Z).collect();
+        // Six of seven turns farther along the axis, the last turn is beside the first.
+        let turns = 0.06 * std::f64::consts::TAU * DVec3::Z;
+        let shifted: Vec<DVec3> = points.iter().map(|p| *p + turns).collect();
         let near = chain.beside(&Chain::new(&shifted, 0.0), 0.01);
-        assert!(!near.is_empty() && near.len() < 100 && near[near.len() - 1] == 499, "{near:?}");
+        assert!((71..100).contains(&near.len()) && near[near.len() - 1] == 499, "{near:?}");
         assert!(near.is_sorted());
     }
 }
