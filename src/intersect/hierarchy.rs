@@ -148,7 +148,7 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
             let (bounds, range) = (as_scaled(&boxes[slot]), &primitives[slot]);
             BinaryNode { bounds, first: range.start, leaves: range.len() as u32 }
         } else {
-            BinaryNode { bounds: as_scaled(&node.aabb()), first: node.first_index, leaves: 0 }
+            BinaryNode { bounds: as_scaled(node.aabb()), first: node.first_index, leaves: 0 }
         }
     };
     let mut nodes: Vec<BinaryNode> = tree.nodes.iter().map(node).collect();

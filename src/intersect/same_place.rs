@@ -115,7 +115,7 @@ impl Reach {
         let [s, t] = [jet.ds / lengths[0], jet.dt / lengths[1]];
         let normal = s.cross(t);
         let sine = normal.length();
-        let is_pole = !(sine > 0.0); // also where it is not a number
+        let is_pole = sine.is_nan() || sine == 0.0;
         if is_pole {
             return lengths.map(|length| self.along_ray / length);
         }
