@@ -51,6 +51,8 @@ out on both sides; the first twelve for each reason are named. DIR gets
 
 The rival is given its best case: its scene is moved to the middle of the
 model's bounding box and scaled by a power of two, to a size between 1 and 2.
+(Not so where many trim curves cut one cell of the tessellation: a plane with a
+thousand holes gets far more triangles than it needs.)
 Rays whose own answer nurbray flags as doubtful are left out and counted. The
 report lists the files written with it; other files in DIR stay. All are written
 at the end, the report last. Without POV-Ray the command fails, but leaves the

@@ -68,7 +68,7 @@ pub enum KnotError {
         needed: usize,
     },
     /// The number of a period's knots does not match the control points.
-    #[error("{} for one period, but {} need {}", Counted(*.knots, "knot"), Counted(*.points, "point"), points + 1)]
+    #[error("{} for one period, but {} need {}", Counted(*.knots, "knot"), Counted(*.points, "point"), points.saturating_add(1))]
     PeriodCount {
         /// The number of knots given.
         knots: usize,

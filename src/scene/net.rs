@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Written;
-use crate::geometry::{Direction, KnotError, KnotVector, NurbsSurface, SurfaceError};
+use crate::geometry::{Direction, KnotError, KnotVector, MAX_POINTS, NurbsSurface, SurfaceError};
 
 /// Knots as an author writes them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,8 +145,10 @@ pub(super) fn knot_vector(
             KnotVector::for_points(degree, knots.values().to_vec(), points)
         }
         Knots::Uniform => KnotVector::uniform(degree, points),
+        // Before as many knots are made.
+        Knots::PeriodicUniform if points > MAX_POINTS => Err(KnotError::TooManyPoints { points }),
         Knots::PeriodicUniform => KnotVector::periodic(degree, &evenly_spaced(points)),
-        Knots::Periodic(period) if period.len() != points + 1 => {
+        Knots::Periodic(period) if period.len() != points.saturating_add(1) => {
             Err(KnotError::PeriodCount { knots: period.len(), points })
         }
         Knots::Periodic(period) => KnotVector::periodic(degree, period),

@@ -217,6 +217,16 @@ fn numbers_that_are_no_surface() {
     };
     assert!(matches!(error, KnotError::Multiplicity { times: 3, .. }), "{error}");
 
+    // A size that no list of points has, and knots that would be made for it.
+    let mut net = bilinear();
+    net.knots[0] = here(Knots::PeriodicUniform);
+    (net.size, net.points.value) = ([usize::MAX, 0], Vec::new());
+    assert_eq!(
+        message(&net_scene(net)),
+        "s.toml:41:7: surface \"lid\", direction u: 18446744073709551615 points: \
+         at most 16777216 in one direction are supported"
+    );
+
     let mut net = bilinear();
     net.weights = Some(here(vec![1.0, 1.0, -2.0, 1.0]));
     assert_eq!(
