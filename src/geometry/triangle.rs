@@ -1,5 +1,7 @@
 //! Triangular rational Bézier patches.
 
+use std::fmt;
+
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::arrange::{moved, unfit_determinant};
@@ -40,6 +42,17 @@ pub enum TriangleSide {
     V,
     /// `w = 0`: from the corner `v = 1` to `u = 1`.
     W,
+}
+
+impl fmt::Display for TriangleSide {
+    /// The name of its parameter.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::U => "u",
+            Self::V => "v",
+            Self::W => "w",
+        })
+    }
 }
 
 /// A quarter of a triangular patch, and where it lies.

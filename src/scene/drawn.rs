@@ -149,14 +149,13 @@ pub(super) fn iso_curves(
                     *found = (*found).max(Found::Point);
                 } else {
                     *found = Found::Curve;
-                    let line = format!("{} = {}", parameter(fixed), Shown(t));
+                    let line = format!("{fixed} = {}", Shown(t));
                     drawn.tube(&curve, || on_surface(index, surfaces.len(), &line))?;
                 }
             }
         }
     }
-    for (&(fixed, t), found) in lines.iter().zip(found) {
-        let parameter = parameter(fixed);
+    for (&(parameter, t), found) in lines.iter().zip(found) {
         match found {
             Found::Nothing => return Err(ConstructError::IsoCut { parameter, t }),
             Found::Point => return Err(ConstructError::IsoPoint { parameter, t }),
@@ -180,7 +179,7 @@ fn iso_curve(
     let curves = match (surface, direction) {
         (Surface::Triangle(patch), _) => {
             let curve = patch.curve_at(fixed, t).map(|curve| vec![curve]);
-            return curve.ok_or(ConstructError::IsoOff { parameter: parameter(fixed), t, end: 1 });
+            return curve.ok_or(ConstructError::IsoOff { parameter: fixed, t, end: 1 });
         }
         (Surface::Limit(surface), Some(direction)) => return limit_curves(surface, direction, t),
         (Surface::Nurbs(surface), Some(Direction::U)) => surface.curve_at_u(t).map(|c| vec![c]),
@@ -199,8 +198,8 @@ fn limit_curves(
     t: f64,
 ) -> Result<Vec<NurbsCurve>, ConstructError> {
     let (parameter, end) = match direction {
-        Direction::U => ('u', surface.unit_count()),
-        Direction::V => ('v', 1),
+        Direction::U => (TriangleSide::U, surface.unit_count()),
+        Direction::V => (TriangleSide::V, 1),
     };
     let within = (0.0..=end as f64).contains(&t); // false for NaN
     if !within {
@@ -216,15 +215,6 @@ fn limit_curves(
             units.flat_map(|unit| surface.unit_curves(unit, direction, t)).collect()
         }
     })
-}
-
-/// The name of a fixed parameter.
-fn parameter(fixed: TriangleSide) -> char {
-    match fixed {
-        TriangleSide::U => 'u',
-        TriangleSide::V => 'v',
-        TriangleSide::W => 'w',
-    }
 }
 
 /// What a line of constant parameter is on some surfaces.

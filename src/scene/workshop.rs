@@ -7,9 +7,9 @@ use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::placing::Placer;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{
-    self, Axis, Borders, Component, ConstructError, ControlNet, Sweep,
+    self, Axis, Borders, Component, ConstructError, ControlNet, DirectionOf, Sweep,
 };
-use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError};
+use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError, TriangleSide};
 
 /// A surface made, and how far it is from what was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,9 +161,9 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
     Some(match error {
         ConstructError::Line { error, .. } => return key_of(error),
         ConstructError::Angle { .. } => "degrees",
-        ConstructError::Direction { what: "extrusion by", .. } => "by",
-        ConstructError::Direction { what: "direction of the axis", .. } => "axis",
-        ConstructError::Direction { what: "up", .. } | ConstructError::Up { .. } => "up",
+        ConstructError::Direction { what: DirectionOf::Extrusion, .. } => "by",
+        ConstructError::Direction { what: DirectionOf::Axis, .. } => "axis",
+        ConstructError::Direction { what: DirectionOf::Up, .. } | ConstructError::Up { .. } => "up",
         ConstructError::Point { .. } | ConstructError::FarAxis { .. } => "through",
         ConstructError::DegreeAcross { .. } | ConstructError::Sections { .. } => "degree",
         ConstructError::Scale { .. }
@@ -172,7 +172,7 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
         ConstructError::Twist { .. } => "twist",
         ConstructError::Tolerance { .. } | ConstructError::NotHeld { .. } => "tolerance",
         ConstructError::Width { .. } => "width",
-        ConstructError::Radius { what: "joint", .. } => "joints",
+        ConstructError::JointRadius { .. } => "joints",
         ConstructError::Curve {
             error: CurveError::Radius { .. } | CurveError::RadiusRange { .. },
             ..
@@ -180,9 +180,9 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
         ConstructError::IsoOff { parameter, .. }
         | ConstructError::IsoCut { parameter, .. }
         | ConstructError::IsoPoint { parameter, .. } => match parameter {
-            'u' => "u",
-            'v' => "v",
-            _ => "w",
+            TriangleSide::U => "u",
+            TriangleSide::V => "v",
+            TriangleSide::W => "w",
         },
         ConstructError::Iso(SurfaceError::Parameter { direction, .. }) => match direction {
             Direction::U => "u",

@@ -1,10 +1,12 @@
 //! Why a surface cannot be made from curves.
 
+use std::fmt;
+
 use glam::DVec3;
 use thiserror::Error;
 
 use super::CoonsCorner;
-use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError};
+use crate::geometry::{CurveError, MAX_DEGREE, MAX_MAGNITUDE, SurfaceError, TriangleSide};
 use crate::math::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 
 /// Why a surface cannot be made from curves: which element is at fault, what was found,
@@ -33,7 +35,7 @@ pub enum ConstructError {
     )]
     IsoOff {
         /// Which parameter is constant.
-        parameter: char,
+        parameter: TriangleSide,
         /// Its value.
         t: f64,
         /// The largest value of the parameter.
@@ -58,7 +60,7 @@ pub enum ConstructError {
     #[error("the line {parameter} = {} lies where trims keep nothing, or where the surface has ended", Shown(*.t))]
     IsoCut {
         /// Which parameter is constant.
-        parameter: char,
+        parameter: TriangleSide,
         /// Its value.
         t: f64,
     },
@@ -66,7 +68,7 @@ pub enum ConstructError {
     #[error("the line {parameter} = {} is a single point, where there is nothing to draw", Shown(*.t))]
     IsoPoint {
         /// Which parameter is constant.
-        parameter: char,
+        parameter: TriangleSide,
         /// Its value.
         t: f64,
     },
@@ -145,7 +147,7 @@ pub enum ConstructError {
     #[error("{what} {}: it must be finite and not zero", ShownVector(*.vector))]
     Direction {
         /// What it is the direction of.
-        what: &'static str,
+        what: DirectionOf,
         /// The vector.
         vector: DVec3,
     },
@@ -424,11 +426,9 @@ pub enum ConstructError {
         /// How many there can be.
         most: usize,
     },
-    /// A radius is not a usable length.
-    #[error("{what} radius {}: it must be positive and finite", Shown(*.radius))]
-    Radius {
-        /// Which one.
-        what: &'static str,
+    /// The radius of the balls at joints is not a usable length.
+    #[error("joint radius {}: it must be positive and finite", Shown(*.radius))]
+    JointRadius {
         /// The radius.
         radius: f64,
     },
@@ -481,6 +481,27 @@ pub enum ConstructError {
         /// The distance between the two.
         distance: f64,
     },
+}
+
+/// What a vector is the direction of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DirectionOf {
+    /// An extrusion.
+    Extrusion,
+    /// The axis of a revolution.
+    Axis,
+    /// The upward side of a profile or a ribbon.
+    Up,
+}
+
+impl fmt::Display for DirectionOf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Extrusion => "extrusion by",
+            Self::Axis => "direction of the axis",
+            Self::Up => "up",
+        })
+    }
 }
 
 impl ConstructError {

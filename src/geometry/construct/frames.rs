@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::ConstructError;
 use super::path::direction;
+use super::{ConstructError, DirectionOf};
 use crate::geometry::NurbsCurve;
 use crate::math::unit;
 
@@ -27,7 +27,7 @@ impl Frame {
         let steep = tangent.z.abs() > STEEP;
         let wanted = up.unwrap_or(if steep { DVec3::Y } else { DVec3::Z });
         let Some(upward) = unit(wanted) else {
-            return Err(ConstructError::Direction { what: "up", vector: wanted });
+            return Err(ConstructError::Direction { what: DirectionOf::Up, vector: wanted });
         };
         let across = upward - upward.dot(tangent) * tangent;
         let apart = across.length() > SAME_WAY; // false for NaN

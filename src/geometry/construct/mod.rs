@@ -57,7 +57,7 @@ mod tube;
 
 pub use coons::{Borders, CoonsCorner, coons};
 pub use drawing::Drawing;
-pub use error::ConstructError;
+pub use error::{ConstructError, DirectionOf};
 pub(in crate::geometry) use fold::Course;
 pub use loft::{LOFT_DEGREE, Loft, loft};
 pub use net::{ControlNet, NetStyle, control_net};

@@ -2,10 +2,10 @@
 
 use glam::{DVec3, DVec4};
 
-use super::ConstructError;
 use super::arc::UnitArc;
 use super::axis_points::cut_at_axis;
 use super::fold::check_turned;
+use super::{ConstructError, DirectionOf};
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve, NurbsSurface};
 use crate::math::unit;
 
@@ -30,10 +30,8 @@ impl Axis {
         if origin.abs().max_element() > MAX_MAGNITUDE {
             return Err(ConstructError::FarAxis { point: origin });
         }
-        let unit = unit(direction).ok_or(ConstructError::Direction {
-            what: "direction of the axis",
-            vector: direction,
-        })?;
+        let unit = unit(direction)
+            .ok_or(ConstructError::Direction { what: DirectionOf::Axis, vector: direction })?;
         Ok(Self { origin, direction: unit })
     }
 

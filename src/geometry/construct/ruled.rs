@@ -2,10 +2,10 @@
 
 use glam::{DVec3, DVec4};
 
-use super::ConstructError;
 use super::compatible::{compatible, same_weights};
 use super::fold::{check_fold, check_moved};
 use super::path::SAME_PLACE;
+use super::{ConstructError, DirectionOf};
 use crate::geometry::shapes::unit_knots;
 use crate::geometry::{NurbsCurve, NurbsSurface};
 use crate::math::ShownVector;
@@ -23,7 +23,7 @@ use crate::math::ShownVector;
 pub fn extrude(profile: &NurbsCurve, by: DVec3) -> Result<NurbsSurface, ConstructError> {
     let usable = by.is_finite() && by != DVec3::ZERO;
     if !usable {
-        return Err(ConstructError::Direction { what: "extrusion by", vector: by });
+        return Err(ConstructError::Direction { what: DirectionOf::Extrusion, vector: by });
     }
     if by.length() <= SAME_PLACE * profile.magnitude() {
         let which = format!("the profile and itself moved by {}", ShownVector(by));

@@ -152,7 +152,7 @@ fn frame_at(origin: DVec3, z: DVec3) -> DAffine3 {
 /// When the radius is not a positive length, or the point not finite.
 pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Component, ConstructError> {
     let sphere = sphere_biquadratic(radius)
-        .map_err(|_| ConstructError::Radius { what: "joint", radius })?
+        .map_err(|_| ConstructError::JointRadius { radius })?
         .transformed(&DAffine3::from_translation(centre))?;
     Ok(Component::exact("joint", sphere))
 }
