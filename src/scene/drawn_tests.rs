@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::drawn::{control_nets, iso_curves, iso_lines};
 use crate::geometry::construct::{
-    Axis, Caps, Component, ControlNet, NetStyle, TubeStyle, extrude, revolve, tube,
+    Axis, Caps, Component, ComponentKind, ControlNet, NetStyle, TubeStyle, extrude, revolve, tube,
 };
 use crate::geometry::{
     Cage, CageParts, KnotVector, NurbsCurve, NurbsSurface, Surface, TrianglePatch,
@@ -94,8 +94,12 @@ fn lines_of_constant_parameters_are_met_without_doubt() {
 
     let units = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let pieces = lines(&[cube()], [&units, &[0.0, 1.0], &[]], 0.02);
-    let count = |what| pieces.iter().filter(|piece| piece.what == what).count();
-    assert_eq!([count("tube"), count("joint"), count("cap")], [12, 8, 0], "a cube's edges");
+    let count = |kind| pieces.iter().filter(|piece| piece.kind == kind).count();
+    assert_eq!(
+        [ComponentKind::Tube, ComponentKind::Joint, ComponentKind::Cap].map(count),
+        [12, 8, 0],
+        "a cube's edges"
+    );
     expect_no_doubt("a cube", pieces);
 }
 
@@ -107,8 +111,8 @@ fn nets_are_met_without_doubt() {
     let style = NetStyle { radius: 0.03, joints: 0.06 };
     let nets = [0.0, 3.0].map(|offset| patch(offset).control_net());
     let pieces = control_nets(&nets, &style, ENOUGH).unwrap();
-    let count = |what| pieces.iter().filter(|piece| piece.what == what).count();
-    assert_eq!([count("line"), count("point")], [24 + 24 - 3, 16 + 16 - 4]);
+    let count = |kind| pieces.iter().filter(|piece| piece.kind == kind).count();
+    assert_eq!([ComponentKind::Line, ComponentKind::Point].map(count), [24 + 24 - 3, 16 + 16 - 4]);
     expect_no_doubt("two patches", pieces);
 
     let way = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];

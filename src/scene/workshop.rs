@@ -1,13 +1,13 @@
 //! The making of constructions' surfaces.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::curve::CurveFault;
 use super::drawn::{control_nets, iso_curves, iso_lines, trim_curves};
 use super::placing::Placer;
 use super::{Construction, CurveSpec, Place, SceneError, SceneFault, Written};
 use crate::geometry::construct::{
-    self, Axis, Borders, Component, ConstructError, ControlNet, DirectionOf, Sweep,
+    self, Axis, Borders, Component, ComponentKind, ConstructError, ControlNet, DirectionOf, Sweep,
 };
 use crate::geometry::{CurveError, Direction, NurbsCurve, Surface, SurfaceError, TriangleSide};
 
@@ -198,24 +198,23 @@ fn key_of(error: &ConstructError) -> Option<&'static str> {
 
 /// Names the pieces: what each is, with a number where there are several.
 fn numbered(pieces: Vec<Component>) -> Vec<Made> {
-    let of = |what| pieces.iter().filter(|piece| piece.what == what).count();
-    let several: HashSet<&str> = KINDS.into_iter().filter(|what| of(*what) > 1).collect();
+    let mut totals: HashMap<ComponentKind, usize> = HashMap::new();
+    for piece in &pieces {
+        *totals.entry(piece.kind).or_default() += 1;
+    }
     let only = pieces.len() == 1;
-    let mut counts: HashMap<&str, usize> = HashMap::new();
+    let mut counts: HashMap<ComponentKind, usize> = HashMap::new();
     pieces
         .into_iter()
-        .map(|Component { what, surface, deviation }| {
-            let count = counts.entry(what).or_default();
+        .map(|Component { kind, surface, deviation }| {
+            let count = counts.entry(kind).or_default();
             *count += 1;
-            let name = match several.contains(what) {
+            let name = match totals[&kind] {
                 _ if only => String::new(),
-                true => format!("{what} {count}"),
-                false => what.to_owned(),
+                1 => kind.to_string(),
+                _ => format!("{kind} {count}"),
             };
             Made { name, surface: surface.into(), deviation }
         })
         .collect()
 }
-
-/// The kinds of pieces.
-const KINDS: [&str; 6] = ["tube", "joint", "cap", "ribbon", "line", "point"];

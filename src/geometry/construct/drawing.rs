@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::collinear::united;
 use super::places::{Places, SAME};
-use super::tube::{Caps, Component, Parts, TubeStyle, ball, cap, cylinder, parts, round_part};
-use super::{ConstructError, ControlNet, NetStyle, Tightest};
+use super::tube::{Caps, Parts, TubeStyle, ball, cap, cylinder, parts, round_part};
+use super::{Component, ComponentKind, ConstructError, ControlNet, NetStyle, Tightest};
 use crate::geometry::{MAX_MAGNITUDE, NurbsCurve};
 
 /// Tubes, lines and balls that are drawn together.
@@ -41,11 +41,11 @@ pub struct Drawing {
 enum Item {
     /// A cylinder from point to point.
     Rod {
-        what: &'static str,
+        kind: ComponentKind,
         ends: [DVec3; 2],
     },
     Ball {
-        what: &'static str,
+        kind: ComponentKind,
         at: DVec3,
         radius: f64,
     },
@@ -106,7 +106,7 @@ impl Drawing {
         let mut tightest = Tightest::default();
         for part in &smooth {
             if let Some([a, b]) = part.straight {
-                self.rod("tube", [a, b]);
+                self.rod(ComponentKind::Tube, [a, b]);
             } else if !self.knows_or_adds(&part.curve) {
                 let piece = round_part(&profile, &part.curve, &self.style);
                 if let Some(piece) = tightest.sift(piece)? {
@@ -116,7 +116,7 @@ impl Drawing {
         }
         tightest.check()?;
         for at in joints {
-            self.ball("joint", at, self.style.radius);
+            self.ball(ComponentKind::Joint, at, self.style.radius);
         }
         for (at, outward) in ends {
             self.end(at, outward);
@@ -152,10 +152,10 @@ impl Drawing {
             for end in ends {
                 let ends = [point, net.points[end]];
                 if self.places.find_or_add(ends[0]) != self.places.find_or_add(ends[1]) {
-                    self.rod("line", ends);
+                    self.rod(ComponentKind::Line, ends);
                 }
             }
-            self.ball("point", point, joints);
+            self.ball(ComponentKind::Point, point, joints);
         }
         Ok(())
     }
@@ -173,14 +173,14 @@ impl Drawing {
         let mut pieces = Vec::with_capacity(self.items.len());
         for item in self.items {
             match item {
-                Item::Rod { what, .. } => {
+                Item::Rod { kind, .. } => {
                     // Rods that are part of another one are drawn with it.
                     if let Some(ends) = united.next().flatten() {
-                        pieces.push(Component { what, ..cylinder(ends, self.style.radius)? });
+                        pieces.push(Component { kind, ..cylinder(ends, self.style.radius)? });
                     }
                 }
-                Item::Ball { what, at, radius } => {
-                    pieces.push(Component { what, ..ball(at, radius)? });
+                Item::Ball { kind, at, radius } => {
+                    pieces.push(Component { kind, ..ball(at, radius)? });
                 }
                 Item::Cap { at, outward } => pieces.extend(cap(at, outward, &self.style)?),
                 Item::Made(piece) => pieces.push(piece),
@@ -194,17 +194,17 @@ impl Drawing {
         self.items.push(item);
     }
 
-    fn rod(&mut self, what: &'static str, ends: [DVec3; 2]) {
+    fn rod(&mut self, kind: ComponentKind, ends: [DVec3; 2]) {
         let mut key = ends.map(|end| self.places.find_or_add(end));
         key.sort_unstable();
         let index = self.items.len();
         if *self.straight.entry(key).or_insert(index) == index {
-            self.push(Item::Rod { what, ends });
+            self.push(Item::Rod { kind, ends });
         }
     }
 
-    fn ball(&mut self, what: &'static str, at: DVec3, radius: f64) {
-        let whole = Item::Ball { what, at, radius };
+    fn ball(&mut self, kind: ComponentKind, at: DVec3, radius: f64) {
+        let whole = Item::Ball { kind, at, radius };
         let index = self.items.len();
         let key = (self.places.find_or_add(at), radius.to_bits());
         let known = *self.round.entry(key).or_insert(index);
@@ -233,7 +233,7 @@ impl Drawing {
                 let radius = self.style.radius;
                 let key = (place, radius.to_bits());
                 if self.round.contains_key(&key) {
-                    self.ball("joint", at, radius);
+                    self.ball(ComponentKind::Joint, at, radius);
                 } else {
                     self.round.insert(key, self.items.len());
                     self.push(Item::Cap { at, outward });

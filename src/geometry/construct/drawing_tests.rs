@@ -2,12 +2,15 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::{Caps, Component, ControlNet, Drawing, NetStyle, TubeStyle, control_net, tube};
+use super::{
+    Caps, Component, ComponentKind, ControlNet, Drawing, NetStyle, TubeStyle, control_net, tube,
+};
 use crate::geometry::shapes::circle_arc;
 use crate::geometry::{KnotVector, NurbsCurve, NurbsSurface};
 
 fn counts(pieces: &[Component]) -> [usize; 3] {
-    ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
+    let kinds = [ComponentKind::Tube, ComponentKind::Joint, ComponentKind::Cap];
+    kinds.map(|kind| pieces.iter().filter(|p| p.kind == kind).count())
 }
 
 fn flat(points: &[[f64; 2]], size: f64) -> Vec<DVec3> {
@@ -42,7 +45,7 @@ fn ends_that_meet_become_one_ball() {
         for corner in flat(&corners, size) {
             let around = |piece: &&Component| {
                 let on = piece.surface.point_at(0.3, 0.4).distance(corner) / size;
-                piece.what == "joint" && (on - 0.05).abs() < 1e-12
+                piece.kind == ComponentKind::Joint && (on - 0.05).abs() < 1e-12
             };
             assert_eq!(pieces.iter().filter(around).count(), 1, "{corner}");
         }
@@ -108,8 +111,8 @@ fn rows_that_nets_share_are_drawn_once() {
         net.net(&left, 0.02 * size).unwrap();
         net.net(&right, 0.02 * size).unwrap();
         let pieces = net.pieces().unwrap();
-        let count = |what| pieces.iter().filter(|piece| piece.what == what).count();
-        assert_eq!((count("line"), count("point")), (12 + 12 - 2, 15));
+        let count = |kind| pieces.iter().filter(|piece| piece.kind == kind).count();
+        assert_eq!((count(ComponentKind::Line), count(ComponentKind::Point)), (12 + 12 - 2, 15));
     }
 }
 
@@ -133,7 +136,8 @@ fn lines_that_overlap_are_joined() {
         lines: (0..segments.len()).map(|k| [2 * k, 2 * k + 1]).collect(),
     };
     let pieces = control_net(&net, &NetStyle { radius: 0.01, joints: 0.02 }).unwrap();
-    let lines: Vec<&Component> = pieces.iter().filter(|piece| piece.what == "line").collect();
+    let lines: Vec<&Component> =
+        pieces.iter().filter(|piece| piece.kind == ComponentKind::Line).collect();
     assert_eq!(lines.len(), 4);
     // The joined line spans the whole length.
     let [_, (c, d)] = lines[0].surface.domain();
@@ -153,7 +157,7 @@ fn nets_of_tubes_with_corners_have_no_rods_within_others() {
         drawing.net(&ControlNet::from(&piece.surface), 0.04).unwrap();
     }
     let rods: Vec<[DVec3; 2]> = (drawing.pieces().unwrap().iter())
-        .filter(|piece| piece.what == "line")
+        .filter(|piece| piece.kind == ComponentKind::Line)
         .map(|piece| {
             // The middles of the circles at both ends.
             let surface = &piece.surface;

@@ -29,6 +29,7 @@ pub(crate) mod arc;
 mod axis_points;
 mod collinear;
 mod compatible;
+mod component;
 mod coons;
 mod drawing;
 #[cfg(test)]
@@ -55,6 +56,7 @@ mod sweep_tests;
 mod tightest;
 mod tube;
 
+pub use component::{Component, ComponentKind};
 pub use coons::{Borders, CoonsCorner, coons};
 pub use drawing::Drawing;
 pub use error::{ConstructError, DirectionOf};
@@ -66,4 +68,4 @@ pub(crate) use revolve::{Turned, turned_net};
 pub use ruled::{extrude, ruled};
 pub use sweep::{MAX_SCALES, Sweep, SweepOptions, sweep, sweep_size};
 pub use tightest::Tightest;
-pub use tube::{Caps, Component, RibbonStyle, TubeStyle, ribbon, tube};
+pub use tube::{Caps, RibbonStyle, TubeStyle, ribbon, tube};

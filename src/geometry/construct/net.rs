@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::tube::{Caps, Component, TubeStyle};
-use super::{ConstructError, Drawing};
+use super::tube::{Caps, TubeStyle};
+use super::{Component, ConstructError, Drawing};
 use crate::geometry::{NurbsCurve, NurbsSurface, TrianglePatch};
 
 /// How thick a net is drawn.
@@ -102,11 +102,13 @@ pub fn control_net(net: &ControlNet, style: &NetStyle) -> Result<Vec<Component>,
 
 #[cfg(test)]
 mod tests {
+    use super::super::ComponentKind;
     use super::*;
     use crate::geometry::{KnotVector, shapes};
 
     fn counts(pieces: &[Component]) -> [usize; 2] {
-        ["line", "point"].map(|what| pieces.iter().filter(|p| p.what == what).count())
+        let kinds = [ComponentKind::Line, ComponentKind::Point];
+        kinds.map(|kind| pieces.iter().filter(|p| p.kind == kind).count())
     }
 
     #[test]

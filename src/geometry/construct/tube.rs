@@ -8,9 +8,9 @@ use super::revolve::{Axis, revolve};
 use super::ruled::extrude;
 use super::stops::without_stops;
 use super::sweep::{Sweep, SweepOptions, sweep};
-use super::{ConstructError, Drawing};
+use super::{Component, ComponentKind, ConstructError, Drawing};
+use crate::geometry::NurbsCurve;
 use crate::geometry::shapes::{circle_arc, sphere_biquadratic};
-use crate::geometry::{NurbsCurve, NurbsSurface};
 use crate::math::unit;
 
 /// How a tube ends.
@@ -23,23 +23,6 @@ pub enum Caps {
     /// With half a sphere.
     #[default]
     Round,
-}
-
-/// One surface of several that are made together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Component {
-    /// What it is, as `tube` or `cap`.
-    pub what: &'static str,
-    /// The surface.
-    pub surface: NurbsSurface,
-    /// Bound on the distance of the surface from the true one; 0 where it is exact.
-    pub deviation: f64,
-}
-
-impl Component {
-    pub(crate) fn exact(what: &'static str, surface: NurbsSurface) -> Self {
-        Self { what, surface, deviation: 0.0 }
-    }
 }
 
 /// The style of a tube: its radius, its ends and its accuracy.
@@ -124,7 +107,7 @@ pub(super) fn cylinder([a, b]: [DVec3; 2], radius: f64) -> Result<Component, Con
     let along = unit(b - a).ok_or(ConstructError::StandsStill { path: "curve", t: 0.0 })?;
     let circle = circle_arc(radius, 0.0, 360.0).map_err(around())?;
     let placed = circle.transformed(&frame_at(a, along)).map_err(around())?;
-    Ok(Component::exact("tube", extrude(&placed, b - a)?))
+    Ok(Component::exact(ComponentKind::Tube, extrude(&placed, b - a)?))
 }
 
 /// The open tube around a smooth part.
@@ -135,7 +118,7 @@ pub(super) fn round_part(
 ) -> Result<Component, ConstructError> {
     let options = SweepOptions { tolerance: style.tolerance, ..SweepOptions::default() };
     let Sweep { surface, deviation } = sweep(profile, part, &options)?;
-    Ok(Component { what: "tube", surface, deviation })
+    Ok(Component { kind: ComponentKind::Tube, surface, deviation })
 }
 
 /// The rigid map that takes the origin to a point and z to a direction.
@@ -154,7 +137,7 @@ pub(crate) fn ball(centre: DVec3, radius: f64) -> Result<Component, ConstructErr
     let sphere = sphere_biquadratic(radius)
         .map_err(|_| ConstructError::JointRadius { radius })?
         .transformed(&DAffine3::from_translation(centre))?;
-    Ok(Component::exact("joint", sphere))
+    Ok(Component::exact(ComponentKind::Joint, sphere))
 }
 
 /// The surface that closes a tube ending at a point in this direction, if any.
@@ -173,7 +156,7 @@ pub(super) fn cap(
             .map_err(of_cap)?,
     };
     let surface = revolve(&profile, &Axis::Z, 360.0)?.transformed(&frame_at(at, outward))?;
-    Ok(Some(Component::exact("cap", surface)))
+    Ok(Some(Component::exact(ComponentKind::Cap, surface)))
 }
 
 /// Maps the plane of x and y to that of x and z.
@@ -220,7 +203,7 @@ pub fn ribbon(curve: &NurbsCurve, style: &RibbonStyle) -> Result<Vec<Component>,
     };
     let made = |part: NurbsCurve| {
         let Sweep { surface, deviation } = sweep(&profile, &part, &options)?;
-        Ok(Component { what: "ribbon", surface, deviation })
+        Ok(Component { kind: ComponentKind::Ribbon, surface, deviation })
     };
     let parts = smooth_parts(&curve).map_err(called)?.into_iter();
     parts.map(|part| made(part).map_err(called)).collect()
@@ -232,7 +215,8 @@ mod tests {
     use crate::geometry::KnotVector;
 
     fn counts(pieces: &[Component]) -> [usize; 3] {
-        ["tube", "joint", "cap"].map(|what| pieces.iter().filter(|p| p.what == what).count())
+        let kinds = [ComponentKind::Tube, ComponentKind::Joint, ComponentKind::Cap];
+        kinds.map(|kind| pieces.iter().filter(|p| p.kind == kind).count())
     }
 
     /// The distances from a point to the lines on which the sides of a polygon lie, and to
@@ -291,11 +275,11 @@ mod tests {
                     let (u, v) = (a + share[0] * (b - a), c + share[1] * (d - c));
                     let (lines, corner) = distances(piece.surface.point_at(u, v), &corners);
                     let right = |distance: &f64| (distance / size - 0.1).abs() < 1e-14;
-                    let fits = match piece.what {
-                        "tube" => lines.iter().any(right),
+                    let fits = match piece.kind {
+                        ComponentKind::Tube => lines.iter().any(right),
                         _ => right(&corner),
                     };
-                    assert!(fits, "{}: ({u}, {v})", piece.what);
+                    assert!(fits, "{}: ({u}, {v})", piece.kind);
                 }
             }
             let style = TubeStyle { caps: Caps::Flat, ..style };
@@ -316,7 +300,7 @@ mod tests {
                 let [(a, b), (c, d)] = piece.surface.domain();
                 let (u, v) = (a + 0.3 * (b - a), c + 0.4 * (d - c));
                 let outward = piece.surface.point_at(u, v) - centre;
-                assert!(piece.surface.normal(u, v).unwrap().dot(outward) > 0.0, "{}", piece.what);
+                assert!(piece.surface.normal(u, v).unwrap().dot(outward) > 0.0, "{}", piece.kind);
             }
         }
     }
