@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use thiserror::Error;
 
 use super::coherence::leaf_width;
 use super::regions::tree_over;
@@ -11,16 +10,7 @@ use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
-use crate::patch::{Leaf, OrientedBox, PADDING, PatchSet, PatchSetError, SceneFrame, WeightFit};
-
-/// Why surfaces cannot be prepared for tracing.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// The surfaces cannot be cut into pieces.
-    #[error(transparent)]
-    Pieces(#[from] PatchSetError),
-}
+use crate::patch::{BuildError, Leaf, OrientedBox, PADDING, PatchSet, SceneFrame, WeightFit};
 
 /// Surfaces split into Bézier pieces and leaves, bounded in a hierarchy.
 #[derive(Clone, Debug)]

@@ -103,9 +103,11 @@ mod tree;
 mod vertices;
 mod wide;
 
-pub use bvh::{BuildError, SurfaceBvh};
+pub use bvh::SurfaceBvh;
 pub use coherence::{Coherence, Neighbours};
 pub use hit::{Answer, Hit, HitFlags, Occlusion, Query, Root, Shot};
 pub use kernel::{Kernel, UnknownKernel};
 pub use statistics::Statistics;
 pub use tracer::Tracer;
+
+pub use crate::patch::BuildError;

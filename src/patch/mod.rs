@@ -74,7 +74,7 @@ pub use piece::Piece;
 pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
 pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
 pub use rect::DyadicRect;
-pub use set::{PatchSet, PatchSetError};
+pub use set::{BuildError, PatchSet};
 pub use tensor::{Jet, TensorPatch};
 pub(crate) use tiles::GroupedParts;
 pub(crate) use tiles::MOST_TOGETHER;

@@ -14,10 +14,10 @@ use super::{GroupedParts, Piece, tips};
 use crate::geometry::{Chart, Charts, NurbsSurface};
 use crate::math::Aabb;
 
-/// Why surfaces cannot be cut into pieces.
+/// Why surfaces cannot be prepared for tracing.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum PatchSetError {
+pub enum BuildError {
     /// There are more than indices can count, or than memory is likely to hold.
     #[error("{count} {what}, but at most {limit} can be traced")]
     TooMany {
@@ -59,7 +59,7 @@ impl PatchSet {
     /// known before anything is made.
     pub(crate) fn new<S: Charts + Sync>(
         surfaces: &[S],
-    ) -> Result<(Self, GroupedParts), PatchSetError> {
+    ) -> Result<(Self, GroupedParts), BuildError> {
         check_count("surfaces", surfaces.len(), MOST_COUNTED)?;
         let charts: Vec<Vec<Chart<'_>>> = surfaces.par_iter().map(Charts::charts).collect();
         let counts = charts.iter().map(|charts| total(charts, piece_count));
@@ -133,8 +133,8 @@ impl PatchSet {
     }
 }
 
-fn check_count(what: &'static str, count: usize, limit: usize) -> Result<(), PatchSetError> {
-    if count > limit { Err(PatchSetError::TooMany { what, count, limit }) } else { Ok(()) }
+fn check_count(what: &'static str, count: usize, limit: usize) -> Result<(), BuildError> {
+    if count > limit { Err(BuildError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
 /// The sum of a count over all charts of a surface.
