@@ -30,7 +30,7 @@ const CLEAR: f64 = 1.5e-8;
 impl SurfaceDerivatives {
     /// The same without the derivatives that are only rounding errors: those no longer than errors
     /// of up to `error` in the control points of a Bézier patch of degrees p and q can cause.
-    pub fn without_noise(self, [p, q]: [usize; 2], error: f64) -> Self {
+    pub(crate) fn without_noise(self, [p, q]: [usize; 2], error: f64) -> Self {
         let [p, q] = [p, q].map(|degree| degree as f64);
         let kept = |derivative: DVec3, times: f64| {
             if derivative.length() <= times * error { DVec3::ZERO } else { derivative }

@@ -5,31 +5,31 @@ use std::ops::{Add, Mul, Sub};
 /// All numbers from `lo` to `hi`; the result of an operation holds every result of the
 /// operation on members.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
+pub(crate) struct Interval {
     /// The lower end.
-    pub lo: f64,
+    pub(crate) lo: f64,
     /// The upper end.
-    pub hi: f64,
+    pub(crate) hi: f64,
 }
 
 impl Interval {
     /// The interval that holds nothing, to collect with [`Interval::with`].
-    pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
     /// The interval that holds only `x`.
     #[inline(always)]
-    pub fn point(x: f64) -> Self {
+    pub(crate) fn point(x: f64) -> Self {
         Self { lo: x, hi: x }
     }
 
     /// The smallest interval that holds all values.
-    pub fn hull(values: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn hull(values: impl IntoIterator<Item = f64>) -> Self {
         values.into_iter().fold(Self::EMPTY, Self::with)
     }
 
     /// The smallest interval that holds this one and `x`.
     #[must_use]
-    pub fn with(self, x: f64) -> Self {
+    pub(crate) fn with(self, x: f64) -> Self {
         self.union(Self::point(x))
     }
 
@@ -37,7 +37,7 @@ impl Interval {
     /// interval stays.
     #[must_use]
     #[inline(always)]
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self {
             lo: if other.lo < self.lo { other.lo } else { self.lo },
             hi: if other.hi > self.hi { other.hi } else { self.hi },
@@ -65,13 +65,13 @@ impl Interval {
     /// Grown by `margin ≥ 0` at both ends.
     #[must_use]
     #[inline(always)]
-    pub fn grown(self, margin: f64) -> Self {
+    pub(crate) fn grown(self, margin: f64) -> Self {
         Self { lo: self.lo - margin, hi: self.hi + margin }.outward()
     }
 
     /// The largest absolute value of a member.
     #[inline(always)]
-    pub fn magnitude(self) -> f64 {
+    pub(crate) fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 

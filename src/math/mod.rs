@@ -18,7 +18,7 @@ pub(crate) mod testing;
 mod unit;
 
 pub use aabb::Aabb;
-pub use interval::Interval;
+pub(crate) use interval::Interval;
 pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;

@@ -73,7 +73,7 @@ pub(crate) use piece::BESIDE_COLLAPSED;
 pub use piece::Piece;
 pub(crate) use piece_net::{LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet};
 pub(crate) use powers::{MOST_DEGREE as MOST_DEGREE_BY_POWERS, ToPowers};
-pub use rect::DyadicRect;
+pub(crate) use rect::DyadicRect;
 pub use set::{BuildError, PatchSet};
 pub use tensor::{Jet, TensorPatch};
 pub(crate) use tiles::GroupedParts;

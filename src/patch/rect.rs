@@ -5,7 +5,7 @@
 /// A range is numbered as in a heap: the unit range is 1, the halves of range `k` are `2k` and
 /// `2k + 1`. So range `k` has been halved `⌊log₂ k⌋` times, and its ends are exact in f32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DyadicRect([u32; 2]);
+pub(crate) struct DyadicRect([u32; 2]);
 
 impl DyadicRect {
     /// The unit square.
@@ -24,7 +24,7 @@ impl DyadicRect {
 
     /// The ends of the range in `s`, then in `t`.
     #[inline]
-    pub fn ranges(self) -> [[f64; 2]; 2] {
+    pub(crate) fn ranges(self) -> [[f64; 2]; 2] {
         let Self([s, t]) = self;
         [range(s), range(t)]
     }
