@@ -56,7 +56,7 @@ fn wave(degree: usize, pieces: usize) -> Result<NurbsSurface, SurfaceError> {
 }
 
 /// A number from 0 to 1 that depends on the index alone: the mixing of SplitMix64 (Steele, Lea
-/// and Flood 2014).
+/// and Flood 2014), but for its last shift.
 fn noise(index: u64) -> f64 {
     let z = (index + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -3,29 +3,27 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use nurbray::math::SplitMix;
 
 /// A stream of random numbers, fixed by a seed, a stream and an index.
 ///
-/// SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
-/// generators"): a counter whose steps are mixed. Every ray of an audit has a stream of its
-/// own, so that the rays are the same on any number of threads.
+/// Every ray of an audit has a stream of its own, so that the rays are the same on any number of
+/// threads.
 #[derive(Clone, Debug)]
 pub(crate) struct Random {
-    state: u64,
+    words: SplitMix,
 }
-
-/// 2⁶⁴ divided by the golden ratio, made odd: the step of the counter (Steele et al.).
-const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl Random {
     /// The stream for these three numbers.
     pub(crate) fn new(seed: u64, stream: u64, index: u64) -> Self {
-        Self { state: mix(mix(mix(seed) ^ stream.wrapping_mul(STEP)) ^ index) }
+        let mix = SplitMix::mix;
+        let seed = mix(mix(mix(seed) ^ stream.wrapping_mul(SplitMix::STEP)) ^ index);
+        Self { words: SplitMix::new(seed) }
     }
 
     fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(STEP);
-        mix(self.state)
+        self.words.word()
     }
 
     /// Uniform in `[0, 1)`, a multiple of 2⁻⁵³.
@@ -60,13 +58,6 @@ impl Random {
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * cos, r * sin, z)
     }
-}
-
-/// The finaliser of SplitMix64: each bit of the result depends on each bit of the argument.
-fn mix(z: u64) -> u64 {
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

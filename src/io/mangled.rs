@@ -1,6 +1,7 @@
 //! Readers given damaged text: they may refuse it, they must not panic.
 
 use super::{Model, read_geomdl, read_scene};
+use crate::math::SplitMix;
 use crate::scene::{Object, Scene, World};
 
 const SCENE: &str = r##"
@@ -32,16 +33,11 @@ const PIECES: [&str; 16] = [
     "\n",
 ];
 
-/// Numbers that look random: splitmix64.
-struct Dice(u64);
+struct Dice(SplitMix);
 
 impl Dice {
     fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % limit as u64) as usize
+        (self.0.word() % limit as u64) as usize
     }
 }
 
@@ -67,7 +63,7 @@ fn mangled(text: &str, dice: &mut Dice) -> String {
 fn damaged_text_is_refused_not_feared() {
     let mut refused = 0;
     for seed in 0..1500 {
-        let mut dice = Dice(seed);
+        let mut dice = Dice(SplitMix::new(seed));
         let scene = mangled(SCENE, &mut dice);
         match read_scene(&scene, "s", &mut |_, _, _| Ok(Model::default())) {
             Ok(scene) => _ = World::new(&scene),

@@ -13,6 +13,7 @@ mod ray;
 mod ray_frame;
 pub mod rounding;
 mod shown;
+mod split_mix;
 #[cfg(test)]
 pub(crate) mod testing;
 mod unit;
@@ -23,4 +24,5 @@ pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
 pub use ray_frame::RayFrame;
 pub use shown::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
+pub use split_mix::SplitMix;
 pub(crate) use unit::unit;

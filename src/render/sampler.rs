@@ -1,5 +1,7 @@
 //! Where in a pixel, a lens or a light a sample falls: Owen-scrambled Sobol points.
 
+use crate::math::SplitMix;
+
 /// Samples after which the sequence is seeded afresh: the length of the Sobol sequence
 /// the direction numbers in use are made for (16 bits).
 const SEQUENCE: u32 = 1 << 16;
@@ -46,13 +48,9 @@ impl Sampler {
 
 /// Spreads every bit of a word over all others, one to one.
 ///
-/// The finaliser of SplitMix64 (Steele, Lea, Flood, "Fast Splittable Pseudorandom
-/// Number Generators", 2014), with its additive constant so that 0 does not stay 0.
+/// The first word of the stream with that seed, not the finaliser alone, so that 0 does not stay 0.
 fn mix(word: u64) -> u64 {
-    let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    word ^ (word >> 31)
+    SplitMix::new(word).word()
 }
 
 #[cfg(test)]

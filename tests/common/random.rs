@@ -1,28 +1,20 @@
 //! Random numbers that are the same on every machine.
 
 use glam::DVec3;
+use nurbray::math::SplitMix;
 
-/// SplitMix64 (Steele, Lea & Flood 2014): any seed will do, streams of different seeds are
-/// unrelated.
+/// Any seed will do, streams of different seeds are unrelated.
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub(crate) struct Random(SplitMix);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        Self(SplitMix::new(seed))
     }
 
     /// Uniform in `[0, 1)`.
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * f64::powi(2.0, -53)
+        (self.0.word() >> 11) as f64 * f64::powi(2.0, -53)
     }
 
     /// Uniform in `[from, to)`.

@@ -245,7 +245,7 @@ fn curves_name_what_is_wrong() {
 
 #[test]
 fn a_tangle_is_refused_in_time() {
-    let mut random = Random(99);
+    let mut random = Random::new(99);
     let corners: Vec<DVec2> =
         (0..20_000).map(|_| DVec2::new(random.next(), random.next())).collect();
     let tangle = TrimLoop::polygon(&corners).unwrap();
