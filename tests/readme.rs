@@ -6,7 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use nurbray::geometry::MAX_CONTROL_POINTS;
+use nurbray::geometry::construct::NetStyle;
 use nurbray::io::write_rows;
+use nurbray::scene::Scene;
 use tempfile::TempDir;
 
 const README: &str = include_str!("../README.md");
@@ -191,6 +194,19 @@ fn every_file_it_points_to_exists() {
     assert!(files.len() >= 5, "only {files:?}");
     for file in files.into_iter().chain([root().join("tests/run")]) {
         assert!(file.exists(), "{} is missing", file.display());
+    }
+}
+
+#[test]
+fn the_sizes_it_names_are_the_limits() {
+    let limits = README.split("**Sizes and budgets.**").nth(1).unwrap();
+    let limits = limits.split("\n\n**").next().unwrap();
+    for (shown, power, limit) in [
+        ("2²⁴", 24, MAX_CONTROL_POINTS),
+        ("2²⁶", 26, Scene::MAX_POINTS),
+        ("2¹⁶", 16, NetStyle::MAX_POINTS),
+    ] {
+        assert!(limits.contains(shown) && limit == 1 << power, "{shown} is not {limit}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::knots::{MAX_DEGREE, MAX_POINTS};
+use super::knots::{MAX_CONTROL_POINTS, MAX_DEGREE};
 use crate::math::{Counted, Shown};
 
 /// The reason why numbers cannot be the knots of a spline: what was found and what is needed.
@@ -75,8 +75,8 @@ pub enum KnotError {
         /// The number of different control points.
         points: usize,
     },
-    /// More control points in one direction than [`MAX_POINTS`]; nothing was allocated.
-    #[error("{points} points: at most {MAX_POINTS} in one direction are supported")]
+    /// More control points in one direction than [`MAX_CONTROL_POINTS`]; nothing was allocated.
+    #[error("{points} points: at most {MAX_CONTROL_POINTS} in one direction are supported")]
     TooManyPoints {
         /// The number of control points asked for.
         points: usize,

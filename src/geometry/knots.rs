@@ -11,7 +11,7 @@ pub const MAX_DEGREE: usize = bernstein::MAX_DEGREE;
 
 /// The largest number of control points in one direction. More is taken for a mistake and
 /// refused before memory is allocated. 2²⁴ points of 32 bytes are half a gigabyte.
-pub const MAX_POINTS: usize = 1 << 24;
+pub const MAX_CONTROL_POINTS: usize = 1 << 24;
 
 /// The knots of a B-spline: the parameter values at which its pieces meet.
 ///
@@ -21,7 +21,7 @@ pub const MAX_POINTS: usize = 1 << 24;
 /// jump, and takes the value of the piece that begins there.
 ///
 /// # Invariants, checked once in [`KnotVector::new`] and relied on everywhere else
-/// - `1 ≤ p ≤` [`MAX_DEGREE`], `p + 1 ≤ n ≤` [`MAX_POINTS`];
+/// - `1 ≤ p ≤` [`MAX_DEGREE`], `p + 1 ≤ n ≤` [`MAX_CONTROL_POINTS`];
 /// - every knot is finite, none is smaller than the one before it, none occurs more than
 ///   `p + 1` times, and `t_last − t₀` is finite;
 /// - the domain is not empty: `tₚ < tₙ`.
@@ -309,7 +309,7 @@ fn check_points(degree: usize, points: usize) -> Result<(), KnotError> {
     if points < degree + 1 {
         return Err(KnotError::TooFewPoints { points, degree });
     }
-    if points > MAX_POINTS {
+    if points > MAX_CONTROL_POINTS {
         return Err(KnotError::TooManyPoints { points });
     }
     Ok(())

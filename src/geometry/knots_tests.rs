@@ -50,7 +50,7 @@ fn errors_tell_what_was_found_and_what_is_needed() {
 
 #[test]
 fn absurd_counts_are_refused_before_memory_is_asked_for() {
-    let most = format!("at most {MAX_POINTS} in one direction are supported");
+    let most = format!("at most {MAX_CONTROL_POINTS} in one direction are supported");
     for make in [KnotVector::uniform, KnotVector::standard, KnotVector::clamped_uniform] {
         assert_eq!(message(make(3, usize::MAX)), format!("{} points: {most}", usize::MAX));
     }

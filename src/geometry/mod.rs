@@ -77,7 +77,7 @@ pub use derivatives::SurfaceDerivatives;
 pub(crate) use extraction::{Extraction, Extractions};
 pub use knot_error::KnotError;
 pub(crate) use knots::periodic_values;
-pub use knots::{KnotVector, MAX_DEGREE, MAX_POINTS, Span};
+pub use knots::{KnotVector, MAX_CONTROL_POINTS, MAX_DEGREE, Span};
 pub use matrix_form::{MatrixForm, matrix_patch};
 pub use rational_basis::RationalBasis;
 pub use surface::{MAX_MAGNITUDE, MIN_MAGNITUDE, NurbsSurface};

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use super::Written;
-use crate::geometry::{Direction, KnotError, KnotVector, MAX_POINTS, NurbsSurface, SurfaceError};
+use crate::geometry::{
+    Direction, KnotError, KnotVector, MAX_CONTROL_POINTS, NurbsSurface, SurfaceError,
+};
 
 /// Knots as an author writes them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -146,7 +148,9 @@ pub(super) fn knot_vector(
         }
         Knots::Uniform => KnotVector::uniform(degree, points),
         // Before as many knots are made.
-        Knots::PeriodicUniform if points > MAX_POINTS => Err(KnotError::TooManyPoints { points }),
+        Knots::PeriodicUniform if points > MAX_CONTROL_POINTS => {
+            Err(KnotError::TooManyPoints { points })
+        }
         Knots::PeriodicUniform => KnotVector::periodic(degree, &evenly_spaced(points)),
         Knots::Periodic(period) if period.len() != points.saturating_add(1) => {
             Err(KnotError::PeriodCount { knots: period.len(), points })

@@ -201,7 +201,7 @@ fn wrong_counts() {
         format!(
             "m.json:4:19: surface \"m/lid\", direction u: 1000000000000000 points: \
              at most {} in one direction are supported",
-            crate::geometry::MAX_POINTS
+            crate::geometry::MAX_CONTROL_POINTS
         )
     );
     assert_eq!(
