@@ -27,31 +27,33 @@ mod random;
 mod rays;
 
 use answers::{
-    bits, compare, compare_all, everywhere, occlusions, one_by_one, trace, wide_kernels,
+    Asked, bits, compare, compare_all, everywhere, occlusions, one_by_one, trace, wide_kernels,
 };
-use models::{models, sheet, trimmed, with_heavy_points};
+use models::{Model, models, sheet, trimmed, with_heavy_points};
 use random::Random;
 use rays::{leaving, past_pole, rays};
 
 #[test]
 fn packets_answer_as_the_scalar_kernel() {
-    everywhere(|name, scale, bvh, queries, _| {
+    everywhere(|asked, queries, _| {
+        let bvh = &asked.bvh;
         let scalar = one_by_one(bvh, Kernel::Scalar, queries);
         for kernel in wide_kernels() {
             let wide = trace(bvh, kernel, Coherence::Coherent, queries);
-            compare_all((name, kernel, scale), bvh, queries, &wide, &scalar);
+            compare_all(asked, kernel, queries, &wide, &scalar);
         }
     });
 }
 
 #[test]
 fn streams_answer_as_the_scalar_kernel() {
-    everywhere(|name, scale, bvh, queries, leaving| {
+    everywhere(|asked, queries, leaving| {
+        let bvh = &asked.bvh;
         for queries in [queries, leaving] {
             let scalar = one_by_one(bvh, Kernel::Scalar, queries);
             for kernel in wide_kernels() {
                 let wide = trace(bvh, kernel, Coherence::Incoherent, queries);
-                compare_all((name, kernel, scale), bvh, queries, &wide, &scalar);
+                compare_all(asked, kernel, queries, &wide, &scalar);
             }
         }
     });
@@ -59,12 +61,13 @@ fn streams_answer_as_the_scalar_kernel() {
 
 #[test]
 fn single_rays_are_answered_as_by_the_scalar_kernel() {
-    everywhere(|name, scale, bvh, queries, leaving| {
+    everywhere(|asked, queries, leaving| {
+        let bvh = &asked.bvh;
         for queries in [queries, leaving] {
             let scalar = one_by_one(bvh, Kernel::Scalar, queries);
             for kernel in wide_kernels() {
                 let wide = one_by_one(bvh, kernel, queries);
-                compare_all((name, kernel, scale), bvh, queries, &wide, &scalar);
+                compare_all(asked, kernel, queries, &wide, &scalar);
             }
         }
     });
@@ -92,22 +95,24 @@ fn rays_past_poles_are_answered_as_by_the_scalar_kernel() {
         ("disk", shapes::disk(1.0).unwrap(), DVec3::ZERO),
     ];
     for (name, surface, pole) in surfaces {
-        let bvh = SurfaceBvh::build(&[Surface::from(surface)]).unwrap();
+        // 31.3 % were seen, of rays that leave a cone.
+        let asked = Asked { most_doubtful: 0.33, ..Asked::new(Model::one(name, surface), 1.0) };
+        let bvh = &asked.bvh;
         let mut random = Random::new(3);
         let queries = past_pole(pole, &mut random);
-        let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+        let hits = one_by_one(bvh, Kernel::Scalar, &queries);
         assert!(hits.iter().filter(|answer| answer.hit.is_some()).count() > 100, "{name}");
         let leaving = leaving(&hits, 1.0, &mut random);
         for queries in [queries, leaving] {
-            let scalar = one_by_one(&bvh, Kernel::Scalar, &queries);
+            let scalar = one_by_one(bvh, Kernel::Scalar, &queries);
             for kernel in wide_kernels() {
                 for mut wide in [
-                    one_by_one(&bvh, kernel, &queries),
-                    trace(&bvh, kernel, Coherence::Coherent, &queries),
-                    trace(&bvh, kernel, Coherence::Incoherent, &queries),
+                    one_by_one(bvh, kernel, &queries),
+                    trace(bvh, kernel, Coherence::Coherent, &queries),
+                    trace(bvh, kernel, Coherence::Incoherent, &queries),
                 ] {
                     forgive_normals(pole, &mut wide, &scalar);
-                    compare_all((name, kernel, 1.0), &bvh, &queries, &wide, &scalar);
+                    compare_all(&asked, kernel, &queries, &wide, &scalar);
                 }
             }
         }
@@ -116,7 +121,8 @@ fn rays_past_poles_are_answered_as_by_the_scalar_kernel() {
 
 #[test]
 fn occlusion_is_that_of_the_scalar_kernel() {
-    everywhere(|name, _, bvh, queries, leaving| {
+    everywhere(|asked, queries, leaving| {
+        let (name, bvh) = (&asked.model.name, &asked.bvh);
         for queries in [queries, leaving] {
             let scalar = occlusions(bvh, Kernel::Scalar, queries);
             for kernel in wide_kernels() {
@@ -140,7 +146,7 @@ fn occlusion_is_that_of_the_scalar_kernel() {
 
 #[test]
 fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
-    for (name, surfaces) in models() {
+    for Model { name, surfaces, .. } in models() {
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let (low, high) = bvh.bounds().unwrap();
         let mut random = Random::new(11);
@@ -163,7 +169,6 @@ fn incoherent_rays_are_occluded_alike_alone_and_in_batches() {
 #[test]
 fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
     let mut random = Random::new(17);
-    let build = |surface: Surface| SurfaceBvh::build(&[surface]).unwrap();
     let sheets = [
         ((3, 3), 40, false),
         ((3, 3), 40, true),
@@ -182,13 +187,16 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
             if k == 1 { Surface::from(trimmed(surface)) } else { Surface::from(surface) }
         });
         let queries = rays(std::slice::from_ref(&own), DVec3::ZERO, 1.5, &mut random);
+        let name = format!("{degree:?}");
+        let build = |surface| Asked::new(Model::one(&name, surface), 1.0);
         let [made, kept] = [own, bezier].map(build);
         let hits = |answers: &[Answer]| answers.iter().filter(|a| a.hit.is_some()).count();
-        assert!(made.bytes() + 200_000 < kept.bytes(), "{} of {}", made.bytes(), kept.bytes());
-        assert_eq!(made.leaves().len(), kept.leaves().len());
+        let [less, more] = [&made, &kept].map(|asked| asked.bvh.bytes());
+        assert!(less + 200_000 < more, "{less} of {more}");
+        assert_eq!(made.bvh.leaves().len(), kept.bvh.leaves().len());
         for &kernel in Kernel::ALL.iter().filter(|kernel| kernel.is_available()) {
             let same = |queries: &[Query], what: &str| {
-                let answers = [&made, &kept].map(|bvh| {
+                let answers = [&made.bvh, &kept.bvh].map(|bvh| {
                     let mut answers = one_by_one(bvh, kernel, queries);
                     for coherence in [Coherence::Coherent, Coherence::Incoherent] {
                         answers.extend(trace(bvh, kernel, coherence, queries));
@@ -200,11 +208,10 @@ fn it_is_the_same_whether_bezier_points_are_kept_or_made() {
                     if kernel == Kernel::Scalar && low {
                         assert_eq!(bits(a), bits(b), "{degree:?}: {what}");
                     } else {
-                        let name = format!("{degree:?}, {what}");
-                        compare((&name, &made), kernel, 1.0, &queries[k % queries.len()], (a, b));
+                        compare(&made, kernel, &queries[k % queries.len()], (a, b));
                     }
                 }
-                let [a, b] = [&made, &kept].map(|bvh| occlusions(bvh, kernel, queries));
+                let [a, b] = [&made.bvh, &kept.bvh].map(|bvh| occlusions(bvh, kernel, queries));
                 for ((query, a), b) in queries.iter().zip(&a).zip(&b) {
                     let same = a == b || !low && (a.doubtful || b.doubtful);
                     assert!(same, "{degree:?}, {kernel}, {what}: {query:?}\n{a:?}\n{b:?}");

@@ -5,7 +5,7 @@ use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh
 use nurbray::math::rounding;
 use nurbray::patch::Piece;
 
-use crate::models::{SMALL, models, small_in_large};
+use crate::models::{Model, SMALL, models, small_in_large};
 use crate::random::Random;
 use crate::rays::{leaving, rays};
 
@@ -66,17 +66,50 @@ fn on_patch_border(uv: DVec2) -> bool {
     (lines - lines.round()).abs().min_element() < 1e-3
 }
 
+/// A model ready to be traced, of which kernels are asked.
+pub(crate) struct Asked {
+    pub(crate) model: Model,
+    pub(crate) bvh: SurfaceBvh,
+    /// The size of its smallest body.
+    pub(crate) scale: f64,
+    /// The largest share of rays whose answers are in doubt, so that nothing is compared.
+    pub(crate) most_doubtful: f64,
+}
+
+impl Asked {
+    pub(crate) fn new(model: Model, scale: f64) -> Self {
+        let bvh = SurfaceBvh::build(&model.surfaces).unwrap();
+        // 13.1 % were seen, on the sheet of degree 24.
+        Self { bvh, model, scale, most_doubtful: 0.14 }
+    }
+}
+
+/// How far two answers could be compared.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Compared {
+    /// One of them is doubtful.
+    Doubtful,
+    /// Both are misses.
+    Misses,
+    /// Both are hits of a surface with creases, where normals may differ.
+    Creased,
+    /// Both are hits, but at two places that are one, or at a grazing angle: normals may differ.
+    Points,
+    /// Both are hits in the same place, with normals.
+    Normals,
+}
+
 pub(crate) fn compare(
-    (name, bvh): (&str, &SurfaceBvh),
+    asked: &Asked,
     kernel: Kernel,
-    scale: f64,
     query: &Query,
     (wide, scalar): (&Answer, &Answer),
-) {
+) -> Compared {
+    let Asked { model, bvh, scale, .. } = asked;
     let ray = query.ray();
-    let context = || format!("{name}, {kernel}: {ray:?}\n{wide:?}\n{scalar:?}");
+    let context = || format!("{}, {kernel}: {ray:?}\n{wide:?}\n{scalar:?}", model.name);
     if wide.doubtful || scalar.doubtful {
-        return; // counted by the caller
+        return Compared::Doubtful;
     }
     match (&wide.hit, &scalar.hit) {
         (Some(a), Some(b)) => {
@@ -103,51 +136,53 @@ pub(crate) fn compare(
             assert_eq!(a.normal.is_nan(), b.normal.is_nan(), "{}", context());
             let turned = if turned.is_nan() { 0.0 } else { turned };
             // Where surfaces, the sides of a tip or those of a crease meet, any may be named.
-            let has_creases = name.starts_with("creased") || has_creases(bvh, a.surface);
-            let same = a.surface == b.surface && a.uv.distance(b.uv) < 1e-3 && !has_creases;
+            if model.creases || has_creases(bvh, a.surface) {
+                return Compared::Creased;
+            }
+            let same = a.surface == b.surface && a.uv.distance(b.uv) < 1e-3;
+            if !same || cosine < 1e-3 {
+                return Compared::Points;
+            }
             // Near the tip of a cone, normals turn the faster the nearer the tip is.
             let is_cone = p.min(q) == 1 && to_tip > twice;
             let at_tip = if is_cone { 2.0 * a.point.distance(b.point) / to_tip } else { 0.0 };
-            // Patches of a limit surface meet smoothly to within its tolerance only: 1.7e-3 was seen.
-            let between = if name.ends_with("body") && on_patch_border(a.uv) { 5e-3 } else { 0.0 };
+            let between = if on_patch_border(a.uv) { model.turn_between_patches } else { 0.0 };
             let turn = 1e2 * error / scale + at_tip + between;
-            assert!(
-                !same || turned <= 1e-12 + turn || cosine < 1e-3,
-                "normals differ by {turned}: {}",
-                context()
-            );
+            assert!(turned <= 1e-12 + turn, "normals differ by {turned}: {}", context());
+            Compared::Normals
         }
-        (None, None) => {}
+        (None, None) => Compared::Misses,
         _ => panic!("only one kernel hits: {}", context()),
     }
 }
 
 /// A check of a model, with rays at it and rays that leave it.
-pub(crate) type Check = fn(&str, f64, &SurfaceBvh, &[Query], &[Query]);
+pub(crate) type Check = fn(&Asked, &[Query], &[Query]);
 
 /// All models, at several sizes and places.
 pub(crate) fn everywhere(check: Check) {
     for (scale, shift) in
         [(1.0, DVec3::ZERO), (1e-8, DVec3::ZERO), (1.0, DVec3::new(1e6, 2e6, -1e6))]
     {
-        let mut models: Vec<_> = models().into_iter().map(|(n, s)| (n, s, scale)).collect();
+        let mut models: Vec<_> = models().into_iter().map(|model| (model, scale)).collect();
         if shift == DVec3::ZERO {
             // Far from the origin there are not enough numbers for something so small.
-            models.push(("small in large".into(), small_in_large(), SMALL * scale));
+            models.push((Model::new("small in large", small_in_large()), SMALL * scale));
         }
-        for (name, surfaces, scale_of_least) in models {
+        for (mut model, scale_of_least) in models {
             let placed =
                 DAffine3::from_translation(shift) * DAffine3::from_scale(DVec3::splat(scale));
-            let surfaces: Vec<_> =
-                surfaces.iter().map(|surface| surface.transformed(&placed).unwrap()).collect();
-            let bvh = SurfaceBvh::build(&surfaces).unwrap();
-            let (low, high) = bvh.bounds().unwrap();
+            for surface in &mut model.surfaces {
+                *surface = surface.transformed(&placed).unwrap();
+            }
+            let asked = Asked::new(model, scale_of_least);
+            let (low, high) = asked.bvh.bounds().unwrap();
             let mut random = Random::new(3);
             let (center, radius) = (0.5 * (low + high), 0.5 * low.distance(high));
-            let queries = rays(&surfaces, center, radius, &mut random);
-            let hits = one_by_one(&bvh, Kernel::Scalar, &queries);
+            let queries = rays(&asked.model.surfaces, center, radius, &mut random);
+            let hits = one_by_one(&asked.bvh, Kernel::Scalar, &queries);
             let leaving = leaving(&hits, radius, &mut random);
-            check(&name, scale_of_least, &bvh, &queries, &leaving);
+            check(&asked, &queries, &leaving);
         }
     }
 }
@@ -159,16 +194,25 @@ pub(crate) fn wide_kernels() -> impl Iterator<Item = Kernel> {
 
 /// Compares all answers, and the numbers of doubtful ones.
 pub(crate) fn compare_all(
-    (name, kernel, scale): (&str, Kernel, f64),
-    bvh: &SurfaceBvh,
+    asked: &Asked,
+    kernel: Kernel,
     queries: &[Query],
     wide: &[Answer],
     scalar: &[Answer],
 ) {
     assert_eq!(wide.len(), queries.len());
-    for ((query, a), b) in queries.iter().zip(wide).zip(scalar) {
-        compare((name, bvh), kernel, scale, query, (a, b));
-    }
+    let pairs = queries.iter().zip(wide.iter().zip(scalar));
+    let compared: Vec<Compared> =
+        pairs.map(|(query, pair)| compare(asked, kernel, query, pair)).collect();
+    let count = |kind| compared.iter().filter(|one| **one == kind).count();
+    let [doubtful, points, normals] =
+        [Compared::Doubtful, Compared::Points, Compared::Normals].map(count);
+    let name = &asked.model.name;
+    let share = doubtful as f64 / queries.len() as f64;
+    assert!(share <= asked.most_doubtful, "{name}, {kernel}: {share} in doubt");
+    // 3.8 % were seen, of rays past the poles of a sphere.
+    let most = (points + normals) / 25 + 2;
+    assert!(points <= most, "{name}, {kernel}: {points} normals not compared, {normals} compared");
     let doubts = |answers: &[Answer]| answers.iter().filter(|a| a.doubtful).count();
     let (a, b) = (doubts(wide), doubts(scalar));
     assert!(a <= b + b / 10 + 2, "{name}, {kernel}: {a} doubtful, scalar {b}");

@@ -6,13 +6,13 @@ use nurbray::intersect::{Coherence, Kernel, Query, SurfaceBvh};
 use nurbray::math::Ray;
 
 use crate::answers::{bits, one_by_one, trace};
-use crate::models::{models, sheet, with_heavy_points};
+use crate::models::{Model, models, sheet, with_heavy_points};
 use crate::random::Random;
 use crate::rays::{leaving, rays};
 
 #[test]
 fn an_answer_does_not_depend_on_the_company() {
-    for (name, surfaces) in models() {
+    for Model { name, surfaces, .. } in models() {
         let bvh = SurfaceBvh::build(&surfaces).unwrap();
         let (low, high) = bvh.bounds().unwrap();
         let mut random = Random::new(7);

@@ -49,23 +49,47 @@ pub(crate) fn trimmed(surface: NurbsSurface) -> TrimmedSurface {
     TrimmedSurface::new(surface, Trims::new(domain, Kept::Even, &loops).unwrap()).unwrap()
 }
 
-pub(crate) fn models() -> Vec<(String, Vec<Surface>)> {
-    let nurbs: Vec<(String, Vec<NurbsSurface>)> = vec![
-        ("sphere".into(), vec![shapes::sphere(1.0).unwrap()]),
-        ("biquadratic sphere".into(), vec![shapes::sphere_biquadratic(1.0).unwrap()]),
-        ("torus".into(), vec![shapes::torus(1.0, 0.4).unwrap()]),
-        (
-            "cylinder and disk".into(),
-            vec![shapes::cylinder(1.0, 1.0).unwrap(), shapes::disk(1.0).unwrap()],
-        ),
-        ("cone".into(), vec![shapes::cone(1.0, 1.5).unwrap()]),
-        ("plane".into(), vec![shapes::plane(2.0, 2.0).unwrap()]),
-        ("lecture patch".into(), vec![shapes::lecture_patch_3()]),
+/// Surfaces, and what is known of their normals.
+pub(crate) struct Model {
+    pub(crate) name: String,
+    pub(crate) surfaces: Vec<Surface>,
+    /// Whether their patches meet at creases, where either normal may be named.
+    pub(crate) creases: bool,
+    /// The largest angle in radians at which patches meet elsewhere.
+    pub(crate) turn_between_patches: f64,
+}
+
+impl Model {
+    pub(crate) fn new(name: impl Into<String>, surfaces: Vec<Surface>) -> Self {
+        Self { name: name.into(), surfaces, creases: false, turn_between_patches: 0.0 }
+    }
+
+    pub(crate) fn one(name: impl Into<String>, surface: impl Into<Surface>) -> Self {
+        Self::new(name, vec![surface.into()])
+    }
+
+    /// A closed subdivision surface. Its patches meet smoothly to within its tolerance only: 1.7e-3
+    /// was seen.
+    fn body(name: &str, surface: Surface) -> Self {
+        Self { turn_between_patches: 5e-3, ..Self::one(name, surface) }
+    }
+
+    fn creased(self) -> Self {
+        Self { creases: true, ..self }
+    }
+}
+
+pub(crate) fn models() -> Vec<Model> {
+    let tin = vec![shapes::cylinder(1.0, 1.0).unwrap(), shapes::disk(1.0).unwrap()];
+    let mut models = vec![
+        Model::one("sphere", shapes::sphere(1.0).unwrap()),
+        Model::one("biquadratic sphere", shapes::sphere_biquadratic(1.0).unwrap()),
+        Model::one("torus", shapes::torus(1.0, 0.4).unwrap()),
+        Model::new("cylinder and disk", tin.into_iter().map(Surface::from).collect()),
+        Model::one("cone", shapes::cone(1.0, 1.5).unwrap()),
+        Model::one("plane", shapes::plane(2.0, 2.0).unwrap()),
+        Model::one("lecture patch", shapes::lecture_patch_3()),
     ];
-    let mut models: Vec<(String, Vec<Surface>)> = nurbs
-        .into_iter()
-        .map(|(name, surfaces)| (name, surfaces.into_iter().map(Surface::from).collect()))
-        .collect();
     for (degree, points, rational) in [
         ((3, 3), 12, false),
         ((2, 3), 9, true),
@@ -73,10 +97,8 @@ pub(crate) fn models() -> Vec<(String, Vec<Surface>)> {
         ((7, 1), 9, true),
         ((24, 3), 25, false),
     ] {
-        models.push((
-            format!("sheet {degree:?} {rational}"),
-            vec![sheet(degree, points, rational).into()],
-        ));
+        let name = format!("sheet {degree:?} {rational}");
+        models.push(Model::one(name, sheet(degree, points, rational)));
     }
     for (name, surface) in [
         ("trimmed sphere", shapes::sphere(1.0).unwrap()),
@@ -84,13 +106,13 @@ pub(crate) fn models() -> Vec<(String, Vec<Surface>)> {
         ("trimmed plane", shapes::plane(2.0, 2.0).unwrap()),
         ("trimmed sheet", sheet((3, 2), 8, true)),
     ] {
-        models.push((name.into(), vec![trimmed(surface).into()]));
+        models.push(Model::one(name, trimmed(surface)));
     }
-    models.push(("octant sphere".into(), patches::octants()));
-    models.push(("body".into(), vec![patches::catmull_clark()]));
-    models.push(("creased body".into(), vec![patches::creased()]));
-    models.push(("Doo–Sabin body".into(), vec![patches::doo_sabin()]));
-    models.push(("creased sheet".into(), vec![patches::creased_sheet()]));
+    models.push(Model::new("octant sphere", patches::octants()));
+    models.push(Model::body("body", patches::catmull_clark()));
+    models.push(Model::body("creased body", patches::creased()).creased());
+    models.push(Model::body("Doo–Sabin body", patches::doo_sabin()));
+    models.push(Model::one("creased sheet", patches::creased_sheet()).creased());
     models
 }
 
