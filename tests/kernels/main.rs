@@ -4,8 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::unwrap_used,
-    dead_code,
-    reason = "a failing test is a panic, also in its helpers, of which others use some more"
+    reason = "a failing test is a panic, also in its helpers"
 )]
 
 use glam::{DAffine3, DVec3};
@@ -13,17 +12,14 @@ use nurbray::geometry::{KnotVector, NurbsSurface, Surface, shapes};
 use nurbray::intersect::{Answer, Coherence, Kernel, Occlusion, Query, SurfaceBvh};
 use nurbray::math::{Ray, rounding};
 
-#[path = "kernels/answers.rs"]
 mod answers;
-#[path = "kernels/company.rs"]
 mod company;
-#[path = "kernels/models.rs"]
 mod models;
-#[path = "common/patches.rs"]
+#[path = "../common/patches.rs"]
 mod patches;
-#[path = "common/random.rs"]
+#[allow(dead_code, reason = "tests/robust uses the rest of it")]
+#[path = "../common/random.rs"]
 mod random;
-#[path = "kernels/rays.rs"]
 mod rays;
 
 use answers::{

@@ -5,15 +5,13 @@
     clippy::expect_used,
     clippy::panic,
     clippy::unwrap_used,
-    dead_code,
-    reason = "a failing test is a panic, also in its helpers, of which others use some more"
+    reason = "a failing test is a panic, also in its helpers"
 )]
 
-#[path = "trimmed/ask.rs"]
 mod ask;
-#[path = "trimmed/edges.rs"]
 mod edges;
-#[path = "common/random.rs"]
+#[allow(dead_code, reason = "tests/robust uses the rest of it")]
+#[path = "../common/random.rs"]
 mod random;
 
 use std::f64::consts::TAU;

@@ -11,15 +11,9 @@
     reason = "tests, and the functions they share"
 )]
 
-#[path = "references/binding.rs"]
 mod binding;
-#[path = "references/convergence.rs"]
 mod convergence;
-#[path = "references/images.rs"]
 mod images;
-#[path = "references/loaded.rs"]
 mod loaded;
-#[path = "references/models.rs"]
 mod models;
-#[path = "references/picture.rs"]
 mod picture;

@@ -2,9 +2,7 @@
 //! library is silent, a file is one idea.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests, and what they share")]
 
-#[path = "architecture/rules.rs"]
 mod rules;
-#[path = "architecture/source.rs"]
 mod source;
 
 use source::SourceFile;
