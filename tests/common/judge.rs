@@ -1,4 +1,22 @@
 //! The faults of answers.
+//!
+//! `nurbray audit` has a judge of its own, `src/app/audit/judge.rs`. The two agree on the promise,
+//! on how far a root may move along the ray, and on what is steep. They differ in this:
+//!
+//! - This one also asks for the exact solver's first hit, the normals and parity, and holds a
+//!   hit's point to the promise; that one compares the first hit and occlusion with all hits.
+//! - Rounding of (u, v) moves `S(u, v)` by the surface's speed there; that judge takes the speed
+//!   before a knot if it is larger.
+//! - A hit beside a border is owed here up to a residual of half the promise and all of
+//!   [`Measure::excuse`], there of half the promise and half the rounding of (u, v).
+//! - A hit beyond a trim edge may be owed here, there not if all within the promise is cut off.
+//! - Two roots of a surface are one here if the residual halfway between them, in t as in (u, v),
+//!   is within twice the sum of their bounds; there, with the t of the nearest point of the ray,
+//!   if it is within its own bound.
+//! - A target on a border or a trim edge must be met there whatever the angle, here only if the
+//!   ray is steep, as anywhere.
+//! - In a pole `|N · d|` is by the limit of the normal here, and 0 there.
+//! - Directions may have any length here; there their squares must be representable.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::Surface;
@@ -52,7 +70,7 @@ const TANGENT_FACTOR: f64 = 4.0;
 
 /// A ray that passes a surface within rounding surely crosses it if it is this steep: the
 /// surface would need a radius of curvature of 1e-11 of its size not to be crossed.
-const STEEP: f64 = 0.01;
+const SURE_INCIDENCE: f64 = 0.01;
 
 /// Compares answers for one model.
 pub(crate) struct Judge<'a> {
@@ -203,7 +221,7 @@ impl<'a> Judge<'a> {
         }
         let measure = self.measure_at(&shot.ray, site, t);
         let slack = self.slack(measure.promise + measure.excuse, measure.incidence);
-        (measure.incidence >= STEEP).then_some((site, t, slack))
+        (measure.incidence >= SURE_INCIDENCE).then_some((site, t, slack))
     }
 
     fn occlusion_wrong(&self, ray: &Ray, answers: &Answers) -> Option<String> {

@@ -1,4 +1,6 @@
 //! Whether the fast path's answer is right, given all roots from the exact solver.
+//!
+//! The tests judge by `tests/common/judge.rs`, which says in what the two differ.
 
 use glam::{DVec2, DVec3};
 use nurbray::geometry::trim::Side;
