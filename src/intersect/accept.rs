@@ -100,11 +100,12 @@ impl<'a> Candidate<'a> {
             Proof::Contact(_) => HitFlags::DOUBTFUL,
             Proof::Stretch(_) => HitFlags::DOUBTFUL.with(HitFlags::INSIDE),
         };
-        if proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
+        let moved = spot.st != solution.st;
+        let barely = moved && on_ray.residual > on_ray.allowed / MOST_UNSURE;
+        if barely || proof == Proof::Collapsed && may_touch(leaf, &spot.jet, cosine, error) {
             flags.insert(HitFlags::DOUBTFUL);
         }
         let z_error = error_along(proof, error, (z, cosine));
-        let moved = spot.st != solution.st;
         Self {
             question,
             leaf,
@@ -237,8 +238,10 @@ impl<'a> Candidate<'a> {
             edge,
             cosine,
             stretch,
+            // A pole is itself a border: what passes it may be moved onto it.
             beyond: self.cut_off
-                || self.moved && residual > AIMED * rounding_at(jet.point, piece, ray),
+                || (self.moved || self.solution.proof == Proof::Collapsed)
+                    && residual > AIMED * rounding_at(jet.point, piece, ray),
         }
     }
 }
@@ -276,6 +279,7 @@ fn on_ray<'a>(
         Proof::Contact(_) => 2.0 * error,
         Proof::Stretch(_) => AROUND * error,
     };
+    let missed_closely = moved && residual <= MOST_UNSURE * allowed;
     if residual <= allowed {
         let spot = Spot { index: leaf.piece, piece, st, jet };
         return Ok(OnRay { spot, z, residual, allowed });
@@ -284,7 +288,7 @@ fn on_ray<'a>(
     let speed = jet.ds.length() * st.x + jet.dt.length() * st.y;
     let too_coarse = residual <= allowed + 4.0 * rounding::UNIT_ROUNDOFF * speed;
     let stretch = solution.proof.stretch();
-    let unexplained = stretch.is_some() || !moved || too_coarse;
+    let unexplained = stretch.is_some() || !moved || too_coarse || missed_closely;
     let from = stretch.map_or(z, |[from, _]| from.min(z));
     Err(if unexplained { Dropped::from(from, ray) } else { Dropped::Surely })
 }
@@ -306,6 +310,10 @@ pub(super) const AROUND: f64 = 4.0;
 /// Two searches that are about equally exact find one root within twice the error: a root at a trim edge by one search
 /// is within this many times the reach of the edge by the other.
 const SPARE: f64 = 2.0;
+
+/// Two searches come to a border at slightly different parameters: where the border is farther from the ray than
+/// allowed for one of them, it is within this many times as much for the other.
+const MOST_UNSURE: f64 = 1.1;
 
 /// A root at a trim edge is doubtful if its error along the ray is more than this many times the error
 /// across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the edge by as much.

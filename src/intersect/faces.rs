@@ -67,7 +67,7 @@ impl Face<'_> {
             _ => None,
         };
         let in_space = |angle: f64| {
-            let along = DVec2::from_angle(angle) / lengths;
+            let along = direction(angle) / lengths;
             self.across(along.x * jet.ds + along.y * jet.dt)
         };
 
@@ -133,7 +133,9 @@ impl Face<'_> {
     fn swept(&self, control: Vec<DVec3>, halvings: u32) -> Option<f64> {
         let [first, last] = [control[0], control[control.len() - 1]];
         let middle = control.iter().filter_map(|v| v.try_normalize()).sum::<DVec3>();
-        if control.iter().all(|v| v.dot(middle) > 0.0) {
+        // By more than rounding: for half a turn, rounding would decide which way.
+        let ahead = |v: &DVec3| v.dot(middle) > LEAST_SINE * v.length() * middle.length();
+        if control.iter().all(ahead) {
             return Some(self.turn(first, last));
         }
         let halvings = halvings.checked_sub(1)?;
@@ -151,6 +153,13 @@ impl Face<'_> {
         let sine = self.axis.dot(from.cross(to));
         if from == DVec3::ZERO || to == DVec3::ZERO { f64::NAN } else { sine.atan2(from.dot(to)) }
     }
+}
+
+/// The unit vector at an angle. Where it is along an axis the other coordinate is exactly zero, for in space it may be
+/// multiplied by something large.
+fn direction(angle: f64) -> DVec2 {
+    let exact = |x: f64| if x.abs() <= 4.0 * f64::EPSILON { 0.0 } else { x };
+    DVec2::new(exact(angle.cos()), exact(angle.sin()))
 }
 
 /// A part of a Bézier curve, of constant weight.

@@ -18,7 +18,8 @@ const WORTHWHILE_BYTES: usize = 25 << 15;
 /// Up to 1.5 times as many leaves as there are coarsest ones may take this, about the size of a second-level cache.
 const MOST_BYTES: usize = 5 << 18;
 
-/// Parts that bend much and are large in the scene are worth more memory, up to this.
+/// Parts that bend much and are large in the scene are worth more memory, up to this; in scenes of more leaves, up to
+/// half of this in addition.
 const SCENE_BYTES: usize = 5 << 20;
 
 /// The least [`Cut::worth`] that is worth that memory, with lengths as fractions of the scene's diagonal: half an
@@ -28,6 +29,10 @@ const SCENE_BYTES: usize = 5 << 20;
 /// (shadow rays 2.5 times) with 8400 leaves instead of 6300, a lamp 1.2 to 1.3 times with 5900 instead of 3700, others
 /// 1.0 to 1.2 times. Half this value gains packets nothing more, and takes 1.4 to 2.2 times the memory.
 const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
+
+/// However many leaves a scene has, it may have this part of them in addition. What fills the picture may be a few
+/// large pieces among thousands of small ones.
+const MORE: usize = 8;
 
 /// The memory of a leaf without its weight, including its share of the tree: its box in a block that is half full.
 const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 2;
@@ -39,22 +44,22 @@ const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 
 /// The parts of all pieces that become leaves; none of a piece that trims have cut off entirely.
 ///
-/// Charts of more than [`MOST`] pieces get the coarsest parts; so do all others if together they have more pieces
-/// than a scene may be halved into. Neighbours are kept together where there are so many pieces.
+/// Charts of more than [`MOST`] pieces get the coarsest parts. Neighbours are kept together where there are so many
+/// pieces.
 pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     let (dense, others): (Vec<Grid>, Vec<Grid>) =
         grids.iter().partition(|grid| grid.count() > MOST);
-    let count: usize = others.iter().map(Grid::count).sum();
-    if count > MOST_OF_SCENE {
-        return coarse(pieces, grids);
-    }
     let mut parts = coarse(pieces, &dense);
     let fine = halved(pieces, &others, parts.bounds());
-    if count > MOST {
+    if pieces_of(&others) > MOST {
         parts.append(GroupedParts::of(pieces, &others, |piece, parts| {
             let first = fine.partition_point(|part| (part.piece as usize) < piece);
             let of_piece = |part: &&Part| part.piece as usize == piece;
+            let before = parts.len();
             parts.extend(fine[first..].iter().take_while(of_piece));
+            if parts.len() == before {
+                add_coarse(piece, pieces, parts);
+            }
         }));
     } else {
         parts.append(GroupedParts::single(fine));
@@ -62,40 +67,56 @@ pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     parts
 }
 
-/// The coarsest parts of all pieces of some charts. Control points are needed only for a moment.
-pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
-    GroupedParts::of(pieces, grids, |k, parts| {
-        let piece = &pieces[k];
-        PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
-            parts.push(part_net.part(k as u32, piece));
-        });
-    })
+fn pieces_of(grids: &[Grid]) -> usize {
+    grids.iter().map(Grid::count).sum()
 }
 
-/// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene.
+/// The coarsest parts of all pieces of some charts. Control points are needed only for a moment.
+pub(super) fn coarse(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
+    GroupedParts::of(pieces, grids, |piece, parts| add_coarse(piece, pieces, parts))
+}
+
+fn add_coarse(index: usize, pieces: &[Piece], parts: &mut Vec<Part>) {
+    let piece = &pieces[index];
+    PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+        parts.push(part_net.part(index as u32, piece));
+    });
+}
+
+/// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene. In large scenes, the
+/// pieces of which no part is worth halving are left out.
 ///
 /// All parts are as flat as a leaf must be. Then the part for which halving is worth most is halved, again and again,
 /// as long as there is room. Halves that are not flat enough by themselves may take a little more.
 fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
-    let coarse: Vec<SmallVec<[Flat; 1]>> = grids
-        .par_iter()
-        .flat_map(|grid| grid.pieces())
-        .map(|k| {
-            let piece = &pieces[k];
-            let mut parts = SmallVec::new();
-            PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
-                parts.push(Flat::new(k as u32, piece, part_net));
-            });
-            parts
-        })
-        .collect();
+    let flats = |k: usize| -> SmallVec<[Flat; 1]> {
+        let piece = &pieces[k];
+        let mut parts = SmallVec::new();
+        PartNet::whole(piece).coarse_parts(piece, &mut |part_net| {
+            parts.push(Flat::new(k as u32, piece, part_net));
+        });
+        parts
+    };
+    let charts = || grids.par_iter().flat_map(|grid| grid.pieces());
+    let (coarse, room): (Vec<SmallVec<[Flat; 1]>>, Room);
+    let count = |coarse: &[SmallVec<[Flat; 1]>]| coarse.iter().map(SmallVec::len).sum::<usize>();
+    let others; // the number of parts that are left out
+    if pieces_of(grids) <= MOST_OF_SCENE {
+        coarse = charts().map(flats).collect();
+        let all = coarse.iter().flatten().map(|flat| flat.part_net.bounds());
+        room = Room::new(count(&coarse), all.fold(bounds, Aabb::union));
+        others = 0;
+    } else {
+        // The control points of all parts at once would take too much memory.
+        let parts = self::coarse(pieces, grids);
+        room = Room::new(parts.all().len(), bounds.union(parts.bounds()));
+        coarse = charts().map(flats).filter(|flats| room.may_be_for(flats)).collect();
+        others = parts.all().len() - count(&coarse);
+    }
+
     let mut open: BinaryHeap<Flat> = coarse.into_iter().flatten().collect();
-    let worthwhile = (open.len() + open.len() / 2).clamp(WORTHWHILE, MOST);
-    let all = open.iter().map(|flat| flat.part_net.bounds()).fold(bounds, Aabb::union);
-    let worth_in_scene = WORTHWHILE_IN_SCENE * all.size().length().sqrt();
     while let Some(way) = open.peek().and_then(|flat| flat.way) {
-        let is_due = open.len() < MOST_OF_SCENE && way.worth > worth_in_scene;
-        if !is_due && open.len() >= worthwhile {
+        if !room.is_for(way, others + open.len()) {
             break;
         }
         let Some(flat) = open.pop() else { break };
@@ -108,6 +129,38 @@ fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
     leaves.par_sort_unstable_by_key(Flat::place);
     let part = |flat: &Flat| flat.part_net.part(flat.piece, &pieces[flat.piece as usize]);
     leaves.par_iter().map(part).collect()
+}
+
+/// How many leaves there may be.
+struct Room {
+    /// If halving is worth anything.
+    worthwhile: usize,
+    /// If halving is worth this much.
+    in_scene: usize,
+    worth_in_scene: f64,
+}
+
+impl Room {
+    /// For a scene of this many coarsest parts, besides those of dense charts, and this size.
+    fn new(coarse: usize, bounds: Aabb) -> Self {
+        let more = coarse / MORE;
+        Self {
+            worthwhile: (coarse + coarse / 2).clamp(WORTHWHILE, MOST).max(coarse + more),
+            in_scene: MOST_OF_SCENE.max(coarse + more.max(MOST_OF_SCENE / 2)),
+            worth_in_scene: WORTHWHILE_IN_SCENE * bounds.size().length().sqrt(),
+        }
+    }
+
+    /// Whether a part may be halved when there are this many.
+    fn is_for(&self, way: Cut, count: usize) -> bool {
+        count < self.worthwhile || way.worth > self.worth_in_scene && count < self.in_scene
+    }
+
+    /// Whether halving one of these parts is worth so much that it may be their turn in a large scene.
+    fn may_be_for(&self, flats: &[Flat]) -> bool {
+        let worth = |flat: &Flat| flat.way.map_or(0.0, |way| way.worth);
+        flats.iter().any(|flat| worth(flat) > 0.5 * self.worth_in_scene)
+    }
 }
 
 /// A part that becomes a leaf unless there is room for its halves.
@@ -155,7 +208,7 @@ impl Eq for Flat {}
 mod tests {
     use glam::DVec4;
 
-    use super::{MOST, coarse};
+    use super::{MOST, MOST_OF_SCENE, coarse};
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::patch::tiles::Grid;
     use crate::patch::{GroupedParts, Part, PatchSet};
@@ -205,5 +258,28 @@ mod tests {
         let bent = Grid { first: set.pieces_of(2).start, rows: 4, columns: 4 };
         let [fine, coarse] = [count(&parts, 2), count(&coarse(set.pieces(), &[bent]), 2)];
         assert!(fine > 2 * coarse, "{fine} leaves, of the coarsest {coarse}");
+    }
+
+    #[test]
+    fn beside_thousands_of_small_bodies_a_large_one_is_halved_all_the_same() {
+        let bent = sheet(4, 0.3);
+        let small = |k: usize| {
+            let at = DVec4::new(0.01 * (k % 100) as f64, 0.01 * (k / 100) as f64, -1.0, 0.0);
+            let square = sheet(2, 0.3);
+            let net = square.control().iter().map(|c| 0.005 * (*c - DVec4::W) + DVec4::W + at);
+            let [knots_u, knots_v] = [square.knots_u(), square.knots_v()].map(Clone::clone);
+            NurbsSurface::from_homogeneous(knots_u, knots_v, net.collect()).unwrap()
+        };
+        let count = |others: usize| {
+            let surfaces: Vec<_> =
+                [bent.clone()].into_iter().chain((0..others).map(small)).collect();
+            let (set, parts) = PatchSet::new(&surfaces).unwrap();
+            let of_bent = set.pieces_of(0);
+            let is_there = |part: &&Part| of_bent.contains(&(part.piece as usize));
+            (parts.all().iter().filter(is_there).count(), parts.all().len())
+        };
+        let (fine, _) = count(MOST / 8);
+        let (beside_many, all) = count(MOST_OF_SCENE / 3);
+        assert!(all > MOST_OF_SCENE && 10 * beside_many > 9 * fine, "{beside_many}, {fine}");
     }
 }

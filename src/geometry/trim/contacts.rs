@@ -99,6 +99,24 @@ impl Parts {
         UvBox::around(self.ends[k])
     }
 
+    /// Whether one part clearly lies on one side of the line through the ends of the other, of which
+    /// both stray by no more than their second derivatives, bounded by `bends`, allow.
+    fn are_beside(&self, bends: [DVec2; 2], reach: DVec2) -> bool {
+        // A curve over a stretch of length h is within h²/8 times its second derivative of its chord.
+        let stray = |k: usize| {
+            let [from, to] = self.stretches[k];
+            (to - from) * (to - from) / 8.0 * bends[k]
+        };
+        let margin = stray(0) + stray(1) + 2.0 * reach;
+        (0..2).any(|k| {
+            let [from, to] = self.ends[k];
+            let across = (to - from).perp();
+            let offsets = self.ends[1 - k].map(|end| across.dot(end - from));
+            let margin = across.abs().dot(margin);
+            offsets.iter().all(|x| *x > margin) || offsets.iter().all(|x| *x < -margin)
+        })
+    }
+
     fn halves(self, pair: [&Segment; 2]) -> [Self; 4] {
         let middle = self.stretches.map(|[from, to]| 0.5 * (from + to));
         let point = [pair[0].at(middle[0]), pair[1].at(middle[1])];
@@ -115,14 +133,15 @@ impl Parts {
 
 /// The stretches of two segments that may meet; connected stretches are merged into one.
 ///
-/// Both segments are halved repeatedly, and pairs of parts whose rectangles are apart are dropped.
-/// The rectangle of a monotone part is that of its ends.
+/// Both segments are halved repeatedly, and pairs of parts that are clearly apart are dropped: their
+/// rectangles are apart, which for a monotone part is that of its ends, or one part lies beside the
+/// line through the ends of the other.
 fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
-    if are_apart(pair) {
-        return Vec::new();
-    }
     let reach = pair[0].reach() + pair[1].reach();
-    let meet = |part: &Parts| part.bounds(0).grown(reach).meets(&part.bounds(1));
+    let bends = pair.map(Segment::bend);
+    let meet = |part: &Parts| {
+        part.bounds(0).grown(reach).meets(&part.bounds(1)) && !part.are_beside(bends, reach)
+    };
     let fine = |part: &Parts| (0..2).all(|k| part.bounds(k).size().cmple(2.0 * reach).all());
     let mut parts = vec![Parts { stretches: [[0.0, 1.0]; 2], ends: pair.map(Segment::ends) }];
     parts.retain(meet);
@@ -148,20 +167,4 @@ fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
         }
     }
     joined
-}
-
-/// Whether two lines are clearly apart: one lies entirely on one side of the other.
-fn are_apart(pair: [&Segment; 2]) -> bool {
-    if !pair.iter().all(|segment| segment.is_straight()) {
-        return false;
-    }
-    let reach = pair[0].reach() + pair[1].reach();
-    let beside = |line: &Segment, other: &Segment| {
-        let [from, to] = line.ends();
-        let along = to - from;
-        let sides = other.ends().map(|end| along.perp_dot(end - from));
-        let margin = 2.0 * along.abs().dot(DVec2::new(reach.y, reach.x));
-        sides.iter().all(|side| *side > margin) || sides.iter().all(|side| *side < -margin)
-    };
-    beside(pair[0], pair[1]) || beside(pair[1], pair[0])
 }

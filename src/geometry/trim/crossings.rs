@@ -25,8 +25,9 @@ const MOST_HALVINGS: usize = 100;
 const WORK_PER_SEGMENT: usize = 1 << 11;
 
 /// The part of the budget that does not depend on the number of segments (see
-/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other.
-const WORK_FOR_A_START: usize = 1 << 24;
+/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other, and a thousand circles lie
+/// inside each other, as in a zone plate.
+const WORK_FOR_A_START: usize = 1 << 27;
 
 /// A loop that is run through twice encloses its area twice; one that runs there and back encloses
 /// only rounding errors. This fraction of its rectangle separates the two.

@@ -123,6 +123,11 @@ impl Segment {
         self.control.is_empty()
     }
 
+    /// Whether it is the same curve as another, in whichever directions their loops run.
+    pub(super) fn is_same_curve(&self, other: &Self) -> bool {
+        self.ends == other.ends && self.control == other.control
+    }
+
     /// Error bound of the segment: the distance in u and in v to the curve it was cut from.
     pub(super) fn reach(&self) -> DVec2 {
         self.reach
@@ -132,6 +137,32 @@ impl Segment {
     pub(super) fn bounds(&self) -> UvBox {
         let [from, to] = self.ends;
         UvBox { min: from.min(to), max: from.max(to) }
+    }
+
+    /// An upper bound of the absolute values of its second derivative by the parameter, which runs
+    /// from 0 to 1, in u and in v; infinite if it is too large to be told.
+    ///
+    /// Derivatives of the homogeneous curve `(A, w)` lie in the hull of the differences of its control
+    /// points, and with `C = A / w` relative to an end, `C″ = (A″ − 2 w′ C′ − w″ C) / w`.
+    pub(super) fn bend(&self) -> DVec2 {
+        if self.is_straight() {
+            return DVec2::ZERO;
+        }
+        let origin = self.ends[0];
+        let relative = |c: DVec3| (c.xy() - c.z * origin).extend(c.z);
+        let control: Vec<DVec3> = self.homogeneous().into_iter().map(relative).collect();
+        let difference = |of: &[DVec3]| -> Vec<DVec3> {
+            let factor = (of.len() - 1) as f64;
+            of.windows(2).map(|pair| factor * (pair[1] - pair[0])).collect()
+        };
+        let largest = |of: &[DVec3]| of.iter().fold(DVec3::ZERO, |most, c| most.max(c.abs()));
+        let first = difference(&control);
+        let (along, twice) = (largest(&first), largest(&difference(&first)));
+        let lightest = control.iter().fold(f64::INFINITY, |least, c| least.min(c.z));
+        let size = self.bounds().size();
+        let speed = (along.xy() + along.z * size) / lightest;
+        let bend = (twice.xy() + 2.0 * along.z * speed + twice.z * size) / lightest;
+        if bend.is_nan() { DVec2::INFINITY } else { bend }
     }
 
     /// The bytes that the segment occupies outside the struct itself.
