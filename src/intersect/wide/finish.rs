@@ -60,7 +60,7 @@ pub(super) fn finish<S: Simd>(
         near_pole = wanted & !target.is_away_from_pole(simd, pole, &rays);
     }
 
-    let mut root = newton(simd, &leaves, &rays, (wanted & !near_pole, certified), near);
+    let mut root = newton(simd, &leaves, &rays, wanted & !near_pole, near);
     let steps = root.steps;
     let open = (root.open | near_pole).to_bitmask() as u32;
     if root.found.all_false() {

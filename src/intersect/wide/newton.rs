@@ -66,7 +66,8 @@ pub(super) trait Leaves<S: Simd> {
     /// domain to be missed; infinite where nothing is known.
     fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
 
-    /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed.
+    /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed; none where no
+    /// certificate shows that.
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
 }
 
@@ -145,8 +146,7 @@ struct Landed<S: Simd> {
 /// Each of these rays has at most one root in the domain. So a lane that converges has found its one root. It
 /// is `found` if the root lies in the leaf or its slack; else that part of the leaf is proved to be missed.
 /// That part is also missed where the root lies so far beyond a side of the piece that no point of the piece
-/// is within the error (`clearance`), and where a step surely leads away, which is only asked where the
-/// leaf's certificate holds for the ray (`certified`).
+/// is within the error (`clearance`), and where a step surely leads away (`surely_away`).
 ///
 /// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their length, and as
 /// the search in f32 ends within about 1e-5 half sides, as a rule the first step is the last. (One step with
@@ -156,7 +156,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
     leaves: &T,
     rays: &R,
-    (wanted, certified): (mask64x8<S>, bool),
+    wanted: mask64x8<S>,
     [x, y]: &[f64x8<S>; 2],
 ) -> Converged<S> {
     let ([half_s, half_t], [middle_s, middle_t]) = (leaves.half(simd), leaves.middle(simd));
@@ -179,7 +179,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
         // Copies: a variable whose address is passed on is kept in memory, even where the function
         // is not called.
         let so_far = (root, landed);
-        let later = go_on(simd, leaves, rays, &so_far, certified);
+        let later = go_on(simd, leaves, rays, &so_far);
         root = later;
     }
 
@@ -394,13 +394,10 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
     leaves: &T,
     rays: &R,
     so_far: &(Converged<S>, Landed<S>),
-    certified: bool,
 ) -> Converged<S> {
     let (mut root, mut landed) = *so_far;
     for step in 1..=MOST_STEPS {
-        if certified {
-            root.open &= !leaves.surely_away(simd, rays, &landed.step);
-        }
+        root.open &= !leaves.surely_away(simd, rays, &landed.step);
         if step == MOST_STEPS || root.open.all_false() {
             break;
         }

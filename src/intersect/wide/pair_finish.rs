@@ -40,7 +40,7 @@ impl PairLanes {
             third: eight(simd, &self.third, half),
             clearance: eight(simd, &self.clearance, half),
         };
-        let mut root = newton(simd, &leaves, &rays, (wanted, false), near);
+        let mut root = newton(simd, &leaves, &rays, wanted, near);
         let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
         if root.found.all_false() {
             return Outcomes { open, steps, ..Outcomes::default() };

@@ -227,6 +227,9 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
     /// missed, as in the scalar search.
     #[simd]
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S> {
+        if !self.certified {
+            return simd.splat_mask64x8(false);
+        }
         let ([s, t], [step_s, step_t], [f1, f2]) = (step.at, step.by, step.distances);
         let [n1, n2] = rays.normals(simd);
         let reach = f64x8::splat(simd, WITH_SLACK);
