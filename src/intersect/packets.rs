@@ -126,11 +126,10 @@ impl Tracer<'_> {
             if enough >> k & 1 != 0 {
                 continue;
             }
-            self.single.rest.clear();
-            self.single.rest.extend(of_ray.iter().map(|&(_, leaf)| leaf));
             let query = shots[k].query();
-            let limit = self.packets.packet.end(k);
-            self.search_left(&query, &RayFrame::new(&query.ray), limit, wanted);
+            let ray = (&query, &RayFrame::new(&query.ray));
+            let leaves = of_ray.iter().map(|&(_, leaf)| leaf);
+            self.search_left(ray, leaves, self.packets.packet.end(k), wanted);
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));
             doubt[k] = self.findings.doubt;

@@ -12,7 +12,7 @@ use super::tracer::answer_of;
 use super::wide::{Searched, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
-use crate::patch::{Jet, Leaf, Passage, Piece};
+use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece};
 
 impl SurfaceBvh {
     pub(super) fn scene(&self) -> Searched<'_> {
@@ -55,30 +55,30 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hits(simd, self, queries, answers));
     }
 
-    /// Runs the scalar search on the leaves that the fast one could not decide, `single.rest`, as far as `limit`
-    /// along the ray; stops at the first certain hit if any will do.
+    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit` along the ray;
+    /// stops at the first certain hit if any will do.
     ///
     /// Near leaves come first, whatever the order they were found in: effort spent on one is not left for others.
     pub(super) fn search_left(
         &mut self,
-        query: &Query,
-        frame: &RayFrame,
+        (query, frame): (&Query, &RayFrame),
+        leaves: impl Iterator<Item = u32>,
         limit: f64,
         wanted: Wanted,
     ) {
         let bvh = self.bvh;
         let question = Question::new(&bvh.set, query, frame);
         self.findings.clear();
-        let passage = |&leaf: &u32| {
+        let passage = |leaf: u32| {
             let oriented = bvh.tree.oriented(leaf);
             let place = bvh.place(leaf, &oriented);
-            Some((place.passage(frame, bvh.tree.frame_of(leaf), limit)?, leaf))
+            let passage = place.passage(frame, bvh.tree.frame_of(leaf), limit)?;
+            Some((passage, leaf, oriented))
         };
-        let mut leaves: Vec<(Passage, u32)> = self.single.rest.iter().filter_map(passage).collect();
-        leaves.sort_unstable_by(|a, b| a.0.entry.total_cmp(&b.0.entry).then(a.1.cmp(&b.1)));
+        let mut met: Vec<(Passage, u32, OrientedBox)> = leaves.filter_map(passage).collect();
+        met.sort_unstable_by(|a, b| a.0.entry.total_cmp(&b.0.entry).then(a.1.cmp(&b.1)));
         let mut limit = limit;
-        for (passage, index) in leaves {
-            let oriented = bvh.tree.oriented(index);
+        for (passage, index, oriented) in met {
             let place = bvh.place(index, &oriented);
             let slack = error_bound(place.piece, frame);
             if passage.entry > limit + slack {
@@ -101,11 +101,18 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
+    /// The same for the leaves that the search of a single ray could not decide.
+    fn search_single_left(&mut self, ray: (&Query, &RayFrame), limit: f64, wanted: Wanted) {
+        let left = std::mem::take(&mut self.single.rest);
+        self.search_left(ray, left.iter().copied(), limit, wanted);
+        self.single.rest = left;
+    }
+
     /// The first of the fast search's hit and what the scalar search finds in the leaves left undecided.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
-        self.search_left(query, frame, limit, Wanted::First);
+        self.search_single_left((query, frame), limit, Wanted::First);
         let certain =
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
@@ -150,7 +157,7 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.single.rest.is_empty() {
         return Occlusion::default();
     }
-    tracer.search_left(query, &frame, frame.z_range[1], Wanted::Any);
+    tracer.search_single_left((query, &frame), frame.z_range[1], Wanted::Any);
     tracer.findings.occlusion()
 }
 
