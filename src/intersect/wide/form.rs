@@ -43,9 +43,53 @@ impl Form {
         self.degree.map(usize::from)
     }
 
+    /// The larger of both degrees.
+    #[inline(always)]
+    pub(super) fn highest_degree(self) -> usize {
+        let [p, q] = self.degree();
+        p.max(q)
+    }
+
     /// Numbers in a row of the net.
     #[inline(always)]
     pub(super) fn row_length(self) -> usize {
         (if self.rational { 4 } else { 3 }) * (self.degree()[1] + 1)
     }
 }
+
+/// Evaluates an expression in which the numbers of a form are constants, so that its loops are unrolled: the
+/// degrees `$p` and `$q` of the most common forms, else zeros, which stand for any degrees; and `$c`, how many
+/// numbers a point has, four for rational pieces, else three.
+macro_rules! with_degrees {
+    (@of $($name:ident = $number:literal),*; $value:expr) => {{
+        $(const $name: usize = $number;)*
+        $value
+    }};
+    ($form:expr, |$p:ident, $q:ident, $c:ident| $value:expr) => {
+        match ($form.degree(), $form.rational) {
+            ([3, 3], true) => with_degrees!(@of $p = 3, $q = 3, $c = 4; $value),
+            ([3, 3], false) => with_degrees!(@of $p = 3, $q = 3, $c = 3; $value),
+            ([2, 2], true) => with_degrees!(@of $p = 2, $q = 2, $c = 4; $value),
+            ([2, 1], true) => with_degrees!(@of $p = 2, $q = 1, $c = 4; $value),
+            ([1, 2], true) => with_degrees!(@of $p = 1, $q = 2, $c = 4; $value),
+            ([1, 1], false) => with_degrees!(@of $p = 1, $q = 1, $c = 3; $value),
+            (_, true) => with_degrees!(@of $p = 0, $q = 0, $c = 4; $value),
+            (_, false) => with_degrees!(@of $p = 0, $q = 0, $c = 3; $value),
+        }
+    };
+}
+
+/// The same for `$c` alone.
+macro_rules! with_numbers {
+    ($form:expr, |$c:ident| $value:expr) => {
+        if $form.rational {
+            const $c: usize = 4;
+            $value
+        } else {
+            const $c: usize = 3;
+            $value
+        }
+    };
+}
+
+pub(super) use {with_degrees, with_numbers};

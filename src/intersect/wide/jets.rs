@@ -4,7 +4,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
-use super::form::Form;
+use super::form::{Form, with_numbers};
 use super::power_sums;
 use crate::math::bernstein::{MAX_DEGREE, binomials};
 use crate::patch::{PieceNet, TensorPatch};
@@ -90,10 +90,9 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let [p, q] = form.degree();
     if form.by_powers {
         power_sums::jets::<S, T, SECOND>(simd, (net, form), st)
-    } else if p.max(q) < 8 {
+    } else if form.highest_degree() < 8 {
         by_bernstein::<S, T, SECOND, 8>(simd, (net, form), st)
     } else {
         by_bernstein::<S, T, SECOND, { MAX_DEGREE + 1 }>(simd, (net, form), st)
@@ -109,11 +108,7 @@ fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
     (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    if form.rational {
-        jets_of::<S, T, SECOND, N, 4>(simd, (net, form.degree()), st)
-    } else {
-        jets_of::<S, T, SECOND, N, 3>(simd, (net, form.degree()), st)
-    }
+    with_numbers!(form, |C| jets_of::<S, T, SECOND, N, C>(simd, (net, form.degree()), st))
 }
 
 /// [`jets`] for any degree below `N` and `C` components: four for rational surfaces, else three.

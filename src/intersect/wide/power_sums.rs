@@ -4,7 +4,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
 
-use super::form::Form;
+use super::form::{Form, with_degrees};
 use super::jets::{Jets, Net, Sums, in_space};
 
 /// [`jets`](super::jets::jets), with unrolled loops for the most common degrees.
@@ -14,18 +14,8 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     (net, form): (&T, Form),
     st: &[f64x8<S>; 2],
 ) -> Jets<S> {
-    let degree = form.degree();
-    let of = (net, degree);
-    match (degree, form.rational) {
-        ([3, 3], true) => jets_of::<S, T, SECOND, 3, 3, 4>(simd, of, st),
-        ([3, 3], false) => jets_of::<S, T, SECOND, 3, 3, 3>(simd, of, st),
-        ([2, 2], true) => jets_of::<S, T, SECOND, 2, 2, 4>(simd, of, st),
-        ([2, 1], true) => jets_of::<S, T, SECOND, 2, 1, 4>(simd, of, st),
-        ([1, 2], true) => jets_of::<S, T, SECOND, 1, 2, 4>(simd, of, st),
-        ([1, 1], false) => jets_of::<S, T, SECOND, 1, 1, 3>(simd, of, st),
-        (_, true) => jets_of::<S, T, SECOND, 0, 0, 4>(simd, of, st),
-        (_, false) => jets_of::<S, T, SECOND, 0, 0, 3>(simd, of, st),
-    }
+    let of = (net, form.degree());
+    with_degrees!(form, |P, Q, C| jets_of::<S, T, SECOND, P, Q, C>(simd, of, st))
 }
 
 /// [`jets`] for degrees `P` and `Q`, zero standing for any, and `C` components: four for rational

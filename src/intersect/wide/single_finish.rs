@@ -11,7 +11,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
-use super::form::Form;
+use super::form::{Form, with_degrees, with_numbers};
 use super::jets::OneNet;
 use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
@@ -72,50 +72,25 @@ pub(super) fn finish<S: Simd>(
     // Forms are told apart here, not in the sums: otherwise, what the general degrees need for them
     // would be computed in advance for all.
     let form = Form::of(surface.patch);
-    let [p, q] = form.degree();
-    match (form.by_powers, [p, q], form.rational) {
-        (true, [3, 3], true) => {
-            finish_of::<S, Powers<3, 3, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, [3, 3], false) => {
-            finish_of::<S, Powers<3, 3, 3>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, [2, 2], true) => {
-            finish_of::<S, Powers<2, 2, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, [2, 1], true) => {
-            finish_of::<S, Powers<2, 1, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, [1, 2], true) => {
-            finish_of::<S, Powers<1, 2, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, [1, 1], false) => {
-            finish_of::<S, Powers<1, 1, 3>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, _, true) if p.max(q) < 4 => {
-            finish_of::<S, Powers<0, 0, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, _, false) if p.max(q) < 4 => {
-            finish_of::<S, Powers<0, 0, 3>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, _, true) => {
-            finish_of::<S, Powers<0, 0, 4, LONG>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (true, _, false) => {
-            finish_of::<S, Powers<0, 0, 3, LONG>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (false, _, true) if p.max(q) < 8 => {
-            finish_of::<S, Bernstein<8, 4>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (false, _, false) if p.max(q) < 8 => {
-            finish_of::<S, Bernstein<8, 3>>(simd, leaf, surface, ray, wanted, found)
-        }
-        (false, _, true) => finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 4>>(
-            simd, leaf, surface, ray, wanted, found,
-        ),
-        (false, _, false) => finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, 3>>(
-            simd, leaf, surface, ray, wanted, found,
-        ),
+    let degree = form.highest_degree();
+    if form.by_powers && degree < 4 {
+        with_degrees!(form, |P, Q, C| {
+            finish_of::<S, Powers<P, Q, C>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else if form.by_powers {
+        with_numbers!(form, |C| {
+            finish_of::<S, Powers<0, 0, C, LONG>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else if degree < 8 {
+        with_numbers!(form, |C| {
+            finish_of::<S, Bernstein<8, C>>(simd, leaf, surface, ray, wanted, found)
+        })
+    } else {
+        with_numbers!(form, |C| {
+            finish_of::<S, Bernstein<{ MAX_DEGREE + 1 }, C>>(
+                simd, leaf, surface, ray, wanted, found,
+            )
+        })
     }
 }
 
