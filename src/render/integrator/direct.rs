@@ -73,9 +73,18 @@ impl Direct {
         self.shadows.clear();
         self.brought.clear();
         for point in &self.points {
-            if let Light::Ambient { radiance: ambient } = light {
-                add(&mut radiance[point.index], product(point.albedo, *ambient));
-            } else if let Some((ray, irradiance)) = towards(light, point) {
+            let origin = point.hit.point;
+            let beam = match *light {
+                Light::Ambient { radiance: ambient } => {
+                    add(&mut radiance[point.index], product(point.albedo, ambient));
+                    None
+                }
+                Light::Point { position, intensity } => from_point(position, intensity, origin),
+                Light::Directional { to_light, irradiance } => {
+                    Ray::new(origin, to_light).ok().map(|ray| (ray, irradiance))
+                }
+            };
+            if let Some((ray, irradiance)) = beam.and_then(|beam| received(beam, point.normal)) {
                 let diffuse = product(point.albedo, irradiance).map(|x| x / PI);
                 self.shadows.push(Query::leaving(ray, &point.hit));
                 self.brought.push((point.index, diffuse));
@@ -97,24 +106,20 @@ impl Direct {
     }
 }
 
-/// The shadow ray from a hit to a light, and the irradiance if nothing is in its way; `None`
-/// where the light stands behind the surface or sends nothing.
-fn towards(light: &Light, point: &Shaded) -> Option<(Ray, Rgb)> {
-    let origin = point.hit.point;
-    let (ray, irradiance) = match *light {
-        Light::Point { position, intensity } => {
-            // Up to the light and no farther; a light on the surface itself lights nothing.
-            let to_light = position - origin;
-            let ray = Ray::with_range(origin, to_light, 0.0, 1.0).ok()?;
-            let distance = to_light.length();
-            (ray, intensity.map(|x| x / distance / distance))
-        }
-        Light::Directional { to_light, irradiance } => {
-            (Ray::new(origin, to_light).ok()?, irradiance)
-        }
-        Light::Ambient { .. } => return None,
-    };
-    let cosine = point.normal.dot(ray.direction().normalize_or_zero());
+/// The shadow ray to a point light, and the irradiance of a surface that faces the light; `None` at
+/// the light itself.
+fn from_point(position: DVec3, intensity: Rgb, origin: DVec3) -> Option<(Ray, Rgb)> {
+    // Up to the light and no farther; a light on the surface itself lights nothing.
+    let to_light = position - origin;
+    let ray = Ray::with_range(origin, to_light, 0.0, 1.0).ok()?;
+    let distance = to_light.length();
+    Some((ray, intensity.map(|x| x / distance / distance)))
+}
+
+/// The shadow ray, and the irradiance of a surface with this normal if nothing is in the ray's way;
+/// `None` where the light stands behind the surface or sends nothing.
+fn received((ray, irradiance): (Ray, Rgb), normal: DVec3) -> Option<(Ray, Rgb)> {
+    let cosine = normal.dot(ray.direction().normalize_or_zero());
     let irradiance = irradiance.map(|x| x * cosine);
     let lit = cosine > 0.0 && irradiance.iter().any(|&x| x > 0.0); // false for NaN
     lit.then_some((ray, irradiance))

@@ -16,7 +16,7 @@ use false_color::HitColor;
 /// A way to find what camera rays see, ready for one picture of one world, with its scratch memory.
 #[derive(Debug)]
 pub(super) struct Integrator {
-    way: Method,
+    method: Method,
     neighbours: Neighbours,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Batch {
 impl Integrator {
     /// The integrator of this kind; `neighbours` says how rays are best traced.
     pub(super) fn new(kind: IntegratorKind, world: &World, neighbours: Neighbours) -> Self {
-        let way = match kind {
+        let method = match kind {
             IntegratorKind::Direct => Method::Direct(Direct::default()),
             IntegratorKind::Normal => Method::Hit(HitColor::Normal),
             IntegratorKind::Uv => Method::Hit(HitColor::Uv),
@@ -49,7 +49,7 @@ impl Integrator {
             IntegratorKind::Id => Method::Hit(HitColor::Id),
             IntegratorKind::Iterations => Method::Iterations,
         };
-        Self { way, neighbours }
+        Self { method, neighbours }
     }
 
     /// Traces a batch of neighbouring camera rays and finds what each sees.
@@ -63,16 +63,15 @@ impl Integrator {
         batch: &mut Batch,
     ) -> Counters {
         batch.radiance.clear();
-        if let Method::Iterations = self.way {
-            work::trace(tracer, batch);
-            return count(&batch.answers);
-        }
         let Neighbours { first_hits, occlusions, .. } = self.neighbours;
-        tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
-        let mut counters = count(&batch.answers);
-        match &mut self.way {
-            Method::Direct(direct) => counters += direct.light(world, (tracer, occlusions), batch),
+        let mut counters = Counters::default();
+        match &mut self.method {
+            Method::Direct(direct) => {
+                tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
+                counters = direct.light(world, (tracer, occlusions), batch);
+            }
             Method::Hit(color) => {
+                tracer.first_hits(&batch.rays, first_hits, &mut batch.answers);
                 let Batch { rays, answers, radiance } = batch;
                 let seen = rays.iter().zip(answers.iter());
                 radiance.extend(seen.map(|(ray, answer)| match &answer.hit {
@@ -80,8 +79,9 @@ impl Integrator {
                     None => [0.0; 3],
                 }));
             }
-            Method::Iterations => {}
+            Method::Iterations => work::trace(tracer, batch),
         }
+        counters += count(&batch.answers);
         counters
     }
 }
