@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::integrator::{Batch, Integrator, albedo};
+use super::integrator::{Batch, Integrator};
 use super::pixels::{FirstHit, Pixels, Sample};
 use super::tile::pixels_of;
 use super::{Aov, Counters, Dimensions, PixelRect, RenderSettings, Sampler};
@@ -102,7 +102,7 @@ impl<'a> Painter<'a> {
                 let seen = rank[pixel] * together + sample;
                 let (ray, answer) = (&batch.rays[seen], &batch.answers[seen]);
                 let albedo = match &answer.hit {
-                    Some(hit) if aovs.contains(Aov::Albedo) => albedo(world, hit),
+                    Some(hit) if aovs.contains(Aov::Albedo) => world.albedo(hit),
                     _ => [0.0; 3],
                 };
                 Sample { radiance: batch.radiance[seen], albedo, hit: first_hit(ray, answer) }

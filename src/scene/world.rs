@@ -10,7 +10,7 @@ use super::{
     Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Written,
 };
 use crate::geometry::Surface;
-use crate::intersect::{BuildError, SurfaceBvh};
+use crate::intersect::{BuildError, Hit, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
 #[derive(Debug)]
@@ -72,6 +72,12 @@ impl World {
     /// The materials, to which the surfaces' `material` indices refer.
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// The share of light sent back at a hit.
+    pub(crate) fn albedo(&self, hit: &Hit) -> Rgb {
+        let instance = &self.surfaces[hit.surface as usize];
+        self.materials[instance.material].albedo(hit.uv, instance.surface.tile(hit.uv))
     }
 
     /// The same world with only the surfaces whose indices `keep` accepts.

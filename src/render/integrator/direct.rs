@@ -53,7 +53,7 @@ impl Direct {
             };
             batch.radiance.push([0.0; 3]);
             let normal = facing(hit.normal, ray.direction());
-            self.points.push(Shaded { index, hit, normal, albedo: albedo(world, &hit) });
+            self.points.push(Shaded { index, hit, normal, albedo: world.albedo(&hit) });
         }
 
         let mut counters = Counters::default();
@@ -134,12 +134,6 @@ fn facing(normal: DVec3, direction: DVec3) -> DVec3 {
     } else {
         normal
     }
-}
-
-/// The share of light sent back at a hit.
-pub(in crate::render) fn albedo(world: &World, hit: &Hit) -> Rgb {
-    let instance = &world.surfaces[hit.surface as usize];
-    world.materials[instance.material].albedo(hit.uv, instance.surface.tile(hit.uv))
 }
 
 fn product(a: Rgb, b: Rgb) -> Rgb {

@@ -10,7 +10,6 @@ use crate::math::Ray;
 use crate::scene::{IntegratorKind, Rgb, World};
 
 use direct::Direct;
-pub(super) use direct::albedo;
 use false_color::HitColor;
 
 /// A way to find what camera rays see, ready for one picture of one world, with its scratch memory.
