@@ -8,7 +8,7 @@ use super::grazing::KnownRoot;
 use super::newton::project;
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
-use crate::patch::{Jet, Leaf, Piece, WIDENING};
+use crate::patch::{BORDER_REACH, Jet, Leaf, Piece, WIDENING};
 
 /// Error bound of a computed point of the piece, for this ray, in scene units.
 pub(super) fn error_bound(piece: &Piece, ray: &RayFrame) -> f64 {
@@ -111,13 +111,8 @@ pub(super) fn trim_reach(jet: &Jet, error: f64) -> DVec2 {
     TRIM_REACH * error / (lengths * sine)
 }
 
-/// A hit is at a border if it is within this many errors of it: enough for a ray that passes the border at half an
-/// error and a root that is off by one, since distances from parameters only approximate those in space. (Fast kernels
-/// check the hits within twice as much, see [`Leaf::near_border`].)
-const AT_BORDER: f64 = 4.0;
-
 /// Whether a point lies within rounding of a side that is a border of the surface.
 pub(super) fn at_border(piece: &Piece, st: DVec2, jet: &Jet, error: f64) -> bool {
     let distances = piece.side_distances(st, jet);
-    (0..4).any(|side| piece.is_border(side) && distances[side] <= AT_BORDER * error)
+    (0..4).any(|side| piece.is_border(side) && distances[side] <= BORDER_REACH * error)
 }

@@ -18,6 +18,12 @@ use crate::math::{prefetch, rounding};
 /// that a root on the line between two leaves is not lost to rounding in both.
 pub(crate) const LEAF_SLACK: f64 = 1e-3;
 
+/// A hit is at a border if it is within this many errors of it: enough for a ray that passes the
+/// border at half an error and a root that is off by one, since distances from parameters only
+/// approximate those in space. (Fast kernels check the hits within twice as much, see
+/// [`Leaf::near_border`].)
+pub(crate) const BORDER_REACH: f64 = 4.0;
+
 /// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps may stray there.
 /// With a wider rectangle, it would hold for fewer rays.
 pub(crate) const WIDENING: f64 = 0.02;
@@ -173,12 +179,12 @@ impl Leaf {
     /// side; `None` unless the side is a border of the surface and near the leaf. The leaf must be certified for the
     /// ray. Sides are counted as in [`Piece::is_border`].
     ///
-    /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is within four times
-    /// that; the distance returned is twice as much.
+    /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is
+    /// within [`BORDER_REACH`] times that; the distance returned is twice as much.
     #[inline(always)]
     pub(crate) fn near_border(&self, piece: &Piece, side: usize) -> Option<f64> {
         let [from, to] = self.rect()[side / 2];
-        let reach = 4.0 * LEAF_SLACK * (to - from);
+        let reach = 2.0 * BORDER_REACH * (0.5 * LEAF_SLACK) * (to - from);
         let distance = if side.is_multiple_of(2) { from } else { 1.0 - to };
         (piece.is_border(side) && distance <= reach).then_some(reach)
     }

@@ -66,7 +66,7 @@ pub(crate) use fit_error::{FIT_DOMAIN, FitError};
 pub(crate) use frame::PADDING;
 pub(crate) use frame::{ScaledBox, SceneFrame};
 pub use leaf::Leaf;
-pub(crate) use leaf::{LEAF_SLACK, WIDENING};
+pub(crate) use leaf::{BORDER_REACH, LEAF_SLACK, WIDENING};
 pub(crate) use oriented_box::{OrientedBox, Passage};
 pub(crate) use part::Part;
 pub(crate) use piece::BESIDE_COLLAPSED;
