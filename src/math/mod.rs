@@ -22,6 +22,7 @@ pub use aabb::Aabb;
 pub(crate) use interval::Interval;
 pub(crate) use prefetch::prefetch;
 pub use ray::{Ray, RayError};
+pub(crate) use ray_frame::PLAIN_SQUARES;
 pub use ray_frame::RayFrame;
 pub use shown::{AtLeast, Counted, Measured, MeasuredPoint, Shown, ShownVector};
 pub use split_mix::SplitMix;

@@ -1,5 +1,7 @@
 //! A ray as the meeting of two planes.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::Ray;
@@ -53,11 +55,14 @@ impl RayFrame {
     }
 }
 
+/// Squares of lengths in this range are far from where digits are lost.
+pub(crate) const PLAIN_SQUARES: Range<f64> = 1e-100..1e100;
+
 /// The unit vector along `v` and the length of `v`.
 #[inline(always)]
 fn unit_and_length(v: DVec3) -> (DVec3, f64) {
     let square = v.length_squared();
-    if !(1e-100..1e100).contains(&square) {
+    if !PLAIN_SQUARES.contains(&square) {
         return unit_and_length_of_extreme(v);
     }
     let length = square.sqrt();

@@ -5,7 +5,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
 
 use super::vectors::dot_d;
 use crate::intersect::Shot;
-use crate::math::Ray;
+use crate::math::{PLAIN_SQUARES, Ray};
 use crate::patch::SceneFrame;
 
 /// Origins farther than this from the middle of the scene, in its half sizes, are moved nearer for
@@ -15,9 +15,6 @@ const NEAR: f64 = 3.0;
 /// Slack of the ends of rays in f32, in scaled coordinates: some units of f32 for distances of a
 /// few scene sizes.
 pub(super) const END_SPARE: f32 = 1e-5;
-
-/// Squares of lengths from here to its inverse are far from where digits are lost.
-pub(super) const PLAIN: f64 = 1e-100;
 
 /// By how much an origin is moved along its ray for the work in f32, from the square of its distance from
 /// the middle of the scene and the component of its position along the ray, all in scaled coordinates: to
@@ -64,13 +61,14 @@ impl<S: Simd> Frames<S> {
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transposed(rows);
         let (origin, d) = ([ox, oy, oz], [dx, dy, dz]);
 
-        let (one, least) = (f64x8::splat(simd, 1.0), f64x8::splat(simd, PLAIN));
+        let one = f64x8::splat(simd, 1.0);
         let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let mut length = square.sqrt();
         let inverse = one / length;
         let mut t_from_z = inverse;
         let mut axis = [d[0] * inverse, d[1] * inverse, d[2] * inverse];
-        let plain = square.simd_ge(least) & square.simd_lt(one / least);
+        let plain = square.simd_ge(f64x8::splat(simd, PLAIN_SQUARES.start))
+            & square.simd_lt(f64x8::splat(simd, PLAIN_SQUARES.end));
         if !plain.all_true() {
             let largest = d[0].abs().max(d[1].abs()).max(d[2].abs());
             let v = [d[0] / largest, d[1] / largest, d[2] / largest];
@@ -181,4 +179,56 @@ pub(super) fn transposed<S: Simd, V: SimdBase<S>, const N: usize>(rows: [V; N]) 
         rows = next;
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use std::array::from_fn;
+
+    use fearless_simd::dispatch;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::intersect::Kernel;
+    use crate::math::RayFrame;
+
+    /// Rays with directions of any length, often near those from which on lengths are computed in another way.
+    fn rays() -> impl Strategy<Value = Ray> {
+        let component = || prop_oneof![6 => -1.0..1.0f64, 1 => Just(0.0), 1 => Just(-0.0)];
+        let exponent = || prop_oneof![Just(0.0), -149.0..150.0f64, -50.2..-49.8f64, 49.8..50.2f64];
+        let vector = (prop::array::uniform3(component()), exponent())
+            .prop_map(|(v, exponent)| 10f64.powf(exponent) * DVec3::from_array(v));
+        let from = prop_oneof![Just(0.0), -9.0..9.0f64, Just(f64::NEG_INFINITY)];
+        let to = prop_oneof![9.0..99.0f64, Just(f64::INFINITY)];
+        (vector.clone(), vector, from, to).prop_filter_map("no ray", |(origin, along, from, to)| {
+            Ray::with_range(origin, along, from, to).ok()
+        })
+    }
+
+    #[test]
+    fn frames_have_the_bits_of_scalar_frames() {
+        proptest!(ProptestConfig::with_cases(2_000), |(rays in prop::array::uniform8(rays()))| {
+            let truth = rays.each_ref().map(|ray| {
+                let frame = RayFrame::new(ray);
+                let vectors = [frame.origin, frame.axis, frame.normals[0], frame.normals[1]];
+                let vectors = vectors.map(|v| v.to_array().map(f64::to_bits));
+                let numbers = [frame.t_from_z, frame.z_range[0], frame.z_range[1], frame.magnitude];
+                (vectors, numbers.map(f64::to_bits))
+            });
+            for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
+                let found: [_; 8] = dispatch!(level, simd => {
+                    let frames = Frames::new(simd, rays.each_ref());
+                    let [n1, n2] = perpendicular(simd, frames.axis);
+                    let vectors = [frames.origin, frames.axis, n1, n2];
+                    let numbers = [frames.t_from_z, frames.ends[0], frames.ends[1], frames.magnitude];
+                    from_fn(|lane| {
+                        let bits = |lanes: f64x8<_>| lanes[lane].to_bits();
+                        (vectors.map(|v| v.map(bits)), numbers.map(bits))
+                    })
+                });
+                prop_assert_eq!(found, truth);
+            }
+        });
+    }
 }

@@ -6,10 +6,11 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::box_ray::BLUR;
-use super::frames::{END_SPARE, PLAIN, shift_to_scene};
+use super::frames::{END_SPARE, shift_to_scene};
 use super::packet::PacketBounds;
 use super::searched::Searched;
 use crate::intersect::Shot;
+use crate::math::PLAIN_SQUARES;
 
 /// The largest coordinate of moved origins for the work in f32, in scaled coordinates.
 const FARTHEST_MOVED: f32 = 4.0;
@@ -46,7 +47,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
         least += size * size;
         most += low[k].abs().max(high[k].abs()).powi(2);
     }
-    let alike = least > 0.25 * most && least > PLAIN && most < 1.0 / PLAIN;
+    let alike = least > 0.25 * most && least > PLAIN_SQUARES.start && most < PLAIN_SQUARES.end;
     if !alike {
         return Outline::Unknown;
     }
