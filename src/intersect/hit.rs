@@ -5,6 +5,7 @@ use std::fmt;
 use glam::{DVec2, DVec3};
 
 use crate::math::Ray;
+use crate::math::bits::has;
 
 /// One meeting of a ray and a surface, in f64.
 ///
@@ -107,7 +108,7 @@ impl HitFlags {
 impl fmt::Debug for HitFlags {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const NAMES: [&str; 5] = ["DOUBTFUL", "BORDER", "NO_NORMAL", "TRIM_EDGE", "INSIDE"];
-        let set = NAMES.iter().enumerate().filter(|&(bit, _)| self.0 >> bit & 1 != 0);
+        let set = NAMES.iter().enumerate().filter(|&(bit, _)| has(self.0, bit));
         let names: Vec<_> = set.map(|(_, name)| *name).collect();
         write!(f, "HitFlags({})", if names.is_empty() { "NONE".into() } else { names.join(" | ") })
     }

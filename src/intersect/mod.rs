@@ -73,7 +73,6 @@
 //! ```
 
 mod accept;
-mod bits;
 mod borders;
 mod bvh;
 mod coherence;

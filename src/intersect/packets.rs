@@ -1,12 +1,12 @@
 //! First and any hits of coherent rays: packets, and the scalar search for what they leave undecided.
 
-use super::bits::set_bits;
 use super::borders::{at_border, error_bound};
 use super::meeting::{CertainHit, Meeting, occlusion};
 use super::read_ahead::{Ahead, Moment, ReadAhead};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
 use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
+use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
 use fearless_simd::{Level, dispatch};
@@ -74,10 +74,10 @@ impl Tracer<'_> {
             let (first, met) = (answers.len(), self.packets.packet.met());
             let open = self.packets.work.rest_rays & !met;
             for k in 0..packet.len() {
-                answers.push(if open >> k & 1 == 0 {
-                    Occlusion { occluded: met >> k & 1 != 0, doubtful: false }
-                } else {
+                answers.push(if has(open, k) {
                     self.judged_occlusion(k)
+                } else {
+                    Occlusion { occluded: has(met, k), doubtful: false }
                 });
             }
             for k in set_bits(self.packets.packet.far_off()) {
@@ -123,7 +123,7 @@ impl Tracer<'_> {
         rest.sort_unstable();
         for of_ray in rest.chunk_by(|a, b| a.0 == b.0) {
             let k = of_ray[0].0;
-            if enough >> k & 1 != 0 {
+            if has(enough, k) {
                 continue;
             }
             let query = shots[k].query();
@@ -161,7 +161,7 @@ impl Tracer<'_> {
         let frame = RayFrame::new(ray);
         let certain = packet.hit(k).map(|hit| meeting(set, &frame, &hit));
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
-        let doubt = if work.rest_rays >> k & 1 == 0 { f64::INFINITY } else { doubt[k] };
+        let doubt = if has(work.rest_rays, k) { doubt[k] } else { f64::INFINITY };
         let answer = answer_of(set, certain.iter().chain(others), doubt);
         self.findings.statistics.doubtful += u64::from(answer.doubtful);
         answer

@@ -7,6 +7,7 @@
 mod aabb;
 pub(crate) mod angle;
 pub mod bernstein;
+pub(crate) mod bits;
 mod interval;
 mod prefetch;
 mod ray;

@@ -10,6 +10,7 @@ use super::tensor::euclidean;
 use super::{CollapsedSide, Jet, TensorPatch};
 use crate::geometry::trim::{Side, Trims, UvBox};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
+use crate::math::bits::has;
 
 /// The smallest sine of the angle between tangents that is used to tell how far a side is; it replaces smaller ones. So
 /// a side counts as no nearer than a thousandth of the way to it along the parameter.
@@ -72,7 +73,7 @@ impl Piece {
 
     /// Whether a side is a border of the surface: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     pub(crate) fn is_border(&self, side: usize) -> bool {
-        self.border >> side & 1 != 0
+        has(self.border, side)
     }
 
     /// The surface parameters of a point of the unit square; exact at its corners, except at an open end, where they
@@ -89,7 +90,7 @@ impl Piece {
         let at = |k: usize| {
             let [from, to] = domain[k];
             let u = if st[k] == 1.0 { to } else { from + st[k] * (to - from) };
-            if self.open_end >> k & 1 != 0 && u >= to { to.next_down() } else { u }
+            if has(self.open_end, k) && u >= to { to.next_down() } else { u }
         };
         DVec2::new(at(0), at(1))
     }
@@ -125,7 +126,7 @@ impl Piece {
 
     /// The parameter from which on, in `u` or `v`, the next piece begins, at an open end.
     pub(crate) fn open_end(&self, k: usize) -> Option<f64> {
-        (self.open_end >> k & 1 != 0).then(|| self.domain()[k][1])
+        has(self.open_end, k).then(|| self.domain()[k][1])
     }
 
     /// Whether another piece is of the same chart.
@@ -141,7 +142,7 @@ impl Piece {
     /// Whether a side is collapsed to a point; sides are counted as in [`Self::is_border`].
     #[inline(always)]
     pub(crate) fn is_collapsed(&self, side: usize) -> bool {
-        self.collapsed >> side & 1 != 0
+        has(self.collapsed, side)
     }
 
     /// The point a side is collapsed to.
@@ -250,7 +251,7 @@ impl Piece {
     pub fn is_tip(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
         let is_at = |tip: DVec3| point.distance(tip) <= rounding;
-        (0..4).any(|side| self.tips >> side & 1 != 0 && self.collapsed(side).is_some_and(is_at))
+        (0..4).any(|side| has(self.tips, side) && self.collapsed(side).is_some_and(is_at))
     }
 
     /// Marks a collapsed side as a tip.

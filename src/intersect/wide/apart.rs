@@ -15,8 +15,8 @@ use super::packet::{Lanes3f, Packet, PacketBounds};
 use super::traverse::enter_block;
 use super::vectors::{lane_bits, load3};
 use super::{LANES, PACKET};
-use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{LeafBlock, Node};
+use crate::math::bits::set_bits;
 
 /// All rays.
 pub(super) const ALL: u64 = u64::MAX;

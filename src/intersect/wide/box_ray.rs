@@ -3,8 +3,8 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 use fearless_simd_macros::simd;
 
-use crate::intersect::bits::set_bits;
 use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
+use crate::math::bits::set_bits;
 use crate::patch::OrientedBox;
 
 /// Error bound, in scaled coordinates, of the f32 ray where it meets the scene (or the small part of the

@@ -25,7 +25,7 @@ use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
 use crate::intersect::Statistics;
-use crate::intersect::bits::set_bits;
+use crate::math::bits::set_bits;
 
 /// Room for sixteen pairs that are examined, and for as many that are left over.
 const ROOM: usize = 2 * LANES;

@@ -13,7 +13,7 @@ use super::trimmed;
 use super::vectors::{dot_d, load3d};
 use super::{LANES, PACKET};
 use crate::geometry::trim::Side;
-use crate::intersect::bits::set_bits;
+use crate::math::bits::{has, set_bits};
 use crate::patch::Piece;
 
 /// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross product is
@@ -261,7 +261,7 @@ fn earlier<S: Simd>(
     }
     let mut earlier = 0;
     for k in 0..8 {
-        let first = packet.met >> (base + k) & 1 == 0
+        let first = !has(packet.met, base + k)
             || comes_first(target.scene.leaves, target.index, packet.leaf[base + k]);
         earlier |= u64::from(first) << k;
     }

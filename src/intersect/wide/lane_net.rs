@@ -9,6 +9,7 @@ use super::frames::transposed;
 use super::jets::Net;
 use super::power_lines::{LONG, Lines, Shares, coefficients, make_lines};
 use super::spline_net::make;
+use crate::math::bits::has;
 use crate::patch::{
     MOST_DEGREE_BY_POWERS, NetRoom, NetSource, Piece, PieceNet, TensorPatch, ToPowers,
 };
@@ -56,7 +57,7 @@ impl LaneNet {
         let other = wanted.trailing_zeros() as usize % 8;
         let mut patches = [&pieces[first + other].patch; 8];
         for lane in 0..8 {
-            if wanted >> lane & 1 != 0 {
+            if has(wanted, lane) {
                 patches[lane] = &pieces[first + lane].patch;
             }
             self.weight[lane] = patches[lane].weight().unwrap_or(1.0);
@@ -69,7 +70,7 @@ impl LaneNet {
             return;
         }
         for (lane, room) in self.rooms.iter_mut().enumerate() {
-            if wanted >> lane & 1 != 0 {
+            if has(wanted, lane) {
                 nets[lane] = match patches[lane].sums_source() {
                     NetSource::Kept(net) => net,
                     NetSource::Spline(spline) => make(simd, &spline, room),
@@ -77,7 +78,7 @@ impl LaneNet {
             }
         }
         for lane in 0..8 {
-            if wanted >> lane & 1 == 0 {
+            if !has(wanted, lane) {
                 nets[lane] = nets[other];
             }
         }

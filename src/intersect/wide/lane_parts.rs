@@ -201,13 +201,13 @@ mod tests {
     use fearless_simd::{Level, dispatch};
 
     use super::*;
+    use crate::math::bits::set_bits;
 
     /// The lanes, middles and half sides of parts whose bit is set.
     fn told<S: Simd>(parts: &Sixteen<S>, chosen: u32) -> Vec<(usize, [f32; 2], [f32; 2])> {
-        let chosen = (0..LANES).filter(|place| chosen >> place & 1 != 0);
         let numbers = |of: &[f32x16<S>; 2], place: usize| [of[0][place], of[1][place]];
         let part = |k| (parts.lane(k), numbers(&parts.middle, k), numbers(&parts.half, k));
-        chosen.map(part).collect()
+        set_bits(chosen).map(part).collect()
     }
 
     fn halves_are_kept_for_their_lanes<S: Simd>(simd: S) {

@@ -16,7 +16,7 @@ use super::proof::{
     DISTANCE_ROUNDING, GROWN, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST, UNDERFLOW,
 };
 use super::vectors::lane_bits;
-use crate::intersect::bits::set_bits;
+use crate::math::bits::set_bits;
 
 /// How often a leaf is halved before it is left to the scalar search.
 const MOST_HALVINGS: u32 = 14;

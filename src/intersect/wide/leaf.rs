@@ -19,6 +19,7 @@ use super::vectors::lane_bits;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::intersect::read_ahead::{Ahead, Moment};
+use crate::math::bits::half_of_sixteen;
 use crate::math::rounding;
 use crate::patch::OrientedBox;
 
@@ -214,7 +215,7 @@ pub(super) fn finish_all<S: Simd>(
 ) -> Done {
     let mut all = Done::default();
     for half in 0..2 {
-        let wanted = u64::from(lanes >> (8 * half)) & 0xff;
+        let wanted = half_of_sixteen(lanes, half);
         if wanted == 0 {
             continue;
         }

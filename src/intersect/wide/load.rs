@@ -12,7 +12,7 @@ use super::searched::Searched;
 use super::vectors::{load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
-use crate::intersect::bits::set_bits;
+use crate::math::bits::set_bits;
 use crate::patch::SceneFrame;
 
 /// Loads up to [`PACKET`] rays as they are given; lanes left over repeat the first.

@@ -15,8 +15,8 @@ use super::target::Target;
 use super::vectors::{lane_bits, load3};
 use super::wanted::Wanted;
 use super::{LANES, PACKET};
-use crate::intersect::bits::set_bits;
 use crate::intersect::{Answer, Hit, HitFlags, Root, Shot};
+use crate::math::bits::{half_of_sixteen, has, set_bits};
 
 /// A vector of f64 for each ray, by coordinate.
 pub(super) type Lanes3 = [[f64; PACKET]; 3];
@@ -226,7 +226,7 @@ impl Packet {
     #[simd]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, base: usize, hits: u32) {
         for half in 0..2 {
-            let hits = u64::from(hits >> (8 * half) & 0xff);
+            let hits = half_of_sixteen(hits, half);
             if hits != 0 {
                 self.meet_eight(simd, base + 8 * half, hits);
             }
@@ -370,7 +370,7 @@ impl Packet {
     /// The answer to a ray whose nearest hit needs no closer look.
     #[inline]
     pub(in crate::intersect) fn plain_answer(&self, k: usize) -> Answer {
-        if self.met >> k & 1 == 0 {
+        if !has(self.met, k) {
             return Answer { hit: None, doubtful: false };
         }
         let normal = gather(&self.normal, k);
@@ -391,14 +391,14 @@ impl Packet {
 
     /// The nearest hit of a ray.
     pub(in crate::intersect) fn hit(&self, k: usize) -> Option<LaneHit> {
-        (self.met >> k & 1 != 0).then(|| LaneHit {
+        has(self.met, k).then(|| LaneHit {
             piece: self.piece[k],
             t: self.ray_t[k],
             z_error: self.z_error[k],
             st: pair(&self.st, k),
             point: gather(&self.point, k),
             normal: gather(&self.normal, k),
-            needs_look: self.needs_look >> k & 1 != 0,
+            needs_look: has(self.needs_look, k),
         })
     }
 }

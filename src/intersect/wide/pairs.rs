@@ -18,6 +18,7 @@ use super::searched::{Fitted, Searched};
 use super::single_ray::{Guess, HitPlace, SingleHit};
 use super::vectors::{dot_d, lane_bits};
 use crate::intersect::Shot;
+use crate::math::bits::half_of_sixteen;
 use crate::math::{Ray, rounding};
 use crate::patch::{Leaf, Piece};
 
@@ -145,7 +146,7 @@ impl PairLanes {
             wanted &= !outside;
         }
         for half in 0..2 {
-            let wanted = u64::from(wanted >> (8 * half)) & 0xff;
+            let wanted = half_of_sixteen(wanted, half);
             if wanted == 0 {
                 continue;
             }

@@ -208,6 +208,7 @@ mod tests {
     use crate::intersect::wide::load::{find_planes, load};
     use crate::intersect::wide::proof::WIDENED;
     use crate::intersect::{Hit, Query, SurfaceBvh};
+    use crate::math::bits::has;
     use crate::math::testing::same_cases;
     use crate::math::{Ray, rounding};
     use crate::patch::Leaf;
@@ -282,11 +283,10 @@ mod tests {
                     .collect();
                 let (said, certified) = said(bvh, index as u32, &queries);
                 for (k, query) in queries.iter().enumerate() {
-                    let told = |lanes: u32| lanes >> k & 1 != 0;
-                    if told(said.missed) || told(said.met) {
+                    if has(said.missed, k) || has(said.met, k) {
                         let meets = meets(bvh, leaf, query);
-                        prop_assert!(!(told(said.missed) && meets), "leaf {index}, line {k}");
-                        prop_assert!(!told(said.met) || meets, "leaf {index}, line {k}");
+                        prop_assert!(!(has(said.missed, k) && meets), "leaf {index}, line {k}");
+                        prop_assert!(!has(said.met, k) || meets, "leaf {index}, line {k}");
                     }
                 }
                 asked.set(asked.get() + certified.count_ones());

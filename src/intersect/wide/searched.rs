@@ -1,7 +1,7 @@
 //! All data that are searched, and their prefetching.
 
-use crate::intersect::bits::set_bits;
 use crate::intersect::tree::Tree;
+use crate::math::bits::set_bits;
 use crate::math::prefetch;
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
 

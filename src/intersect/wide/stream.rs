@@ -21,6 +21,7 @@ use super::start::Start;
 use super::wanted::Wanted;
 use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
+use crate::math::bits::has;
 use crate::math::{Ray, RayFrame};
 use crate::patch::SceneFrame;
 
@@ -458,13 +459,12 @@ fn search_pairs<S: Simd, Q: Shot>(
         statistics.newton_iterations += u64::from(outcomes.steps);
         for (lane, pair) in group.iter().enumerate() {
             let flight = &mut flights[pair.ray as usize];
-            let told = |lanes: u32| lanes >> lane & 1 != 0;
-            flight.alone |= told(outcomes.judged);
-            if told(outcomes.met) {
+            flight.alone |= has(outcomes.judged, lane);
+            if has(outcomes.met, lane) {
                 if flight.takes(scene, &lanes.place(lane, pair.leaf)) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
                 }
-            } else if told(outcomes.open) {
+            } else if has(outcomes.open, lane) {
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
                 let asked = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };

@@ -17,10 +17,10 @@ use super::searched::Searched;
 use super::spline_net::RecentNets;
 use super::vectors::lane_bits;
 use super::{LANES, PACKET};
-use crate::intersect::bits::set_bits;
 use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
 use crate::intersect::{Shot, Statistics};
+use crate::math::bits::set_bits;
 
 /// Where the first ray may enter a child, the child, and the rays that may enter it.
 type Visit = (f32, ChildCode, u64);
