@@ -135,7 +135,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
-    use crate::intersect::tree::{Child, ChildCode, Way};
+    use crate::intersect::tree::{BlockLeaves, Child, ChildCode, Way};
     use crate::patch::PatchSet;
 
     /// A flat sheet of this many pieces each way.
@@ -185,7 +185,7 @@ mod tests {
                 }
                 Child::Block(index) => {
                     reached.push(index);
-                    let (first, count) = tree.leaves(index);
+                    let BlockLeaves { first, count } = tree.leaves(index);
                     assert!((1..=LANES).contains(&count));
                     for leaf in first..first + count as u32 {
                         assert_eq!(tree.frame_of(leaf).scale, frame.scale);

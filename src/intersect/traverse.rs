@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::tree::{Child, ChildCode, Node, Tree};
+use super::tree::{BlockLeaves, Child, ChildCode, Node, Tree};
 use crate::geometry::MAX_DEGREE;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{OrientedBox, SceneFrame};
@@ -43,7 +43,7 @@ impl Tree {
                     stack[bottom..].sort_by(|a, b| b.0.total_cmp(&a.0));
                 }
                 Child::Block(index) => {
-                    let (first, count) = self.leaves(index);
+                    let BlockLeaves { first, count } = self.leaves(index);
                     for lane in 0..count {
                         let oriented = self.blocks[index as usize].oriented(lane);
                         limit = limit.min(visit(first + lane as u32, (&oriented, frame)));

@@ -144,6 +144,21 @@ impl LeafBlock {
     }
 }
 
+/// The leaves of a block: the first, and how many there are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BlockLeaves {
+    pub(super) first: u32,
+    pub(super) count: usize,
+}
+
+impl BlockLeaves {
+    /// The bits of `lanes` that stand for leaves: unused lanes mean nothing.
+    #[inline(always)]
+    pub(super) fn of(self, lanes: u32) -> u32 {
+        lanes & ((1 << self.count) - 1)
+    }
+}
+
 /// A part of the scene with scaled coordinates of its own: all of it, or something small in it (see
 /// [`regions`](super::regions)).
 #[derive(Clone, Debug)]
@@ -226,11 +241,11 @@ impl Tree {
         self.regions[region].first_leaf as usize..end as usize
     }
 
-    /// The first leaf of a block, and how many there are.
+    /// The leaves of a block.
     #[inline(always)]
-    pub(super) fn leaves(&self, block: u32) -> (u32, usize) {
+    pub(super) fn leaves(&self, block: u32) -> BlockLeaves {
         let first = self.starts[block as usize];
-        (first, (self.starts[block as usize + 1] - first) as usize)
+        BlockLeaves { first, count: (self.starts[block as usize + 1] - first) as usize }
     }
 
     /// The box of a leaf.

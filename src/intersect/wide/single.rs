@@ -103,11 +103,11 @@ fn search_block<S: Simd>(
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
     let block = &scene.tree.blocks[index as usize];
-    let (first, count) = scene.tree.leaves(index);
+    let leaves = scene.tree.leaves(index);
     let mut crossings = Crossings::NONE;
     ray.boxes.cross(simd, block, &mut crossings);
-    let mut met = crossings.met & ((1 << count) - 1);
-    scene.prefetch_leaves(first, met);
+    let mut met = leaves.of(crossings.met);
+    scene.prefetch_leaves(leaves.first, met);
     while met != 0 {
         let nearest = first_entered(&crossings.entry, met);
         met &= !(1 << nearest);
@@ -115,7 +115,7 @@ fn search_block<S: Simd>(
             return;
         }
         statistics.leaf_tests += 1;
-        let leaf = first + nearest as u32;
+        let leaf = leaves.first + nearest as u32;
         search_leaf(simd, scene, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
         if ray.is_done() {
             return;

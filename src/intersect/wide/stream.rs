@@ -262,8 +262,8 @@ fn look_at_blocks<S: Simd, Q: Shot>(
 fn prefetch(scene: &Searched<'_>, visits: &[Visit], crossings: &[Crossings]) {
     for stage in [Searched::prefetch_leaves, Searched::prefetch_pieces, Searched::prefetch_nets] {
         for (&(_, block), crossings) in visits.iter().zip(crossings) {
-            let (first, count) = scene.tree.leaves(block);
-            stage(scene, first, crossings.met & ((1 << count) - 1));
+            let leaves = scene.tree.leaves(block);
+            stage(scene, leaves.first, leaves.of(crossings.met));
         }
     }
 }
@@ -340,8 +340,8 @@ impl StreamRay<'_> {
         pairs: &mut Vec<Pair>,
         (single, statistics): (&mut SingleWork, &mut Statistics),
     ) {
-        let (first, count) = self.scene.tree.leaves(block);
-        let mut met = crossings.met & ((1 << count) - 1);
+        let leaves = self.scene.tree.leaves(block);
+        let mut met = leaves.of(crossings.met);
         while met != 0 {
             let nearest = first_entered(&crossings.entry, met);
             met &= !(1 << nearest);
@@ -349,7 +349,7 @@ impl StreamRay<'_> {
                 return;
             }
             statistics.leaf_tests += 1;
-            let index = first + nearest as u32;
+            let index = leaves.first + nearest as u32;
             let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
             let leaf = &self.scene.leaves[index as usize];
             let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;

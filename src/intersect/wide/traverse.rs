@@ -154,9 +154,8 @@ fn meets_nothing<S: Simd, Q: Shot>(
         match code.child() {
             Child::Block(index) => {
                 let block = &tree.blocks[index as usize];
-                let (_, count) = tree.leaves(index);
                 let (_, met) = enter_block(simd, block, &bounds, farthest);
-                if met & ((1 << count) - 1) != 0 {
+                if tree.leaves(index).of(met) != 0 {
                     return false;
                 }
             }
@@ -279,13 +278,12 @@ fn search_block<S: Simd, Q>(
     statistics: &mut Statistics,
 ) {
     let block = &scene.tree.blocks[index as usize];
-    let (first, count) = scene.tree.leaves(index);
+    let leaves = scene.tree.leaves(index);
     let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
-    let leaves = (block, met & ((1 << count) - 1));
-    let apart = work.apart.leaves(simd, leaves, packet, rays);
+    let apart = work.apart.leaves(simd, (block, leaves.of(met)), packet, rays);
     let two = apart | apart >> 32;
     let mut met = (two | two >> 16) as u32 & 0xffff;
-    scene.prefetch_leaves(first, met);
+    scene.prefetch_leaves(leaves.first, met);
     while met != 0 {
         let nearest = first_entered(&entries, met);
         met &= !(1 << nearest);
@@ -297,7 +295,7 @@ fn search_block<S: Simd, Q>(
         for k in 0..PACKET / LANES {
             groups |= ((apart >> (LANES * k + nearest)) as u32 & 1) << k;
         }
-        let leaf = (first + nearest as u32, &oriented, groups, &mut *ahead);
+        let leaf = (leaves.first + nearest as u32, &oriented, groups, &mut *ahead);
         search_leaf(simd, scene, leaf, packet, work, statistics);
     }
 }
