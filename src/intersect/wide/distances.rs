@@ -5,14 +5,11 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdWiden, f32x
 use fearless_simd_macros::simd;
 
 use super::LANES;
+use super::convergence::STEPS_IN_F32;
 use super::packet::Packet;
 use super::searched::Fitted;
 use super::vectors::{dot_d, load3, load3d};
 use crate::patch::{Leaf, WeightFit};
-
-/// Steps in f32: from the middle of a flat leaf, the first leaves an error of about 1e-2 of the
-/// leaf, the second 1e-4 or the fit's error.
-const STEPS: usize = 2;
 
 /// The shortest and the longest last step, in box coordinates, after which the place found is refined.
 const LEAST_REFINED: f32 = 1.0 / 256.0;
@@ -134,7 +131,7 @@ impl LaneDistances {
         let both = [start; 2];
         let mut last =
             LastStep { from: start, to: start, distances: start, slopes: both, inverse: both };
-        for _ in 0..STEPS {
+        for _ in 0..STEPS_IN_F32 {
             let [f1, a1, b1] = evaluate(simd, &self.of[0], x, y);
             let [f2, a2, b2] = evaluate(simd, &self.of[1], x, y);
             let d = f32x16::splat(simd, 1.0) / (a1 * b2 - a2 * b1);

@@ -4,32 +4,10 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, mask64x8};
 use fearless_simd_macros::simd;
 
+use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
 use super::jets::Jets;
 use super::proof::WITH_SLACK;
-use super::single_finish::COARSEST;
 use super::vectors::{cross_d, dot_d, sum_of_sizes};
-use crate::math::rounding::UNIT_ROUNDOFF;
-
-/// The largest number of steps in f64: one is usual.
-const MOST_STEPS: usize = 4;
-
-/// The part of the promised error that a last step may leave behind by curvature, and as much again by
-/// rounding.
-pub(super) const PART_OF_ERROR: f64 = 0.125;
-
-/// Rounding error that a step leaves in the distances `f`, as a part of `|f| |a| |b| / |det|`,
-/// where `a` and `b` are the tangents' components across the ray: numerators are off by four units
-/// of that, the determinant by two, products with the tangents by two. (Components are off by some
-/// units of the tangents' lengths themselves, which is more only for rays almost along a tangent.)
-/// This error matters where tangents are nearly parallel.
-const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
-
-/// The largest square of `|f| |a| |b| / |det|`, over that of the error, at which rounding leaves no more than
-/// [`PART_OF_ERROR`].
-pub(super) const MOST_ROUNDED: f64 = {
-    let most = PART_OF_ERROR / ROUNDING_OF_STEP;
-    most * most
-};
 
 /// The largest accepted bound, in radians, of the normal's error after a last step; above it the normal is
 /// evaluated where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
@@ -244,7 +222,7 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 /// With the distances `f` there, their first derivatives `J` and second ones `H`, the step leads back by
 /// `h + e`, where `J h = f` and `J e = ½ H[h, h]`. Let `d` be no less than the sizes of both together. What
 /// is left of the distances is then `H[h, e] + ½ H[e, e]` (at most `2 M d |e|`), what second derivatives
-/// leave of the surface (at most `T d³`), and the rounding error of the step ([`ROUNDING_OF_STEP`]). Of
+/// leave of the surface (at most `T d³`), and the rounding error of the step ([`MOST_ROUNDED`]). Of
 /// both tangents together, as they are taken along the step, `2 M |e| + 3 T d²` is left.
 /// ([`FitError`](crate::patch::FitError) defines `M` and `T`.) What is left of one tangent turns the normal
 /// by its part along the normal, times the length of the other tangent, over their cross product.

@@ -11,23 +11,15 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3};
 
+use super::convergence::{COARSEST, MOST_ROUNDED, MOST_STEPS, PART_OF_ERROR};
 use super::form::{Form, with_degrees, with_numbers};
 use super::jets::OneNet;
-use super::newton::{MOST_ROUNDED, PART_OF_ERROR};
 use super::power_lines::LONG;
 use super::proof::WITH_SLACK;
 use super::searched::Fitted;
 use super::single_jet::{Bernstein, Powers, Sums};
 use super::single_ray::{SingleHit, SingleRay};
 use crate::math::bernstein::MAX_DEGREE;
-use crate::math::rounding::UNIT_ROUNDOFF;
-
-/// The largest number of steps in f64: one or two are usual after the search in f32.
-const MOST_STEPS: u64 = 4;
-
-/// The sum of both speeds times this must not exceed the promised error: then the rounding of
-/// parameters, by half a unit, moves a point by at most a quarter of that error.
-pub(super) const COARSEST: f64 = 2.0 * UNIT_ROUNDOFF;
 
 /// What is searched for in a leaf, from where.
 #[derive(Clone, Copy)]
@@ -114,7 +106,8 @@ fn finish_of<S: Simd, F: Sums<S>>(
 
     let mut x = within(f64::from(near[0]), domain[0]);
     let mut y = within(f64::from(near[1]), domain[1]);
-    for step in 1..=MOST_STEPS {
+    let most_steps = u64::from(MOST_STEPS);
+    for step in 1..=most_steps {
         let (s, t) = (mid_s + x * half_s, mid_t + y * half_t);
         let sums = F::at(simd, surface, s, t);
         // In the ray's coordinates, by box coordinate.
@@ -156,7 +149,7 @@ fn finish_of<S: Simd, F: Sums<S>>(
         x = within(new_x, domain[0]);
         y = within(new_y, domain[1]);
     }
-    (Outcome::NotFound, MOST_STEPS)
+    (Outcome::NotFound, most_steps)
 }
 
 /// Whether a point `W (S − o)` is within the error, or will be after a step; `at`, `a` and `b` are

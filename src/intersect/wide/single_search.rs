@@ -3,12 +3,9 @@
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
 
+use super::convergence::STEPS_IN_F32;
 use super::searched::Fitted;
 use super::single_ray::SingleRay;
-
-/// Steps in f32: from the middle of a flat leaf, the first leaves an error of about 1e-2 of the
-/// leaf, the second 1e-4 or the fit's error.
-const STEPS: usize = 2;
 
 /// How far the search and the proofs may leave the leaf, in box coordinates: as far as the bounds
 /// of the approximation's error hold.
@@ -89,7 +86,7 @@ impl<S: Simd> Distances<S> {
         let [mut x, mut y] = start;
         let twice = rows[2] + rows[2];
         let thrice = rows[3] * f32x8::splat(simd, 3.0);
-        for _ in 0..STEPS {
+        for _ in 0..STEPS_IN_F32 {
             let (xs, ys) = (f32x8::splat(simd, x), f32x4::splat(simd, y));
             let (xx, yy) = (xs * xs, ys * ys);
             let (two_y, three_yy) = (ys + ys, f32x4::splat(simd, 3.0) * yy);
