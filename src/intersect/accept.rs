@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::borders::{
-    TRIM_REACH, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
+    TRIM_REACH, TRIM_SPARE, at_border, error_bound, on_piece, rounding_at, trim_reach, trim_side,
 };
 use super::exact::{AT_POLE, END, Proof, STRETCH, Solution, holds};
 use super::grazing::KnownRoot;
@@ -156,7 +156,8 @@ impl<'a> Candidate<'a> {
                 return Err(Dropped::from(z, ray));
             }
             Side::Outside if question.all_hits => {
-                let known = KnownRoot { ray, error: SPARE * error, along: SPARE * z_error };
+                let known =
+                    KnownRoot { ray, error: TRIM_SPARE * error, along: TRIM_SPARE * z_error };
                 let side = trim_side(leaf, piece, (spot.st, &spot.jet), &known);
                 self.just_cut_off = matches!(side, Side::Edge { .. });
                 if !self.just_cut_off {
@@ -306,10 +307,6 @@ fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
 /// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside the leaf may be
 /// off by that much.
 pub(super) const AROUND: f64 = 4.0;
-
-/// Two searches that are about equally exact find one root within twice the error: a root at a trim edge by one search
-/// is within this many times the reach of the edge by the other.
-const SPARE: f64 = 2.0;
 
 /// Two searches come to a border at slightly different parameters: where the border is farther from the ray than
 /// allowed for one of them, it is within this many times as much for the other.

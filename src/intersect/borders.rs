@@ -77,6 +77,10 @@ const AT_RAY: f64 = 0.25;
 /// a surface known to rounding, and the edge it is shared with is on another.
 pub(super) const TRIM_REACH: f64 = 4.0;
 
+/// Two searches that are about equally exact find one root within twice the error: a root at a trim
+/// edge by one search is within this many times the reach of the edge by the other.
+pub(super) const TRIM_SPARE: f64 = 2.0;
+
 /// The side of its surface's trims on which a root of a leaf lies.
 pub(super) fn trim_side(
     leaf: &Leaf,

@@ -9,7 +9,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
 
-use super::box_ray::{BLUR, LEAST, Slabs};
+use super::box_ray::{BLUR, LEAST_DIRECTION, Slabs};
 use super::load::bounds;
 use super::packet::{Lanes3f, Packet, PacketBounds};
 use super::traverse::enter_block;
@@ -53,7 +53,7 @@ impl Apart {
             return;
         }
         let inverse = self.inverse.get_or_insert_with(|| Box::new([[0.0; PACKET]; 3]));
-        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST));
+        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST_DIRECTION));
         for base in (0..PACKET).step_by(LANES) {
             let axis = load3(simd, &packet.axis_f, base);
             for i in 0..3 {

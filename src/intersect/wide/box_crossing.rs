@@ -3,7 +3,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use fearless_simd_macros::simd;
 
-use super::box_ray::{LEAST_SLOPE, SPARE};
+use super::box_ray::{BOX_SPARE, LEAST_SLOPE};
 use super::packet::Packet;
 use super::vectors::load3;
 use crate::patch::{Leaf, OrientedBox};
@@ -52,7 +52,7 @@ pub(super) fn cross_box<S: Simd>(
         entry = entry.max(middle - half);
         exit = exit.min(middle + half);
     }
-    let spare = f32x16::splat(simd, SPARE);
+    let spare = f32x16::splat(simd, BOX_SPARE);
     let met = entry.max(near).simd_le(exit.min(far) + spare);
 
     // Where the middle plane is crossed, if inside the box. What is known of the ray's end must not

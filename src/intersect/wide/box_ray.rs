@@ -14,7 +14,7 @@ pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken to be at least this large: this moves the ray by far less
 /// than [`BLUR`], and quotients stay finite.
-pub(super) const LEAST: f32 = 1e-12;
+pub(super) const LEAST_DIRECTION: f32 = 1e-12;
 
 /// Slopes of directions along a box's side are taken to be at least this large: quotients stay
 /// finite, and far larger than any distance that matters.
@@ -22,10 +22,10 @@ pub(super) const LEAST_SLOPE: f32 = 1e-12;
 
 /// Slack, in scaled coordinates, when box entries and exits are compared: some roundings of f32 at
 /// the distances a ray has inside the scene.
-pub(super) const SPARE: f32 = 4e-6;
+pub(super) const BOX_SPARE: f32 = 4e-6;
 
 // `OrientedBox::farthest_from`, which bounds how far rays that meet a box pass, allows for no more slack.
-const _: () = assert!(SPARE as f64 <= OrientedBox::GROWTH);
+const _: () = assert!(BOX_SPARE as f64 <= OrientedBox::GROWTH);
 
 /// Boxes still to be entered, and where the ray enters them.
 pub(super) type Stack = Vec<(f32, ChildCode)>;
@@ -61,7 +61,11 @@ impl BoxRay {
     pub(super) fn set(&mut self, origin: [f32; 3], axis: [f32; 3], [near, far]: [f32; 2]) {
         (self.near, self.far) = (near, far);
         for k in 0..3 {
-            let along = if axis[k].abs() < LEAST { LEAST.copysign(axis[k]) } else { axis[k] };
+            let along = if axis[k].abs() < LEAST_DIRECTION {
+                LEAST_DIRECTION.copysign(axis[k])
+            } else {
+                axis[k]
+            };
             let blur = BLUR.copysign(along);
             self.origin[k] = origin[k];
             self.axis[k] = axis[k];
@@ -191,7 +195,7 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     pub(super) fn met(&self, simd: S, [near, far]: [f32; 2]) -> u32 {
         let (near, far) = (f32x16::splat(simd, near), f32x16::splat(simd, far));
-        let spare = f32x16::splat(simd, SPARE);
+        let spare = f32x16::splat(simd, BOX_SPARE);
         self.entry.max(near).simd_le(self.exit.min(far) + spare).to_bitmask() as u32
     }
 }

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, mask32x16, u8x64, u32x16};
 use fearless_simd_macros::simd;
 
 use super::LANES;
-use super::box_ray::SPARE;
+use super::box_ray::BOX_SPARE;
 use super::distances::{LaneDistances, sizes};
 use super::finish::Done;
 use super::jets::OneNet;
@@ -209,7 +209,7 @@ fn settle_sixteen<S: Simd>(
     let mut asked = 0;
     for (lane, pair) in pairs[..*count].iter().enumerate() {
         // Something nearer may have been found since.
-        let beyond = pair.entry > packet.far_f[pair.ray] + SPARE;
+        let beyond = pair.entry > packet.far_f[pair.ray] + BOX_SPARE;
         asked |= u32::from(!beyond) << lane;
     }
     let mut all = Done::default();

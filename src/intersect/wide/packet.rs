@@ -8,7 +8,7 @@ use fearless_simd_macros::simd;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::box_crossing::BoxCrossing;
-use super::box_ray::SPARE;
+use super::box_ray::BOX_SPARE;
 use super::departure::{Departure, Final, MAY_START};
 use super::frames::END_SPARE;
 use super::target::Target;
@@ -205,7 +205,7 @@ impl Packet {
         let near = f32x16::from_slice(simd, &self.near_f[sixteen.clone()]);
         let far = f32x16::from_slice(simd, &self.far_f[sixteen]);
         // The ends are known with some slack to the other side.
-        let spare = f32x16::splat(simd, 2.0 * END_SPARE + SPARE);
+        let spare = f32x16::splat(simd, 2.0 * END_SPARE + BOX_SPARE);
         let within = crossing.entry.simd_gt(near + spare) & crossing.exit.simd_lt(far - spare);
         if !self.from_roots {
             return lane_bits(within);

@@ -20,7 +20,7 @@
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-use super::box_ray::{Crossings, SPARE, Stack, first_entered};
+use super::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
 use super::jets::OneNet;
 use super::nearest::{Kept, keep};
 use super::proof::WIDENED;
@@ -111,7 +111,7 @@ fn search_block<S: Simd>(
     while met != 0 {
         let nearest = first_entered(&crossings.entry, met);
         met &= !(1 << nearest);
-        if crossings.entry[nearest] > ray.boxes.far + SPARE {
+        if crossings.entry[nearest] > ray.boxes.far + BOX_SPARE {
             return;
         }
         statistics.leaf_tests += 1;

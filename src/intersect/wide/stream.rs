@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, f32x16, f64x8};
 use fearless_simd_macros::simd;
 
 use super::LANES;
-use super::box_ray::{BoxRay, Crossings, SPARE, Stack, first_entered, push_unforeseen};
+use super::box_ray::{BOX_SPARE, BoxRay, Crossings, Stack, first_entered, push_unforeseen};
 use super::form::Form;
 use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
@@ -345,7 +345,7 @@ impl StreamRay<'_> {
         while met != 0 {
             let nearest = first_entered(&crossings.entry, met);
             met &= !(1 << nearest);
-            if crossings.entry[nearest] > flight.boxes.far + SPARE {
+            if crossings.entry[nearest] > flight.boxes.far + BOX_SPARE {
                 return;
             }
             statistics.leaf_tests += 1;
