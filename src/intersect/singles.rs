@@ -192,8 +192,7 @@ impl<'a> Certain<'a> {
     #[inline(always)]
     pub(super) fn new(scene: &Searched<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
         let leaf = &scene.leaves[hit.leaf as usize];
-        let index = leaf.piece;
-        let piece = &scene.set.pieces()[index as usize];
+        let (index, piece) = (leaf.piece, scene.piece_of(hit.leaf));
         let mut normal = hit.cross * (1.0 / hit.size);
         let mut flags = HitFlags::NONE;
         // Near a pole the normal is a limit.

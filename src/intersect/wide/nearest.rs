@@ -26,8 +26,7 @@ pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitP
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
-        let piece = &scene.set.pieces()[leaf.piece as usize];
-        match trim_side(piece, found.st, found.z_error) {
+        match trim_side(scene.piece_of(found.leaf), found.st, found.z_error) {
             Side::Inside => {}
             Side::Outside => return Kept::Not,
             Side::Edge { .. } => return Kept::Undecided,

@@ -112,11 +112,11 @@ impl PairLanes {
     ) -> Outcomes {
         let Some(first) = pairs.first() else { return Outcomes::default() };
         let mut rays = [shots[first.ray as usize].ray(); LANES];
-        let mut pieces = [scene.piece_of(first.leaf as usize); LANES];
+        let mut pieces = [scene.piece_of(first.leaf); LANES];
         let mut leaves = [scene.fitted(first.leaf, &pieces[0].patch); LANES];
         // Lanes left over repeat the first.
         for (lane, pair) in pairs.iter().enumerate() {
-            pieces[lane] = scene.piece_of(pair.leaf as usize);
+            pieces[lane] = scene.piece_of(pair.leaf);
             leaves[lane] = scene.fitted(pair.leaf, &pieces[lane].patch);
             rays[lane] = shots[pair.ray as usize].ray();
         }

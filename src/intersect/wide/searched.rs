@@ -36,7 +36,7 @@ impl Fitted<'_> {
 /// Scenes of more leaves than this do not fit into the processor's caches.
 const FAR: usize = 1 << 14;
 
-impl Searched<'_> {
+impl<'a> Searched<'a> {
     /// Whether an origin with this largest coordinate is too far away for the work in f32.
     #[inline(always)]
     pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
@@ -69,17 +69,18 @@ impl Searched<'_> {
     /// Prefetches the pieces of such leaves, which have arrived by now.
     #[inline(always)]
     pub(super) fn prefetch_pieces(&self, first: u32, met: u32) {
-        set_bits(met).for_each(|k| prefetch(self.piece_of(first as usize + k)));
+        set_bits(met).for_each(|k| prefetch(self.piece_of(first + k as u32)));
     }
 
     /// Prefetches the control points of such pieces, which have arrived by now.
     #[inline(always)]
     pub(super) fn prefetch_nets(&self, first: u32, met: u32) {
-        set_bits(met).for_each(|k| self.piece_of(first as usize + k).patch.prefetch_net());
+        set_bits(met).for_each(|k| self.piece_of(first + k as u32).patch.prefetch_net());
     }
 
+    /// The piece that a leaf is a part of.
     #[inline(always)]
-    pub(super) fn piece_of(&self, leaf: usize) -> &Piece {
-        &self.set.pieces()[self.leaves[leaf].piece as usize]
+    pub(in crate::intersect) fn piece_of(&self, leaf: u32) -> &'a Piece {
+        &self.set.pieces()[self.leaves[leaf as usize].piece as usize]
     }
 }

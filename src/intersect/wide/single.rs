@@ -134,7 +134,7 @@ fn search_leaf<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    let patch = &scene.set.pieces()[leaf.piece as usize].patch;
+    let patch = &scene.piece_of(index).patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
     let fitted = scene.fitted(index, patch);
@@ -155,7 +155,7 @@ pub(super) fn search_ahead<S: Simd>(
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
     let leaf = &scene.leaves[index as usize];
-    let patch = &scene.set.pieces()[leaf.piece as usize].patch;
+    let patch = &scene.piece_of(index).patch;
     // Most rays will need the net; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));

@@ -352,7 +352,7 @@ impl StreamRay<'_> {
             let index = leaves.first + nearest as u32;
             let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
             let leaf = &self.scene.leaves[index as usize];
-            let patch = &self.scene.set.pieces()[leaf.piece as usize].patch;
+            let patch = &self.scene.piece_of(index).patch;
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
             let line = (self.ray.origin(), flight.boxes.axis);
@@ -468,8 +468,7 @@ fn search_pairs<S: Simd, Q: Shot>(
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
                 let asked = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };
-                let piece = scene.leaves[pair.leaf as usize].piece;
-                let patch = &scene.set.pieces()[piece as usize].patch;
+                let patch = &scene.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
                 let work = (&mut *single, &mut *statistics);
                 asked.search(simd, pair.leaf, (None, error), flight, work);

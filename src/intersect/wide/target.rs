@@ -53,7 +53,7 @@ impl<'a> Target<'a> {
     #[inline(always)] // a returned result would be copied, which stalls
     pub(super) fn new(scene: &'a Searched<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
         let leaf = &scene.leaves[index as usize];
-        let piece = &scene.set.pieces()[leaf.piece as usize];
+        let piece = scene.piece_of(index);
         let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
         let pole = leaf.pole(piece);
         Self { leaf, piece, index, scene, oriented, rect, domain, pole }
