@@ -195,8 +195,8 @@ mod sealed {
     impl Sealed for super::Query {}
 }
 
-/// The first hit, or a proved miss, or a doubtful answer. Answers compare as [`Hit`]s do: one with a hit
-/// that has no normal equals nothing.
+/// The first hit, or a proved miss (the default), or a doubtful answer. Answers compare as [`Hit`]s
+/// do: one with a hit that has no normal equals nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The hit with the smallest `t`.

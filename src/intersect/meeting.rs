@@ -193,7 +193,7 @@ impl Findings {
     /// The answer of an any-hit search that found this.
     pub(super) fn occlusion(&mut self) -> Occlusion {
         let occlusion = occlusion(self.meetings.iter(), self.doubt);
-        self.statistics.doubtful += u64::from(occlusion.doubtful);
+        self.statistics.count_doubt(occlusion.doubtful);
         occlusion
     }
 

@@ -92,7 +92,7 @@ impl Tracer<'_> {
         let PacketScratch { meetings, doubt, .. } = &*self.packets;
         let found = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
         let occlusion = occlusion(found, doubt[k]);
-        self.findings.statistics.doubtful += u64::from(occlusion.doubtful);
+        self.findings.statistics.count_doubt(occlusion.doubtful);
         occlusion
     }
 
@@ -143,7 +143,7 @@ impl Tracer<'_> {
         let looked_at = self.packets.work.rest_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
             // One by one: copies of an answer would also write the bytes of its absent hit.
-            answers.extend(shots.iter().map(|_| Answer { hit: None, doubtful: false }));
+            answers.extend(shots.iter().map(|_| Answer::default()));
             return;
         }
         let first = answers.len();
@@ -163,7 +163,7 @@ impl Tracer<'_> {
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
         let doubt = if has(work.rest_rays, k) { doubt[k] } else { f64::INFINITY };
         let answer = answer_of(set, certain.iter().chain(others), doubt);
-        self.findings.statistics.doubtful += u64::from(answer.doubtful);
+        self.findings.statistics.count_doubt(answer.doubtful);
         answer
     }
 }

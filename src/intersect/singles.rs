@@ -29,7 +29,7 @@ impl Tracer<'_> {
         }
         if self.bvh.surroundings.is_beside(shot.ray()) {
             self.findings.statistics.rays += 1;
-            return Answer { hit: None, doubtful: false };
+            return Answer::default();
         }
         dispatch!(level, simd => first_hit(simd, self, shot))
     }
@@ -117,7 +117,7 @@ impl Tracer<'_> {
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
         let answer = answer_of(&self.bvh.set, meetings, self.findings.doubt);
-        self.findings.statistics.doubtful += u64::from(answer.doubtful);
+        self.findings.statistics.count_doubt(answer.doubtful);
         answer
     }
 }

@@ -26,6 +26,11 @@ impl Statistics {
     pub(super) fn uncount(&mut self) {
         self.rays -= 1;
     }
+
+    /// Counts an answer if it is flagged doubtful.
+    pub(super) fn count_doubt(&mut self, doubtful: bool) {
+        self.doubtful += u64::from(doubtful);
+    }
 }
 
 impl AddAssign for Statistics {

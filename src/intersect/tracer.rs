@@ -129,7 +129,7 @@ impl<'a> Tracer<'a> {
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
         let doubtful = !certain || self.findings.doubt < f64::INFINITY;
-        self.findings.statistics.doubtful += u64::from(doubtful);
+        self.findings.statistics.count_doubt(doubtful);
         doubtful
     }
 
@@ -186,7 +186,7 @@ impl<'a> Tracer<'a> {
         });
         let findings = &mut self.findings;
         let answer = answer_of(&self.bvh.set, findings.meetings.iter(), findings.doubt);
-        findings.statistics.doubtful += u64::from(answer.doubtful);
+        findings.statistics.count_doubt(answer.doubtful);
         answer
     }
 

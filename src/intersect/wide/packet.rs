@@ -371,7 +371,7 @@ impl Packet {
     #[inline]
     pub(in crate::intersect) fn plain_answer(&self, k: usize) -> Answer {
         if !has(self.met, k) {
-            return Answer { hit: None, doubtful: false };
+            return Answer::default();
         }
         let normal = gather(&self.normal, k);
         let cosine = Root::kept_cosine(normal.dot(gather(&self.axis, k)));
