@@ -150,6 +150,8 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.is_beyond_f32(&query.ray) {
         return tracer.scalar_any(query);
     }
+    // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of these
+    // rays start on a surface.
     let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
