@@ -38,7 +38,7 @@ impl Tracer<'_> {
             near.while_tracing(others, Moment::Finish, |ahead| {
                 self.trace_packet(level, packet, ahead, Wanted::First);
             });
-            self.search_rest(packet, Wanted::First);
+            self.search_undecided_of_packet(packet, Wanted::First);
             let first = answers.len();
             self.answer_packet(packet, answers);
             for k in set_bits(self.packets.packet.far_off()) {
@@ -70,11 +70,11 @@ impl Tracer<'_> {
                 self.trace_packet(level, packet, ahead, Wanted::Any);
             });
             rest = others;
-            self.search_rest(packet, Wanted::Any);
+            self.search_undecided_of_packet(packet, Wanted::Any);
             let (first, met) = (answers.len(), self.packets.packet.met());
-            let open = self.packets.work.rest_rays & !met;
+            let undecided = self.packets.work.undecided_rays & !met;
             for k in 0..packet.len() {
-                answers.push(if has(open, k) {
+                answers.push(if has(undecided, k) {
                     self.judged_occlusion(k)
                 } else {
                     Occlusion { occluded: has(met, k), doubtful: false }
@@ -112,16 +112,16 @@ impl Tracer<'_> {
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.
-    fn search_rest<Q: Shot>(&mut self, shots: &[Q], wanted: Wanted) {
+    fn search_undecided_of_packet<Q: Shot>(&mut self, shots: &[Q], wanted: Wanted) {
         self.packets.meetings.clear();
-        if self.packets.work.rest.is_empty() {
+        if self.packets.work.undecided.is_empty() {
             return;
         }
         self.packets.doubt = [f64::INFINITY; PACKET];
         let enough = if wanted == Wanted::Any { self.packets.packet.met() } else { 0 };
-        let mut rest = std::mem::take(&mut self.packets.work.rest);
-        rest.sort_unstable();
-        for of_ray in rest.chunk_by(|a, b| a.0 == b.0) {
+        let mut undecided = std::mem::take(&mut self.packets.work.undecided);
+        undecided.sort_unstable();
+        for of_ray in undecided.chunk_by(|a, b| a.0 == b.0) {
             let k = of_ray[0].0;
             if has(enough, k) {
                 continue;
@@ -129,18 +129,18 @@ impl Tracer<'_> {
             let query = shots[k].query();
             let ray = (&query, &RayFrame::new(&query.ray));
             let leaves = of_ray.iter().map(|&(_, leaf)| leaf);
-            self.search_left(ray, leaves, self.packets.packet.end(k), wanted);
+            self.search_undecided(ray, leaves, self.packets.packet.end(k), wanted);
             let PacketScratch { meetings, doubt, .. } = &mut *self.packets;
             meetings.extend(self.findings.meetings.iter().map(|&meeting| (k, meeting)));
             doubt[k] = self.findings.doubt;
         }
-        self.packets.work.rest = rest;
+        self.packets.work.undecided = undecided;
     }
 
     /// Appends the answer for each ray: the nearest hit of the packet and of the scalar search.
     fn answer_packet<Q: Shot>(&mut self, shots: &[Q], answers: &mut Vec<Answer>) {
         let packet = &self.packets.packet;
-        let looked_at = self.packets.work.rest_rays | packet.needs_look();
+        let looked_at = self.packets.work.undecided_rays | packet.needs_look();
         if packet.met() | looked_at == 0 {
             // One by one: copies of an answer would also write the bytes of its absent hit.
             answers.extend(shots.iter().map(|_| Answer::default()));
@@ -161,7 +161,7 @@ impl Tracer<'_> {
         let frame = RayFrame::new(ray);
         let certain = packet.hit(k).map(|hit| meeting(set, &frame, &hit));
         let others = meetings.iter().filter(|(ray, _)| *ray == k).map(|(_, meeting)| meeting);
-        let doubt = if has(work.rest_rays, k) { doubt[k] } else { f64::INFINITY };
+        let doubt = if has(work.undecided_rays, k) { doubt[k] } else { f64::INFINITY };
         let answer = answer_of(set, certain.iter().chain(others), doubt);
         self.findings.statistics.count_doubt(answer.doubtful);
         answer

@@ -59,7 +59,7 @@ impl Tracer<'_> {
     /// stops at the first certain hit if any will do.
     ///
     /// Near leaves come first, whatever the order they were found in: effort spent on one is not left for others.
-    pub(super) fn search_left(
+    pub(super) fn search_undecided(
         &mut self,
         (query, frame): (&Query, &RayFrame),
         leaves: impl Iterator<Item = u32>,
@@ -102,17 +102,17 @@ impl Tracer<'_> {
 
 impl Tracer<'_> {
     /// The same for the leaves that the search of a single ray could not decide.
-    fn search_single_left(&mut self, ray: (&Query, &RayFrame), limit: f64, wanted: Wanted) {
-        let left = std::mem::take(&mut self.single.rest);
-        self.search_left(ray, left.iter().copied(), limit, wanted);
-        self.single.rest = left;
+    fn search_undecided_of_single(&mut self, ray: (&Query, &RayFrame), limit: f64, wanted: Wanted) {
+        let undecided = std::mem::take(&mut self.single.undecided);
+        self.search_undecided(ray, undecided.iter().copied(), limit, wanted);
+        self.single.undecided = undecided;
     }
 
     /// The first of the fast search's hit and what the scalar search finds in the leaves left undecided.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
-        self.search_single_left((query, frame), limit, Wanted::First);
+        self.search_undecided_of_single((query, frame), limit, Wanted::First);
         let certain =
             known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
@@ -125,7 +125,7 @@ impl Tracer<'_> {
 #[simd]
 fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Answer {
     let frame = search(simd, tracer, (shot.ray(), shot.start_root()), Wanted::First);
-    if !tracer.single.rest.is_empty() {
+    if !tracer.single.undecided.is_empty() {
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let Some(hit) = tracer.single.hit() else { return Answer::default() };
@@ -156,10 +156,10 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
-    if tracer.single.rest.is_empty() {
+    if tracer.single.undecided.is_empty() {
         return Occlusion::default();
     }
-    tracer.search_single_left((query, &frame), frame.z_range[1], Wanted::Any);
+    tracer.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::Any);
     tracer.findings.occlusion()
 }
 

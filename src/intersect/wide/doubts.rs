@@ -176,10 +176,10 @@ pub(super) fn settle<S: Simd>(
     while work.doubts.count >= least {
         let taken = work.doubts.take(simd);
         let room = (&mut work.parts, &mut work.nets);
-        let Settled { rest, done } = settle_sixteen(simd, scene, packet, &taken, room);
+        let done = settle_sixteen(simd, scene, packet, &taken, room);
         found |= done.found;
         statistics.newton_iterations += u64::from(done.steps);
-        for place in set_bits(rest) {
+        for place in set_bits(done.undecided) {
             let Doubt { ray, leaf, .. } = taken.pairs[place];
             work.leave(ray, 1, leaf);
         }
@@ -189,14 +189,8 @@ pub(super) fn settle<S: Simd>(
     }
 }
 
-/// The outcome for sixteen pairs.
-struct Settled {
-    /// The pairs left to the scalar search.
-    rest: u32,
-    done: Done,
-}
-
-/// Searches the leaves part by part, as far as the rays' own proofs go.
+/// Searches the leaves part by part, as far as the rays' own proofs go. Returns the outcome for the pairs,
+/// a bit each: some are undecided, all others done with.
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,
@@ -204,7 +198,7 @@ fn settle_sixteen<S: Simd>(
     packet: &mut Packet,
     taken: &Taken<S>,
     (parts, nets): (&mut Parts, &mut RecentNets),
-) -> Settled {
+) -> Done {
     let Taken { pairs, count, distances, errors, lengths } = taken;
     let mut asked = 0;
     for (lane, pair) in pairs[..*count].iter().enumerate() {
@@ -215,7 +209,7 @@ fn settle_sixteen<S: Simd>(
     let mut all = Done::default();
     let mut proof = LaneProof::new(simd, (distances, parts), *lengths, *errors, asked);
     while let Some((part, lanes)) = proof.next() {
-        let lanes = lanes & !all.judged;
+        let lanes = lanes & !all.undecided;
         if lanes == 0 {
             continue;
         }
@@ -223,7 +217,7 @@ fn settle_sixteen<S: Simd>(
         let start = part.widened(simd, START_GROWN);
         let near = distances.refine(simd, &distances.newton(simd, part.middle, domain));
         // Pairs of one leaf and the same sixteen rays are finished together.
-        let (mut left, mut open) = (lanes, 0);
+        let (mut left, mut unconverged) = (lanes, 0);
         while left != 0 {
             let Doubt { ray, leaf, .. } = pairs[left.trailing_zeros() as usize];
             let base = ray / LANES * LANES;
@@ -252,13 +246,14 @@ fn settle_sixteen<S: Simd>(
             let done = finish_all(simd, about, (&mut *packet, base), (wanted, ground), &near);
             all.found |= done.found;
             all.steps += done.steps;
-            all.judged |= group.places_of(done.judged);
-            open |= group.places_of(done.open);
+            all.undecided |= group.places_of(done.undecided);
+            unconverged |= group.places_of(done.unconverged);
         }
         // Rays that are led out of the part may be proved to miss its halves.
-        proof.go_on(&part, open);
+        proof.go_on(&part, unconverged);
     }
-    Settled { rest: all.judged | proof.undecided, done: all }
+    all.undecided |= proof.undecided;
+    all
 }
 
 /// Pairs of one leaf and the same sixteen rays.

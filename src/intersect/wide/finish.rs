@@ -24,9 +24,9 @@ const LEAST_SINE: f64 = 1e-2;
 #[derive(Clone, Copy, Default)]
 pub(super) struct Done {
     /// The lanes that did not converge.
-    pub(super) open: u32,
+    pub(super) unconverged: u32,
     /// The lanes whose root the scalar search must judge.
-    pub(super) judged: u32,
+    pub(super) undecided: u32,
     /// Whether some ray's nearest hit is new.
     pub(super) found: bool,
     /// Newton's steps taken, over all lanes.
@@ -62,9 +62,9 @@ pub(super) fn finish<S: Simd>(
 
     let mut root = newton(simd, &leaves, &rays, wanted & !near_pole, near);
     let steps = root.steps;
-    let open = (root.open | near_pole).to_bitmask() as u32;
+    let unconverged = (root.unconverged | near_pole).to_bitmask() as u32;
     if root.found.all_false() {
-        return Done { open, judged: 0, found: false, steps };
+        return Done { unconverged, undecided: 0, found: false, steps };
     }
     if target.pole.is_some() {
         // Tangents vanish at a pole, and the determinant before the last step says nothing of the one at
@@ -78,7 +78,7 @@ pub(super) fn finish<S: Simd>(
         from_error: if packet.from_roots { Some(from_error) } else { None },
     };
     let best = eight(simd, &packet.z, base);
-    let Verdict { size, z_error, mut judged, acceptable, near_end } =
+    let Verdict { size, z_error, mut undecided, acceptable, near_end } =
         root.verdict(simd, &ends, error, certified);
     let tie = acceptable & z.simd_eq(best);
     let mut hit = acceptable & z.simd_lt(best) | earlier(simd, tie, target, packet, base);
@@ -88,7 +88,7 @@ pub(super) fn finish<S: Simd>(
         let reach = f64x8::splat(simd, trimmed::EDGE_REACH) * z_error * speed / size;
         let sides = trim_sides(target, asked, (root_s, root_t), reach);
         hit &= mask64x8::from_bitmask(simd, sides.inside);
-        judged |= mask64x8::from_bitmask(simd, sides.edge);
+        undecided |= mask64x8::from_bitmask(simd, sides.edge);
     }
 
     let found = hit.any_true();
@@ -99,7 +99,7 @@ pub(super) fn finish<S: Simd>(
         let about = (target, closer, certified);
         put_hits(simd, about, (&mut *packet, base), hit, &root, (size, z_error));
     }
-    Done { open, judged: judged.to_bitmask() as u32, found, steps }
+    Done { unconverged, undecided: undecided.to_bitmask() as u32, found, steps }
 }
 
 /// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's nearest so far,

@@ -125,18 +125,18 @@ fn search_group<S: Simd, Q>(
     if certain != 0 {
         let rays = (&mut *packet, base, crossing);
         done = search_certified(simd, (target, closer), rays, (certain, error), ahead, work);
-        doubted |= done.open;
+        doubted |= done.unconverged;
     }
-    let mut rest = done.judged;
+    let mut undecided = done.undecided;
     if doubted != 0 {
         if !known {
             work.distances.take(simd, target.fitted(), packet, base);
         }
         let lanes = (doubted, crossing.entry, error);
-        rest |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
+        undecided |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
     }
     statistics.newton_iterations += u64::from(done.steps);
-    work.leave(base, rest, target.index);
+    work.leave(base, undecided, target.index);
     done.found
 }
 
@@ -222,8 +222,8 @@ pub(super) fn finish_all<S: Simd>(
         let wanted = mask64x8::from_bitmask(simd, wanted);
         let (base, near) = (base + 8 * half, [widened(near[0], half), widened(near[1], half)]);
         let done = finish(simd, about, packet, base, (wanted, &ground), &near);
-        all.open |= done.open << (8 * half);
-        all.judged |= done.judged << (8 * half);
+        all.unconverged |= done.unconverged << (8 * half);
+        all.undecided |= done.undecided << (8 * half);
         all.found |= done.found;
         all.steps += done.steps;
     }

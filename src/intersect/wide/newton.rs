@@ -87,7 +87,7 @@ pub(super) struct Converged<S: Simd> {
     /// The lanes that have converged.
     pub(super) found: mask64x8<S>,
     /// The lanes that should have converged but have not.
-    pub(super) open: mask64x8<S>,
+    pub(super) unconverged: mask64x8<S>,
     /// The lanes whose normals are known.
     known: mask64x8<S>,
     pub(super) st: [f64x8<S>; 2],
@@ -143,7 +143,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     let landed = land(simd, leaves, rays, &at);
     let mut root = Converged {
         found: landed.done & wanted,
-        open: !landed.done & wanted,
+        unconverged: !landed.done & wanted,
         known: landed.known,
         st: landed.st,
         z: landed.z,
@@ -153,7 +153,7 @@ pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
         inverse_det: landed.inverse_det,
         steps: wanted.to_bitmask().count_ones(),
     };
-    if root.open.any_true() {
+    if root.unconverged.any_true() {
         // Copies: a variable whose address is passed on is kept in memory, even where the function
         // is not called.
         let so_far = (root, landed);
@@ -364,7 +364,7 @@ fn half_sides<S: Simd>([s, t]: [f64x8<S>; 2], [per_half_s, per_half_t]: [f64x8<S
     (s * per_half_s).abs().max((t * per_half_t).abs())
 }
 
-/// Takes the steps that follow, for lanes that are still open.
+/// Takes the steps that follow, for lanes that have not converged.
 #[cold]
 #[simd]
 fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
@@ -375,13 +375,13 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
 ) -> Converged<S> {
     let (mut root, mut landed) = *so_far;
     for step in 1..=MOST_STEPS {
-        root.open &= !leaves.surely_away(simd, rays, &landed.step);
-        if step == MOST_STEPS || root.open.all_false() {
+        root.unconverged &= !leaves.surely_away(simd, rays, &landed.step);
+        if step == MOST_STEPS || root.unconverged.all_false() {
             break;
         }
-        root.steps += root.open.to_bitmask().count_ones();
+        root.steps += root.unconverged.to_bitmask().count_ones();
         landed = land(simd, leaves, rays, &within(landed.st, leaves.domain(simd)));
-        let new = landed.done & root.open;
+        let new = landed.done & root.unconverged;
         for k in 0..2 {
             root.st[k] = new.select(landed.st[k], root.st[k]);
         }
@@ -394,7 +394,7 @@ fn go_on<S: Simd, T: Leaves<S>, R: Rays<S>>(
         root.inverse_det = new.select(landed.inverse_det, root.inverse_det);
         root.known = landed.known & new | root.known & !new;
         root.found |= new;
-        root.open &= !new;
+        root.unconverged &= !new;
     }
     root
 }
@@ -416,7 +416,7 @@ pub(super) struct Verdict<S: Simd> {
     /// Error bound of `z`.
     pub(super) z_error: f64x8<S>,
     /// The roots that the scalar search must judge.
-    pub(super) judged: mask64x8<S>,
+    pub(super) undecided: mask64x8<S>,
     /// The roots within the ray's range.
     pub(super) acceptable: mask64x8<S>,
     /// The distance along the ray within which a root cannot be told from an end or another hit.
@@ -455,12 +455,12 @@ impl<S: Simd> Converged<S> {
         let [z_min, z_max] = ends.z;
         clear &= (z.simd_ge(z_min + near_end) | z.simd_le(z_min - near_end))
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
-        let mut judged = found & (!on_piece(simd, self.st) | !clear);
+        let mut undecided = found & (!on_piece(simd, self.st) | !clear);
         if !certified {
             // Rounding of a parameter must be small compared with the error; no certificate has checked that.
-            judged |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
+            undecided |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
-        let acceptable = found & !judged & z.simd_gt(z_min);
-        Verdict { size, z_error, judged, acceptable, near_end }
+        let acceptable = found & !undecided & z.simd_gt(z_min);
+        Verdict { size, z_error, undecided, acceptable, near_end }
     }
 }

@@ -41,9 +41,9 @@ impl PairLanes {
             clearance: eight(simd, &self.clearance, half),
         };
         let mut root = newton(simd, &leaves, &rays, wanted, near);
-        let (open, steps) = (root.open.to_bitmask() as u32, root.steps);
+        let (unconverged, steps) = (root.unconverged.to_bitmask() as u32, root.steps);
         if root.found.all_false() {
-            return Outcomes { open, steps, ..Outcomes::default() };
+            return Outcomes { unconverged, steps, ..Outcomes::default() };
         }
         // The point and the normal at the place itself, not at one a last step away.
         root.look(simd, &leaves);
@@ -61,8 +61,8 @@ impl PairLanes {
             root.point[i].store_slice(&mut self.point[i][to.clone()]);
             root.cross[i].store_slice(&mut self.cross[i][to.clone()]);
         }
-        let (met, judged) = (met.to_bitmask() as u32, verdict.judged.to_bitmask() as u32);
-        Outcomes { met, judged, open, steps }
+        let (met, undecided) = (met.to_bitmask() as u32, verdict.undecided.to_bitmask() as u32);
+        Outcomes { met, undecided, unconverged, steps }
     }
 }
 

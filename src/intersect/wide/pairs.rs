@@ -68,9 +68,9 @@ pub(super) struct Outcomes {
     /// The lanes with a root within the ray's range.
     pub(super) met: u32,
     /// The lanes whose root the scalar search must judge.
-    pub(super) judged: u32,
+    pub(super) undecided: u32,
     /// The lanes that did not converge.
-    pub(super) open: u32,
+    pub(super) unconverged: u32,
     /// Newton's steps taken, over all lanes.
     pub(super) steps: u32,
 }
@@ -142,7 +142,7 @@ impl PairLanes {
         let outside = wanted & !lane_bits(farthest.simd_lt(widened));
         if outside != 0 {
             let of = (&leaves, first.form);
-            all.open = outside & !self.missed(simd, (outside, of), &halves, &normals);
+            all.unconverged = outside & !self.missed(simd, (outside, of), &halves, &normals);
             wanted &= !outside;
         }
         for half in 0..2 {
@@ -156,8 +156,8 @@ impl PairLanes {
             let near = [distances::widened(near[0], half), distances::widened(near[1], half)];
             let done = self.finish(simd, half, wanted, rays, &near);
             all.met |= done.met << (8 * half);
-            all.judged |= done.judged << (8 * half);
-            all.open |= done.open << (8 * half);
+            all.undecided |= done.undecided << (8 * half);
+            all.unconverged |= done.unconverged << (8 * half);
             all.steps += done.steps;
         }
         all

@@ -14,7 +14,7 @@
 //!   ray starts on; where the proof leaves no root; or where the ray leaves the leaf and cannot come back
 //!   (`departure`).
 //! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
-//! - Everything else is listed in [`SingleWork::rest`] for the scalar search, which handles borders, poles,
+//! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles borders, poles,
 //!   tangency and the ends of rays.
 
 use fearless_simd::Simd;
@@ -44,13 +44,13 @@ pub(in crate::intersect) struct SingleWork {
     hits: [SingleHit; 2],
     best: usize,
     /// Leaves that the scalar search must examine.
-    pub(in crate::intersect) rest: Vec<u32>,
+    pub(in crate::intersect) undecided: Vec<u32>,
     /// Newton's steps in f64 that have not been counted elsewhere yet.
     pub(in crate::intersect) steps: u64,
     nets: RecentNets,
 }
 
-/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.rest` lists
+/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.undecided` lists
 /// the leaves that could not be certified or decided, which may hold nearer hits.
 #[simd]
 pub(in crate::intersect) fn trace_single<S: Simd>(
@@ -188,7 +188,7 @@ fn search_net<S: Simd>(
             match outcome {
                 Outcome::Missed => return,
                 Outcome::Hit => return work.take(index, ray, scene),
-                Outcome::Undecided => return work.rest.push(index),
+                Outcome::Undecided => return work.undecided.push(index),
                 Outcome::NotFound => {}
             }
         }
@@ -208,7 +208,7 @@ fn search_by_proof<S: Simd>(
 ) {
     let distances = Distances::new(simd, fitted, ray);
     let Some(parts) = isolate(simd, distances, fitted, ray, error) else {
-        work.rest.push(index);
+        work.undecided.push(index);
         return;
     };
     for part in parts.iter() {
@@ -221,7 +221,7 @@ fn search_by_proof<S: Simd>(
             Outcome::Missed => {}
             Outcome::Hit => work.take(index, ray, scene),
             Outcome::Undecided | Outcome::NotFound => {
-                work.rest.push(index);
+                work.undecided.push(index);
                 return;
             }
         }
@@ -232,7 +232,7 @@ impl SingleWork {
     /// Forgets what was found.
     pub(super) fn clear(&mut self) {
         self.met = false;
-        self.rest.clear();
+        self.undecided.clear();
         self.stack.clear();
     }
 
@@ -261,7 +261,7 @@ impl SingleWork {
                 self.best = 1 - self.best;
             }
             Kept::Not => {}
-            Kept::Undecided => self.rest.push(leaf),
+            Kept::Undecided => self.undecided.push(leaf),
         }
     }
 }

@@ -389,7 +389,7 @@ impl StreamRay<'_> {
         single.clear();
         search_ahead(simd, self.scene, leaf, (guess, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
-        flight.alone |= !single.rest.is_empty();
+        flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
             && flight.takes(self.scene, &hit.place())
         {
@@ -459,12 +459,12 @@ fn search_pairs<S: Simd, Q: Shot>(
         statistics.newton_iterations += u64::from(outcomes.steps);
         for (lane, pair) in group.iter().enumerate() {
             let flight = &mut flights[pair.ray as usize];
-            flight.alone |= has(outcomes.judged, lane);
+            flight.alone |= has(outcomes.undecided, lane);
             if has(outcomes.met, lane) {
                 if flight.takes(scene, &lanes.place(lane, pair.leaf)) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
                 }
-            } else if has(outcomes.open, lane) {
+            } else if has(outcomes.unconverged, lane) {
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
                 let asked = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };

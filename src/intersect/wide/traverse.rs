@@ -37,7 +37,7 @@ const LEAST_DECIDED: f32 = 1e-3;
 pub(in crate::intersect) struct Work {
     stack: Vec<Visit>,
     /// Rays and leaves that the scalar search must examine.
-    pub(in crate::intersect) rest: Vec<(usize, u32)>,
+    pub(in crate::intersect) undecided: Vec<(usize, u32)>,
     apart: Apart,
     /// The distances of sixteen rays from the leaf that is searched.
     pub(super) distances: LaneDistances,
@@ -46,20 +46,20 @@ pub(in crate::intersect) struct Work {
     pub(super) parts: Parts,
     pub(super) nets: RecentNets,
     /// One bit for each ray that has leaves left.
-    pub(in crate::intersect) rest_rays: u64,
+    pub(in crate::intersect) undecided_rays: u64,
 }
 
 impl Work {
     /// Leaves a leaf to the scalar search, for those of sixteen rays whose bit is set in `lanes`.
     #[inline(always)]
     pub(super) fn leave(&mut self, base: usize, lanes: u32, leaf: u32) {
-        self.rest_rays |= u64::from(lanes) << base;
-        self.rest.extend(set_bits(lanes).map(|lane| (base + lane, leaf)));
+        self.undecided_rays |= u64::from(lanes) << base;
+        self.undecided.extend(set_bits(lanes).map(|lane| (base + lane, leaf)));
     }
 }
 
 /// Finds the nearest certified hit of each of up to [`PACKET`] rays, or any hit if that is all they
-/// ask for (`packet.any`). `work.rest` lists the pairs of ray and leaf that could not be certified or
+/// ask for (`packet.any`). `work.undecided` lists the pairs of ray and leaf that could not be certified or
 /// decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
@@ -71,9 +71,9 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     statistics: &mut Statistics,
 ) {
     let tree = scene.tree;
-    work.rest.clear();
+    work.undecided.clear();
     work.doubts.clear();
-    work.rest_rays = 0;
+    work.undecided_rays = 0;
     // If the packet before has met something, this one probably does, too; rays that leave a hit meet
     // the box of its leaf.
     let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
