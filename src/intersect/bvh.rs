@@ -10,7 +10,7 @@ use super::wide::BLUR;
 use super::{Kernel, Tracer};
 use crate::geometry::Charts;
 use crate::math::{Aabb, rounding};
-use crate::patch::{BuildError, Leaf, OrientedBox, PADDING, PatchSet, SceneFrame, WeightFit};
+use crate::patch::{BuildError, Leaf, OrientedBox, PADDING, PatchSet, ScaledFrame, WeightFit};
 
 /// Surfaces split into Bézier pieces and leaves, bounded in a hierarchy.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ impl SurfaceBvh {
     pub fn build<S: Charts + Sync>(surfaces: &[S]) -> Result<Self, BuildError> {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
-        let frame = SceneFrame::around(&set.bounds());
+        let frame = ScaledFrame::around(&set.bounds());
         let reach = ReachOfF32::of(&set);
         let (mut tree, order) = tree_over(parts, grouped.groups(), frame, reach.most_scale());
         let made = order.par_iter().enumerate().map(|(leaf, &k)| {

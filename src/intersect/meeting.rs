@@ -7,7 +7,7 @@ use super::exact::{ExactSolver, Solution};
 use super::{HitFlags, Occlusion, Query, Root, Statistics};
 use crate::geometry::trim::Side;
 use crate::math::RayFrame;
-use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, SceneFrame};
+use crate::patch::{Jet, Leaf, OrientedBox, Passage, PatchSet, Piece, ScaledFrame};
 
 /// A place where a ray meets a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -126,11 +126,11 @@ impl PlacedLeaf<'_> {
     pub(super) fn passage(
         &self,
         ray: &RayFrame,
-        scene: &SceneFrame,
+        scaled: &ScaledFrame,
         limit: f64,
     ) -> Option<Passage> {
         let slack = error_bound(self.piece, ray);
-        let passage = self.oriented.passage(ray, scene, slack)?;
+        let passage = self.oriented.passage(ray, scaled, slack)?;
         let apart = passage.entry > limit + slack || passage.exit < ray.z_range[0] - slack;
         (!apart).then_some(passage)
     }

@@ -14,7 +14,7 @@ use super::collapse::{Collapse, Wide};
 use super::hierarchy::Hierarchy;
 use super::tree::{LANES, Region, Tree};
 use crate::math::Aabb;
-use crate::patch::{Part, ScaledBox, SceneFrame};
+use crate::patch::{Part, ScaledBox, ScaledFrame};
 
 /// A region is no larger than this, in the scaled coordinates of the region around it, where sizes are
 /// up to 2: the change of coordinates must gain something.
@@ -29,7 +29,7 @@ const GAIN: f64 = 8.0;
 
 /// Parts that are to become a region.
 struct Waiting {
-    frame: SceneFrame,
+    frame: ScaledFrame,
     /// The parts, and the sizes of the runs of them that are to be kept together.
     parts: Vec<u32>,
     groups: Vec<u32>,
@@ -44,7 +44,7 @@ struct Waiting {
 pub(super) fn tree_over(
     parts: &[Part],
     groups: &[u32],
-    scene: SceneFrame,
+    scene: ScaledFrame,
     most_scale: f64,
 ) -> (Tree, Vec<u32>) {
     let group_ends = ends(groups);
@@ -65,7 +65,7 @@ pub(super) fn tree_over(
                 binary.leaves_below(node).iter().map(|&k| own[k as usize]).collect();
             inside.sort_unstable(); // so that groups lie side by side
             let holds = |all: Aabb, &k: &u32| all.union(parts[k as usize].bounds);
-            let mut frame_inside = SceneFrame::around(&inside.iter().fold(Aabb::EMPTY, holds));
+            let mut frame_inside = ScaledFrame::around(&inside.iter().fold(Aabb::EMPTY, holds));
             frame_inside.scale = frame_inside.scale.min(most_scale);
             if frame_inside.scale < GAIN * frame.scale {
                 continue;
@@ -158,7 +158,7 @@ mod tests {
     fn check(surfaces: &[NurbsSurface], most_scale: f64) -> (usize, f64, bool) {
         let (set, grouped) = PatchSet::new(surfaces).unwrap();
         let parts = grouped.all();
-        let frame = SceneFrame::around(&set.bounds());
+        let frame = ScaledFrame::around(&set.bounds());
         let (tree, order) = tree_over(parts, grouped.groups(), frame, most_scale);
         let mut sorted = order.clone();
         sorted.sort_unstable();
@@ -166,7 +166,7 @@ mod tests {
 
         let (mut reached, mut entered) = (Vec::new(), vec![0]);
         // What is met, in which region, and the boxes that hold it: each in its region's coordinates.
-        type Boxes = Vec<(SceneFrame, ScaledBox)>;
+        type Boxes = Vec<(ScaledFrame, ScaledBox)>;
         let root = tree.root().map(|root| (root, 0, Boxes::new()));
         let mut waiting: Vec<(ChildCode, u32, Boxes)> = root.into_iter().collect();
         while let Some((code, region, boxes)) = waiting.pop() {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::tree::{BlockLeaves, Child, ChildCode, Node, Tree};
 use crate::geometry::MAX_DEGREE;
 use crate::math::{RayFrame, rounding};
-use crate::patch::{OrientedBox, SceneFrame};
+use crate::patch::{OrientedBox, ScaledFrame};
 
 impl Tree {
     /// Visits the leaves whose boxes the ray may meet, nearer boxes first.
@@ -18,7 +18,7 @@ impl Tree {
         &self,
         ray: &RayFrame,
         stack: &mut Vec<(f64, ChildCode)>,
-        mut visit: impl FnMut(u32, (&OrientedBox, &SceneFrame)) -> f64,
+        mut visit: impl FnMut(u32, (&OrientedBox, &ScaledFrame)) -> f64,
     ) -> u64 {
         let (mut frame, mut slabs) = (self.frame(), Slabs::new(self.frame(), ray));
         let mut limit = ray.z_range[1];
@@ -79,7 +79,7 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn new(frame: &SceneFrame, ray: &RayFrame) -> Self {
+    fn new(frame: &ScaledFrame, ray: &RayFrame) -> Self {
         let origin = frame.scaled(ray.origin);
         // Rounding of the subtraction, and of the surface's own points for this origin.
         let center = frame.center.abs().max_element();

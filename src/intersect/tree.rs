@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::coherence::leaf_width;
-use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, SceneFrame};
+use crate::patch::{Leaf, MOST_TOGETHER, OrientedBox, ScaledBox, ScaledFrame};
 
 /// The most children of a node, and the most leaves in a block: the lanes of a vector of f32.
 pub(super) const LANES: usize = 16;
@@ -163,7 +163,7 @@ impl BlockLeaves {
 /// [`regions`](super::regions)).
 #[derive(Clone, Debug)]
 pub(super) struct Region {
-    pub(super) frame: SceneFrame,
+    pub(super) frame: ScaledFrame,
     /// Where rays begin in it; `None` if there are no leaves.
     pub(super) root: Option<ChildCode>,
     /// The region around it; for the first region, itself.
@@ -200,7 +200,7 @@ impl Tree {
     }
 
     /// The coordinates of the whole scene.
-    pub(super) fn frame(&self) -> &SceneFrame {
+    pub(super) fn frame(&self) -> &ScaledFrame {
         &self.regions[0].frame
     }
 
@@ -228,7 +228,7 @@ impl Tree {
     }
 
     /// The coordinates in which a leaf's box is given.
-    pub(super) fn frame_of(&self, leaf: u32) -> &SceneFrame {
+    pub(super) fn frame_of(&self, leaf: u32) -> &ScaledFrame {
         // The last region that begins no later: one without leaves begins where the next does.
         let after = self.regions.partition_point(|region| region.first_leaf <= leaf);
         &self.regions[after - 1].frame

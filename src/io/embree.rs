@@ -27,7 +27,7 @@ use super::embree_rays::{EmbreeRays, PacketWidth, Packets};
 use super::mesh::GridMesh;
 use crate::intersect::Coherence;
 use crate::math::{Aabb, Ray};
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// Library names to try, newest first; the plain names are those of development packages.
 const NAMES: [&str; 4] = ["libembree4.so.4", "libembree3.so.3", "libembree4.so", "libembree3.so"];
@@ -326,7 +326,7 @@ impl Embree {
         primitive: EmbreePrimitive,
     ) -> Result<EmbreeScene, EmbreeError> {
         let positions = meshes.iter().flat_map(GridMesh::positions).copied();
-        let frame = SceneFrame::around(&Aabb::around(positions));
+        let frame = ScaledFrame::around(&Aabb::around(positions));
         let functions = &self.device.functions;
 
         // SAFETY: the device is open; a null scene is an error caught before it is used.
@@ -349,7 +349,7 @@ impl Embree {
 #[derive(Debug)]
 pub struct EmbreeScene {
     handle: Handle,
-    frame: SceneFrame,
+    frame: ScaledFrame,
     device: Arc<Device>,
 }
 

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use crate::intersect::Coherence;
 use crate::math::{Ray, rounding};
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// How many rays Embree is given at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +139,7 @@ struct FramedRay {
 
 impl FramedRay {
     /// All factors are powers of two, so only moving the origin and converting to f32 round.
-    fn new(ray: &Ray, frame: &SceneFrame) -> Self {
+    fn new(ray: &Ray, frame: &ScaledFrame) -> Self {
         let factor = rounding::power_of_two_below(1.0 / ray.direction().length());
         let unit = factor / frame.scale;
         Self {
@@ -174,7 +174,7 @@ pub struct EmbreeRays {
 impl EmbreeRays {
     pub(super) fn new(
         rays: &[Ray],
-        frame: &SceneFrame,
+        frame: &ScaledFrame,
         width: PacketWidth,
         coherence: Coherence,
     ) -> Self {
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn the_last_packet_may_be_part_full() {
         let ray = Ray::new(DVec3::ONE, DVec3::X).unwrap();
-        let frame = SceneFrame { center: DVec3::X, scale: 1.0 };
+        let frame = ScaledFrame { center: DVec3::X, scale: 1.0 };
         let rays = EmbreeRays::new(&[ray; 11], &frame, PacketWidth::Eight, Coherence::Coherent);
         let Packets::Eight(packets) = &rays.packets else { panic!("packets of eight") };
         assert_eq!(packets.len(), 2);
@@ -275,7 +275,7 @@ mod tests {
     fn rays_keep_their_bits_at_every_scale() {
         let (origin, direction) = (DVec3::new(0.3, -0.7, 5.0), DVec3::new(0.1, 0.2, -0.9));
         let framed = |size: f64, length: f64| {
-            let frame = SceneFrame { center: DVec3::ZERO, scale: 1.0 / size };
+            let frame = ScaledFrame { center: DVec3::ZERO, scale: 1.0 / size };
             let range = [0.5, 3.0].map(|t| t * size / length);
             let ray = Ray::with_range(size * origin, length * direction, range[0], range[1]);
             FramedRay::new(&ray.unwrap(), &frame)

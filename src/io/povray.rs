@@ -23,7 +23,7 @@ use thiserror::Error;
 
 use crate::geometry::Surface;
 use crate::math::Aabb;
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 use crate::scene::{Camera, Instance, Projection, Scene, Shape, Transform, World, Written};
 
 /// A scene for POV-Ray.
@@ -92,7 +92,7 @@ pub fn povray_scene(
 ) -> PovrayScene {
     let aspect = f64::from(width) / f64::from(height);
     let bounds = world.bvh.bounds().map_or(Aabb::EMPTY, |(min, max)| Aabb { min, max });
-    let frame = SceneFrame::around(&bounds);
+    let frame = ScaledFrame::around(&bounds);
     let mut text = heading(&world.camera, aspect, &frame);
     let (mut written, mut skipped) = (Vec::new(), Vec::new());
     for (index, instance) in world.surfaces.iter().enumerate() {
@@ -127,7 +127,7 @@ fn shape_of<'a>(
 }
 
 /// The camera, the light and the look of all surfaces.
-fn heading(camera: &Camera, aspect: f64, frame: &SceneFrame) -> String {
+fn heading(camera: &Camera, aspect: f64, frame: &ScaledFrame) -> String {
     let [left, right, top, bottom] = [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)]
         .map(|(x, y)| camera.ray(DVec2::new(x, y), aspect));
     let (eye, forward) = (frame.scaled(camera.view().look_from), camera.forward());

@@ -222,7 +222,7 @@ fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
 mod tests {
     use glam::{DAffine3, DQuat, DVec3};
 
-    use super::super::{Leaf, PatchSet, SceneFrame};
+    use super::super::{Leaf, PatchSet, ScaledFrame};
     use crate::geometry::{KnotVector, NurbsSurface, shapes};
 
     /// Directions all around, none of them special.
@@ -242,7 +242,7 @@ mod tests {
     fn certified(surface: &NurbsSurface, map: &DAffine3) -> (usize, [f64; 2]) {
         let surface = surface.transformed(map).unwrap();
         let (set, parts) = PatchSet::new(&[surface]).unwrap();
-        let frame = SceneFrame::around(&set.bounds());
+        let frame = ScaledFrame::around(&set.bounds());
         let (mut steep, mut any) = (0, 0);
         for part in parts.all() {
             let (leaf, _, oriented) = Leaf::new(part, &set.pieces()[part.piece as usize], &frame);

@@ -241,7 +241,7 @@ mod tests {
 
     use crate::geometry::{KnotVector, NurbsSurface};
     use crate::math::testing::same_cases;
-    use crate::patch::{Leaf, OrientedBox, PatchSet, SceneFrame};
+    use crate::patch::{Leaf, OrientedBox, PatchSet, ScaledFrame};
 
     /// A random piece, and its leaves.
     fn leaves(bumps: &[(f64, f64)], rational: bool) -> (PatchSet, Vec<(Leaf, OrientedBox)>) {
@@ -262,7 +262,7 @@ mod tests {
         let knots = || KnotVector::bezier(3).unwrap();
         let surface = NurbsSurface::from_homogeneous(knots(), knots(), control.collect());
         let (set, parts) = PatchSet::new(&[surface.unwrap()]).unwrap();
-        let frame = SceneFrame::around(&set.bounds());
+        let frame = ScaledFrame::around(&set.bounds());
         let leaf = |part| {
             let (leaf, _, oriented) = Leaf::new(part, &set.pieces()[0], &frame);
             (leaf, oriented)

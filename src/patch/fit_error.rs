@@ -360,11 +360,11 @@ mod tests {
 
     use super::*;
     use crate::geometry::{KnotVector, shapes};
-    use crate::patch::{Jet, Leaf, PatchSet, SceneFrame, WeightFit};
+    use crate::patch::{Jet, Leaf, PatchSet, ScaledFrame, WeightFit};
 
     /// The leaves of a set.
     fn leaves(set: &PatchSet, parts: &[crate::patch::Part]) -> Vec<(Leaf, WeightFit)> {
-        let frame = SceneFrame::around(&set.bounds());
+        let frame = ScaledFrame::around(&set.bounds());
         let leaf = |part: &crate::patch::Part| {
             let (leaf, weight, _) = Leaf::new(part, &set.pieces()[part.piece as usize], &frame);
             (leaf, weight)

@@ -11,8 +11,8 @@ pub(crate) const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is searched
 /// by itself, lies within `[−1, 1]³`: f32 is then as fine at 1e6 as at the origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SceneFrame {
-    /// The middle of the scene.
+pub(crate) struct ScaledFrame {
+    /// The middle of the scene, or of the part.
     pub center: DVec3,
     /// Scene units to scaled coordinates.
     pub scale: f64,
@@ -38,7 +38,7 @@ impl ScaledBox {
     }
 }
 
-impl SceneFrame {
+impl ScaledFrame {
     /// The frame of a scene inside a box; that of an empty scene does not matter.
     pub(crate) fn around(bounds: &Aabb) -> Self {
         if bounds.is_empty() {

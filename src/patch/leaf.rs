@@ -10,7 +10,7 @@ use super::part::PartNet;
 use super::rounded::{Up8, Up16};
 use super::{
     Certificate, CollapsedSide, DyadicRect, FIT_DOMAIN, FitError, OrientedBox, Part, Piece,
-    SceneFrame,
+    ScaledFrame,
 };
 use crate::math::{prefetch, rounding};
 
@@ -69,7 +69,7 @@ impl Leaf {
     pub(crate) fn new(
         part: &Part,
         piece: &Piece,
-        frame: &SceneFrame,
+        frame: &ScaledFrame,
     ) -> (Self, WeightFit, OrientedBox) {
         let part_net = PartNet::over(piece, part.rect);
         let collapsed = collapsed_side(part.rect, piece);

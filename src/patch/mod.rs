@@ -64,7 +64,7 @@ pub use collapsed_side::CollapsedSide;
 pub(crate) use fit::{MOST_WEIGHT, WeightFit};
 pub(crate) use fit_error::{FIT_DOMAIN, FitError};
 pub(crate) use frame::PADDING;
-pub(crate) use frame::{ScaledBox, SceneFrame};
+pub(crate) use frame::{ScaledBox, ScaledFrame};
 pub use leaf::Leaf;
 pub(crate) use leaf::{BORDER_REACH, LEAF_SLACK, WIDENING};
 pub(crate) use oriented_box::{OrientedBox, Passage};

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::SceneFrame;
+use super::ScaledFrame;
 use super::tensor::euclidean;
 use crate::math::RayFrame;
 
@@ -54,7 +54,7 @@ impl OrientedBox {
     /// A box around control points.
     ///
     /// `noise` is the error bound of the points; no side is thinner.
-    pub(super) fn around(net: &[DVec4], axes: &Axes, noise: f64, frame: &SceneFrame) -> Self {
+    pub(super) fn around(net: &[DVec4], axes: &Axes, noise: f64, frame: &ScaledFrame) -> Self {
         let Axes { axes, dual } = axes;
         let [a, b, n] = *dual;
         let origin = euclidean(net[net.len() / 2]);
@@ -98,7 +98,7 @@ impl OrientedBox {
 
     /// The largest distance from a point, in scene units, of rays that are found in f32 to meet the box; NaN where
     /// the box has no size.
-    pub(super) fn farthest_from(&self, point: DVec3, frame: &SceneFrame) -> f64 {
+    pub(super) fn farthest_from(&self, point: DVec3, frame: &ScaledFrame) -> f64 {
         let [a, b, c] = self.directions();
         let volume = a.dot(b.cross(c));
         let mut half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
@@ -121,7 +121,7 @@ impl OrientedBox {
     pub(crate) fn passage(
         &self,
         ray: &RayFrame,
-        frame: &SceneFrame,
+        frame: &ScaledFrame,
         slack: f64,
     ) -> Option<Passage> {
         let origin = frame.scaled(ray.origin);
@@ -201,10 +201,10 @@ mod tests {
     use super::*;
     use crate::math::{Aabb, Ray};
 
-    fn unit_square() -> (OrientedBox, SceneFrame) {
+    fn unit_square() -> (OrientedBox, ScaledFrame) {
         let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
         let net = corners.map(|(x, y)| DVec4::new(x, y, 0.0, 1.0));
-        let frame = SceneFrame::around(&Aabb::around(net.map(euclidean)));
+        let frame = ScaledFrame::around(&Aabb::around(net.map(euclidean)));
         (OrientedBox::around(&net, &Axes::along([DVec3::X, DVec3::Y]), 1e-15, &frame), frame)
     }
 
@@ -241,7 +241,7 @@ mod tests {
     /// its middle than `farthest_from` says, and not much nearer.
     #[test]
     fn rays_that_meet_a_slanted_box_are_near() {
-        let frame = SceneFrame { center: DVec3::ZERO, scale: 1.0 };
+        let frame = ScaledFrame { center: DVec3::ZERO, scale: 1.0 };
         let mut closest = f64::INFINITY;
         for size in [1e-2, 1e-3, 1e-4, 1e-5] {
             let middle = DVec3::new(0.3, -0.2, 0.1);

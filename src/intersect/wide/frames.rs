@@ -6,7 +6,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
 use super::vectors::dot_d;
 use crate::intersect::Shot;
 use crate::math::{PLAIN_SQUARES, Ray};
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// Origins farther than this from the middle of the scene, in its half sizes, are moved nearer for
 /// the work in f32, which would otherwise lose digits to the distance.
@@ -111,8 +111,12 @@ pub(super) struct Narrow<S: Simd> {
 impl<S: Simd> Narrow<S> {
     /// The f32 coordinates of sixteen rays.
     #[inline(always)]
-    pub(super) fn new(simd: S, low: &Frames<S>, high: &Frames<S>, frame: &SceneFrame) -> Self {
-        let SceneFrame { center, scale } = *frame;
+    pub(super) fn new(
+        simd: S,
+        low: &Frames<S>,
+        high: &Frames<S>,
+        &ScaledFrame { center, scale }: &ScaledFrame,
+    ) -> Self {
         let unscale = f64x8::splat(simd, 1.0 / scale); // exact, as the scale is a power of two
         let scale = f64x8::splat(simd, scale);
         let zero = f64x8::splat(simd, 0.0);

@@ -13,7 +13,7 @@ use super::vectors::{load3, load3d};
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
 use crate::math::bits::set_bits;
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// Loads up to [`PACKET`] rays as they are given; lanes left over repeat the first.
 #[simd]
@@ -23,14 +23,14 @@ pub(super) fn load<S: Simd, Q: Shot>(
     shots: &[Q],
     scene: &Searched<'_>,
 ) {
-    let frame = scene.tree.frame();
+    let scaled = scene.tree.frame();
     packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
         let high = frames(simd, packet, shots, base + 8);
-        narrow(simd, packet, base, (&low, &high), frame);
+        narrow(simd, packet, base, (&low, &high), scaled);
     }
-    packet.scale = frame.scale;
+    packet.scale = scaled.scale;
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
@@ -51,7 +51,7 @@ pub(super) fn load<S: Simd, Q: Shot>(
 /// Converts the rays of a packet, up to their nearest hits, to other scaled coordinates.
 #[cold]
 #[simd]
-pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFrame, reach: f64) {
+pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, scaled: &ScaledFrame, reach: f64) {
     for base in (0..PACKET).step_by(LANES) {
         let halves = [base, base + 8].map(|base| {
             let eight = base..base + 8;
@@ -64,9 +64,9 @@ pub(super) fn change_to<S: Simd>(simd: S, packet: &mut Packet, frame: &SceneFram
                 magnitude: of(&packet.magnitude),
             }
         });
-        narrow(simd, packet, base, (&halves[0], &halves[1]), frame);
+        narrow(simd, packet, base, (&halves[0], &halves[1]), scaled);
     }
-    packet.scale = frame.scale;
+    packet.scale = scaled.scale;
     let far_off = beyond(simd, packet, reach);
     if far_off != 0 {
         leave_out(packet, far_off);
@@ -156,9 +156,9 @@ fn narrow<S: Simd>(
     packet: &mut Packet,
     base: usize,
     (low, high): (&Frames<S>, &Frames<S>),
-    frame: &SceneFrame,
+    scaled: &ScaledFrame,
 ) {
-    let narrow = Narrow::new(simd, low, high, frame);
+    let narrow = Narrow::new(simd, low, high, scaled);
     let sixteen = base..base + LANES;
     for half in 0..2 {
         store(simd, &mut packet.shift, base + 8 * half, narrow.shift[half]);

@@ -20,7 +20,7 @@ const FARTHEST_MOVED: f32 = 4.0;
 const ROUNDED: f32 = f32::EPSILON;
 
 /// No point of a scene is as far as this from its middle, in scaled coordinates, all of which are at most one
-/// ([`SceneFrame`](crate::patch::SceneFrame)), nor is any point within rounding of the scene.
+/// ([`ScaledFrame`](crate::patch::ScaledFrame)), nor is any point within rounding of the scene.
 const BESIDE: f64 = 1.75;
 
 /// What is known of some rays.
@@ -54,11 +54,11 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     let (shortest, longest) = (least.sqrt(), most.sqrt());
     let (per_shortest, per_longest) = (1.0 / shortest, 1.0 / longest);
 
-    let frame = scene.tree.frame();
+    let scaled = scene.tree.frame();
     let mut middle = [0.0; 3];
     let mut square = 0.0;
     for k in 0..3 {
-        middle[k] = (0.5 * (low[k] + high[k]) - frame.center[k]) * frame.scale;
+        middle[k] = (0.5 * (low[k] + high[k]) - scaled.center[k]) * scaled.scale;
         square += middle[k] * middle[k];
     }
     let magnitude = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
@@ -67,7 +67,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     }
     let unit =
         [0, 1, 2].map(|k| unit_range([low[3 + k], high[3 + k]], [per_shortest, per_longest]));
-    let reach = [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]) * frame.scale);
+    let reach = [0, 1, 2].map(|k| 0.5 * (high[k] - low[k]) * scaled.scale);
     let along: f64 = (0..3).map(|k| middle[k] * (low[3 + k] + high[3 + k])).sum();
     let shift = shift_to_scene(square, along);
 
@@ -88,8 +88,8 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     }
     let from = low[6] * if low[6] > 0.0 { shortest } else { longest };
     let to = high[7] * if high[7] > 0.0 { longest } else { shortest };
-    bounds.nearest = (from * frame.scale - shift) as f32 - END_SPARE;
-    Outline::Bounds(bounds, (to * frame.scale - shift) as f32 + END_SPARE)
+    bounds.nearest = (from * scaled.scale - shift) as f32 - END_SPARE;
+    Outline::Bounds(bounds, (to * scaled.scale - shift) as f32 + END_SPARE)
 }
 
 /// The range of a component of unit vectors, from the ranges of that component of the vectors as given and of one

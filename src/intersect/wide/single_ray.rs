@@ -8,7 +8,7 @@ use super::start::Start;
 use super::wanted::Wanted;
 use crate::intersect::Root;
 use crate::math::RayFrame;
-use crate::patch::{Leaf, SceneFrame};
+use crate::patch::{Leaf, ScaledFrame};
 
 /// Where to look for the one root of a ray in a leaf whose certificate holds for the ray.
 #[derive(Clone, Copy, Debug)]
@@ -90,19 +90,19 @@ impl<'a> SingleRay<'a> {
         frame: &'a RayFrame,
         from: Option<&'a Root>,
         wanted: Wanted,
-        scene: &SceneFrame,
+        scaled: &ScaledFrame,
     ) -> Self {
-        let (boxes, shift) = boxes_in(scene, frame, frame.z_range[1]);
+        let (boxes, shift) = boxes_in(scaled, frame, frame.z_range[1]);
         let start = Start { from, ahead: frame.z_range[0] >= 0.0 };
-        Self { frame, start, wanted, boxes, shift, scale: scene.scale }
+        Self { frame, start, wanted, boxes, shift, scale: scaled.scale }
     }
 
     /// Converts the ray, up to its nearest hit if there is one, to other scaled coordinates.
     #[cold]
-    pub(super) fn change_to(&mut self, region: &SceneFrame, hit: Option<&SingleHit>) {
+    pub(super) fn change_to(&mut self, scaled: &ScaledFrame, hit: Option<&SingleHit>) {
         let end = hit.map_or(self.frame.z_range[1], |hit| hit.z);
-        (self.boxes, self.shift) = boxes_in(region, self.frame, end);
-        self.scale = region.scale;
+        (self.boxes, self.shift) = boxes_in(scaled, self.frame, end);
+        self.scale = scaled.scale;
     }
 
     /// The largest coordinate magnitude of the origin.
@@ -135,12 +135,11 @@ impl<'a> SingleRay<'a> {
 
 /// A ray in scaled coordinates, up to `end`, and the distance by which its origin was moved.
 #[inline(always)]
-pub(super) fn boxes_in(scene: &SceneFrame, frame: &RayFrame, end: f64) -> (BoxRay, f64) {
-    let scale = scene.scale;
-    let scaled = scene.scaled(frame.origin);
-    let square = scaled.length_squared();
-    let shift = shift_to_scene(square, scaled.dot(frame.axis));
-    let origin = (scaled + shift * frame.axis).as_vec3();
+pub(super) fn boxes_in(scaled: &ScaledFrame, frame: &RayFrame, end: f64) -> (BoxRay, f64) {
+    let (scale, start) = (scaled.scale, scaled.scaled(frame.origin));
+    let square = start.length_squared();
+    let shift = shift_to_scene(square, start.dot(frame.axis));
+    let origin = (start + shift * frame.axis).as_vec3();
     let axis = frame.axis.as_vec3();
     let near = (frame.z_range[0] * scale - shift - f64::from(END_SPARE)) as f32;
     let far = (end * scale - shift + f64::from(END_SPARE)) as f32;

@@ -23,7 +23,7 @@ use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
 use crate::math::bits::has;
 use crate::math::{Ray, RayFrame};
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// Rays in flight at a time: enough to fill the lanes with pairs, few enough for their data to stay
 /// near the processor.
@@ -279,10 +279,10 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
 fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
     stream.waiting.clear();
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
-    let frame = scene.tree.frame();
+    let scaled = scene.tree.frame();
     for base in (0..shots.len()).step_by(LANES) {
         let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
-        let narrow = Narrow::new(simd, &halves[0], &halves[1], frame);
+        let narrow = Narrow::new(simd, &halves[0], &halves[1], scaled);
         let mut numbers = [[0f32; LANES]; 8];
         let [ox, oy, oz] = narrow.origin;
         let [dx, dy, dz] = narrow.axis;
@@ -304,7 +304,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &
             let axis = [dx[lane], dy[lane], dz[lane]];
             flight.boxes.set(origin, axis, [near[lane], far[lane]]);
             let [shift, magnitude, t_from_z] = &wide[lane / 8];
-            (flight.shift, flight.scale) = (shift[lane % 8], frame.scale);
+            (flight.shift, flight.scale) = (shift[lane % 8], scaled.scale);
             flight.magnitude = magnitude[lane % 8];
             flight.t_from_z = t_from_z[lane % 8];
             flight.met = false;
@@ -413,11 +413,11 @@ impl Flight {
     /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded differently
     /// from those of [`start`], but in the same way for every such ray.)
     #[cold]
-    fn change_to(&mut self, scene: &SceneFrame, ray: &Ray) {
+    fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);
         let end = if self.met { self.hit.z } else { frame.z_range[1] };
-        (self.boxes, self.shift) = boxes_in(scene, &frame, end);
-        self.scale = scene.scale;
+        (self.boxes, self.shift) = boxes_in(scaled, &frame, end);
+        self.scale = scaled.scale;
     }
 
     /// Whether a hit is the nearest so far; if so, ends the ray there.

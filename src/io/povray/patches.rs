@@ -4,7 +4,7 @@ use glam::{DVec3, Vec4Swizzles};
 
 use super::{PovrayGap, vector};
 use crate::geometry::{Charts, NurbsSurface};
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 
 /// The most halvings of a patch each way: a million parts.
 const MAX_HALVINGS: u32 = 10;
@@ -17,7 +17,7 @@ const MAX_HALVINGS: u32 = 10;
 pub(super) fn patches(
     surface: &impl Charts,
     flatness: f64,
-    frame: &SceneFrame,
+    frame: &ScaledFrame,
 ) -> Result<String, PovrayGap> {
     surface.charts().iter().map(|chart| of_chart(&chart.surface, flatness, frame)).collect()
 }
@@ -25,7 +25,7 @@ pub(super) fn patches(
 fn of_chart(
     surface: &NurbsSurface,
     flatness: f64,
-    frame: &SceneFrame,
+    frame: &ScaledFrame,
 ) -> Result<String, PovrayGap> {
     if surface.is_rational() {
         return Err(PovrayGap::Rational);

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::vector;
 use crate::math::rounding;
-use crate::patch::SceneFrame;
+use crate::patch::ScaledFrame;
 use crate::scene::{NamedShape, Shape, Transform, Written, placed};
 
 /// A primitive in its place, in the coordinates of a frame; `None` for a shape POV-Ray does not
@@ -14,7 +14,7 @@ use crate::scene::{NamedShape, Shape, Transform, Written, placed};
 pub(super) fn primitive(
     shape: &Shape,
     steps: &[Written<Transform>],
-    frame: &SceneFrame,
+    frame: &ScaledFrame,
 ) -> Option<String> {
     let Shape::Named(shape, _) = shape else { return None };
     let size = size(shape)?;
