@@ -107,8 +107,8 @@ impl Tracer<'_> {
         packet.ask(wanted);
         let statistics = &mut self.findings.statistics;
         statistics.rays += shots.len() as u64;
-        let scene = self.bvh.scene();
-        dispatch!(level, simd => trace(simd, &scene, (shots, &mut *ahead), packet, work, statistics));
+        let view = self.bvh.view();
+        dispatch!(level, simd => trace(simd, &view, (shots, &mut *ahead), packet, work, statistics));
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.

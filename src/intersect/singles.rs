@@ -9,15 +9,15 @@ use super::hit::Root;
 use super::leaf_search;
 use super::meeting::{CertainHit, Meeting, Question};
 use super::tracer::answer_of;
-use super::wide::{Searched, SingleHit, SingleRay, Wanted, trace_single};
+use super::wide::{BvhView, SingleHit, SingleRay, Wanted, trace_single};
 use super::{Answer, Hit, HitFlags, Occlusion, Query, Shot, SurfaceBvh, Tracer};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, Leaf, OrientedBox, Passage, Piece};
 
 impl SurfaceBvh {
-    pub(super) fn scene(&self) -> Searched<'_> {
+    pub(super) fn view(&self) -> BvhView<'_> {
         let Self { tree, leaves, weights, set, reach_of_f32, .. } = self;
-        Searched { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
+        BvhView { tree, leaves, weights, set, reach_of_f32: *reach_of_f32 }
     }
 }
 
@@ -42,7 +42,7 @@ impl Tracer<'_> {
     /// Whether the ray comes from too far away for the fast search.
     #[inline(always)]
     fn is_beyond_f32(&self, ray: &Ray) -> bool {
-        self.bvh.scene().is_beyond_f32(ray.origin().abs().max_element())
+        self.bvh.view().is_beyond_f32(ray.origin().abs().max_element())
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.
@@ -114,7 +114,7 @@ impl Tracer<'_> {
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);
         self.search_undecided_of_single((query, frame), limit, Wanted::First);
         let certain =
-            known.map(|hit| Certain::new(&self.bvh.scene(), &query.ray, &hit).meeting(frame));
+            known.map(|hit| Certain::new(&self.bvh.view(), &query.ray, &hit).meeting(frame));
         let meetings = certain.iter().chain(&self.findings.meetings);
         let answer = answer_of(&self.bvh.set, meetings, self.findings.doubt);
         self.findings.statistics.count_doubt(answer.doubtful);
@@ -129,7 +129,7 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
         return tracer.with_scalar_search(&shot.query(), &frame);
     }
     let Some(hit) = tracer.single.hit() else { return Answer::default() };
-    Certain::new(&tracer.bvh.scene(), shot.ray(), hit).answer(shot.ray(), frame.t_from_z)
+    Certain::new(&tracer.bvh.view(), shot.ray(), hit).answer(shot.ray(), frame.t_from_z)
 }
 
 #[simd]
@@ -176,7 +176,7 @@ fn search<S: Simd>(
     let mut single = SingleRay::new(&frame, from, wanted, bvh.tree.frame());
     let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
     statistics.rays += 1;
-    trace_single(simd, &bvh.scene(), &mut single, (&mut *work, &mut *statistics));
+    trace_single(simd, &bvh.view(), &mut single, (&mut *work, &mut *statistics));
     statistics.newton_iterations += std::mem::take(&mut work.steps);
     frame
 }
@@ -192,9 +192,9 @@ pub(super) struct Certain<'a> {
 
 impl<'a> Certain<'a> {
     #[inline(always)]
-    pub(super) fn new(scene: &Searched<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
-        let leaf = &scene.leaves[hit.leaf as usize];
-        let (index, piece) = (leaf.piece, scene.piece_of(hit.leaf));
+    pub(super) fn new(view: &BvhView<'a>, ray: &Ray, hit: &'a SingleHit) -> Self {
+        let leaf = &view.leaves[hit.leaf as usize];
+        let (index, piece) = (leaf.piece, view.piece_of(hit.leaf));
         let mut normal = hit.cross * (1.0 / hit.size);
         let mut flags = HitFlags::NONE;
         // Near a pole the normal is a limit.

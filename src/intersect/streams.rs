@@ -26,11 +26,11 @@ impl Tracer<'_> {
                 met[count] = k;
                 count += usize::from(self.stream.is_met(k));
             }
-            let (scene, stream) = (self.bvh.scene(), &self.stream);
+            let (view, stream) = (self.bvh.view(), &self.stream);
             for &k in &met[..count] {
                 let (hit, t_from_z) = stream.hit(k);
                 let ray = shots[k].ray();
-                answers[first + k] = Certain::new(&scene, ray, hit).answer(ray, t_from_z);
+                answers[first + k] = Certain::new(&view, ray, hit).answer(ray, t_from_z);
             }
             for (k, shot) in shots.iter().enumerate() {
                 if self.stream.is_alone(k) {
@@ -46,5 +46,5 @@ impl Tracer<'_> {
 fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q]) {
     let statistics = &mut tracer.findings.statistics;
     statistics.rays += shots.len() as u64;
-    trace_stream(simd, &tracer.bvh.scene(), shots, &mut tracer.stream, statistics);
+    trace_stream(simd, &tracer.bvh.view(), shots, &mut tracer.stream, statistics);
 }

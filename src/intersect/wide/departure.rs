@@ -55,8 +55,8 @@ use fearless_simd_macros::simd;
 
 use self::approximation::{Bends, Plane, Weights};
 use super::proof::LEAF;
-use super::searched::Fitted;
 use super::vectors::{lane_bits, splat};
+use super::view::Fitted;
 use crate::patch::FIT_DOMAIN;
 
 /// Rounding error in f32 of places, as a part of the sides' lengths, and of all that does not depend on the
@@ -253,8 +253,8 @@ mod tests {
         let direction = cosine * normal + sine * (turn.cos() * a + turn.sin() * b);
 
         let level = Level::new();
-        let scene = bvh.scene();
-        let fitted = scene.fitted(index, &piece.patch);
+        let view = bvh.view();
+        let fitted = view.fitted(index, &piece.patch);
         let said = dispatch!(level, simd => {
             let splat = |x: f64| f32x16::splat(simd, x as f32);
             let splat3 = |v: DVec3| [splat(v.x), splat(v.y), splat(v.z)];

@@ -19,11 +19,11 @@ use super::leaf::finish_all;
 use super::load::farthest;
 use super::packet::Packet;
 use super::proof::{DISTANCE_ROUNDING, GROWN, LARGEST, START_GROWN};
-use super::searched::Searched;
 use super::spline_net::RecentNets;
 use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
+use super::view::BvhView;
 use crate::intersect::Statistics;
 use crate::math::bits::set_bits;
 
@@ -166,7 +166,7 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
@@ -176,7 +176,7 @@ pub(super) fn settle<S: Simd>(
     while work.doubts.count >= least {
         let taken = work.doubts.take(simd);
         let room = (&mut work.parts, &mut work.nets);
-        let done = settle_sixteen(simd, scene, packet, &taken, room);
+        let done = settle_sixteen(simd, view, packet, &taken, room);
         found |= done.found;
         statistics.newton_iterations += u64::from(done.steps);
         for place in set_bits(done.undecided) {
@@ -194,7 +194,7 @@ pub(super) fn settle<S: Simd>(
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     packet: &mut Packet,
     taken: &Taken<S>,
     (parts, nets): (&mut Parts, &mut RecentNets),
@@ -224,8 +224,8 @@ fn settle_sixteen<S: Simd>(
             let group = Group::of(pairs, left, (leaf, base));
             left &= !group.places;
             let bytes = group.bytes(simd);
-            let oriented = scene.tree.oriented(leaf);
-            let target = Target::new(scene, &oriented, leaf);
+            let oriented = view.tree.oriented(leaf);
+            let target = Target::new(view, &oriented, leaf);
             let mut wanted = group.lanes;
             if packet.from_roots {
                 // If a ray starts in its part, the part's one root is the root it starts on.

@@ -262,7 +262,7 @@ fn earlier<S: Simd>(
     let mut earlier = 0;
     for k in 0..8 {
         let first = !has(packet.met, base + k)
-            || comes_first(target.scene.leaves, target.index, packet.leaf[base + k]);
+            || comes_first(target.view.leaves, target.index, packet.leaf[base + k]);
         earlier |= u64::from(first) << k;
     }
     tie & mask64x8::from_bitmask(simd, earlier)

@@ -12,10 +12,10 @@ use super::load::{farthest, find_planes};
 use super::packet::Packet;
 use super::proof::WIDENED;
 use super::screen::{Screened, screen};
-use super::searched::Searched;
 use super::target::{Closer, Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
+use super::view::BvhView;
 use super::{LANES, PACKET};
 use crate::intersect::Statistics;
 use crate::intersect::read_ahead::{Ahead, Moment};
@@ -28,7 +28,7 @@ use crate::patch::OrientedBox;
 #[simd]
 pub(super) fn search_leaf<S: Simd, Q>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     (index, oriented, groups, ahead): (u32, &OrientedBox, u32, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
@@ -42,7 +42,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         find_planes(simd, packet);
     }
     // Not an option that is filled in the loop: the target would be made elsewhere, and copied.
-    let target = Target::new(scene, oriented, index);
+    let target = Target::new(view, oriented, index);
     let mut closer = None;
     let mut found = false;
     loop {
@@ -50,7 +50,7 @@ pub(super) fn search_leaf<S: Simd, Q>(
         let rays = (&mut *packet, base, &crossing);
         found |= search_group(simd, (&target, &mut closer), rays, ahead, work, statistics);
         if work.doubts.are_many() {
-            settle(simd, scene, packet, work, statistics, LANES);
+            settle(simd, view, packet, work, statistics, LANES);
         }
         let Some(group) = next_group(simd, oriented, packet, &mut groups) else { break };
         next = group;

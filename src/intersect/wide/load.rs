@@ -8,8 +8,8 @@ use fearless_simd_macros::simd;
 use super::box_ray::BLUR;
 use super::frames::{Frames, Narrow, perpendicular};
 use super::packet::{Packet, PacketBounds};
-use super::searched::Searched;
 use super::vectors::{load3, load3d};
+use super::view::BvhView;
 use super::{LANES, PACKET};
 use crate::intersect::Shot;
 use crate::math::bits::set_bits;
@@ -21,9 +21,9 @@ pub(super) fn load<S: Simd, Q: Shot>(
     simd: S,
     packet: &mut Packet,
     shots: &[Q],
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
 ) {
-    let scaled = scene.tree.frame();
+    let scaled = view.tree.frame();
     packet.clear(shots.len());
     for base in (0..PACKET).step_by(LANES) {
         let low = frames(simd, packet, shots, base);
@@ -34,7 +34,7 @@ pub(super) fn load<S: Simd, Q: Shot>(
     // Idle lanes end before they begin.
     packet.z[packet.count..].fill(f64::NEG_INFINITY);
     packet.far_f[packet.count..].fill(f32::NEG_INFINITY);
-    let far_off = beyond(simd, packet, scene.reach_of_f32);
+    let far_off = beyond(simd, packet, view.reach_of_f32);
     if far_off != 0 {
         for k in set_bits(far_off) {
             packet.z[k] = f64::NEG_INFINITY;

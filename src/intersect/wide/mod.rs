@@ -72,7 +72,6 @@ mod power_lines;
 mod power_sums;
 mod proof;
 mod screen;
-mod searched;
 mod single;
 mod single_finish;
 mod single_jet;
@@ -86,15 +85,16 @@ mod target;
 mod traverse;
 mod trimmed;
 mod vectors;
+mod view;
 mod wanted;
 
 pub(super) use box_ray::BLUR;
 pub(super) use packet::{LaneHit, Packet};
-pub(super) use searched::Searched;
 pub(super) use single::{SingleWork, trace_single};
 pub(super) use single_ray::{SingleHit, SingleRay};
 pub(super) use stream::{FLIGHTS, Stream, trace_stream};
 pub(super) use traverse::{Work, trace};
+pub(super) use view::BvhView;
 pub(super) use wanted::Wanted;
 
 use super::tree::LANES;

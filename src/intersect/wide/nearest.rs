@@ -1,8 +1,8 @@
 //! Which of two hits counts.
 
-use super::searched::Searched;
 use super::single_ray::HitPlace;
 use super::trimmed::trim_side;
+use super::view::BvhView;
 use crate::geometry::trim::Side;
 use crate::patch::Leaf;
 
@@ -21,12 +21,12 @@ pub(super) enum Kept {
 /// Of hits at the same place, the one on the first piece counts, and there the one on its first
 /// part, whichever was searched first: so the order of the search does not matter.
 #[inline(always)]
-pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitPlace>) -> Kept {
-    let leaf = &scene.leaves[found.leaf as usize];
+pub(super) fn keep(found: &HitPlace, view: &BvhView<'_>, nearest: Option<&HitPlace>) -> Kept {
+    let leaf = &view.leaves[found.leaf as usize];
     // A hit that lies beyond the nearest by more than twice its own error bound need not be judged.
     let beyond = |known: &HitPlace| found.z > known.z + 2.0 * found.z_error;
     if leaf.is_trimmed() && !nearest.is_some_and(beyond) {
-        match trim_side(scene.piece_of(found.leaf), found.st, found.z_error) {
+        match trim_side(view.piece_of(found.leaf), found.st, found.z_error) {
             Side::Inside => {}
             Side::Outside => return Kept::Not,
             Side::Edge { .. } => return Kept::Undecided,
@@ -34,7 +34,7 @@ pub(super) fn keep(found: &HitPlace, scene: &Searched<'_>, nearest: Option<&HitP
     }
     let nearer = nearest.is_none_or(|known| {
         found.z < known.z
-            || (found.z == known.z && comes_first(scene.leaves, found.leaf, known.leaf))
+            || (found.z == known.z && comes_first(view.leaves, found.leaf, known.leaf))
     });
     if nearer { Kept::Nearer } else { Kept::Not }
 }

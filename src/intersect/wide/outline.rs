@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::box_ray::BLUR;
 use super::frames::{END_SPARE, shift_to_scene};
 use super::packet::PacketBounds;
-use super::searched::Searched;
+use super::view::BvhView;
 use crate::intersect::Shot;
 use crate::math::PLAIN_SQUARES;
 
@@ -39,7 +39,7 @@ pub(super) enum Outline {
 /// are the given ones over a length between the shortest and the longest that are possible; the
 /// origins are moved towards the scene by one distance for all.
 #[simd]
-pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'_>) -> Outline {
+pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], view: &BvhView<'_>) -> Outline {
     let Some([low, high]) = hull(simd, shots) else { return Outline::Unknown };
     let (mut least, mut most) = (0.0, 0.0);
     for k in 3..6 {
@@ -54,7 +54,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
     let (shortest, longest) = (least.sqrt(), most.sqrt());
     let (per_shortest, per_longest) = (1.0 / shortest, 1.0 / longest);
 
-    let scaled = scene.tree.frame();
+    let scaled = view.tree.frame();
     let mut middle = [0.0; 3];
     let mut square = 0.0;
     for k in 0..3 {
@@ -62,7 +62,7 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], scene: &Searched<'
         square += middle[k] * middle[k];
     }
     let magnitude = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
-    if scene.is_beyond_f32(magnitude) {
+    if view.is_beyond_f32(magnitude) {
         return Outline::Unknown;
     }
     let unit =
@@ -228,7 +228,7 @@ mod tests {
                 let mut rays = vec![aimed(DVec3::ZERO, DVec3::ZERO, 1.0)];
                 rays.extend(others.iter().map(|&(o, d, length)| aimed(o, d, length)));
                 for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {
-                    let seen = dispatch!(level, simd => outline(simd, &rays, &bvh.scene()));
+                    let seen = dispatch!(level, simd => outline(simd, &rays, &bvh.view()));
                     let count = match seen {
                         Outline::Unknown => continue,
                         Outline::Beside => &beside,

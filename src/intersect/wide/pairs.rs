@@ -14,9 +14,9 @@ use super::frames::{Frames, perpendicular, transposed};
 use super::lane_net::LaneNet;
 use super::lane_proof::missed;
 use super::proof::{DISTANCE_ROUNDING, LARGEST, WIDENED};
-use super::searched::{Fitted, Searched};
 use super::single_ray::{Guess, HitPlace, SingleHit};
 use super::vectors::{dot_d, lane_bits};
+use super::view::{BvhView, Fitted};
 use crate::intersect::Shot;
 use crate::math::bits::half_of_sixteen;
 use crate::math::{Ray, rounding};
@@ -106,18 +106,18 @@ impl PairLanes {
     pub(super) fn search<S: Simd, Q: Shot>(
         &mut self,
         simd: S,
-        scene: &Searched<'_>,
+        view: &BvhView<'_>,
         shots: &[Q],
         pairs: &[Pair],
     ) -> Outcomes {
         let Some(first) = pairs.first() else { return Outcomes::default() };
         let mut rays = [shots[first.ray as usize].ray(); LANES];
-        let mut pieces = [scene.piece_of(first.leaf); LANES];
-        let mut leaves = [scene.fitted(first.leaf, &pieces[0].patch); LANES];
+        let mut pieces = [view.piece_of(first.leaf); LANES];
+        let mut leaves = [view.fitted(first.leaf, &pieces[0].patch); LANES];
         // Lanes left over repeat the first.
         for (lane, pair) in pairs.iter().enumerate() {
-            pieces[lane] = scene.piece_of(pair.leaf);
-            leaves[lane] = scene.fitted(pair.leaf, &pieces[lane].patch);
+            pieces[lane] = view.piece_of(pair.leaf);
+            leaves[lane] = view.fitted(pair.leaf, &pieces[lane].patch);
             rays[lane] = shots[pair.ray as usize].ray();
         }
         for lane in 0..LANES {

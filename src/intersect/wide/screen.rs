@@ -216,13 +216,13 @@ mod tests {
     /// What is proved of sixteen lines and a leaf. The bits returned last are those of the lines
     /// for which its certificate holds.
     fn said(bvh: &SurfaceBvh, index: u32, queries: &[Query]) -> (Screened, u32) {
-        let scene = bvh.scene();
-        let oriented = scene.tree.oriented(index);
-        let target = Target::new(&scene, &oriented, index);
+        let view = bvh.view();
+        let oriented = view.tree.oriented(index);
+        let target = Target::new(&view, &oriented, index);
         let mut packet = Packet::new();
         packet.ask(Wanted::Any);
         dispatch!(Level::new(), simd => {
-            load(simd, &mut packet, queries, &scene);
+            load(simd, &mut packet, queries, &view);
             find_planes(simd, &mut packet);
             let crossing = cross_box(simd, &oriented, &packet, 0);
             let factor = target.piece.patch.residual_factor();

@@ -24,12 +24,12 @@ use super::box_ray::{BOX_SPARE, Crossings, Stack, first_entered};
 use super::jets::OneNet;
 use super::nearest::{Kept, keep};
 use super::proof::WIDENED;
-use super::searched::{Fitted, Searched};
 use super::single_finish::{Outcome, Search, finish};
 use super::single_proof::isolate;
 use super::single_ray::{Guess, SingleHit, SingleRay};
 use super::single_search::Distances;
 use super::spline_net::RecentNets;
+use super::view::{BvhView, Fitted};
 use crate::intersect::Statistics;
 use crate::intersect::tree::Child;
 
@@ -55,30 +55,30 @@ pub(in crate::intersect) struct SingleWork {
 #[simd]
 pub(in crate::intersect) fn trace_single<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
     work.clear();
-    let Some(mut next) = scene.tree.root() else { return };
+    let Some(mut next) = view.tree.root() else { return };
     loop {
         match next.child() {
             Child::Node(index) => {
                 statistics.nodes += 1;
-                let node = &scene.tree.nodes[index as usize];
+                let node = &view.tree.nodes[index as usize];
                 if let Some(nearest) = ray.boxes.enter(simd, node, &mut work.stack) {
                     next = nearest;
                     continue;
                 }
             }
             Child::Block(index) => {
-                search_block(simd, scene, index, ray, (work, statistics));
+                search_block(simd, view, index, ray, (work, statistics));
                 if ray.is_done() {
                     return;
                 }
             }
             Child::Region(index, way) => {
-                let (region, inside) = scene.tree.enter(index, way);
+                let (region, inside) = view.tree.enter(index, way);
                 work.stack.extend(inside.map(|code| (f32::NEG_INFINITY, code)));
                 ray.change_to(&region.frame, work.hit());
             }
@@ -97,17 +97,17 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
 #[simd]
 fn search_block<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     index: u32,
     ray: &mut SingleRay<'_>,
     (work, statistics): (&mut SingleWork, &mut Statistics),
 ) {
-    let block = &scene.tree.blocks[index as usize];
-    let leaves = scene.tree.leaves(index);
+    let block = &view.tree.blocks[index as usize];
+    let leaves = view.tree.leaves(index);
     let mut crossings = Crossings::NONE;
     ray.boxes.cross(simd, block, &mut crossings);
     let mut met = leaves.of(crossings.met);
-    scene.prefetch_leaves(leaves.first, met);
+    view.prefetch_leaves(leaves.first, met);
     while met != 0 {
         let nearest = first_entered(&crossings.entry, met);
         met &= !(1 << nearest);
@@ -116,7 +116,7 @@ fn search_block<S: Simd>(
         }
         statistics.leaf_tests += 1;
         let leaf = leaves.first + nearest as u32;
-        search_leaf(simd, scene, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
+        search_leaf(simd, view, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
         if ray.is_done() {
             return;
         }
@@ -128,19 +128,19 @@ fn search_block<S: Simd>(
 #[simd]
 fn search_leaf<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     index: u32,
     (crossings, k): (&Crossings, usize),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let leaf = &scene.leaves[index as usize];
-    let patch = &scene.piece_of(index).patch;
+    let leaf = &view.leaves[index as usize];
+    let patch = &view.piece_of(index).patch;
     let error = patch.error_bound(ray.magnitude());
     let guess = Guess::of(leaf, crossings.place_of(k), crossings.slopes_of(k), error);
-    let fitted = scene.fitted(index, patch);
+    let fitted = view.fitted(index, patch);
     let line = (ray.frame.origin, ray.boxes.axis);
     if !ray.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
-        search_ahead(simd, scene, index, (guess, error), (ray, work));
+        search_ahead(simd, view, index, (guess, error), (ray, work));
     }
 }
 
@@ -149,19 +149,19 @@ fn search_leaf<S: Simd>(
 #[inline(always)]
 pub(super) fn search_ahead<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     index: u32,
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
 ) {
-    let leaf = &scene.leaves[index as usize];
-    let patch = &scene.piece_of(index).patch;
+    let leaf = &view.leaves[index as usize];
+    let patch = &view.piece_of(index).patch;
     // Most rays will need the net; made now, it is ready when the search in f32 is.
     let mut nets = std::mem::take(&mut work.nets);
     let net = nets.net_of(simd, (leaf.piece, patch));
-    let fitted = scene.fitted(index, patch);
+    let fitted = view.fitted(index, patch);
     let surface = OneNet { patch, net };
-    search_net(simd, scene, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
+    search_net(simd, view, (index, fitted, &surface), (guess, error), (&mut *ray, &mut *work));
     work.nets = nets;
 }
 
@@ -169,7 +169,7 @@ pub(super) fn search_ahead<S: Simd>(
 #[inline(always)]
 fn search_net<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
     (guess, error): (Option<Guess>, f64),
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -187,21 +187,21 @@ fn search_net<S: Simd>(
             work.steps += steps;
             match outcome {
                 Outcome::Missed => return,
-                Outcome::Hit => return work.take(index, ray, scene),
+                Outcome::Hit => return work.take(index, ray, view),
                 Outcome::Undecided => return work.undecided.push(index),
                 Outcome::NotFound => {}
             }
         }
     }
     // Too flat an angle, a leaf with a pole, a start outside, or no convergence.
-    search_by_proof(simd, scene, (index, fitted, surface), error, (ray, work));
+    search_by_proof(simd, view, (index, fitted, surface), error, (ray, work));
 }
 
 /// The same by the ray's own proof of how many roots it has in the leaf.
 #[simd] // a function of its own: it needs far more room than the usual way
 fn search_by_proof<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     (index, fitted, surface): (u32, Fitted<'_>, &OneNet<'_>),
     error: f64,
     (ray, work): (&mut SingleRay<'_>, &mut SingleWork),
@@ -219,7 +219,7 @@ fn search_by_proof<S: Simd>(
         work.steps += steps;
         match outcome {
             Outcome::Missed => {}
-            Outcome::Hit => work.take(index, ray, scene),
+            Outcome::Hit => work.take(index, ray, view),
             Outcome::Undecided | Outcome::NotFound => {
                 work.undecided.push(index);
                 return;
@@ -250,11 +250,11 @@ impl SingleWork {
 
     /// Takes the hit of a leaf that was put into [`Self::other`].
     #[inline(always)]
-    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, scene: &Searched<'_>) {
+    fn take(&mut self, leaf: u32, ray: &mut SingleRay<'_>, view: &BvhView<'_>) {
         self.other().leaf = leaf;
         let found = self.other().place();
         let known = self.hit().map(SingleHit::place);
-        match keep(&found, scene, known.as_ref()) {
+        match keep(&found, view, known.as_ref()) {
             Kept::Nearer => {
                 ray.shorten(found.z);
                 self.met = true;

@@ -16,9 +16,9 @@ use super::form::{Form, with_degrees, with_numbers};
 use super::jets::OneNet;
 use super::power_lines::LONG;
 use super::proof::WITH_SLACK;
-use super::searched::Fitted;
 use super::single_jet::{Bernstein, Powers, Sums};
 use super::single_ray::{SingleHit, SingleRay};
+use super::view::Fitted;
 use crate::math::bernstein::MAX_DEGREE;
 
 /// What is searched for in a leaf, from where.

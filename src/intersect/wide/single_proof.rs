@@ -24,9 +24,9 @@ use super::proof::{
     DISTANCE_ROUNDING, GROWN, LARGEST, LeafPart, MAY_STEP, MOST_INVERSE, MOST_NOISE, SMALLEST,
     START_GROWN, UNDERFLOW,
 };
-use super::searched::Fitted;
 use super::single_ray::SingleRay;
 use super::single_search::{Distances, transposed_rows};
+use super::view::Fitted;
 use crate::math::rounding;
 
 /// The largest number of boxes to examine before the scalar search is called, which takes as long as about

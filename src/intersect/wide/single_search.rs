@@ -4,8 +4,8 @@ use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f3
 use fearless_simd_macros::simd;
 
 use super::convergence::STEPS_IN_F32;
-use super::searched::Fitted;
 use super::single_ray::SingleRay;
+use super::view::Fitted;
 
 /// How far the search and the proofs may leave the leaf, in box coordinates: as far as the bounds
 /// of the approximation's error hold.

@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use super::departure::{Departure, Final, MAY_START};
-use super::searched::Fitted;
+use super::view::Fitted;
 use crate::intersect::Root;
 use crate::math::rounding;
 use crate::patch::{Leaf, TensorPatch, WIDENING};

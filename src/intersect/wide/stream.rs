@@ -14,10 +14,10 @@ use super::form::Form;
 use super::frames::{Frames, Narrow};
 use super::nearest::{Kept, keep};
 use super::pairs::{Pair, PairLanes};
-use super::searched::Searched;
 use super::single::{SingleWork, search_ahead};
 use super::single_ray::{Guess, HitPlace, SingleHit, SingleRay, boxes_in};
 use super::start::Start;
+use super::view::BvhView;
 use super::wanted::Wanted;
 use crate::intersect::tree::{Child, ChildCode, Way};
 use crate::intersect::{Shot, Statistics};
@@ -88,16 +88,16 @@ impl Stream {
 #[simd]
 pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
 ) {
-    start(simd, scene, shots, stream);
+    start(simd, view, shots, stream);
     while !stream.waiting.is_empty() {
         stream.pairs.clear();
-        walk(simd, scene, shots, stream, statistics);
-        search_pairs(simd, scene, shots, stream, statistics);
+        walk(simd, view, shots, stream, statistics);
+        search_pairs(simd, view, shots, stream, statistics);
     }
 }
 
@@ -156,7 +156,7 @@ struct Seen {
 #[simd]
 fn walk<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
@@ -179,17 +179,17 @@ fn walk<S: Simd, Q: Shot>(
             }
         }
         stream.walking.clear();
-        enter_regions(scene, shots, stream);
-        enter_nodes(simd, scene, stream, &mut seen, statistics);
-        look_at_blocks(simd, scene, shots, stream, (&mut seen, statistics));
+        enter_regions(view, shots, stream);
+        enter_nodes(simd, view, stream, &mut seen, statistics);
+        look_at_blocks(simd, view, shots, stream, (&mut seen, statistics));
     }
 }
 
 /// Takes on the rays that come to a region, in or out.
-fn enter_regions<Q: Shot>(scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
+fn enter_regions<Q: Shot>(view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
     let Stream { flights, walking, regions, .. } = stream;
     for (k, (index, way)) in regions.drain(..) {
-        let (region, next) = scene.tree.enter(index, way);
+        let (region, next) = view.tree.enter(index, way);
         let flight = &mut flights[k as usize];
         flight.stack.extend(next.map(|code| (f32::NEG_INFINITY, code)));
         flight.change_to(&region.frame, shots[k as usize].ray());
@@ -201,7 +201,7 @@ fn enter_regions<Q: Shot>(scene: &Searched<'_>, shots: &[Q], stream: &mut Stream
 #[inline(always)]
 fn enter_nodes<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     stream: &mut Stream,
     seen: &mut Seen,
     statistics: &mut Statistics,
@@ -210,13 +210,13 @@ fn enter_nodes<S: Simd>(
     statistics.nodes += nodes.all().len() as u64;
     for visits in nodes.all().chunks(AT_ONCE) {
         for (&(k, index), entered) in visits.iter().zip(&mut seen.entered) {
-            let node = &scene.tree.nodes[index as usize];
+            let node = &view.tree.nodes[index as usize];
             let (near, met) = flights[k as usize].boxes.entries(simd, node);
             near.store_slice(&mut entered.entry);
             entered.met = met;
         }
         for (&(k, index), entered) in visits.iter().zip(&seen.entered) {
-            let (node, flight) = (&scene.tree.nodes[index as usize], &mut flights[k as usize]);
+            let (node, flight) = (&view.tree.nodes[index as usize], &mut flights[k as usize]);
             push_unforeseen(simd, &mut flight.stack, &entered.entry, entered.met, node);
             flight.go_on(k, walking);
         }
@@ -227,7 +227,7 @@ fn enter_nodes<S: Simd>(
 #[inline(always)]
 fn look_at_blocks<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
     (seen, statistics): (&mut Seen, &mut Statistics),
@@ -235,15 +235,15 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     let Stream { flights, walking, waiting, blocks, pairs, single, .. } = stream;
     for visits in blocks.all().chunks(AT_ONCE) {
         for (&(k, index), crossings) in visits.iter().zip(&mut seen.crossings) {
-            let block = &scene.tree.blocks[index as usize];
+            let block = &view.tree.blocks[index as usize];
             flights[k as usize].boxes.cross(simd, block, crossings);
         }
-        if scene.is_far() {
-            prefetch(scene, visits, &seen.crossings);
+        if view.is_far() {
+            prefetch(view, visits, &seen.crossings);
         }
         for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
-            let asked = StreamRay { scene, ray: shot.ray(), start: start_of(shot), index: k };
+            let asked = StreamRay { view, ray: shot.ray(), start: start_of(shot), index: k };
             let before = pairs.len();
             let work = (&mut *single, &mut *statistics);
             asked.look_at(simd, (index, crossings), flight, pairs, work);
@@ -258,12 +258,12 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     }
 }
 
-/// Prefetches the leaves whose boxes are met: see [`Searched::is_far`].
-fn prefetch(scene: &Searched<'_>, visits: &[Visit], crossings: &[Crossings]) {
-    for stage in [Searched::prefetch_leaves, Searched::prefetch_pieces, Searched::prefetch_nets] {
+/// Prefetches the leaves whose boxes are met: see [`BvhView::is_far`].
+fn prefetch(view: &BvhView<'_>, visits: &[Visit], crossings: &[Crossings]) {
+    for stage in [BvhView::prefetch_leaves, BvhView::prefetch_pieces, BvhView::prefetch_nets] {
         for (&(_, block), crossings) in visits.iter().zip(crossings) {
-            let leaves = scene.tree.leaves(block);
-            stage(scene, leaves.first, leaves.of(crossings.met));
+            let leaves = view.tree.leaves(block);
+            stage(view, leaves.first, leaves.of(crossings.met));
         }
     }
 }
@@ -276,10 +276,10 @@ fn start_of<Q: Shot>(shot: &Q) -> Start<'_> {
 
 /// Sets all rays to begin at the root of the tree.
 #[simd]
-fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &mut Stream) {
+fn start<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
     stream.waiting.clear();
     stream.flights.resize_with(shots.len().max(stream.flights.len()), Flight::default);
-    let scaled = scene.tree.frame();
+    let scaled = view.tree.frame();
     for base in (0..shots.len()).step_by(LANES) {
         let halves = [Frames::of(simd, shots, base), Frames::of(simd, shots, base + 8)];
         let narrow = Narrow::new(simd, &halves[0], &halves[1], scaled);
@@ -308,9 +308,9 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &
             flight.magnitude = magnitude[lane % 8];
             flight.t_from_z = t_from_z[lane % 8];
             flight.met = false;
-            flight.alone = scene.is_beyond_f32(flight.magnitude);
+            flight.alone = view.is_beyond_f32(flight.magnitude);
             flight.stack.clear();
-            if let Some(root) = scene.tree.root()
+            if let Some(root) = view.tree.root()
                 && !flight.alone
             {
                 flight.stack.push((f32::NEG_INFINITY, root));
@@ -322,7 +322,7 @@ fn start<S: Simd, Q: Shot>(simd: S, scene: &Searched<'_>, shots: &[Q], stream: &
 
 /// One ray of a batch, with its start.
 struct StreamRay<'a> {
-    scene: &'a Searched<'a>,
+    view: &'a BvhView<'a>,
     ray: &'a Ray,
     start: Start<'a>,
     /// Which ray of the batch.
@@ -340,7 +340,7 @@ impl StreamRay<'_> {
         pairs: &mut Vec<Pair>,
         (single, statistics): (&mut SingleWork, &mut Statistics),
     ) {
-        let leaves = self.scene.tree.leaves(block);
+        let leaves = self.view.tree.leaves(block);
         let mut met = leaves.of(crossings.met);
         while met != 0 {
             let nearest = first_entered(&crossings.entry, met);
@@ -351,17 +351,17 @@ impl StreamRay<'_> {
             statistics.leaf_tests += 1;
             let index = leaves.first + nearest as u32;
             let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
-            let leaf = &self.scene.leaves[index as usize];
-            let patch = &self.scene.piece_of(index).patch;
+            let leaf = &self.view.leaves[index as usize];
+            let patch = &self.view.piece_of(index).patch;
             let error = patch.error_bound(flight.magnitude);
             let guess = Guess::of(leaf, start, slopes, error);
             let line = (self.ray.origin(), flight.boxes.axis);
-            let fitted = self.scene.fitted(index, patch);
+            let fitted = self.view.fitted(index, patch);
             if self.start.is_done_with(simd, (fitted, patch), line, (guess.is_some(), error)) {
                 continue;
             }
             if let (Some(guess), Some(form)) = (guess, Form::of_pairs(patch)) {
-                self.scene.prefetch_leaves(index, 1); // for the search of all pairs, some time later
+                self.view.prefetch_leaves(index, 1); // for the search of all pairs, some time later
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
@@ -385,13 +385,13 @@ impl StreamRay<'_> {
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray =
-            SingleRay::new(&frame, self.start.from, Wanted::First, self.scene.tree.frame());
+            SingleRay::new(&frame, self.start.from, Wanted::First, self.view.tree.frame());
         single.clear();
-        search_ahead(simd, self.scene, leaf, (guess, error), (&mut ray, &mut *single));
+        search_ahead(simd, self.view, leaf, (guess, error), (&mut ray, &mut *single));
         statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
-            && flight.takes(self.scene, &hit.place())
+            && flight.takes(self.view, &hit.place())
         {
             flight.hit = *hit;
         }
@@ -422,9 +422,9 @@ impl Flight {
 
     /// Whether a hit is the nearest so far; if so, ends the ray there.
     #[inline(always)]
-    fn takes(&mut self, scene: &Searched<'_>, hit: &HitPlace) -> bool {
+    fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace) -> bool {
         let known = self.hit.place();
-        match keep(hit, scene, self.met.then_some(&known)) {
+        match keep(hit, view, self.met.then_some(&known)) {
             Kept::Nearer => {
                 self.boxes.far = Wanted::First.far(hit.z, self.shift, self.scale);
                 self.met = true;
@@ -441,7 +441,7 @@ impl Flight {
 #[simd]
 fn search_pairs<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
     statistics: &mut Statistics,
@@ -455,20 +455,20 @@ fn search_pairs<S: Simd, Q: Shot>(
         let alike = rest.iter().take(LANES).take_while(|pair| pair.form == first.form).count();
         let (group, others) = rest.split_at(alike);
         rest = others;
-        let outcomes = lanes.search(simd, scene, shots, group);
+        let outcomes = lanes.search(simd, view, shots, group);
         statistics.newton_iterations += u64::from(outcomes.steps);
         for (lane, pair) in group.iter().enumerate() {
             let flight = &mut flights[pair.ray as usize];
             flight.alone |= has(outcomes.undecided, lane);
             if has(outcomes.met, lane) {
-                if flight.takes(scene, &lanes.place(lane, pair.leaf)) {
+                if flight.takes(view, &lanes.place(lane, pair.leaf)) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
                 }
             } else if has(outcomes.unconverged, lane) {
                 let shot = &shots[pair.ray as usize];
                 let ray = shot.ray();
-                let asked = StreamRay { scene, ray, start: start_of(shot), index: pair.ray };
-                let patch = &scene.piece_of(pair.leaf).patch;
+                let asked = StreamRay { view, ray, start: start_of(shot), index: pair.ray };
+                let patch = &view.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
                 let work = (&mut *single, &mut *statistics);
                 asked.search(simd, pair.leaf, (None, error), flight, work);

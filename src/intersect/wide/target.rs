@@ -9,8 +9,8 @@ use super::form::Form;
 use super::jets::{Jets, OneNet, jets};
 use super::newton::{Leaves, Rays, Step};
 use super::proof::WITH_SLACK;
-use super::searched::{Fitted, Searched};
 use super::vectors::dot_d;
+use super::view::{BvhView, Fitted};
 use crate::intersect::newton::{CLEAR, SURELY};
 use crate::patch::{BESIDE_COLLAPSED, Leaf, OrientedBox, Piece, WIDENING};
 
@@ -20,7 +20,7 @@ pub(super) struct Target<'a> {
     pub(super) leaf: &'a Leaf,
     pub(super) piece: &'a Piece,
     pub(super) index: u32,
-    pub(super) scene: &'a Searched<'a>,
+    pub(super) view: &'a BvhView<'a>,
     oriented: &'a OrientedBox,
     rect: [[f64; 2]; 2],
     /// Where the leaf's certificate holds.
@@ -51,12 +51,12 @@ pub(super) struct Closer {
 
 impl<'a> Target<'a> {
     #[inline(always)] // a returned result would be copied, which stalls
-    pub(super) fn new(scene: &'a Searched<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
-        let leaf = &scene.leaves[index as usize];
-        let piece = scene.piece_of(index);
+    pub(super) fn new(view: &'a BvhView<'a>, oriented: &'a OrientedBox, index: u32) -> Self {
+        let leaf = &view.leaves[index as usize];
+        let piece = view.piece_of(index);
         let (rect, domain) = (leaf.rect(), leaf.widened(piece, WIDENING));
         let pole = leaf.pole(piece);
-        Self { leaf, piece, index, scene, oriented, rect, domain, pole }
+        Self { leaf, piece, index, view, oriented, rect, domain, pole }
     }
 
     #[inline(always)]
@@ -88,7 +88,7 @@ impl<'a> Target<'a> {
     /// The leaf with its weight.
     #[inline(always)]
     pub(super) fn fitted(&self) -> Fitted<'_> {
-        self.scene.fitted(self.index, &self.piece.patch)
+        self.view.fitted(self.index, &self.piece.patch)
     }
 
     /// See [`OrientedBox::unit_axes`].

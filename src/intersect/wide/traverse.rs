@@ -13,9 +13,9 @@ use super::leaf::search_leaf;
 use super::load::{change_to, load};
 use super::outline::{Outline, outline};
 use super::packet::{Packet, PacketBounds};
-use super::searched::Searched;
 use super::spline_net::RecentNets;
 use super::vectors::lane_bits;
+use super::view::BvhView;
 use super::{LANES, PACKET};
 use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::intersect::tree::{Child, ChildCode, LeafBlock, Node, Region};
@@ -64,13 +64,13 @@ impl Work {
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     (shots, ahead): (&[Q], &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    let tree = scene.tree;
+    let tree = view.tree;
     work.undecided.clear();
     work.doubts.clear();
     work.undecided_rays = 0;
@@ -79,11 +79,11 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
     if packet.met() == 0
         && !leaves_hits
-        && meets_nothing(simd, scene, shots, (&mut *work, &mut *statistics))
+        && meets_nothing(simd, view, shots, (&mut *work, &mut *statistics))
     {
         return packet.clear(shots.len());
     }
-    load(simd, packet, shots, scene);
+    load(simd, packet, shots, view);
     work.apart.set(simd, packet, tree.regions[0].leaf_width);
     work.stack.clear();
     work.stack.extend(tree.root().map(|root| (f32::NEG_INFINITY, root, ALL)));
@@ -95,7 +95,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         match code.child() {
             Child::Block(index) => {
                 let block = (index, rays, &mut *ahead);
-                search_block(simd, scene, block, packet, work, statistics);
+                search_block(simd, view, block, packet, work, statistics);
             }
             Child::Node(index) => {
                 statistics.nodes += 1;
@@ -109,12 +109,12 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
             Child::Region(index, way) => {
                 let (region, next) = tree.enter(index, way);
                 work.stack.extend(next.map(|code| (f32::NEG_INFINITY, code, rays)));
-                change_region(simd, scene, region, packet, work, statistics);
+                change_region(simd, view, region, packet, work, statistics);
             }
         }
     }
     if !work.doubts.is_empty() {
-        settle(simd, scene, packet, work, statistics, 1);
+        settle(simd, view, packet, work, statistics, 1);
     }
 }
 
@@ -123,14 +123,14 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
 #[simd]
 fn change_region<S: Simd>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     region: &Region,
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    settle(simd, scene, packet, work, statistics, 1);
-    change_to(simd, packet, &region.frame, scene.reach_of_f32);
+    settle(simd, view, packet, work, statistics, 1);
+    change_to(simd, packet, &region.frame, view.reach_of_f32);
     work.apart.set(simd, packet, region.leaf_width);
 }
 
@@ -138,12 +138,12 @@ fn change_region<S: Simd>(
 #[simd]
 fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     shots: &[Q],
     (work, statistics): (&mut Work, &mut Statistics),
 ) -> bool {
-    let tree = scene.tree;
-    let (bounds, farthest) = match outline(simd, shots, scene) {
+    let tree = view.tree;
+    let (bounds, farthest) = match outline(simd, shots, view) {
         Outline::Unknown => return false,
         Outline::Beside => return true,
         Outline::Bounds(bounds, farthest) => (bounds, farthest),
@@ -271,19 +271,19 @@ fn middle_and_reach(min: Vec3, max: Vec3) -> (Vec3, Vec3) {
 #[simd]
 fn search_block<S: Simd, Q>(
     simd: S,
-    scene: &Searched<'_>,
+    view: &BvhView<'_>,
     (index, rays, ahead): (u32, u64, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
     statistics: &mut Statistics,
 ) {
-    let block = &scene.tree.blocks[index as usize];
-    let leaves = scene.tree.leaves(index);
+    let block = &view.tree.blocks[index as usize];
+    let leaves = view.tree.leaves(index);
     let (entries, met) = enter_block(simd, block, &packet.bounds, packet.farthest);
     let apart = work.apart.leaves(simd, (block, leaves.of(met)), packet, rays);
     let two = apart | apart >> 32;
     let mut met = (two | two >> 16) as u32 & 0xffff;
-    scene.prefetch_leaves(leaves.first, met);
+    view.prefetch_leaves(leaves.first, met);
     while met != 0 {
         let nearest = first_entered(&entries, met);
         met &= !(1 << nearest);
@@ -296,6 +296,6 @@ fn search_block<S: Simd, Q>(
             groups |= ((apart >> (LANES * k + nearest)) as u32 & 1) << k;
         }
         let leaf = (leaves.first + nearest as u32, &oriented, groups, &mut *ahead);
-        search_leaf(simd, scene, leaf, packet, work, statistics);
+        search_leaf(simd, view, leaf, packet, work, statistics);
     }
 }

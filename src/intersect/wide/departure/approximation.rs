@@ -6,8 +6,8 @@ use fearless_simd_macros::simd;
 
 use super::{Departure, FARTHEST};
 use crate::intersect::wide::distances::sizes;
-use crate::intersect::wide::searched::Fitted;
 use crate::intersect::wide::vectors::{cross, dot, scaled, splat};
+use crate::intersect::wide::view::Fitted;
 
 /// The approximation's tangent plane at the starts.
 pub(super) struct Plane<S: Simd> {

@@ -1,13 +1,13 @@
-//! All data that are searched, and their prefetching.
+//! The data of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that are searched, and their prefetching.
 
 use crate::intersect::tree::Tree;
 use crate::math::bits::set_bits;
 use crate::math::prefetch;
 use crate::patch::{Leaf, MOST_WEIGHT, PatchSet, Piece, TensorPatch, WeightFit};
 
-/// All data that are searched.
+/// The parts of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that the fast kernels search.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::intersect) struct Searched<'a> {
+pub(in crate::intersect) struct BvhView<'a> {
     pub(in crate::intersect) tree: &'a Tree,
     pub(in crate::intersect) leaves: &'a [Leaf],
     /// One weight for each leaf, or none if no leaf is approximated by a quotient.
@@ -36,7 +36,7 @@ impl Fitted<'_> {
 /// Scenes of more leaves than this do not fit into the processor's caches.
 const FAR: usize = 1 << 14;
 
-impl<'a> Searched<'a> {
+impl<'a> BvhView<'a> {
     /// Whether an origin with this largest coordinate is too far away for the work in f32.
     #[inline(always)]
     pub(in crate::intersect) fn is_beyond_f32(&self, magnitude: f64) -> bool {
