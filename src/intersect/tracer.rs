@@ -108,7 +108,8 @@ impl<'a> Tracer<'a> {
     /// The same by the scalar kernel.
     pub(super) fn scalar_any(&mut self, query: &Query) -> Occlusion {
         let frame = RayFrame::new(&query.ray);
-        self.collect(query, &frame, leaf_search::search, |meetings| {
+        let question = Question::new(&self.bvh.set, query, &frame);
+        self.collect(&question, leaf_search::search, |meetings| {
             // One certain hit is enough; a doubtful one keeps the search going.
             if meetings.iter().any(Meeting::is_certain) { f64::NEG_INFINITY } else { f64::INFINITY }
         });
@@ -122,10 +123,10 @@ impl<'a> Tracer<'a> {
     /// borders meet, are one crossing and reported once if they are at the same place and have
     /// the same sign of `N · d`.
     pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
-        let frame = RayFrame::new(&query.ray);
-        self.collect(query, &frame, all_exactly, |_| f64::INFINITY);
-        crossings::merge(&mut self.findings.meetings, self.bvh.set.pieces(), frame.axis);
-        let set = &self.bvh.set;
+        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
+        let question = Question { all_hits: true, ..Question::new(set, query, &frame) };
+        self.collect(&question, exactly, |_| f64::INFINITY);
+        crossings::merge(&mut self.findings.meetings, set.pieces(), frame.axis);
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
         let doubtful = !certain || self.findings.doubt < f64::INFINITY;
@@ -180,7 +181,8 @@ impl<'a> Tracer<'a> {
     fn first(&mut self, query: &Query, search: Search) -> Answer {
         let frame = RayFrame::new(&query.ray);
         let to_z = 1.0 / frame.t_from_z;
-        self.collect(query, &frame, search, |meetings| {
+        let question = Question::new(&self.bvh.set, query, &frame);
+        self.collect(&question, search, |meetings| {
             // Up to the nearest meeting, plus its error bound.
             meetings.iter().map(|m| m.t + m.t_error).fold(f64::INFINITY, f64::min) * to_z
         });
@@ -194,23 +196,21 @@ impl<'a> Tracer<'a> {
     /// meetings found so far.
     fn collect(
         &mut self,
-        query: &Query,
-        frame: &RayFrame,
+        question: &Question<'_>,
         search: Search,
         enough: impl Fn(&[Meeting]) -> f64,
     ) {
-        let bvh = self.bvh;
-        let question = Question::new(&bvh.set, query, frame);
+        let (bvh, ray) = (self.bvh, question.ray);
         let findings = &mut self.findings;
         findings.clear();
         findings.statistics.rays += 1;
-        let mut limit = frame.z_range[1];
-        let nodes = bvh.tree.traverse(frame, &mut self.stack, |index, (oriented, region)| {
+        let mut limit = ray.z_range[1];
+        let nodes = bvh.tree.traverse(ray, &mut self.stack, |index, (oriented, region)| {
             let place = bvh.place(index, oriented);
-            let passage = place.passage(frame, region, limit);
+            let passage = place.passage(ray, region, limit);
             let Some(passage) = passage else { return limit };
             let before = findings.meetings.len();
-            search(&question, &place, &passage, limit, findings);
+            search(question, &place, &passage, limit, findings);
             if findings.meetings.len() > before {
                 limit = limit.min(enough(&findings.meetings));
             }
@@ -231,17 +231,6 @@ fn exactly(
     findings.statistics.leaf_tests += 1;
     let from = leaf_search::met_from(place, passage, question.ray);
     leaf_search::search_exactly(question, place, from, limit, findings);
-}
-
-/// [`exactly`] where all hits are wanted.
-fn all_exactly(
-    question: &Question<'_>,
-    place: &PlacedLeaf<'_>,
-    passage: &Passage,
-    limit: f64,
-    findings: &mut Findings,
-) {
-    exactly(&Question { all_hits: true, ..*question }, place, passage, limit, findings);
 }
 
 impl SurfaceBvh {
