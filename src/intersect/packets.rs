@@ -105,10 +105,9 @@ impl Tracer<'_> {
     ) {
         let PacketScratch { packet, work, .. } = &mut *self.packets;
         packet.ask(wanted);
-        let statistics = &mut self.findings.statistics;
-        statistics.rays += shots.len() as u64;
+        self.findings.statistics.rays += shots.len() as u64;
         let view = self.bvh.view();
-        dispatch!(level, simd => trace(simd, &view, (shots, &mut *ahead), packet, work, statistics));
+        dispatch!(level, simd => trace(simd, &view, (shots, &mut *ahead), packet, work));
     }
 
     /// Searches, ray by ray, the leaves that the packet could not decide.

@@ -174,10 +174,8 @@ fn search<S: Simd>(
     let bvh = tracer.bvh;
     let frame = RayFrame::new(ray);
     let mut single = SingleRay::new(&frame, from, wanted, bvh.tree.frame());
-    let (work, statistics) = (&mut tracer.single, &mut tracer.findings.statistics);
-    statistics.rays += 1;
-    trace_single(simd, &bvh.view(), &mut single, (&mut *work, &mut *statistics));
-    statistics.newton_iterations += std::mem::take(&mut work.steps);
+    tracer.findings.statistics.rays += 1;
+    trace_single(simd, &bvh.view(), &mut single, &mut tracer.single);
     frame
 }
 

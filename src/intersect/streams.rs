@@ -44,7 +44,6 @@ impl Tracer<'_> {
 
 #[simd]
 fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q]) {
-    let statistics = &mut tracer.findings.statistics;
-    statistics.rays += shots.len() as u64;
-    trace_stream(simd, &tracer.bvh.view(), shots, &mut tracer.stream, statistics);
+    tracer.findings.statistics.rays += shots.len() as u64;
+    trace_stream(simd, &tracer.bvh.view(), shots, &mut tracer.stream);
 }

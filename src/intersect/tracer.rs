@@ -174,8 +174,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// Counts of the work done so far.
-    pub fn statistics(&self) -> &Statistics {
-        &self.findings.statistics
+    pub fn statistics(&self) -> Statistics {
+        let mut all = self.findings.statistics;
+        all += self.packets.work.statistics;
+        all += self.single.statistics;
+        all += self.stream.statistics();
+        all
     }
 
     fn first(&mut self, query: &Query, search: Search) -> Answer {

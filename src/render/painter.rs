@@ -76,7 +76,7 @@ impl<'a> Painter<'a> {
 
     /// The work of all tiles so far.
     pub(super) fn statistics(&self) -> Statistics {
-        *self.tracer.statistics()
+        self.tracer.statistics()
     }
 
     /// Makes the camera rays of some samples of every pixel, a pixel's samples together.

@@ -24,7 +24,6 @@ use super::target::{Ground, Target};
 use super::traverse::Work;
 use super::vectors::lane_bits;
 use super::view::BvhView;
-use crate::intersect::Statistics;
 use crate::math::bits::set_bits;
 
 /// Room for sixteen pairs that are examined, and for as many that are left over.
@@ -169,7 +168,6 @@ pub(super) fn settle<S: Simd>(
     view: &BvhView<'_>,
     packet: &mut Packet,
     work: &mut Work,
-    statistics: &mut Statistics,
     least: usize,
 ) {
     let mut found = false;
@@ -178,7 +176,7 @@ pub(super) fn settle<S: Simd>(
         let room = (&mut work.parts, &mut work.nets);
         let done = settle_sixteen(simd, view, packet, &taken, room);
         found |= done.found;
-        statistics.newton_iterations += u64::from(done.steps);
+        work.statistics.newton_iterations += u64::from(done.steps);
         for place in set_bits(done.undecided) {
             let Doubt { ray, leaf, .. } = taken.pairs[place];
             work.leave(ray, 1, leaf);

@@ -17,7 +17,6 @@ use super::traverse::Work;
 use super::vectors::lane_bits;
 use super::view::BvhView;
 use super::{LANES, PACKET};
-use crate::intersect::Statistics;
 use crate::intersect::read_ahead::{Ahead, Moment};
 use crate::math::bits::half_of_sixteen;
 use crate::math::rounding;
@@ -32,7 +31,6 @@ pub(super) fn search_leaf<S: Simd, Q>(
     (index, oriented, groups, ahead): (u32, &OrientedBox, u32, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
-    statistics: &mut Statistics,
 ) {
     let mut groups = groups;
     // The boxes of most leaves are missed by most rays, so the leaf's data are only touched when
@@ -48,9 +46,9 @@ pub(super) fn search_leaf<S: Simd, Q>(
     loop {
         let (base, crossing) = next;
         let rays = (&mut *packet, base, &crossing);
-        found |= search_group(simd, (&target, &mut closer), rays, ahead, work, statistics);
+        found |= search_group(simd, (&target, &mut closer), rays, ahead, work);
         if work.doubts.are_many() {
-            settle(simd, view, packet, work, statistics, LANES);
+            settle(simd, view, packet, work, LANES);
         }
         let Some(group) = next_group(simd, oriented, packet, &mut groups) else { break };
         next = group;
@@ -92,12 +90,11 @@ fn search_group<S: Simd, Q>(
     (packet, base, crossing): (&mut Packet, usize, &BoxCrossing<S>),
     ahead: &mut Ahead<'_, Q>,
     work: &mut Work,
-    statistics: &mut Statistics,
 ) -> bool {
     let met = lane_bits(crossing.met);
     let patch = &target.piece.patch;
     let factor = patch.residual_factor();
-    statistics.leaf_tests += u64::from(met.count_ones());
+    work.statistics.leaf_tests += u64::from(met.count_ones());
 
     // The certificate, lane by lane.
     let magnitude = f32x16::from_slice(simd, &packet.magnitude_f[base..base + LANES])
@@ -135,7 +132,7 @@ fn search_group<S: Simd, Q>(
         let lanes = (doubted, crossing.entry, error);
         undecided |= work.doubts.put(simd, (target, &work.distances), (&*packet, base), lanes);
     }
-    statistics.newton_iterations += u64::from(done.steps);
+    work.statistics.newton_iterations += u64::from(done.steps);
     work.leave(base, undecided, target.index);
     done.found
 }

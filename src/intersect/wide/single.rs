@@ -45,8 +45,7 @@ pub(in crate::intersect) struct SingleWork {
     best: usize,
     /// Leaves that the scalar search must examine.
     pub(in crate::intersect) undecided: Vec<u32>,
-    /// Newton's steps in f64 that have not been counted elsewhere yet.
-    pub(in crate::intersect) steps: u64,
+    pub(in crate::intersect) statistics: Statistics,
     nets: RecentNets,
 }
 
@@ -57,14 +56,14 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
     simd: S,
     view: &BvhView<'_>,
     ray: &mut SingleRay<'_>,
-    (work, statistics): (&mut SingleWork, &mut Statistics),
+    work: &mut SingleWork,
 ) {
     work.clear();
     let Some(mut next) = view.tree.root() else { return };
     loop {
         match next.child() {
             Child::Node(index) => {
-                statistics.nodes += 1;
+                work.statistics.nodes += 1;
                 let node = &view.tree.nodes[index as usize];
                 if let Some(nearest) = ray.boxes.enter(simd, node, &mut work.stack) {
                     next = nearest;
@@ -72,7 +71,7 @@ pub(in crate::intersect) fn trace_single<S: Simd>(
                 }
             }
             Child::Block(index) => {
-                search_block(simd, view, index, ray, (work, statistics));
+                search_block(simd, view, index, ray, work);
                 if ray.is_done() {
                     return;
                 }
@@ -100,7 +99,7 @@ fn search_block<S: Simd>(
     view: &BvhView<'_>,
     index: u32,
     ray: &mut SingleRay<'_>,
-    (work, statistics): (&mut SingleWork, &mut Statistics),
+    work: &mut SingleWork,
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
@@ -114,7 +113,7 @@ fn search_block<S: Simd>(
         if crossings.entry[nearest] > ray.boxes.far + BOX_SPARE {
             return;
         }
-        statistics.leaf_tests += 1;
+        work.statistics.leaf_tests += 1;
         let leaf = leaves.first + nearest as u32;
         search_leaf(simd, view, leaf, (&crossings, nearest), (&mut *ray, &mut *work));
         if ray.is_done() {
@@ -184,7 +183,7 @@ fn search_net<S: Simd>(
         if near[0].abs().max(near[1].abs()) <= WIDENED as f32 {
             let wanted = Search { near, domain: [[-WIDENED, WIDENED]; 2], error, clearance };
             let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
-            work.steps += steps;
+            work.statistics.newton_iterations += steps;
             match outcome {
                 Outcome::Missed => return,
                 Outcome::Hit => return work.take(index, ray, view),
@@ -216,7 +215,7 @@ fn search_by_proof<S: Simd>(
         let domain = part.domain().map(|range| range.map(f64::from));
         let wanted = Search { near, domain, error, clearance: f64::INFINITY };
         let (outcome, steps) = finish(simd, fitted, surface, ray, &wanted, work.other());
-        work.steps += steps;
+        work.statistics.newton_iterations += steps;
         match outcome {
             Outcome::Missed => {}
             Outcome::Hit => work.take(index, ray, view),
@@ -229,7 +228,7 @@ fn search_by_proof<S: Simd>(
 }
 
 impl SingleWork {
-    /// Forgets what was found.
+    /// Forgets what was found, but keeps statistics.
     pub(super) fn clear(&mut self) {
         self.met = false;
         self.undecided.clear();

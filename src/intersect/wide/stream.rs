@@ -61,6 +61,8 @@ pub(in crate::intersect) struct Stream {
     pairs: Vec<Pair>,
     lanes: Box<PairLanes>,
     single: SingleWork,
+    /// Of boxes and pairs.
+    statistics: Statistics,
 }
 
 impl Stream {
@@ -77,6 +79,13 @@ impl Stream {
         (&flight.hit, flight.t_from_z)
     }
 
+    /// Counts of the work done so far.
+    pub(in crate::intersect) fn statistics(&self) -> Statistics {
+        let mut all = self.statistics;
+        all += self.single.statistics;
+        all
+    }
+
     /// Whether a ray must be traced by itself, whatever was found for it.
     #[inline(always)]
     pub(in crate::intersect) fn is_alone(&self, k: usize) -> bool {
@@ -91,13 +100,12 @@ pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
-    statistics: &mut Statistics,
 ) {
     start(simd, view, shots, stream);
     while !stream.waiting.is_empty() {
         stream.pairs.clear();
-        walk(simd, view, shots, stream, statistics);
-        search_pairs(simd, view, shots, stream, statistics);
+        walk(simd, view, shots, stream);
+        search_pairs(simd, view, shots, stream);
     }
 }
 
@@ -154,13 +162,7 @@ struct Seen {
 
 /// Takes all waiting rays on to the next leaves they may meet, which are added as pairs.
 #[simd]
-fn walk<S: Simd, Q: Shot>(
-    simd: S,
-    view: &BvhView<'_>,
-    shots: &[Q],
-    stream: &mut Stream,
-    statistics: &mut Statistics,
-) {
+fn walk<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
     let entered = [Entered { entry: [0.0; LANES], met: 0 }; AT_ONCE];
     let mut seen = Seen { entered, crossings: [Crossings::NONE; AT_ONCE] };
     stream.walking.clear();
@@ -180,8 +182,8 @@ fn walk<S: Simd, Q: Shot>(
         }
         stream.walking.clear();
         enter_regions(view, shots, stream);
-        enter_nodes(simd, view, stream, &mut seen, statistics);
-        look_at_blocks(simd, view, shots, stream, (&mut seen, statistics));
+        enter_nodes(simd, view, stream, &mut seen);
+        look_at_blocks(simd, view, shots, stream, &mut seen);
     }
 }
 
@@ -199,14 +201,8 @@ fn enter_regions<Q: Shot>(view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) 
 
 /// Takes on the rays that come to a node.
 #[inline(always)]
-fn enter_nodes<S: Simd>(
-    simd: S,
-    view: &BvhView<'_>,
-    stream: &mut Stream,
-    seen: &mut Seen,
-    statistics: &mut Statistics,
-) {
-    let Stream { flights, walking, nodes, .. } = stream;
+fn enter_nodes<S: Simd>(simd: S, view: &BvhView<'_>, stream: &mut Stream, seen: &mut Seen) {
+    let Stream { flights, walking, nodes, statistics, .. } = stream;
     statistics.nodes += nodes.all().len() as u64;
     for visits in nodes.all().chunks(AT_ONCE) {
         for (&(k, index), entered) in visits.iter().zip(&mut seen.entered) {
@@ -230,7 +226,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     view: &BvhView<'_>,
     shots: &[Q],
     stream: &mut Stream,
-    (seen, statistics): (&mut Seen, &mut Statistics),
+    seen: &mut Seen,
 ) {
     let Stream { flights, walking, waiting, blocks, pairs, single, .. } = stream;
     for visits in blocks.all().chunks(AT_ONCE) {
@@ -245,8 +241,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
             let asked = StreamRay { view, ray: shot.ray(), start: start_of(shot), index: k };
             let before = pairs.len();
-            let work = (&mut *single, &mut *statistics);
-            asked.look_at(simd, (index, crossings), flight, pairs, work);
+            asked.look_at(simd, (index, crossings), flight, pairs, single);
             if flight.alone {
                 pairs.truncate(before);
             } else if pairs.len() > before {
@@ -338,7 +333,7 @@ impl StreamRay<'_> {
         (block, crossings): (u32, &Crossings),
         flight: &mut Flight,
         pairs: &mut Vec<Pair>,
-        (single, statistics): (&mut SingleWork, &mut Statistics),
+        single: &mut SingleWork,
     ) {
         let leaves = self.view.tree.leaves(block);
         let mut met = leaves.of(crossings.met);
@@ -348,7 +343,7 @@ impl StreamRay<'_> {
             if crossings.entry[nearest] > flight.boxes.far + BOX_SPARE {
                 return;
             }
-            statistics.leaf_tests += 1;
+            single.statistics.leaf_tests += 1;
             let index = leaves.first + nearest as u32;
             let (start, slopes) = (crossings.place_of(nearest), crossings.slopes_of(nearest));
             let leaf = &self.view.leaves[index as usize];
@@ -365,8 +360,7 @@ impl StreamRay<'_> {
                 pairs.push(Pair { ray: self.index, leaf: index, form, guess });
                 continue;
             }
-            let work = (&mut *single, &mut *statistics);
-            self.search(simd, index, (guess, error), flight, work);
+            self.search(simd, index, (guess, error), flight, single);
             if flight.alone {
                 return;
             }
@@ -381,14 +375,13 @@ impl StreamRay<'_> {
         leaf: u32,
         (guess, error): (Option<Guess>, f64),
         flight: &mut Flight,
-        (single, statistics): (&mut SingleWork, &mut Statistics),
+        single: &mut SingleWork,
     ) {
         let frame = RayFrame::new(self.ray);
         let mut ray =
             SingleRay::new(&frame, self.start.from, Wanted::First, self.view.tree.frame());
         single.clear();
         search_ahead(simd, self.view, leaf, (guess, error), (&mut ray, &mut *single));
-        statistics.newton_iterations += std::mem::take(&mut single.steps);
         flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
             && flight.takes(self.view, &hit.place())
@@ -439,14 +432,8 @@ impl Flight {
 
 /// Searches all pairs added so far, those of one form together.
 #[simd]
-fn search_pairs<S: Simd, Q: Shot>(
-    simd: S,
-    view: &BvhView<'_>,
-    shots: &[Q],
-    stream: &mut Stream,
-    statistics: &mut Statistics,
-) {
-    let Stream { flights, pairs, lanes, single, .. } = stream;
+fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
+    let Stream { flights, pairs, lanes, single, statistics, .. } = stream;
     if pairs.windows(2).any(|pair| pair[0].form != pair[1].form) {
         pairs.sort_by_key(|pair| pair.form);
     }
@@ -470,8 +457,7 @@ fn search_pairs<S: Simd, Q: Shot>(
                 let asked = StreamRay { view, ray, start: start_of(shot), index: pair.ray };
                 let patch = &view.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
-                let work = (&mut *single, &mut *statistics);
-                asked.search(simd, pair.leaf, (None, error), flight, work);
+                asked.search(simd, pair.leaf, (None, error), flight, single);
             }
             if flight.alone {
                 flight.stack.clear();

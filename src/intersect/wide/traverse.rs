@@ -47,6 +47,7 @@ pub(in crate::intersect) struct Work {
     pub(super) nets: RecentNets,
     /// One bit for each ray that has leaves left.
     pub(in crate::intersect) undecided_rays: u64,
+    pub(in crate::intersect) statistics: Statistics,
 }
 
 impl Work {
@@ -68,7 +69,6 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     (shots, ahead): (&[Q], &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
-    statistics: &mut Statistics,
 ) {
     let tree = view.tree;
     work.undecided.clear();
@@ -77,10 +77,7 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     // If the packet before has met something, this one probably does, too; rays that leave a hit meet
     // the box of its leaf.
     let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
-    if packet.met() == 0
-        && !leaves_hits
-        && meets_nothing(simd, view, shots, (&mut *work, &mut *statistics))
-    {
+    if packet.met() == 0 && !leaves_hits && meets_nothing(simd, view, shots, work) {
         return packet.clear(shots.len());
     }
     load(simd, packet, shots, view);
@@ -95,10 +92,10 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
         match code.child() {
             Child::Block(index) => {
                 let block = (index, rays, &mut *ahead);
-                search_block(simd, view, block, packet, work, statistics);
+                search_block(simd, view, block, packet, work);
             }
             Child::Node(index) => {
-                statistics.nodes += 1;
+                work.statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let (entries, met) = enter(simd, node, &packet.bounds, packet.farthest);
                 let meeting = work.apart.meeting(simd, packet, (node, met), rays);
@@ -109,12 +106,12 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
             Child::Region(index, way) => {
                 let (region, next) = tree.enter(index, way);
                 work.stack.extend(next.map(|code| (f32::NEG_INFINITY, code, rays)));
-                change_region(simd, view, region, packet, work, statistics);
+                change_region(simd, view, region, packet, work);
             }
         }
     }
     if !work.doubts.is_empty() {
-        settle(simd, view, packet, work, statistics, 1);
+        settle(simd, view, packet, work, 1);
     }
 }
 
@@ -127,9 +124,8 @@ fn change_region<S: Simd>(
     region: &Region,
     packet: &mut Packet,
     work: &mut Work,
-    statistics: &mut Statistics,
 ) {
-    settle(simd, view, packet, work, statistics, 1);
+    settle(simd, view, packet, work, 1);
     change_to(simd, packet, &region.frame, view.reach_of_f32);
     work.apart.set(simd, packet, region.leaf_width);
 }
@@ -140,7 +136,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     shots: &[Q],
-    (work, statistics): (&mut Work, &mut Statistics),
+    work: &mut Work,
 ) -> bool {
     let tree = view.tree;
     let (bounds, farthest) = match outline(simd, shots, view) {
@@ -160,7 +156,7 @@ fn meets_nothing<S: Simd, Q: Shot>(
                 }
             }
             Child::Node(index) => {
-                statistics.nodes += 1;
+                work.statistics.nodes += 1;
                 let node = &tree.nodes[index as usize];
                 let (_, met) = enter(simd, node, &bounds, farthest);
                 for k in set_bits(met) {
@@ -275,7 +271,6 @@ fn search_block<S: Simd, Q>(
     (index, rays, ahead): (u32, u64, &mut Ahead<'_, Q>),
     packet: &mut Packet,
     work: &mut Work,
-    statistics: &mut Statistics,
 ) {
     let block = &view.tree.blocks[index as usize];
     let leaves = view.tree.leaves(index);
@@ -296,6 +291,6 @@ fn search_block<S: Simd, Q>(
             groups |= ((apart >> (LANES * k + nearest)) as u32 & 1) << k;
         }
         let leaf = (leaves.first + nearest as u32, &oriented, groups, &mut *ahead);
-        search_leaf(simd, view, leaf, packet, work, statistics);
+        search_leaf(simd, view, leaf, packet, work);
     }
 }

@@ -12,9 +12,9 @@ const WHITE: f64 = 10.0;
 pub(super) fn trace(tracer: &mut Tracer<'_>, batch: &mut Batch) {
     batch.answers.clear();
     for ray in &batch.rays {
-        let before = work(tracer.statistics());
+        let before = work(&tracer.statistics());
         batch.answers.push(tracer.first_hit(ray));
-        let work = work(tracer.statistics()) - before;
+        let work = work(&tracer.statistics()) - before;
         batch.radiance.push(color(work));
     }
 }
