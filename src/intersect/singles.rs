@@ -55,8 +55,8 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hits(simd, self, queries, answers));
     }
 
-    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit` along the ray;
-    /// stops at the first certain hit if any will do.
+    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit` along
+    /// the ray; stops at the first certain hit if any will do.
     ///
     /// Near leaves come first, whatever the order they were found in: effort spent on one is not left for others.
     pub(super) fn search_undecided(
@@ -150,8 +150,8 @@ fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusio
     if tracer.is_beyond_f32(&query.ray) {
         return tracer.scalar_any(query);
     }
-    // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of these
-    // rays start on a surface.
+    // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of
+    // these rays start on a surface.
     let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };

@@ -1,5 +1,5 @@
-//! When the searches end: how many steps they take, and when a place in f64 is as near to the root as it is
-//! promised to be.
+//! When the searches end: how many steps they take, and when a place in f64 is as near to the root
+//! as it is promised to be.
 
 use crate::math::rounding::UNIT_ROUNDOFF;
 
@@ -10,8 +10,8 @@ pub(super) const STEPS_IN_F32: usize = 2;
 /// The largest number of steps in f64: one or two are usual after the search in f32.
 pub(super) const MOST_STEPS: u32 = 4;
 
-/// The part of the promised error that a last step may leave behind by curvature, and as much again by
-/// rounding.
+/// The part of the promised error that a last step may leave behind by curvature, and as much again
+/// by rounding.
 pub(super) const PART_OF_ERROR: f64 = 0.125;
 
 /// Rounding error that a step leaves in the distances `f`, as a part of `|f| |a| |b| / |det|`,
@@ -21,8 +21,8 @@ pub(super) const PART_OF_ERROR: f64 = 0.125;
 /// This error matters where tangents are nearly parallel.
 const ROUNDING_OF_STEP: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// The largest square of `|f| |a| |b| / |det|`, over that of the error, at which the rounding of a step leaves no
-/// more than [`PART_OF_ERROR`].
+/// The largest square of `|f| |a| |b| / |det|`, over that of the error, at which the rounding of a
+/// step leaves no more than [`PART_OF_ERROR`].
 pub(super) const MOST_ROUNDED: f64 = {
     let most = PART_OF_ERROR / ROUNDING_OF_STEP;
     most * most

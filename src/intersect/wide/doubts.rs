@@ -187,8 +187,8 @@ pub(super) fn settle<S: Simd>(
     }
 }
 
-/// Searches the leaves part by part, as far as the rays' own proofs go. Returns the outcome for the pairs,
-/// a bit each: some are undecided, all others done with.
+/// Searches the leaves part by part, as far as the rays' own proofs go. Returns the outcome for the
+/// pairs, a bit each: some are undecided, all others done with.
 #[simd]
 fn settle_sixteen<S: Simd>(
     simd: S,

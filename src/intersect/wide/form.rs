@@ -57,9 +57,9 @@ impl Form {
     }
 }
 
-/// Evaluates an expression in which the numbers of a form are constants, so that its loops are unrolled: the
-/// degrees `$p` and `$q` of the most common forms, else zeros, which stand for any degrees; and `$c`, how many
-/// numbers a point has, four for rational pieces, else three.
+/// Evaluates an expression in which the numbers of a form are constants, so that its loops are
+/// unrolled: the degrees `$p` and `$q` of the most common forms, else zeros, which stand for any
+/// degrees; and `$c`, how many numbers a point has, four for rational pieces, else three.
 macro_rules! with_degrees {
     (@of $($name:ident = $number:literal),*; $value:expr) => {{
         $(const $name: usize = $number;)*

@@ -197,7 +197,8 @@ mod tests {
     use crate::intersect::Kernel;
     use crate::math::RayFrame;
 
-    /// Rays with directions of any length, often near those from which on lengths are computed in another way.
+    /// Rays with directions of any length, often near one from which on lengths are computed in
+    /// another way.
     fn rays() -> impl Strategy<Value = Ray> {
         let component = || prop_oneof![6 => -1.0..1.0f64, 1 => Just(0.0), 1 => Just(-0.0)];
         let exponent = || prop_oneof![Just(0.0), -149.0..150.0f64, -50.2..-49.8f64, 49.8..50.2f64];
@@ -225,7 +226,8 @@ mod tests {
                     let frames = Frames::new(simd, rays.each_ref());
                     let [n1, n2] = perpendicular(simd, frames.axis);
                     let vectors = [frames.origin, frames.axis, n1, n2];
-                    let numbers = [frames.t_from_z, frames.ends[0], frames.ends[1], frames.magnitude];
+                    let Frames { t_from_z, ends: [from, to], magnitude, .. } = frames;
+                    let numbers = [t_from_z, from, to, magnitude];
                     from_fn(|lane| {
                         let bits = |lanes: f64x8<_>| lanes[lane].to_bits();
                         (vectors.map(|v| v.map(bits)), numbers.map(bits))

@@ -38,12 +38,12 @@
 //! | its own proof | `doubts`, `lane_proof`, `lane_parts` | `single_proof` | as a single ray |
 //! | the end in f64 | `finish`, `newton` | `single_finish` | `pair_finish`, `newton` |
 //!
-//! All of them use vectors in lanes (`vectors`); the reach of leaves and the rounding errors (`proof`);
-//! the steps that searches take, and their ends (`convergence`); the surface in lanes (`jets`, or
-//! `power_sums` where the piece is well conditioned, as its `form` says; `target` serves leaves of one
-//! patch, `lane_net` those of many; nets that are not kept are made in `lane_net` or `spline_net`, both by
-//! `power_lines`); bicubic polynomials (`cubic`); the treatment of a ray that leaves a root (`start`,
-//! `departure`); and the decision of the trims on a hit (`trimmed`).
+//! All of them use vectors in lanes (`vectors`); the reach of leaves and the rounding errors
+//! (`proof`); the steps that searches take, and their ends (`convergence`); the surface in lanes
+//! (`jets`, or `power_sums` where the piece is well conditioned, as its `form` says; `target` serves
+//! leaves of one patch, `lane_net` those of many; nets that are not kept are made in `lane_net` or
+//! `spline_net`, both by `power_lines`); bicubic polynomials (`cubic`); the treatment of a ray that
+//! leaves a root (`start`, `departure`); and the decision of the trims on a hit (`trimmed`).
 
 mod apart;
 mod box_crossing;

@@ -44,8 +44,8 @@ pub(super) trait Leaves<S: Simd> {
     /// domain to be missed; infinite where nothing is known.
     fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
 
-    /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed; none where no
-    /// certificate shows that.
+    /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed; none
+    /// where no certificate shows that.
     fn surely_away<R: Rays<S>>(&self, simd: S, rays: &R, step: &Step<S>) -> mask64x8<S>;
 }
 

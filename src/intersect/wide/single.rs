@@ -14,8 +14,8 @@
 //!   ray starts on; where the proof leaves no root; or where the ray leaves the leaf and cannot come back
 //!   (`departure`).
 //! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
-//! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles borders, poles,
-//!   tangency and the ends of rays.
+//! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles
+//!   borders, poles, tangency and the ends of rays.
 
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
@@ -49,8 +49,8 @@ pub(in crate::intersect) struct SingleWork {
     nets: RecentNets,
 }
 
-/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.undecided` lists
-/// the leaves that could not be certified or decided, which may hold nearer hits.
+/// Finds a ray's nearest certified hit, or any hit if that is all it asks for; `work.undecided`
+/// lists the leaves that could not be certified or decided, which may hold nearer hits.
 #[simd]
 pub(in crate::intersect) fn trace_single<S: Simd>(
     simd: S,

@@ -60,8 +60,8 @@ impl Work {
 }
 
 /// Finds the nearest certified hit of each of up to [`PACKET`] rays, or any hit if that is all they
-/// ask for (`packet.any`). `work.undecided` lists the pairs of ray and leaf that could not be certified or
-/// decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
+/// ask for (`packet.any`). `work.undecided` lists the pairs of ray and leaf that could not be
+/// certified or decided, which may hold nearer hits. The rays `ahead` are prefetched on the way.
 #[simd]
 pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     simd: S,

@@ -1,4 +1,4 @@
-//! The data of a [`SurfaceBvh`](crate::intersect::SurfaceBvh) that are searched, and their prefetching.
+//! What the fast kernels search, and its prefetching.
 
 use crate::intersect::tree::Tree;
 use crate::math::bits::set_bits;
