@@ -170,7 +170,7 @@ mod counts {
     #[bench::teapot(TEAPOT)]
     fn exact((mut tracer, rays): Ready) {
         for ray in black_box(&rays) {
-            black_box(tracer.exact_first_hit(ray));
+            let _ = black_box(tracer.exact_first_hit(ray));
         }
     }
 

@@ -34,7 +34,7 @@
 //! ```
 //! use glam::DVec3;
 //! use nurbray::geometry::shapes;
-//! use nurbray::intersect::{HitFlags, Query, SurfaceBvh};
+//! use nurbray::intersect::{Coherence, HitFlags, Query, SurfaceBvh};
 //! use nurbray::math::Ray;
 //!
 //! // A rational bicubic sphere, and a ray at it. Surfaces are counted from 0.
@@ -59,8 +59,15 @@
 //!
 //! // All hits of a ray: a closed surface is entered as often as it is left.
 //! let mut hits = Vec::new();
-//! tracer.all_hits(&Query::primary(down), &mut hits);
-//! assert_eq!(hits.len(), 2);
+//! let doubtful = tracer.all_hits(&down, &mut hits);
+//! assert_eq!((hits.len(), doubtful), (2, false));
+//!
+//! // Many rays are traced faster in batches, neighbours even in packets: `Coherence` says how.
+//! let beside = |k| Ray::new(DVec3::new(0.6, 1e-3 * f64::from(k), 5.0), DVec3::NEG_Z);
+//! let rays = (0..64).map(beside).collect::<Result<Vec<_>, _>>()?;
+//! let mut answers = Vec::new();
+//! tracer.first_hits(&rays, Coherence::Coherent, &mut answers);
+//! assert!(answers.iter().all(|answer| answer.hit.is_some()));
 //!
 //! // The same sphere as a scene, read as from a file; camera and lights are chosen for it.
 //! let text = "[[object]]\nshape = { sphere = { radius = 1 } }";

@@ -26,12 +26,12 @@ pub fn look_at(scene: &Scene) {
 /// Asks for the first hit of a ray, all its hits, and the occlusion of a ray that leaves the first.
 fn look_along(ray: &Ray, tracer: &mut Tracer<'_>, surfaces: usize) {
     let mut hits = Vec::new();
-    tracer.all_hits(&Query::primary(*ray), &mut hits);
+    let _ = tracer.all_hits(ray, &mut hits);
     assert!(hits.iter().all(|hit| (hit.surface as usize) < surfaces));
     let Some(hit) = tracer.first_hit(ray).hit else { return };
     assert!(hit.t > 0.0 && hit.point.is_finite());
     assert!((hit.surface as usize) < surfaces);
     if let Ok(onwards) = Ray::new(hit.point, ray.direction()) {
-        tracer.occluded(&Query::leaving(onwards, &hit));
+        let _ = tracer.occluded(&Query::leaving(onwards, &hit));
     }
 }

@@ -1,6 +1,7 @@
 //! What a ray meets: hits, their flags, and queries for them.
 
 use std::fmt;
+use std::ops::{BitOr, BitOrAssign};
 
 use glam::{DVec2, DVec3};
 
@@ -55,7 +56,7 @@ impl Root {
 }
 
 /// Facts about a hit, one bit each; the numbers are the `flags` column of `cast`.
-#[derive(Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct HitFlags(u8);
 
 impl HitFlags {
@@ -71,6 +72,9 @@ impl HitFlags {
     pub const TRIM_EDGE: Self = Self(8);
     /// The ray runs inside the surface; the hit is an end of that stretch.
     pub const INSIDE: Self = Self(16);
+
+    /// The names of the bits, the lowest first.
+    const NAMES: [&str; 5] = ["DOUBTFUL", "BORDER", "NO_NORMAL", "TRIM_EDGE", "INSIDE"];
 
     /// Whether every bit of `other` is set.
     pub fn contains(self, other: Self) -> bool {
@@ -99,18 +103,45 @@ impl HitFlags {
         self.0
     }
 
+    /// The flags with these bits; `None` if one of them has no meaning.
+    pub fn from_bits(bits: u8) -> Option<Self> {
+        (bits >> Self::NAMES.len() == 0).then_some(Self(bits))
+    }
+
     /// Whether no bit is set.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 }
 
+impl BitOr for HitFlags {
+    type Output = Self;
+
+    /// As [`HitFlags::with`].
+    fn bitor(self, other: Self) -> Self {
+        self.with(other)
+    }
+}
+
+impl BitOrAssign for HitFlags {
+    /// As [`HitFlags::insert`].
+    fn bitor_assign(&mut self, other: Self) {
+        self.insert(other);
+    }
+}
+
+/// The names of the bits, as `BORDER | TRIM_EDGE`, or `NONE`.
+impl fmt::Display for HitFlags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let set = Self::NAMES.iter().enumerate().filter(|&(bit, _)| has(self.0, bit));
+        let names: Vec<_> = set.map(|(_, name)| *name).collect();
+        f.pad(&if names.is_empty() { "NONE".into() } else { names.join(" | ") })
+    }
+}
+
 impl fmt::Debug for HitFlags {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        const NAMES: [&str; 5] = ["DOUBTFUL", "BORDER", "NO_NORMAL", "TRIM_EDGE", "INSIDE"];
-        let set = NAMES.iter().enumerate().filter(|&(bit, _)| has(self.0, bit));
-        let names: Vec<_> = set.map(|(_, name)| *name).collect();
-        write!(f, "HitFlags({})", if names.is_empty() { "NONE".into() } else { names.join(" | ") })
+        write!(f, "HitFlags({self})")
     }
 }
 
@@ -156,7 +187,15 @@ impl Query {
     }
 }
 
-/// An element of a batch: a ray or a query. Rays alone take less memory to read.
+impl From<Ray> for Query {
+    /// As [`Query::primary`].
+    fn from(ray: Ray) -> Self {
+        Self::primary(ray)
+    }
+}
+
+/// What can be asked about: a [`Ray`], which starts nowhere in particular, or a [`Query`]. In
+/// batches, rays alone take less memory to read.
 pub trait Shot: sealed::Sealed {
     /// The ray.
     fn ray(&self) -> &Ray;
@@ -198,6 +237,7 @@ mod sealed {
 /// The first hit, or a proved miss (the default), or a doubtful answer. Answers compare as [`Hit`]s
 /// do: one with a hit that has no normal equals nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[must_use = "it may be doubtful"]
 pub struct Answer {
     /// The hit with the smallest `t`.
     pub hit: Option<Hit>,
@@ -208,6 +248,7 @@ pub struct Answer {
 
 /// Whether anything lies on the ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[must_use = "it may be doubtful"]
 pub struct Occlusion {
     /// Whether some surface is met.
     pub occluded: bool,
@@ -218,6 +259,8 @@ pub struct Occlusion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::shapes;
+    use crate::intersect::{Coherence, Kernel, SurfaceBvh};
 
     #[test]
     fn flags_are_shown_by_name() {
@@ -230,6 +273,50 @@ mod tests {
         assert_eq!(shown(both), "HitFlags(DOUBTFUL | TRIM_EDGE)");
         let all = [HitFlags::BORDER, HitFlags::NO_NORMAL, HitFlags::INSIDE].into_iter();
         assert_eq!(shown(all.fold(both, HitFlags::with)).matches('|').count(), 4);
+        assert_eq!(both.to_string(), "DOUBTFUL | TRIM_EDGE");
+        assert_eq!(format!("{:>6}|", HitFlags::NONE), "  NONE|");
+    }
+
+    #[test]
+    fn flags_are_their_bits() {
+        for bits in 0..32 {
+            assert_eq!(HitFlags::from_bits(bits).unwrap().bits(), bits);
+        }
+        assert_eq!(HitFlags::from_bits(32), None);
+        assert_eq!(HitFlags::from_bits(129), None);
+        let mut flags = HitFlags::BORDER | HitFlags::INSIDE;
+        assert_eq!(flags.bits(), 18);
+        flags |= HitFlags::DOUBTFUL;
+        assert_eq!(flags.bits(), 19);
+    }
+
+    #[test]
+    fn a_ray_is_asked_about_as_its_query_is() {
+        let bvh = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
+        let down = |k| Ray::new(DVec3::new(0.015 * f64::from(k), 0.1, 3.0), DVec3::NEG_Z).unwrap();
+        let rays: Vec<Ray> = (0..100).map(down).collect();
+        let queries: Vec<Query> = rays.iter().copied().map(Query::from).collect();
+        for kernel in [Kernel::Scalar, Kernel::default()] {
+            let mut tracer = bvh.tracer_with(kernel);
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let (mut some, mut same) = (Vec::new(), Vec::new());
+                tracer.occlusions(&rays, coherence, &mut some);
+                tracer.occlusions(&queries, coherence, &mut same);
+                assert_eq!(some, same);
+                assert!(
+                    some.iter().any(|one| one.occluded) && !some.iter().all(|one| one.occluded)
+                );
+            }
+            let (mut hits, mut same) = (Vec::new(), Vec::new());
+            for (ray, query) in rays.iter().zip(&queries) {
+                assert_eq!(tracer.occluded(ray), tracer.occluded(query));
+                assert_eq!(tracer.exact_first_hit(ray), tracer.exact_first_hit(query));
+                // The hits of other rays do not stay.
+                let doubtful = [tracer.all_hits(ray, &mut hits), tracer.all_hits(query, &mut same)];
+                assert_eq!((&hits, doubtful), (&same, [false; 2]));
+                assert_eq!(hits.len(), if tracer.occluded(ray).occluded { 2 } else { 0 });
+            }
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! One ray, one answer: what a ray meets, proved or flagged doubtful.
 //!
 //! [`SurfaceBvh::build`] prepares surfaces once. A [`Tracer`], one per thread, then answers
-//! a [`Query`] by [`first_hit`](Tracer::first_hit), [`occluded`](Tracer::occluded) or
+//! a ray or a [`Query`] by [`first_hit`](Tracer::first_hit), [`occluded`](Tracer::occluded) or
 //! [`all_hits`](Tracer::all_hits); the first two exist for whole batches, too.
 //!
 //! How a ray is traced:
@@ -57,7 +57,7 @@
 //! // Down through the poles of the sphere: every pole is a border, and one hit.
 //! let ray = Ray::new(DVec3::new(0.0, 0.0, 10.0), DVec3::NEG_Z)?;
 //! let mut hits = Vec::new();
-//! let doubtful = tracer.all_hits(&Query::primary(ray), &mut hits);
+//! let doubtful = tracer.all_hits(&ray, &mut hits);
 //! let met: Vec<_> = hits.iter().map(|hit| hit.surface).collect();
 //! assert_eq!((met, doubtful), (vec![1, 1, 0], false));
 //! assert!((hits[0].t - 7.0).abs() < 1e-14 && hits[0].flags.contains(HitFlags::BORDER));
@@ -65,7 +65,7 @@
 //! // A point of the table in the shadow of the sphere, and one in the light.
 //! for (x, shadowed) in [(0.5, true), (1.5, false)] {
 //!     let down = Ray::new(DVec3::new(x, 0.1, 0.5), DVec3::NEG_Z)?;
-//!     let hit = tracer.first_hit(&Query::primary(down)).hit.ok_or("a miss")?;
+//!     let hit = tracer.first_hit(&down).hit.ok_or("a miss")?;
 //!     let to_light = Query::leaving(Ray::new(hit.point, DVec3::Z)?, &hit);
 //!     assert_eq!(tracer.occluded(&to_light).occluded, shadowed);
 //! }

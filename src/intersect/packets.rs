@@ -5,7 +5,7 @@ use super::meeting::{CertainHit, Meeting, occlusion};
 use super::read_ahead::{Ahead, Moment, ReadAhead};
 use super::tracer::{PacketScratch, answer_of};
 use super::wide::{LaneHit, PACKET, Wanted, trace};
-use super::{Answer, HitFlags, Occlusion, Query, Shot, Tracer};
+use super::{Answer, HitFlags, Occlusion, Shot, Tracer};
 use crate::math::bits::{has, set_bits};
 use crate::math::{Ray, RayFrame};
 use crate::patch::{Jet, PatchSet};
@@ -53,15 +53,15 @@ impl Tracer<'_> {
     ///
     /// One certain hit is enough; until there is one, every leaf that may hold a hit is searched. So
     /// an answer depends neither on the order of the search nor on the other rays.
-    pub(super) fn occlusions_in_packets(
+    pub(super) fn occlusions_in_packets<Q: Shot>(
         &mut self,
         level: Level,
-        queries: &[Query],
+        shots: &[Q],
         answers: &mut Vec<Occlusion>,
     ) {
-        answers.reserve(queries.len());
+        answers.reserve(shots.len());
         self.packets.packet.clear(0);
-        let mut rest = queries;
+        let mut rest = shots;
         let mut near = ReadAhead::default();
         while !rest.is_empty() {
             near.read(rest);
@@ -82,7 +82,7 @@ impl Tracer<'_> {
             }
             for k in set_bits(self.packets.packet.far_off()) {
                 self.findings.statistics.uncount();
-                answers[first + k] = self.scalar_any(&packet[k]);
+                answers[first + k] = self.scalar_any(&packet[k].query());
             }
         }
     }

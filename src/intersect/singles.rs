@@ -35,8 +35,8 @@ impl Tracer<'_> {
     }
 
     /// Whether anything lies on one ray.
-    pub(super) fn single_any(&mut self, level: Level, query: &Query) -> Occlusion {
-        dispatch!(level, simd => any_hit(simd, self, query))
+    pub(super) fn single_any<Q: Shot>(&mut self, level: Level, shot: &Q) -> Occlusion {
+        dispatch!(level, simd => any_hit(simd, self, shot))
     }
 
     /// Whether the ray comes from too far away for the fast search.
@@ -46,13 +46,13 @@ impl Tracer<'_> {
     }
 
     /// Whether anything lies on each of many rays, appended to `answers`.
-    pub(super) fn single_anys(
+    pub(super) fn single_anys<Q: Shot>(
         &mut self,
         level: Level,
-        queries: &[Query],
+        shots: &[Q],
         answers: &mut Vec<Occlusion>,
     ) {
-        dispatch!(level, simd => any_hits(simd, self, queries, answers));
+        dispatch!(level, simd => any_hits(simd, self, shots, answers));
     }
 
     /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit` along
@@ -133,33 +133,33 @@ fn first_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> An
 }
 
 #[simd]
-fn any_hits<S: Simd>(
+fn any_hits<S: Simd, Q: Shot>(
     simd: S,
     tracer: &mut Tracer<'_>,
-    queries: &[Query],
+    shots: &[Q],
     answers: &mut Vec<Occlusion>,
 ) {
-    answers.reserve(queries.len());
-    for query in queries {
-        answers.push(any_hit(simd, tracer, query));
+    answers.reserve(shots.len());
+    for shot in shots {
+        answers.push(any_hit(simd, tracer, shot));
     }
 }
 
 #[simd]
-fn any_hit<S: Simd>(simd: S, tracer: &mut Tracer<'_>, query: &Query) -> Occlusion {
-    if tracer.is_beyond_f32(&query.ray) {
-        return tracer.scalar_any(query);
+fn any_hit<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shot: &Q) -> Occlusion {
+    if tracer.is_beyond_f32(shot.ray()) {
+        return tracer.scalar_any(&shot.query());
     }
     // Unlike for first hits, nobody asks first whether the ray passes beside everything: most of
     // these rays start on a surface.
-    let frame = search(simd, tracer, (&query.ray, query.from.as_ref()), Wanted::Any);
+    let frame = search(simd, tracer, (shot.ray(), shot.start_root()), Wanted::Any);
     if tracer.single.hit().is_some() {
         return Occlusion { occluded: true, doubtful: false };
     }
     if tracer.single.undecided.is_empty() {
         return Occlusion::default();
     }
-    tracer.search_undecided_of_single((query, &frame), frame.z_range[1], Wanted::Any);
+    tracer.search_undecided_of_single((&shot.query(), &frame), frame.z_range[1], Wanted::Any);
     tracer.findings.occlusion()
 }
 

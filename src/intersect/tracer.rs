@@ -93,15 +93,15 @@ impl<'a> Tracer<'a> {
     }
 
     /// The first hit found by the exact solver alone: slow, and independent of the kernel.
-    pub fn exact_first_hit(&mut self, query: &Query) -> Answer {
-        self.first(query, exactly)
+    pub fn exact_first_hit<Q: Shot>(&mut self, shot: &Q) -> Answer {
+        self.first(&shot.query(), exactly)
     }
 
     /// Whether anything lies on a ray within its range.
-    pub fn occluded(&mut self, query: &Query) -> Occlusion {
+    pub fn occluded<Q: Shot>(&mut self, shot: &Q) -> Occlusion {
         match self.level {
-            Some(level) => self.single_any(level, query),
-            None => self.scalar_any(query),
+            Some(level) => self.single_any(level, shot),
+            None => self.scalar_any(&shot.query()),
         }
     }
 
@@ -116,17 +116,19 @@ impl<'a> Tracer<'a> {
         self.findings.occlusion()
     }
 
-    /// All hits of a ray, appended to `hits` by increasing `t`; returns whether the answer
-    /// is doubtful.
+    /// All hits of a ray, by increasing `t`; `hits` is cleared and filled. Returns whether the
+    /// answer is doubtful.
     ///
     /// The hits come from the exact solver. Hits of adjoining pieces, or of surfaces whose
     /// borders meet, are one crossing and reported once if they are at the same place and have
     /// the same sign of `N · d`.
-    pub fn all_hits(&mut self, query: &Query, hits: &mut Vec<Hit>) -> bool {
-        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
-        let question = Question { all_hits: true, ..Question::new(set, query, &frame) };
+    #[must_use = "`true` says that hits may be missing, or be none"]
+    pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
+        let (set, query, frame) = (&self.bvh.set, shot.query(), RayFrame::new(shot.ray()));
+        let question = Question { all_hits: true, ..Question::new(set, &query, &frame) };
         self.collect(&question, exactly, |_| f64::INFINITY);
         crossings::merge(&mut self.findings.meetings, set.pieces(), frame.axis);
+        hits.clear();
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));
         let certain = self.findings.meetings.iter().all(Meeting::is_certain);
         let doubtful = !certain || self.findings.doubt < f64::INFINITY;
@@ -157,19 +159,19 @@ impl<'a> Tracer<'a> {
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
     /// Coherent rays are traced in packets, if the kernel supports it; incoherent rays one by one.
-    pub fn occlusions(
+    pub fn occlusions<Q: Shot>(
         &mut self,
-        queries: &[Query],
+        shots: &[Q],
         coherence: Coherence,
         answers: &mut Vec<Occlusion>,
     ) {
         answers.clear();
         match self.level {
             Some(level) if coherence == Coherence::Coherent => {
-                self.occlusions_in_packets(level, queries, answers);
+                self.occlusions_in_packets(level, shots, answers);
             }
-            Some(level) => self.single_anys(level, queries, answers),
-            None => answers.extend(queries.iter().map(|query| self.occluded(query))),
+            Some(level) => self.single_anys(level, shots, answers),
+            None => answers.extend(shots.iter().map(|shot| self.occluded(shot))),
         }
     }
 

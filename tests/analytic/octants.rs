@@ -63,8 +63,6 @@ fn compare(count: u64) {
             for k in 0..block {
                 let ray = line(&mut random, k);
                 let query = Query::primary(ray);
-                hits.clear();
-                others.clear();
                 if a.all_hits(&query, &mut hits) || b.all_hits(&query, &mut others) {
                     doubtful += 1;
                     continue;

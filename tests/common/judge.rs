@@ -394,7 +394,7 @@ mod tests {
         let bvh = model.bvh();
         let line = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z).unwrap();
         let mut hits = Vec::new();
-        bvh.tracer().all_hits(&Query::primary(line), &mut hits);
+        let _ = bvh.tracer().all_hits(&Query::primary(line), &mut hits);
         let judge = Judge::new(&model);
         assert_eq!(judge.parity_broken(&hits, &line), None);
         assert!(judge.parity_broken(&hits[..1], &line).is_some());

@@ -221,7 +221,7 @@ mod tests {
         let direction = DVec3::new(-0.6, -0.48, -0.64);
         let ray = Ray::new(-3.0 * direction, direction).unwrap();
         let mut hits = Vec::new();
-        truth.bvh().tracer().all_hits(&Query::primary(ray), &mut hits);
+        let _ = truth.bvh().tracer().all_hits(&Query::primary(ray), &mut hits);
         let hit = |uv: DVec2| {
             let point = nurbs(&truth.surfaces[0]).point_at(uv.x, uv.y);
             TheirHit { ray: 0, surface: 0, uv, point }

@@ -27,7 +27,6 @@ fn leaks(model: &Model, count: u64, aim: Aim) -> (Vec<String>, f64) {
         for k in 0..500 {
             let shot = rays.shot(classes[k % classes.len()], &mut random);
             let line = aim.line(&shot, &judge, &mut random);
-            hits.clear();
             if tracer.all_hits(&Query::primary(line), &mut hits) {
                 doubtful += 1;
             } else if let Some(fault) = judge.parity_broken(&hits, &line) {
@@ -237,7 +236,6 @@ fn chords_near_a_tip_of_two_rows_are_met_twice() {
             continue;
         }
         let is_there = |hit: &Hit, place: f64| (hit.t - place).abs() < 2e-12;
-        hits.clear();
         let doubtful = tracers[0].all_hits(&query, &mut hits);
         for place in places {
             let met = doubtful || hits.iter().any(|hit| is_there(hit, place));

@@ -119,7 +119,7 @@ fn all_queries_agree_for_the_shortest_directions() {
                 tracer.occlusions(&[query], coherence, &mut occlusions);
                 assert!(occlusions[0].occluded, "{kernel}, {length:e}");
             }
-            tracer.all_hits(&query, &mut hits);
+            let _ = tracer.all_hits(&query, &mut hits);
             assert_eq!(hits.len(), 2, "{kernel}, {length:e}");
         }
     }

@@ -232,7 +232,7 @@ fn all_hits_come_by_increasing_t() {
         queries.extend(far);
         for query in queries {
             let mut all = Vec::new();
-            bvh.tracer().all_hits(&query, &mut all);
+            let _ = bvh.tracer().all_hits(&query, &mut all);
             assert!(all.is_sorted_by(|a, b| a.t <= b.t), "{query:?}: {all:?}");
             hits += all.len();
         }

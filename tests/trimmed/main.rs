@@ -187,7 +187,6 @@ fn complementary_trims_make_a_closed_body() {
         let mut tracer = bvh.tracer();
         let (mut hits, mut edges) = (Vec::new(), 0);
         for query in &queries {
-            hits.clear();
             let doubtful = tracer.all_hits(query, &mut hits);
             assert!(!doubtful, "{query:?}");
             assert_eq!(hits.len(), 2, "{query:?}: {hits:#?}");

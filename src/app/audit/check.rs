@@ -90,7 +90,6 @@ fn chunk(
     seen.sort_unstable_by_key(|((index, _), _)| *index);
 
     for ((_, shot), (answer, shadow)) in seen {
-        hits.clear();
         let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
         tally.add(shot.query.ray(), judge.judge(shot, (&answer, shadow), &truth));

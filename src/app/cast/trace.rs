@@ -82,7 +82,6 @@ pub(super) fn all_hits(
         let mut hits = Vec::new();
         let mut part = Traced::new();
         for (offset, &ray) in rays.iter().enumerate() {
-            hits.clear();
             let open = tracer.all_hits(&Query::primary(ray), &mut hits)
                 || hits.iter().any(|hit| hit.flags.contains(HitFlags::DOUBTFUL));
             let doubt = if open { Doubt::Open } else { Doubt::None };

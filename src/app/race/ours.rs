@@ -65,7 +65,7 @@ impl<'a> Ours<'a> {
                 black_box(&tracer.first_hit(ray));
             }),
             Question::AnyHit => queries.iter().for_each(|query| {
-                black_box(tracer.occluded(query));
+                let _ = black_box(tracer.occluded(query));
             }),
         }
     }
