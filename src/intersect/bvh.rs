@@ -1,5 +1,7 @@
 //! Surfaces ready to be traced.
 
+use std::fmt;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,7 +15,7 @@ use crate::math::{Aabb, rounding};
 use crate::patch::{BuildError, Leaf, OrientedBox, PADDING, PatchSet, ScaledFrame, WeightFit};
 
 /// Surfaces split into Bézier pieces and leaves, bounded in a hierarchy.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct SurfaceBvh {
     pub(super) set: PatchSet,
     /// In the order of the tree.
@@ -28,6 +30,18 @@ pub struct SurfaceBvh {
     /// Bounds of all that a ray from within that reach may be said to meet: single rays that pass beside
     /// this box are misses.
     pub(super) surroundings: Aabb,
+}
+
+/// Counts only: the contents of a single sphere would be megabytes of text.
+impl fmt::Debug for SurfaceBvh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SurfaceBvh")
+            .field("surfaces", &self.surface_count())
+            .field("pieces", &self.set.pieces().len())
+            .field("leaves", &self.leaves.len())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
+    }
 }
 
 impl SurfaceBvh {
@@ -101,7 +115,11 @@ impl SurfaceBvh {
         self.set.bytes() + leaves + self.tree.bytes()
     }
 
-    /// The smallest and largest coordinates of the surfaces; `None` without surfaces.
+    /// The smallest and largest coordinates of a box that holds all surfaces, except for rounding;
+    /// `None` without surfaces.
+    ///
+    /// The box is not the smallest: it holds the control points of all parts into which the
+    /// surfaces are cut.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let bounds = self.set.bounds();
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
@@ -178,6 +196,26 @@ mod tests {
 
     fn built(surface: NurbsSurface) -> SurfaceBvh {
         SurfaceBvh::build(&[surface]).unwrap()
+    }
+
+    #[test]
+    fn debug_shows_counts() {
+        let bvh = built(shapes::plane(1.0, 1.0).unwrap());
+        let (leaves, bytes) = (bvh.leaves().len(), bvh.bytes());
+        let counts = format!("surfaces: 1, pieces: 1, leaves: {leaves}, bytes: {bytes}");
+        assert_eq!(format!("{bvh:?}"), format!("SurfaceBvh {{ {counts}, .. }}"));
+        assert!(format!("{:?}", bvh.tracer()).starts_with("Tracer { kernel: "));
+        assert!(format!("{:?}", bvh.tracer()).len() < 500);
+        assert!(format!("{:?}", bvh.patches()).len() < 100);
+    }
+
+    #[test]
+    fn bounds_hold_the_surface_closely() {
+        let bvh = built(shapes::sphere(1.0).unwrap());
+        let (low, high) = bvh.bounds().unwrap();
+        for end in [-low, high] {
+            assert!(end.min_element() > 1.0 - 1e-14 && end.max_element() < 1.01, "{end}");
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Queries: first hit, any hit, all hits.
 
+use std::fmt;
+
 use fearless_simd::Level;
 use glam::DVec3;
 
@@ -19,7 +21,6 @@ use crate::patch::{OrientedBox, Passage, PatchSet};
 ///
 /// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays or on
 /// earlier queries.
-#[derive(Debug)]
 pub struct Tracer<'a> {
     pub(super) bvh: &'a SurfaceBvh,
     kernel: Kernel,
@@ -51,6 +52,17 @@ impl Default for PacketScratch {
             meetings: Vec::new(),
             doubt: [f64::INFINITY; PACKET],
         }
+    }
+}
+
+/// Not the surfaces, nor the scratch memory: these would be megabytes of text.
+impl fmt::Debug for Tracer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tracer")
+            .field("kernel", &self.kernel)
+            .field("bvh", self.bvh)
+            .field("statistics", self.statistics())
+            .finish_non_exhaustive()
     }
 }
 

@@ -1,5 +1,6 @@
 //! All pieces and leaves of a list of surfaces.
 
+use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -40,7 +41,7 @@ const MOST_BEZIER_POINTS: usize = 1 << 27;
 
 /// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
 /// threads.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct PatchSet {
     pieces: Vec<Piece>,
     /// A box that holds every surface, except for rounding.
@@ -49,6 +50,17 @@ pub struct PatchSet {
     net_bytes: Vec<usize>,
     /// Where the pieces of each surface are.
     pieces_of: Vec<Range<usize>>,
+}
+
+/// Counts only, as the contents may be very long.
+impl fmt::Debug for PatchSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PatchSet")
+            .field("surfaces", &self.surface_count())
+            .field("pieces", &self.pieces.len())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
+    }
 }
 
 impl PatchSet {
@@ -112,7 +124,8 @@ impl PatchSet {
         self.pieces_of.get(surface).cloned().unwrap_or_default()
     }
 
-    /// A box that holds every surface, except for rounding.
+    /// A box that holds every surface, except for rounding. It is not the smallest: it holds the
+    /// control points of all parts into which the surfaces are cut.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
