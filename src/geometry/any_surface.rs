@@ -100,11 +100,8 @@ impl Surface {
     /// The degrees in u and in v.
     pub fn degree(&self) -> [usize; 2] {
         match self {
-            Self::Nurbs(surface) => [surface.knots_u().degree(), surface.knots_v().degree()],
-            Self::Trimmed(trimmed) => {
-                let surface = trimmed.surface();
-                [surface.knots_u().degree(), surface.knots_v().degree()]
-            }
+            Self::Nurbs(surface) => surface.degree(),
+            Self::Trimmed(trimmed) => trimmed.surface().degree(),
             Self::Triangle(patch) => [patch.degree(); 2],
             Self::Limit(surface) => [surface.degree(); 2],
         }

@@ -87,6 +87,11 @@ impl NurbsCurve {
         &self.knots
     }
 
+    /// The degree.
+    pub fn degree(&self) -> usize {
+        self.knots.degree()
+    }
+
     /// The homogeneous control points `(w x, w y, w z, w)`.
     pub fn control(&self) -> &[DVec4] {
         &self.control
@@ -110,6 +115,16 @@ impl NurbsCurve {
     #[track_caller]
     pub fn weight(&self, index: usize) -> f64 {
         self.homogeneous(index).w
+    }
+
+    /// The control points in space.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        self.control.iter().map(|point| point.xyz() / point.w)
+    }
+
+    /// The weights of the control points.
+    pub fn weights(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.control.iter().map(|point| point.w)
     }
 
     #[track_caller]

@@ -196,6 +196,25 @@ fn errors_tell_what_is_needed() {
 }
 
 #[test]
+fn a_bezier_curve_of_too_few_points_says_how_many_there_are() {
+    let message = |points: &[DVec3]| NurbsCurve::bezier(points).unwrap_err().to_string();
+    assert_eq!(message(&[]), "0 points: at least 2 are needed");
+    assert_eq!(message(&[DVec3::ONE]), "1 point: at least 2 are needed");
+    assert_eq!(message(&[DVec3::ONE; 34]), "degree 33: degrees from 1 to 32 are supported");
+}
+
+#[test]
+fn points_and_weights_are_those_of_the_indices() {
+    let points = plane(&[(0., 0.), (1., 2.), (2., 0.)]);
+    let weights = vec![1.0, 0.5, 2.0];
+    let knots = KnotVector::bezier(2).unwrap();
+    let curve = NurbsCurve::new(knots, points.clone(), Some(weights.clone())).unwrap();
+    assert_eq!(curve.degree(), 2);
+    assert_eq!(curve.points().collect::<Vec<_>>(), points);
+    assert_eq!(curve.weights().collect::<Vec<_>>(), weights);
+}
+
+#[test]
 fn there_are_no_more_control_points_than_there_are() {
     let curve = NurbsCurve::bezier(&plane(&[(0., 0.), (1., 2.), (2., 0.)])).unwrap();
     assert_eq!((curve.point(2).x, curve.weight(2)), (2.0, 1.0));

@@ -109,8 +109,7 @@ impl NurbsSurface {
     }
 
     fn extent(&self) -> Extent {
-        let points = || self.control.iter().map(|point| point.xyz() / point.w);
-        extent(points, [0, 1].map(|k| self.knots[k].degree()))
+        extent(|| self.points(), self.degree())
     }
 
     /// The knots in u.
@@ -129,6 +128,11 @@ impl NurbsSurface {
             Direction::U => &self.knots[0],
             Direction::V => &self.knots[1],
         }
+    }
+
+    /// The degrees in u and in v.
+    pub fn degree(&self) -> [usize; 2] {
+        [self.knots[0].degree(), self.knots[1].degree()]
     }
 
     /// The numbers of control points along u and along v.
@@ -160,6 +164,16 @@ impl NurbsSurface {
     pub fn weight(&self, i: usize, j: usize) -> f64 {
         self.assert_has(i, j);
         self.homogeneous(i, j).w
+    }
+
+    /// The control points in space, v fastest.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        self.control.iter().map(|point| point.xyz() / point.w)
+    }
+
+    /// The weights of the control points, v fastest.
+    pub fn weights(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.control.iter().map(|point| point.w)
     }
 
     /// Panics unless control point `(i, j)` exists: a `j` too large would index a later row.

@@ -13,6 +13,17 @@ fn net(nu: usize, nv: usize) -> Vec<DVec3> {
 }
 
 #[test]
+fn points_and_weights_are_those_of_the_indices() {
+    let weights: Vec<f64> = (0..12).map(|k| 2f64.powi(k % 3)).collect();
+    let surface = NurbsSurface::new(knots(2, 3), knots(1, 4), net(3, 4), Some(weights.clone()));
+    let surface = surface.unwrap();
+    assert_eq!(surface.degree(), [2, 1]);
+    assert_eq!(surface.points().collect::<Vec<_>>(), net(3, 4));
+    assert_eq!(surface.points().nth(6), Some(surface.point(1, 2)));
+    assert_eq!(surface.weights().collect::<Vec<_>>(), weights);
+}
+
+#[test]
 fn errors_name_the_control_point() {
     let message = |points: Vec<DVec3>, weights: Option<Vec<f64>>| {
         NurbsSurface::new(knots(2, 3), knots(1, 4), points, weights).unwrap_err().to_string()
