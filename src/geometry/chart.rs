@@ -74,9 +74,52 @@ impl<'a> Chart<'a> {
 }
 
 /// A surface that can be traced: it consists of charts.
-pub trait Charts {
+///
+/// The trait is sealed: only the surfaces of this crate have charts. Nothing checks that charts
+/// agree where they meet, or which of their sides are borders, and the count of crossings depends
+/// on that. References and pointers to a surface have its charts, so that it need not be copied:
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use nurbray::geometry::{Surface, shapes};
+/// use nurbray::intersect::SurfaceBvh;
+///
+/// let shared: Arc<Surface> = Arc::new(shapes::sphere(1.0)?.into());
+/// let bvh = SurfaceBvh::build(&[Arc::clone(&shared)])?;
+/// assert_eq!(bvh.surface_count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Charts: sealed::Sealed {
     /// The charts, which together are the surface.
     fn charts(&self) -> Vec<Chart<'_>>;
+}
+
+/// Pointers to a surface stand for it.
+macro_rules! charts_of_pointers {
+    ($($pointer:ty),*) => {$(
+        impl<S: Charts + ?Sized> Charts for $pointer {
+            fn charts(&self) -> Vec<Chart<'_>> {
+                (**self).charts()
+            }
+        }
+
+        impl<S: sealed::Sealed + ?Sized> sealed::Sealed for $pointer {}
+    )*};
+}
+
+charts_of_pointers!(&S, Box<S>, Arc<S>);
+
+mod sealed {
+    use crate::geometry::{LimitSurface, NurbsSurface, Surface, TrianglePatch, TrimmedSurface};
+
+    /// Only the surfaces of this crate.
+    pub trait Sealed {}
+    impl Sealed for NurbsSurface {}
+    impl Sealed for TrimmedSurface {}
+    impl Sealed for TrianglePatch {}
+    impl Sealed for LimitSurface {}
+    impl Sealed for Surface {}
 }
 
 impl Charts for NurbsSurface {

@@ -87,8 +87,8 @@ impl World {
     pub fn keeping(mut self, keep: impl Fn(usize) -> bool) -> Result<Self, BuildError> {
         let mut index = 0..;
         self.surfaces.retain(|_| index.next().is_some_and(&keep));
-        let nets: Vec<_> = self.surfaces.iter().map(|instance| instance.surface.clone()).collect();
-        self.bvh = SurfaceBvh::build(&nets)?;
+        let surfaces: Vec<_> = self.surfaces.iter().map(|instance| &instance.surface).collect();
+        self.bvh = SurfaceBvh::build(&surfaces)?;
         Ok(self)
     }
 }
@@ -132,8 +132,8 @@ impl<'a> Placed<'a> {
     /// When there are too many of them.
     pub fn build(self) -> Result<World, SceneError> {
         let Self { scene, surfaces, materials, lights, camera } = self;
-        let nets: Vec<_> = surfaces.iter().map(|instance| instance.surface.clone()).collect();
-        let bvh = SurfaceBvh::build(&nets)
+        let traced: Vec<_> = surfaces.iter().map(|instance| &instance.surface).collect();
+        let bvh = SurfaceBvh::build(&traced)
             .map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Build(error)))?;
         let background = scene.background.unwrap_or(DEFAULT_BACKGROUND);
         let settings = scene.settings.clone();
