@@ -42,6 +42,10 @@
 //! the domain is the outline. Loops must be nested so that holes lie in kept regions, and islands in
 //! holes.
 //!
+//! In code, [`Net::surface`](crate::scene::Net::surface) makes a surface of the numbers that were
+//! read. [`load_input`](super::load_input) reads a file, and
+//! [`Scene::surfaces`](crate::scene::Scene::surfaces) makes all of its surfaces, with their trims.
+//!
 //! Curves, volumes, free-form point lists and points of two coordinates are not surfaces in
 //! space: each is left out with a note.
 

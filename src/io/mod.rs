@@ -17,6 +17,19 @@
 //! when complete ([`write_atomically`]), so a failure leaves the older file as it was. Files that
 //! belong together are moved when all of them are complete ([`stage`], [`put_all_in_place`]).
 //!
+//! From a file of surfaces to their hierarchy, without a picture in mind:
+//!
+//! ```
+//! use nurbray::intersect::SurfaceBvh;
+//!
+//! let instances = nurbray::io::load_input("scenes/teapot.json".as_ref())?.surfaces()?;
+//! let surfaces: Vec<_> = instances.iter().map(|instance| &instance.surface).collect();
+//! let bvh = SurfaceBvh::build(&surfaces)?; // a hit's index counts the instances
+//! assert_eq!(bvh.surface_count(), 32);
+//! assert_eq!(instances[0].name, "teapot/rim 1");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! STEP, IGES and 3dm have their place here, but are not read yet, nor are NURBS in OBJ.
 
 mod atomic;

@@ -9,6 +9,7 @@ use super::{
     Construction, FigureSpec, Light, Material, NamedShape, Net, Place, PlotSpec, RenderDefaults,
     Rgb, Subdivision, Transform, TriangleNet, TrimSpec, UnknownName, Written,
 };
+use crate::geometry::Surface;
 
 /// A scene as its author wrote it. Readers build it; [`World::new`](super::World::new)
 /// checks it and makes it ready to trace.
@@ -94,6 +95,7 @@ impl Shape {
             Self::Net(net) => net.point_count(),
             Self::Triangle(net) => net.points.value.len(),
             Self::Subdivision(surface) => surface.cage.positions().len(),
+            Self::Surface(surface) => surface.point_count(),
             Self::Named(..) => 0,
             Self::Built(construction, _) => construction.point_count(),
         }
@@ -122,6 +124,8 @@ pub enum Shape {
     Triangle(Arc<TriangleNet>),
     /// The limit surface of a cage.
     Subdivision(Arc<Subdivision>),
+    /// A surface that code has made; readers of files make none of these.
+    Surface(Arc<Surface>),
     /// A shape the program knows by name, and those of its measures that were written, with their
     /// places. The measures have the names that a
     /// [`ShapeError`](crate::geometry::shapes::ShapeError) gives them.
@@ -129,6 +133,19 @@ pub enum Shape {
     /// A shape made from curves, and those of its numbers that were written, with their places.
     /// The numbers have the names of their keys in scenes.
     Built(Arc<Construction>, Vec<Written<&'static str>>),
+}
+
+impl From<Surface> for Shape {
+    fn from(surface: Surface) -> Self {
+        Self::Surface(Arc::new(surface))
+    }
+}
+
+impl From<Shape> for Part {
+    /// A part without a name, a place or trims.
+    fn from(shape: Shape) -> Self {
+        Self { name: String::new(), place: Place::default(), shape, trims: None }
+    }
 }
 
 /// A camera as far as the author describes it; the rest is chosen so that everything is in the picture.

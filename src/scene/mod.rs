@@ -3,6 +3,32 @@
 //! A reader makes a [`Scene`] from a file, or code fills one in; [`World::new`] checks it,
 //! puts the surfaces in their places, and chooses a view and lights where none are given.
 //! Readers build a `Scene` and nothing else; rendering needs a `World` and nothing else.
+//!
+//! A scene may show surfaces that code has made:
+//!
+//! ```
+//! use glam::{DVec3, dvec3};
+//! use nurbray::geometry::construct::{Axis, revolve};
+//! use nurbray::geometry::{NurbsCurve, Surface};
+//! use nurbray::render::{Channel, RenderSettings, render};
+//! use nurbray::scene::{Object, Scene, Shape, Transform, World};
+//!
+//! // A vase: a profile turned about the z axis. It is placed by the object it belongs to.
+//! let profile = [dvec3(0.5, 0.0, 0.0), dvec3(1.2, 0.0, 0.7), dvec3(0.3, 0.0, 1.5)];
+//! let vase = revolve(&NurbsCurve::bezier(&profile)?, &Axis::new(DVec3::ZERO, DVec3::Z)?, 360.0)?;
+//! let object = Object {
+//!     parts: vec![Shape::from(Surface::from(vase)).into()],
+//!     transform: vec![Transform::Scale(DVec3::splat(2.0)).into()],
+//!     ..Object::default()
+//! };
+//! let scene = Scene { objects: vec![object], ..Scene::default() };
+//!
+//! let world = World::new(&scene)?;
+//! let settings = RenderSettings { size: (32, 24), samples: 0..4, ..Default::default() };
+//! let film = render(&world, &settings, &|_| {})?;
+//! assert_eq!(film.value(Channel::A, [16, 12]), Some(1.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod camera;
 mod construction;

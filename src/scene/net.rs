@@ -57,8 +57,16 @@ pub(super) enum Blame {
 }
 
 impl Net {
-    /// Returns the surface that these numbers describe, if they describe one.
-    pub(super) fn surface(&self) -> Result<NurbsSurface, NetFault> {
+    /// The surface that these numbers describe.
+    ///
+    /// # Errors
+    /// When they describe none: see [`NurbsSurface::new`] and [`KnotVector`].
+    pub fn surface(&self) -> Result<NurbsSurface, SurfaceError> {
+        self.checked().map_err(|fault| fault.error)
+    }
+
+    /// As [`Net::surface`], but an error also tells the part to blame.
+    pub(super) fn checked(&self) -> Result<NurbsSurface, NetFault> {
         let knots_u = self.knot_vector(Direction::U)?;
         let knots_v = self.knot_vector(Direction::V)?;
         let around = [knots_u.point_count(), knots_v.point_count()];

@@ -56,11 +56,18 @@ impl Placer<'_> {
                 let fault = SceneFault::Triangle { surface: name.to_owned(), error };
                 SceneError::new(place.clone(), fault)
             })?,
-            Shape::Net(net) => net.surface().map(Surface::from).map_err(|fault| {
+            Shape::Net(net) => net.checked().map(Surface::from).map_err(|fault| {
                 let place = net.place(fault.blame).clone();
                 let fault = SceneFault::Surface { surface: name.to_owned(), error: fault.error };
                 SceneError::new(place, fault)
             })?,
+            Shape::Surface(surface) => {
+                let deviation = match &**surface {
+                    Surface::Limit(limit) => limit.deviation(),
+                    _ => 0.0,
+                };
+                return Ok(vec![Made { deviation, ..Surface::clone(surface).into() }]);
+            }
             Shape::Named(shape, measures) => shape.surface().map_err(|error| {
                 let named = match &error {
                     ShapeError::Length { measure, .. } => measure,
