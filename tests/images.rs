@@ -57,7 +57,7 @@ fn picture(stem: &str) -> PathBuf {
 
 /// The picture a scene asks for, colour only.
 fn settings(world: &World) -> RenderSettings {
-    RenderSettings { aovs: AovSet::NONE, ..RenderSettings::from(&world.settings) }
+    RenderSettings { aovs: AovSet::NONE, ..RenderSettings::from(world.settings()) }
 }
 
 /// Renders and reads what was written.
@@ -65,7 +65,7 @@ fn shown(world: &World, settings: &RenderSettings) -> RgbImage {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("crop.png");
     let film = render(world, settings, &|_| {}).unwrap();
-    write_png(&path, &film, world.settings.exposure).unwrap();
+    write_png(&path, &film, world.settings().exposure).unwrap();
     image::open(path).unwrap().into_rgb8()
 }
 

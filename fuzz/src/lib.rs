@@ -11,7 +11,8 @@ pub fn look_at(scene: &Scene) {
         Ok(world) => world,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
-    let rays = [[0.5, 0.5], [0.3, 0.6], [0.8, 0.1]].map(|film| world.camera.ray(film.into(), 1.0));
+    let places = [[0.5, 0.5], [0.3, 0.6], [0.8, 0.1]];
+    let rays = places.map(|film| world.camera().ray(film.into(), 1.0));
     for kernel in [Kernel::Scalar, Kernel::default()] {
         let mut tracer = world.bvh().tracer_with(kernel);
         let mut batch = Vec::new();

@@ -226,13 +226,13 @@ fn stage(
                 command: &command,
                 time: SystemTime::now(),
                 duration: took,
-                camera: &world.camera,
-                background: world.background,
+                camera: world.camera(),
+                background: world.background(),
             };
             stage_exr(picture.path, film, ExrPrecision::Float, &notes).or_failed()
         }
         Format::Png => {
-            let exposure = arguments.exposure.unwrap_or(world.settings.exposure);
+            let exposure = arguments.exposure.unwrap_or(world.settings().exposure);
             // What a PNG leaves out was said before the work began.
             stage_png(picture.path, film, exposure).or_failed()
         }

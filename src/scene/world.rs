@@ -7,25 +7,25 @@ use super::placing::Placer;
 use super::unique_names::{Naming, check_unique, joined};
 use super::workshop::Made;
 use super::{
-    Camera, Light, Material, Object, RenderDefaults, Rgb, Scene, SceneError, SceneFault, Written,
+    Camera, Light, Material, Object, Place, RenderDefaults, Rgb, Scene, SceneError, SceneFault,
+    Written,
 };
 use crate::geometry::Surface;
 use crate::intersect::{BuildError, Hit, SurfaceBvh};
 
 /// A scene ready to trace: surfaces in their places, a camera, lights.
+///
+/// # Invariants
+/// All parts are valid: they were checked by [`World::new`] or when they were replaced.
 #[derive(Debug)]
 pub struct World {
     pub(crate) bvh: SurfaceBvh,
     pub(crate) surfaces: Vec<Instance>,
     pub(crate) materials: Vec<Material>,
-    /// The lights; [`World::new`] gives a scene without any its default ones.
-    pub lights: Vec<Light>,
-    /// Where the picture is taken from.
-    pub camera: Camera,
-    /// The radiance of rays that meet nothing.
-    pub background: Rgb,
-    /// The picture the scene asks for.
-    pub settings: RenderDefaults,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) camera: Camera,
+    pub(crate) background: Rgb,
+    pub(crate) settings: RenderDefaults,
 }
 
 /// A surface in its place.
@@ -72,6 +72,51 @@ impl World {
     /// The materials, to which the surfaces' `material` indices refer.
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// The lights; [`World::new`] gives a scene without any its default ones.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Replaces the lights.
+    ///
+    /// # Errors
+    /// When [`Light::check`] refuses one of them; the world is then as it was.
+    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), SceneError> {
+        check_lights(&lights, &Place::default())?;
+        self.lights = lights;
+        Ok(())
+    }
+
+    /// Where the picture is taken from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Replaces the camera: several pictures of one world need not prepare its surfaces again.
+    pub fn set_camera(&mut self, camera: Camera) {
+        self.camera = camera;
+    }
+
+    /// The radiance of rays that meet nothing.
+    pub fn background(&self) -> Rgb {
+        self.background
+    }
+
+    /// Replaces the radiance of rays that meet nothing.
+    ///
+    /// # Errors
+    /// When a component is negative or not finite; the world is then as it was.
+    pub fn set_background(&mut self, background: Rgb) -> Result<(), SceneError> {
+        check_background(background, &Place::default())?;
+        self.background = background;
+        Ok(())
+    }
+
+    /// The picture the scene asks for.
+    pub fn settings(&self) -> &RenderDefaults {
+        &self.settings
     }
 
     /// The share of light sent back at a hit.
@@ -169,16 +214,27 @@ fn check_and_place(scene: &Scene) -> Result<(Vec<Instance>, Vec<Material>), Scen
 
 /// Refuses lights, colours and backgrounds that are not valid.
 fn check_shades(scene: &Scene) -> Result<(), SceneError> {
-    for (light, one) in scene.lights.iter().enumerate() {
-        let fault = |error| SceneFault::Light { light, error };
-        one.check().map_err(|error| SceneError::new(scene.place.clone(), fault(error)))?;
-    }
+    check_lights(&scene.lights, &scene.place)?;
     for Written { value: Material { name, texture }, place } in &scene.materials {
         let fault = |error| SceneFault::Texture { material: name.clone(), error };
         texture.check().map_err(|error| SceneError::new(place.clone(), fault(error)))?;
     }
-    let background = scene.background.map_or(Ok(()), |amount| check_amount("background", amount));
-    background.map_err(|error| SceneError::new(scene.place.clone(), SceneFault::Background(error)))
+    scene.background.map_or(Ok(()), |amount| check_background(amount, &scene.place))
+}
+
+/// Refuses lights that are not valid, written at `place`.
+fn check_lights(lights: &[Light], place: &Place) -> Result<(), SceneError> {
+    for (light, one) in lights.iter().enumerate() {
+        let fault = |error| SceneFault::Light { light, error };
+        one.check().map_err(|error| SceneError::new(place.clone(), fault(error)))?;
+    }
+    Ok(())
+}
+
+/// Refuses a background that is not an amount of light, written at `place`.
+fn check_background(amount: Rgb, place: &Place) -> Result<(), SceneError> {
+    check_amount("background", amount)
+        .map_err(|error| SceneError::new(place.clone(), SceneFault::Background(error)))
 }
 
 /// Refuses scenes that would not fit in memory, before any of their points are copied.

@@ -151,7 +151,7 @@ fn write(
         write(position_file(rival.tolerance), &pictures.position)?;
         write(normal_file(rival.tolerance), &pictures.normal)?;
     }
-    let exposure = report.model.world.settings.exposure;
+    let exposure = report.model.world.settings().exposure;
     write_png(&folder.at(PICTURE), film, exposure).map(drop).or_failed()?;
     folder.write(LEGEND, &heat::legend(&[POSITION, NORMAL], &heat::WORDS))?;
     chart::write(&folder.at(PLOT), &report.panels()).or_failed()?;
@@ -183,7 +183,7 @@ fn picture(world: &World, [width, height]: [u32; 2]) -> Result<Film, Failure> {
     let settings = RenderSettings {
         size: (width, height),
         samples: 0..PICTURE_SAMPLES,
-        ..RenderSettings::from(&world.settings)
+        ..RenderSettings::from(world.settings())
     };
     render(world, &settings, &|_| {}).or_failed()
 }

@@ -57,7 +57,7 @@ impl Rays {
                 hits.filter_map(|(index, seen)| occlusion_ray(&seen, reach, index as u64)).collect()
             }
             RaySet::Shadow => {
-                let lamp = model.world.lights.iter().find(|light| is_lamp(light));
+                let lamp = model.world.lights().iter().find(|light| is_lamp(light));
                 let hits = seen(&model.world, size);
                 lamp.map_or_else(Vec::new, |lamp| {
                     hits.iter().filter_map(|seen| shadow_ray(seen, lamp)).collect()
@@ -80,7 +80,7 @@ fn primary(world: &World, size: [u32; 2]) -> Vec<Query> {
     let [width, height] = size.map(f64::from);
     let ray = |[x, y]: [usize; 2]| {
         let film = DVec2::new((x as f64 + 0.5) / width, (y as f64 + 0.5) / height);
-        Query::primary(world.camera.ray(film, width / height))
+        Query::primary(world.camera().ray(film, width / height))
     };
     tiled_pixels(size).map(ray).collect()
 }
@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(rays.queries.iter().map(key).collect::<HashSet<_>>().len(), 100 * 100);
 
         let pixel = |index: usize| {
-            let camera = &model.world.camera;
+            let camera = model.world.camera();
             let d = rays.queries[index].ray().direction();
             let right = camera.ray(DVec2::new(1.0, 0.5), 1.0).direction() - camera.forward();
             let x = d.dot(camera.right()) / right.length();
@@ -231,7 +231,7 @@ mod tests {
             assert!(query.ray().origin().dot(first) > 0.0);
         }
         let mut dark = sphere();
-        dark.world.lights = vec![Light::Ambient { radiance: [1.0; 3] }];
+        dark.world.set_lights(vec![Light::Ambient { radiance: [1.0; 3] }]).unwrap();
         assert_eq!(Rays::new(RaySet::Shadow, &dark, [24, 24]).len(), 0);
     }
 }

@@ -106,7 +106,7 @@ fn one_line_is_a_picture() {
     let world = World::new(&scene("object = [{ shape = { sphere = {} } }]")).unwrap();
     let ray = world.camera.ray(DVec2::splat(0.5), 1.5);
     assert!(ray.origin().cross(ray.direction()).length() < 1e-14, "it looks at the sphere");
-    assert_eq!(world.settings.integrator, IntegratorKind::Direct);
+    assert_eq!(world.settings().integrator, IntegratorKind::Direct);
     let scene = scene("object = [{ shape = 'torus' }]"); // its name says all
     assert_eq!(World::new(&scene).unwrap().surfaces[0].name, "torus");
     let scene = self::scene(

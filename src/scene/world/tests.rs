@@ -57,6 +57,50 @@ fn light_that_is_none_is_refused() {
     );
 }
 
+#[test]
+fn a_world_takes_no_light_that_is_none_later_either() {
+    let mut world = World::new(&scene(vec![object(SPHERE)])).unwrap();
+    let (lights, background) = (world.lights().to_vec(), world.background());
+    let dark = Light::Ambient { radiance: [0.0, f64::NAN, 0.0] };
+    assert_eq!(
+        world.set_lights(vec![dark]).unwrap_err().to_string(),
+        "light 0: radiance (0, NaN, 0): red, green and blue must be finite numbers from 0 on"
+    );
+    assert_eq!(
+        world.set_background([-1.0; 3]).unwrap_err().to_string(),
+        "background (-1, -1, -1): red, green and blue must be finite numbers from 0 on"
+    );
+    assert_eq!((world.lights(), world.background()), (&lights[..], background));
+    let bright = Light::Ambient { radiance: [1.0; 3] };
+    world.set_lights(vec![bright]).unwrap();
+    world.set_background([0.5; 3]).unwrap();
+    assert_eq!((world.lights(), world.background()), (&[bright][..], [0.5; 3]));
+}
+
+#[test]
+fn surfaces_made_in_code_are_placed_as_written_ones_are() {
+    let mut written = net_scene(bilinear());
+    let turned = Transform::Rotate { axis: DVec3::X, degrees: 30.0 };
+    written.objects[0].transform = vec![here(turned)];
+    written.objects[0].reverse = true;
+    let mut made = written.clone();
+    let surface = Surface::from(bilinear().surface().unwrap());
+    made.objects[0].parts = vec![Shape::from(surface).into()];
+    assert_eq!(made.objects[0].point_count(), 4);
+    let [made, written] = [made, written].map(|scene| scene.surfaces().unwrap());
+    assert_eq!((&made[0].name, made[0].deviation, made.len()), (&written[0].name, 0.0, 1));
+    assert_eq!(made[0].surface, written[0].surface);
+}
+
+#[test]
+fn a_net_says_why_it_is_no_surface() {
+    let net = Net { size: [2, 3], ..bilinear() };
+    assert_eq!(
+        net.surface().unwrap_err().to_string(),
+        "4 control points, but the knots need 2 × 3 of them"
+    );
+}
+
 fn bilinear() -> Net {
     let points = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
     let points = points.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
