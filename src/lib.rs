@@ -108,6 +108,13 @@
 //!   what was found, what is needed and where. (The exceptions, like indexing of slices: functions panic if
 //!   asked for a control point that does not exist, or given a number of coefficients that does not fit
 //!   the degrees; their documentation says so.)
+//! - The message of an error is complete: it contains those of its causes. So it is enough to show
+//!   the message, and [`source`](std::error::Error::source) adds nothing to it (for most errors it
+//!   is `None`). Causes to act on are fields of the error's variants.
+
+/// The vectors and matrices in the signatures of this library: a user's `glam` must be of the same
+/// version, and this one is.
+pub use glam;
 
 pub mod geometry;
 pub mod intersect;
