@@ -47,6 +47,9 @@ impl fmt::Debug for SurfaceBvh {
 impl SurfaceBvh {
     /// Prepares surfaces for tracing; hits name them by their index in the slice.
     ///
+    /// The work is done by the threads of the rayon pool in which it is called; the result does not
+    /// depend on them.
+    ///
     /// # Errors
     /// If there are more surfaces, pieces, Bézier points or leaves than 32-bit indices can count, or
     /// than memory is likely to hold.
@@ -77,6 +80,34 @@ impl SurfaceBvh {
     }
 
     /// Returns a tracer for this thread, with the default kernel.
+    ///
+    /// A tracer takes longer to make than a ray to trace: memory is allocated, and the processor's
+    /// instructions are detected. Keep one for each thread, or for each large batch:
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use nurbray::geometry::shapes;
+    /// use nurbray::intersect::{Coherence, SurfaceBvh};
+    /// use nurbray::math::Ray;
+    /// use rayon::prelude::*;
+    ///
+    /// let bvh = SurfaceBvh::build(&[shapes::sphere(1.0)?])?;
+    /// let down = |k| Ray::new(DVec3::new(1e-4 * f64::from(k), 0.1, 2.0), DVec3::NEG_Z);
+    /// let rays = (0..20_000).map(down).collect::<Result<Vec<_>, _>>()?;
+    ///
+    /// let hits: usize = rays
+    ///     .par_chunks(2048)
+    ///     .map_init(
+    ///         || (bvh.tracer(), Vec::new()),
+    ///         |(tracer, answers), rays| {
+    ///             tracer.first_hits(rays, Coherence::Coherent, answers);
+    ///             answers.iter().filter(|answer| answer.hit.is_some()).count()
+    ///         },
+    ///     )
+    ///     .sum();
+    /// assert_eq!(hits, 9950);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn tracer(&self) -> Tracer<'_> {
         self.tracer_with(Kernel::default())
     }

@@ -5,6 +5,16 @@ use crate::patch::Leaf;
 
 /// Whether neighbouring rays of a batch are alike, so that packets pay off.
 ///
+/// A batch is traced in the order in which it is given:
+///
+/// - Of coherent rays, 64 consecutive ones make a packet. Packets are fast where their rays meet
+///   the same leaves, so the pixels of a picture should come in squares of 8 × 8, or in Z-order,
+///   not row after row.
+/// - Of incoherent rays, up to 256 consecutive ones are traced side by side for first hits; for
+///   occlusion, each by itself.
+/// - Batches of a few thousand rays are long enough. The answers to longer ones leave the
+///   processor's caches before the caller reads them.
+///
 /// The last digits of a ray's answer may differ between packets, batches of incoherent rays, and the
 /// ray by itself. Within either kind of batch they do not depend on the other rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -16,7 +16,10 @@ use crate::math::bits::has;
 pub struct Hit {
     /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
     pub t: f64,
-    /// The index of the surface, in the order surfaces were given.
+    /// Which surface is met: its index in the slice that
+    /// [`SurfaceBvh::build`](super::SurfaceBvh::build) was given, and no more than that, since the
+    /// hierarchy does not keep the surfaces. In a scene it is an index into
+    /// [`World::surfaces`](crate::scene::World::surfaces).
     pub surface: u32,
     /// The surface parameters, in the surface's own knot domain.
     pub uv: DVec2,
@@ -165,8 +168,18 @@ impl Query {
     ///
     /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that starts
     /// elsewhere, for instance because its origin was moved along the normal to be on the safe side, does
-    /// not leave the hit: it is traced like any other ray. The hit must be unchanged, and of the surfaces
-    /// that are queried: only its point and normal are checked.
+    /// not leave the hit: it is traced like any other ray, and [`start_root`](Self::start_root) is
+    /// `None`. The hit must be unchanged, and of the surfaces that are queried: only its point and
+    /// normal are checked.
+    ///
+    /// A plain ray from [`Hit::point`], or [`Query::primary`], is no substitute. Rounding decides
+    /// on which side of the surface it starts: many such answers are doubtful, and some report the
+    /// surface itself again.
+    ///
+    /// Only that one root is left out. Where two surfaces coincide, as those of two solids that are
+    /// cemented together, a ray that leaves one of them may meet the other at once, and a ray that
+    /// leaves the other may meet the first again. So bound a loop that goes on from hit to hit.
+    /// Model such an interface as one surface, or ask for [all hits](super::Tracer::all_hits).
     pub fn leaving(ray: Ray, hit: &Hit) -> Self {
         let Root { error, cosine, .. } = hit.root;
         let moved = ray.origin() - hit.point;
@@ -181,7 +194,7 @@ impl Query {
         &self.ray
     }
 
-    /// The root the ray starts on, to within its error.
+    /// The root the ray starts on, to within its error; `None` if it leaves no hit.
     pub fn start_root(&self) -> Option<&Root> {
         self.from.as_ref()
     }

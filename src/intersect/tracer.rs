@@ -152,6 +152,9 @@ impl<'a> Tracer<'a> {
     ///
     /// If the kernel supports it, coherent rays are traced in packets, except those that leave a root, which are
     /// traced one by one; incoherent rays are traced side by side in streams.
+    ///
+    /// The order of coherent rays matters for speed: 64 consecutive ones make a packet.
+    /// [`Coherence`] says how to order them, and how many to give at a time.
     pub fn first_hits<Q: Shot>(
         &mut self,
         shots: &[Q],

@@ -17,7 +17,8 @@ use crate::scene::UnknownName;
 #[non_exhaustive]
 pub enum Aov {
     /// The distance from the camera (perspective) or its film (orthographic) to the hit,
-    /// along the ray, in scene units; +∞ where nothing is hit.
+    /// along the ray, in scene units; +∞ where nothing is hit. It is not the depth along the view,
+    /// as the `t` of [`Camera::ray`](crate::scene::Camera::ray) is.
     Z,
     /// The point hit, in world coordinates; 0 where nothing is hit.
     P,

@@ -45,7 +45,7 @@ fn named(threads: usize) -> String {
     if threads == 0 { "the threads".into() } else { Counted(threads, "thread").to_string() }
 }
 
-/// Renders a world.
+/// Renders a world, with threads of its own: [`RenderSettings::threads`] of them.
 ///
 /// The picture depends on the world and the settings only, not on the number of threads nor
 /// on which finishes first: each tile is painted for itself, from samples that are

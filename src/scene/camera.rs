@@ -164,9 +164,10 @@ impl Camera {
 
     /// The ray through a point of the film, for a picture of this aspect (width / height).
     ///
-    /// The direction's part along the view is of length 1, so `t` is the depth in front of
-    /// the camera, and the range is all of `(0, ∞)`: nothing is clipped. Film coordinates
-    /// or an aspect that are not finite give the ray through the middle.
+    /// The direction's part along the view is of length 1. So `t` is the depth in front of the
+    /// camera, not the distance along the ray, which pictures have as
+    /// [`Aov::Z`](crate::render::Aov::Z). The range is all of `(0, ∞)`: nothing is clipped. Film
+    /// coordinates or an aspect that are not finite give the ray through the middle.
     pub fn ray(&self, film: DVec2, aspect: f64) -> Ray {
         let x = (2.0 * film.x - 1.0) * self.half * aspect;
         let y = (1.0 - 2.0 * film.y) * self.half;

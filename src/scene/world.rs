@@ -52,6 +52,8 @@ impl World {
     /// Checks a scene and makes it ready to trace. A camera without a given place shows the whole scene in pictures
     /// of the shape that its settings ask for.
     ///
+    /// As [`SurfaceBvh::build`], it works with the threads of the rayon pool in which it is called.
+    ///
     /// # Errors
     /// When a surface, a transform, a light, a colour or the camera is not valid, a name is unknown or taken,
     /// or there is nothing to show, or too much; the error says where the fault was written.

@@ -219,6 +219,9 @@ pub fn circle_cubic() -> NurbsCurve {
 /// angle `from` and turns by `degrees` (both in degrees, counterclockwise from the x axis). Each
 /// quarter turn or less takes one piece; all pieces have the same angle.
 ///
+/// [`TrimCurve::arc`](crate::geometry::trim::TrimCurve::arc) is different: it takes radians, and
+/// the angle at which the arc ends instead of the turn.
+///
 /// # Errors
 /// When the radius is not positive or not from [`MIN_MAGNITUDE`] to [`MAX_MAGNITUDE`], or the turn
 /// is zero or more than 360°, or the start is not finite.

@@ -122,6 +122,9 @@ impl TrimCurve {
     /// The circular arc about `center` from one angle to another, in radians from the u axis
     /// towards the v axis; from a larger angle to a smaller one it runs clockwise.
     ///
+    /// [`shapes::circle_arc`](crate::geometry::shapes::circle_arc) is different: it takes degrees,
+    /// and the turn instead of the angle at which the arc ends.
+    ///
     /// It is a circle in the (u, v) plane, made of rational quadratic pieces of at most a quarter
     /// turn; its ends are accurate to a few rounding errors of `|center| + radius`.
     ///
