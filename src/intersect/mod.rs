@@ -38,7 +38,8 @@
 //! finished in f64 on the true surface. What neither the certificate nor those proofs decide goes to
 //! the scalar search. The answer for a ray does not depend on its neighbours.
 //!
-//! [`Tracer::exact_first_hit`] and [`Tracer::all_hits`] use the exact solver alone; the
+//! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
+//! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the
 //! program's `audit` compares the fast search with it.
 //!
 //! ```

@@ -61,7 +61,7 @@ impl fmt::Debug for Tracer<'_> {
         f.debug_struct("Tracer")
             .field("kernel", &self.kernel)
             .field("bvh", self.bvh)
-            .field("statistics", self.statistics())
+            .field("statistics", &self.statistics())
             .finish_non_exhaustive()
     }
 }
@@ -131,14 +131,24 @@ impl<'a> Tracer<'a> {
     /// All hits of a ray, by increasing `t`; `hits` is cleared and filled. Returns whether the
     /// answer is doubtful.
     ///
-    /// The hits come from the exact solver. Hits of adjoining pieces, or of surfaces whose
-    /// borders meet, are one crossing and reported once if they are at the same place and have
-    /// the same sign of `N · d`.
+    /// Hits of adjoining pieces, or of surfaces whose borders meet, are one crossing and reported
+    /// once if they are at the same place and have the same sign of `N · d`. All kernels find the
+    /// same hits: the search is that of the scalar kernel.
     #[must_use = "`true` says that hits may be missing, or be none"]
     pub fn all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
-        let (set, query, frame) = (&self.bvh.set, shot.query(), RayFrame::new(shot.ray()));
-        let question = Question { all_hits: true, ..Question::new(set, &query, &frame) };
-        self.collect(&question, exactly, |_| f64::INFINITY);
+        self.all(&shot.query(), leaf_search::search, hits)
+    }
+
+    /// The same by the exact solver alone: tens of times as slow, and independent of certificates.
+    #[must_use = "`true` says that hits may be missing, or be none"]
+    pub fn exact_all_hits<Q: Shot>(&mut self, shot: &Q, hits: &mut Vec<Hit>) -> bool {
+        self.all(&shot.query(), exactly, hits)
+    }
+
+    fn all(&mut self, query: &Query, search: Search, hits: &mut Vec<Hit>) -> bool {
+        let (set, frame) = (&self.bvh.set, RayFrame::new(&query.ray));
+        let question = Question { all_hits: true, ..Question::new(set, query, &frame) };
+        self.collect(&question, search, |_| f64::INFINITY);
         crossings::merge(&mut self.findings.meetings, set.pieces(), frame.axis);
         hits.clear();
         hits.extend(self.findings.meetings.iter().map(|meeting| hit(set, meeting)));

@@ -32,20 +32,26 @@ pub(crate) struct Answers {
     pub(crate) first: Answer,
     pub(crate) exact: Answer,
     pub(crate) occlusion: Occlusion,
+    /// All hits by the exact solver, and whether they are doubtful.
     pub(crate) all: Vec<Hit>,
     pub(crate) all_doubtful: bool,
+    /// All hits as everybody asks for them.
+    pub(crate) fast_all: (Vec<Hit>, bool),
 }
 
 impl Answers {
     pub(crate) fn ask(tracer: &mut Tracer<'_>, query: &Query) -> Self {
         let mut all = Vec::new();
-        let all_doubtful = tracer.all_hits(query, &mut all);
+        let all_doubtful = tracer.exact_all_hits(query, &mut all);
+        let mut fast_all = Vec::new();
+        let fast_all_doubtful = tracer.all_hits(query, &mut fast_all);
         Self {
             first: tracer.first_hit(query),
             exact: tracer.exact_first_hit(query),
             occlusion: tracer.occluded(query),
             all,
             all_doubtful,
+            fast_all: (fast_all, fast_all_doubtful),
         }
     }
 }
@@ -93,11 +99,12 @@ impl<'a> Judge<'a> {
     pub(crate) fn faults(&self, shot: &Shot, answers: &Answers) -> Vec<String> {
         let mut faults = Vec::new();
         let said = [answers.first.hit, answers.exact.hit];
-        for hit in said.iter().flatten().chain(&answers.all) {
+        for hit in said.iter().flatten().chain(&answers.all).chain(&answers.fast_all.0) {
             faults.extend(self.unsound(&shot.ray, hit));
         }
         faults.extend(self.fast_against_exact(&shot.ray, answers));
         faults.extend(self.first_against_all(&shot.ray, answers));
+        faults.extend(self.all_against_exact(&shot.ray, answers));
         faults.extend(self.target_lost(shot, answers));
         faults.extend(self.occlusion_wrong(&shot.ray, answers));
         faults
@@ -189,6 +196,24 @@ impl<'a> Judge<'a> {
                 .is_none_or(|first| hit.t < first.t && !self.same_root(ray, &first, hit));
             lost.then(|| format!("all hits has {} {} before the first", hit.t, hit.uv))
         })
+    }
+
+    /// Returns a fault if a hit is among all hits of one search and not among those of the other.
+    fn all_against_exact(&self, ray: &Ray, answers: &Answers) -> Option<String> {
+        let (fast, fast_doubtful) = &answers.fast_all;
+        if *fast_doubtful || answers.all_doubtful {
+            return None;
+        }
+        let lost = |from: &[Hit], of: &[Hit]| {
+            let known = |hit: &Hit| from.iter().any(|other| self.same_root(ray, hit, other));
+            of.iter().find(|hit| self.due(ray, hit) && !known(hit)).copied()
+        };
+        let lost_by = [
+            ("all hits lack", lost(fast, &answers.all)),
+            ("only all hits have", lost(&answers.all, fast)),
+        ];
+        let (what, hit) = lost_by.into_iter().find_map(|(what, hit)| Some((what, hit?)))?;
+        Some(format!("{what} {} {} {:?}", hit.t, hit.uv, hit.flags))
     }
 
     /// Returns a fault if a ray aimed steeply at a point of a surface meets it neither there nor
@@ -394,7 +419,7 @@ mod tests {
         let bvh = model.bvh();
         let line = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z).unwrap();
         let mut hits = Vec::new();
-        let _ = bvh.tracer().all_hits(&Query::primary(line), &mut hits);
+        let _ = bvh.tracer().exact_all_hits(&Query::primary(line), &mut hits);
         let judge = Judge::new(&model);
         assert_eq!(judge.parity_broken(&hits, &line), None);
         assert!(judge.parity_broken(&hits[..1], &line).is_some());

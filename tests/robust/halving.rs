@@ -190,7 +190,7 @@ fn compare(
         truth.extend(roots(nurbs(surface), &line, 1e-13 * magnitude)?);
     }
     let mut hits = Vec::new();
-    if tracer.all_hits(&Query::primary(line), &mut hits) {
+    if tracer.exact_all_hits(&Query::primary(line), &mut hits) {
         return None;
     }
     tally.compared += 1;

@@ -78,7 +78,7 @@ fn others(tracer: &mut Tracer<'_>, judge: &Judge<'_>, ray: &Ray, start: &Hit) ->
     let (from, to) = (f64::NEG_INFINITY, f64::INFINITY);
     let line = Ray::with_range(ray.origin(), ray.direction(), from, to).unwrap();
     let mut hits = Vec::new();
-    if tracer.all_hits(&Query::primary(line), &mut hits) {
+    if tracer.exact_all_hits(&Query::primary(line), &mut hits) {
         return None;
     }
     let length = ray.direction().length();

@@ -174,7 +174,7 @@ impl<'a> Survey<'a> {
         if self.model.closed {
             let line = whole_line(&shot.ray);
             let mut hits = Vec::new();
-            if !tracer.all_hits(&Query::primary(line), &mut hits) {
+            if !tracer.exact_all_hits(&Query::primary(line), &mut hits) {
                 faults.extend(self.judge.parity_broken(&hits, &line));
             }
         }

@@ -90,7 +90,7 @@ fn chunk(
     seen.sort_unstable_by_key(|((index, _), _)| *index);
 
     for ((_, shot), (answer, shadow)) in seen {
-        let undecided = tracer.all_hits(&shot.query, &mut hits); // by the exact solver alone
+        let undecided = tracer.exact_all_hits(&shot.query, &mut hits); // by the exact solver alone
         let truth = Truth { hits: &hits, undecided };
         tally.add(shot.query.ray(), judge.judge(shot, (&answer, shadow), &truth));
         tally.undecided += u64::from(undecided);

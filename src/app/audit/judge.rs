@@ -355,7 +355,7 @@ mod tests {
         let mut tracer = bvh.tracer();
         let answer = tracer.first_hit(&query);
         let mut hits = Vec::new();
-        assert!(!tracer.all_hits(&query, &mut hits));
+        assert!(!tracer.exact_all_hits(&query, &mut hits));
         assert_eq!(hits.len(), 2);
         let judge = Judge::new(&surfaces);
         let shot = Shot { query, target: None };
@@ -474,7 +474,7 @@ mod tests {
                 Query::primary(Ray::new(aside * beside - 3.0 * direction, direction).unwrap());
             let shot = Shot { query, target: None };
             let mut hits = Vec::new();
-            let undecided = tracer.all_hits(&query, &mut hits);
+            let undecided = tracer.exact_all_hits(&query, &mut hits);
             let truth = Truth { hits: &hits, undecided };
             let first = tracer.first_hit(&query);
             let said = |occluded, doubtful| {
@@ -524,7 +524,7 @@ mod tests {
             let origin = (1.0 - depth) * normal - 2.0 * direction;
             let query = Query::primary(Ray::new(origin, direction).unwrap());
             let mut hits = Vec::new();
-            let undecided = tracer.all_hits(&query, &mut hits);
+            let undecided = tracer.exact_all_hits(&query, &mut hits);
             let (answer, shot) = (tracer.first_hit(&query), Shot { query, target: None });
             let finding = judge.judge(&shot, (&answer, OPEN), &Truth { hits: &hits, undecided });
             assert_eq!(finding.tangent, tangent, "{depth}");
