@@ -90,24 +90,25 @@
 //! # What may be relied on
 //!
 //! Let ε = 2⁻⁵³, M the largest coordinate magnitude of the ray's origin and the surface's control
-//! points, and C = 4 (p + q + 4) for a surface of degrees p and q ([`math::rounding::residual_factor`]
-//! says where C comes from).
+//! points, and C = 4 (p + q + 4) for a surface of degrees p and q
+//! ([`math::rounding::residual_factor`] says where C comes from).
 //!
 //! - Each crossing of each surface is reported, or the answer is flagged
 //!   [doubtful](intersect::Answer::doubtful).
-//! - A hit that is not doubtful lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that at a
-//!   pole: a ray that passes the pole within that distance meets it.
-//! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray as a
-//!   rule within 0.85 of `C ε M`), and the hit is marked [`BORDER`](intersect::HitFlags::BORDER).
+//! - A hit that is not doubtful lies on its ray: `|S(u, v) − (o + t d)| ≤ C ε M`, or twice that at
+//!   a pole: a ray that passes the pole within that distance meets it.
+//! - Domains are closed: a ray that passes within half of `C ε M` of a border meets it (a steep ray
+//!   as a rule within 0.85 of `C ε M`), and the hit is marked
+//!   [`BORDER`](intersect::HitFlags::BORDER).
 //! - The kept part of a trimmed surface is closed, too: a root that may lie on a trim edge, as
 //!   far as rounding can tell, is a hit, marked [`TRIM_EDGE`](intersect::HitFlags::TRIM_EDGE).
 //! - Answers depend only on the ray and the surfaces, except for the last digits, which the
 //!   [kernel](intersect::Kernel) and the [way of asking](intersect::Coherence) may change. Pictures
 //!   depend only on the scene and its settings: not on threads, tiles or crops.
-//! - The library never prints or exits, and does not panic on bad input: that is an error which says
-//!   what was found, what is needed and where. (The exceptions, like indexing of slices: functions panic if
-//!   asked for a control point that does not exist, or given a number of coefficients that does not fit
-//!   the degrees; their documentation says so.)
+//! - The library never prints or exits, and does not panic on bad input: that is an error which
+//!   says what was found, what is needed and where. (The exceptions, like indexing of slices:
+//!   functions panic if asked for a control point that does not exist, or given a number of
+//!   coefficients that does not fit the degrees; their documentation says so.)
 //! - The message of an error is complete: it contains those of its causes. So it is enough to show
 //!   the message, and [`source`](std::error::Error::source) adds nothing to it (for most errors it
 //!   is `None`). Causes to act on are fields of the error's variants.

@@ -114,8 +114,9 @@ pub(crate) fn listed(paths: &[&Path]) -> String {
     }
 }
 
-/// Whether two paths lead to one regular file. (Hard links are files of their own: a new file takes the
-/// place of one of them, and the other stays.) Devices such as /dev/stdin and /dev/null are not overwritten.
+/// Whether two paths lead to one regular file. (Hard links are files of their own: a new file takes
+/// the place of one of them, and the other stays.) Devices such as /dev/stdin and /dev/null are not
+/// overwritten.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b && a.is_file(),

@@ -38,8 +38,8 @@ impl<'a> BezierForm<'a> {
         [self.along_u.knots_u(), &self.knots_v]
     }
 
-    /// The common weight of all control points; `None` if weights differ. Refining along v keeps equal
-    /// weights equal, so the net refined along u decides.
+    /// The common weight of all control points; `None` if weights differ. Refining along v keeps
+    /// equal weights equal, so the net refined along u decides.
     pub(crate) fn weight(&self) -> Option<f64> {
         self.along_u.common_weight()
     }

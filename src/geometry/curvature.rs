@@ -4,13 +4,14 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 
 use super::{CurveDerivatives, NurbsCurve};
 
-/// The rounding error of derivatives (from the control points, the basis and the sums), relative to the sizes of the
-/// terms.
+/// The rounding error of derivatives (from the control points, the basis and the sums), relative to
+/// the sizes of the terms.
 const ROUNDING_OF_TERMS: f64 = 16.0 * f64::EPSILON;
 
 impl NurbsCurve {
-    /// The error bound of [`CurveDerivatives::curvature_vector`] at `t`, in one over length, for rounding of the
-    /// control points and of the sums over them; NaN or infinite where the curve stands still.
+    /// The error bound of [`CurveDerivatives::curvature_vector`] at `t`, in one over length, for
+    /// rounding of the control points and of the sums over them; NaN or infinite where the curve
+    /// stands still.
     pub fn curvature_error(&self, t: f64) -> f64 {
         let basis = self.knots().basis_derivatives(t);
         let active = &self.control()[basis.span - self.knots().degree()..=basis.span];

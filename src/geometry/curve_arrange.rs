@@ -75,7 +75,8 @@ impl NurbsCurve {
         (1..self.control().len()).all(|index| self.point(index).distance(self.point(0)) <= close)
     }
 
-    /// The largest coordinate magnitude of the control points, to which rounding errors are relative.
+    /// The largest coordinate magnitude of the control points, to which rounding errors are
+    /// relative.
     pub(crate) fn magnitude(&self) -> f64 {
         let largest = |point: &DVec4| (point.xyz() / point.w).abs().max_element();
         self.control().iter().map(largest).fold(0.0, f64::max)

@@ -19,8 +19,9 @@ pub struct SurfaceDerivatives {
     pub dvv: DVec3,
 }
 
-/// The error bound of a first derivative in units of `M / Δ` (see [`SurfaceDerivatives::unit_normal`]):
-/// derivatives come from sums of a few dozen terms as large as the coordinates.
+/// The error bound of a first derivative in units of `M / Δ` (see
+/// [`SurfaceDerivatives::unit_normal`]): derivatives come from sums of a few dozen terms as large
+/// as the coordinates.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A limit found from second derivatives counts if the sine of the angle between the two factors
@@ -106,7 +107,8 @@ fn shrunk(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     if size > 0.0 { (a / size, b / size) } else { (a, b) }
 }
 
-/// The unit vector of a vector that is neither tiny nor huge, exact along the axes; `None` if it is not finite.
+/// The unit vector of a vector that is neither tiny nor huge, exact along the axes; `None` if it is
+/// not finite.
 fn normalized(vector: DVec3) -> Option<DVec3> {
     let unit = vector / vector.length();
     unit.is_finite().then_some(unit)

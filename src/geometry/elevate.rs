@@ -54,8 +54,8 @@ fn elevate_continuous(knots: &KnotVector, points: &[DVec4]) -> (Vec<f64>, Vec<DV
         new.push(run[0]);
     }
 
-    // Takes the mean of all splines in which every (p + 1)-th knot is left out, one spline after the other: all at once
-    // would take p times the memory of the result.
+    // Takes the mean of all splines in which every (p + 1)-th knot is left out, one spline after
+    // the other: all at once would take p times the memory of the result.
     let mut first: Vec<DVec4> = Vec::new();
     let mut differences = vec![DVec4::ZERO; new.len() - p];
     for k in 0..=p {

@@ -150,8 +150,8 @@ impl NurbsSurface {
     }
 }
 
-/// Points closer together than this, relative to their largest coordinate, may be one point: 1024 ε,
-/// more than [`SurfaceDerivatives::unit_normal`] treats as rounding error.
+/// Points closer together than this, relative to their largest coordinate, may be one point: 1024
+/// ε, more than [`SurfaceDerivatives::unit_normal`] treats as rounding error.
 const UNSEEN: f64 = 1024.0 * f64::EPSILON;
 
 /// The distance from an end of the domain, relative to the domain's length, within which a

@@ -1,13 +1,13 @@
-//! Bézier extraction (Borden, Scott, Evans and Hughes 2011): the Bézier points of one span, directly from the control
-//! points that govern the span.
+//! Bézier extraction (Borden, Scott, Evans and Hughes 2011): the Bézier points of one span,
+//! directly from the control points that govern the span.
 
 use glam::{BVec4, DVec4};
 
 use super::KnotVector;
 use super::line::{mix_by, shares as of_both};
 
-/// For every span of a clamped spline, how its Bézier points follow from the control points. The index of a span is
-/// that of the first control point that governs it.
+/// For every span of a clamped spline, how its Bézier points follow from the control points. The
+/// index of a span is that of the first control point that governs it.
 #[derive(Debug)]
 pub(crate) enum Extractions {
     /// For degree 3 or less.
@@ -16,7 +16,8 @@ pub(crate) enum Extractions {
     Operators {
         /// The degree.
         degree: usize,
-        /// The operators row by row. A row belongs to a Bézier point and holds the share of each control point in it.
+        /// The operators row by row. A row belongs to a Bézier point and holds the share of each
+        /// control point in it.
         shares: Vec<f64>,
     },
 }
@@ -65,8 +66,9 @@ impl Extractions {
             let (done, rest) = shares.split_at_mut(size * first);
             let own = &mut rest[..size];
             fill_operator(knots, span.index, own);
-            // Neighbouring spans share the point between them, by the same operations on the same points. The knot
-            // there is repeated as often as there are control points that govern only the span before.
+            // Neighbouring spans share the point between them, by the same operations on the same
+            // points. The knot there is repeated as often as there are control points that govern
+            // only the span before.
             if let Some(before) = before.filter(|before| before + degree >= first) {
                 let last_row: &[f64] = &done[size * (before + 1) - (degree + 1)..][..degree + 1];
                 let (common, others) = own[..degree + 1].split_at_mut(before + degree + 1 - first);
@@ -100,9 +102,9 @@ impl Extractions {
     }
 }
 
-/// Fills in the operator of span `index`. Bézier points are values of the span's polar form (Ramshaw 1989), with its
-/// start as some arguments and its end as the others. De Boor's scheme computes these values from the control points
-/// by convex combinations.
+/// Fills in the operator of span `index`. Bézier points are values of the span's polar form
+/// (Ramshaw 1989), with its start as some arguments and its end as the others. De Boor's scheme
+/// computes these values from the control points by convex combinations.
 fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
     const MOST: usize = Extractions::MOST_POINTS;
     let (p, values) = (knots.degree(), knots.values());
@@ -128,7 +130,8 @@ fn fill_operator(knots: &KnotVector, index: usize, operator: &mut [f64]) {
 }
 
 impl Extraction<'_> {
-    /// Replaces control points by Bézier points, in place: every `step`-th of `points`, from the first on.
+    /// Replaces control points by Bézier points, in place: every `step`-th of `points`, from the
+    /// first on.
     pub(crate) fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
         let mut from = [DVec4::ZERO; Extractions::MOST_POINTS];
         for (k, point) in from[..=degree].iter_mut().enumerate() {
@@ -169,7 +172,8 @@ impl Extraction<'_> {
     }
 }
 
-/// A convex combination; coordinates that are equal in all points with a nonzero share are kept as they are.
+/// A convex combination; coordinates that are equal in all points with a nonzero share are kept as
+/// they are.
 fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
     let mut sum = DVec4::ZERO;
     let (mut one, mut alike) = (None, BVec4::TRUE);
@@ -185,19 +189,21 @@ fn mixed(points: &[DVec4], shares: &[f64]) -> DVec4 {
 /// How the Bézier points of a span follow from the `p + 1` control points that govern it, in a
 /// spline of degree 3 or less.
 ///
-/// This is not a matrix but the steps of knot insertion: every point is computed from the same numbers by the same
-/// operations as if all knots of the clamped spline were inserted from left to right, as
-/// [`Insertions`](super::line::Insertions) does. So it is the same to the last bit, except for the sign of zeros, and
-/// neighbouring spans share the point between them.
+/// This is not a matrix but the steps of knot insertion: every point is computed from the same
+/// numbers by the same operations as if all knots of the clamped spline were inserted from left to
+/// right, as [`Insertions`](super::line::Insertions) does. So it is the same to the last bit,
+/// except for the sign of zeros, and neighbouring spans share the point between them.
 ///
-/// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄` about
-/// its span `t₁ … t₂`, the control points are `f(t₋₁,t₀,t₁)`, `f(t₀,t₁,t₂)`, `f(t₁,t₂,t₃)` and
-/// `f(t₂,t₃,t₄)`. Each step mixes two points that differ in one argument, `a` and `b`, into the one with
-/// the argument `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α is 0 or 1.
+/// With the polar form `f` of a cubic (Ramshaw 1989) and the knots `t₋₁ ≤ t₀ ≤ t₁ < t₂ ≤ t₃ ≤ t₄`
+/// about its span `t₁ … t₂`, the control points are `f(t₋₁,t₀,t₁)`, `f(t₀,t₁,t₂)`, `f(t₁,t₂,t₃)`
+/// and `f(t₂,t₃,t₄)`. Each step mixes two points that differ in one argument, `a` and `b`, into the
+/// one with the argument `t` there, by `α = (t − a) / (b − a)`. Where a knot is repeated already, α
+/// is 0 or 1.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Steps {
-    /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁` between
-    /// `t₀` and `t₃`; `t₂` between `t₁` and `t₃`; `t₂` between `t₁` and `t₄`. Lower degrees need fewer.
+    /// `1 − α` and `α` for `t = t₀` between `t₋₁` and `t₂`; `t₁` between `t₀` and `t₂`; `t₁`
+    /// between `t₀` and `t₃`; `t₂` between `t₁` and `t₃`; `t₂` between `t₁` and `t₄`. Lower degrees
+    /// need fewer.
     by: [[f64; 2]; 5],
 }
 
@@ -207,7 +213,8 @@ impl Steps {
 
     /// The steps of the span that begins at knot `index` of a clamped knot vector.
     fn of(knots: &KnotVector, index: usize) -> Self {
-        // For lower degrees a clamped vector may end sooner; the steps made from other knots are then not used.
+        // For lower degrees a clamped vector may end sooner; the steps made from other knots are
+        // then not used.
         let values = knots.values();
         let knot = |k: isize| values[index.saturating_add_signed(k).min(values.len() - 1)];
         let [before, t0, t1, t2, t3, t4] = [-2, -1, 0, 1, 2, 3].map(knot);
@@ -242,8 +249,8 @@ mod tests {
     use super::*;
     use crate::geometry::line::refine;
 
-    /// Knot vectors with knots of every multiplicity, far apart and close together, and control points with and
-    /// without equal coordinates.
+    /// Knot vectors with knots of every multiplicity, far apart and close together, and control
+    /// points with and without equal coordinates.
     fn splines() -> impl Strategy<Value = (KnotVector, Vec<DVec4>)> {
         let knots = (1usize..=Extractions::MOST_DEGREE).prop_flat_map(|p| {
             let step = (-4.0..1.0f64).prop_map(|log: f64| 10f64.powf(log));

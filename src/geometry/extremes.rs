@@ -17,15 +17,15 @@ pub(crate) fn add_extremes(coordinate: &[f64], weights: &[f64], center: f64, fou
     Polynomial::derivative(coordinate, weights, center).roots(found);
 }
 
-/// Adds to `found`, in no order, the parameters in (0, 1) where a polynomial changes its sign, to within
-/// [`FINEST`], and perhaps some where a change could not be excluded. The polynomial is given as its
-/// Bernstein coefficients, each with a bound on its rounding error.
+/// Adds to `found`, in no order, the parameters in (0, 1) where a polynomial changes its sign, to
+/// within [`FINEST`], and perhaps some where a change could not be excluded. The polynomial is
+/// given as its Bernstein coefficients, each with a bound on its rounding error.
 pub(crate) fn add_sign_changes(coefficients: Vec<f64>, noise: Vec<f64>, found: &mut Vec<f64>) {
     Polynomial { coefficients, noise }.roots(found);
 }
 
-/// A polynomial as Bernstein coefficients, each with a bound on its rounding error. For extremes it is
-/// the numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor.
+/// A polynomial as Bernstein coefficients, each with a bound on its rounding error. For extremes it
+/// is the numerator `x′ w − x w′` of a coordinate's derivative, up to a positive factor.
 #[derive(Clone)]
 struct Polynomial {
     coefficients: Vec<f64>,

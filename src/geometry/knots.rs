@@ -33,9 +33,9 @@ pub const MAX_CONTROL_POINTS: usize = 1 << 24;
 /// as the last knot. With the degree p it is `u_{n+p+1}`; elsewhere the deck's k is the order
 /// `p + 1`. The domain is not all of `[u_0, u_{n+p+1}]` but `[u_p, u_{n+1}]`, which differs unless
 /// the ends are clamped. The lecture says that every control point has a t-value and that the knot
-/// vector lists these: in fact there are `p + 1` more knots than control points. By "uniform" it means
-/// evenly spaced knots, not points. Knots without space between them make a jump only if `p + 1` of
-/// them coincide (p of them make a corner).
+/// vector lists these: in fact there are `p + 1` more knots than control points. By "uniform" it
+/// means evenly spaced knots, not points. Knots without space between them make a jump only if
+/// `p + 1` of them coincide (p of them make a corner).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector {
     degree: usize,
@@ -126,7 +126,8 @@ impl KnotVector {
     /// The "standard knot vector" of the textbooks: clamped, `0, 1, 2, …` inside.
     ///
     /// Five points of degree 3 get `0, 0, 0, 0, 1, 2, 2, 2, 2`. (The lecture prints
-    /// `0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5` for five: these twelve knots are those of eight points.)
+    /// `0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5` for five: these twelve knots are those of eight
+    /// points.)
     ///
     /// # Errors
     /// When the degree or the number of points is not supported.
@@ -148,13 +149,15 @@ impl KnotVector {
 
     /// The knots of a closed spline, repeated with its period.
     ///
-    /// `period` lists the knots `k₀ ≤ … ≤ kₙ` of one period, for `n` different control points; the domain is
-    /// `[k₀, kₙ]`. The spline has `n + p` control points: the first `p` follow again after the last. Its smoothness
-    /// at the seam is that of a knot of the same multiplicity (`kₙ` is `k₀` again, and the two count once).
+    /// `period` lists the knots `k₀ ≤ … ≤ kₙ` of one period, for `n` different control points; the
+    /// domain is `[k₀, kₙ]`. The spline has `n + p` control points: the first `p` follow again
+    /// after the last. Its smoothness at the seam is that of a knot of the same multiplicity (`kₙ`
+    /// is `k₀` again, and the two count once).
     ///
     /// # Errors
-    /// When the degree is not supported; when there are fewer than four knots, or too many; when they are not finite
-    /// numbers in order; when all are equal, or one occurs more than `p + 1` times.
+    /// When the degree is not supported; when there are fewer than four knots, or too many; when
+    /// they are not finite numbers in order; when all are equal, or one occurs more than `p + 1`
+    /// times.
     pub fn periodic(degree: usize, period: &[f64]) -> Result<Self, KnotError> {
         check_degree(degree)?;
         Self::new(degree, periodic_values(degree, period)?)
@@ -285,7 +288,8 @@ pub(crate) fn periodic_values(degree: usize, period: &[f64]) -> Result<Vec<f64>,
     if first == last {
         return Err(KnotError::AllEqual { knot: first });
     }
-    // Each further period begins where the one before it ends, so that equal knots stay equal and all stay in order.
+    // Each further period begins where the one before it ends, so that equal knots stay equal and
+    // all stay in order.
     let (mut before, mut after) = (Vec::new(), Vec::new());
     let (mut start, mut end) = (first, last);
     while after.len() < degree {

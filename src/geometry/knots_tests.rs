@@ -234,8 +234,8 @@ proptest! {
     }
 }
 
-/// A closed spline over uneven knots is as smooth at its seam as at its other knots: the same curve, begun
-/// elsewhere, is the same.
+/// A closed spline over uneven knots is as smooth at its seam as at its other knots: the same
+/// curve, begun elsewhere, is the same.
 #[test]
 fn periodic_knots_close() {
     let period = [-1.0, 0.5, 1.0, 1.0, 4.0];

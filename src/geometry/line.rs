@@ -32,8 +32,9 @@ pub(crate) fn mix_by(a: DVec4, b: DVec4, [beta, alpha]: [f64; 2]) -> DVec4 {
 
 /// `1 − α` and `α` for `α = (t − left) / (right − left)`.
 ///
-/// The smaller of the two is computed from the knots, and the other from the smaller. So neither loses digits, however
-/// near to an end `t` is: the small share of a point may count more than all the rest, if the point is far heavier.
+/// The smaller of the two is computed from the knots, and the other from the smaller. So neither
+/// loses digits, however near to an end `t` is: the small share of a point may count more than all
+/// the rest, if the point is far heavier.
 #[inline]
 pub(crate) fn shares(t: f64, left: f64, right: f64) -> [f64; 2] {
     let width = right - left;
@@ -171,7 +172,8 @@ pub(crate) fn restrict(
     let missing = |t| p.saturating_sub(knots.multiplicity(t));
     let mut new = vec![start; missing(start)];
     new.extend(std::iter::repeat_n(end, missing(end)));
-    // A curve is cut into its pieces one by one, and no knots are missing then: do not copy the whole curve for each.
+    // A curve is cut into its pieces one by one, and no knots are missing then: do not copy the
+    // whole curve for each.
     let (values, points) = match new.as_slice() {
         [] => (Cow::Borrowed(knots.values()), Cow::Borrowed(points)),
         new => (Cow::Owned(merged(knots.values(), new)), Cow::Owned(refine(knots, points, new))),

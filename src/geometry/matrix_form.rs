@@ -1,9 +1,10 @@
 //! Cubic segments in matrix form, `C(t) = [t³ t² t 1] M G`, and the splines made of them.
 //!
 //! They are written as in the lecture on bicubic surfaces and splines, with these differences. The
-//! lecture prints `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is symmetric;
-//! B-splines need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. The lecture numbers
-//! the blending functions B₀ to B₃ on one slide and B₄ to B₁ on the next; here they are B₀ to B₃.
+//! lecture prints `S M G M Tᵀ` for surfaces: that is right for the Bézier matrix, which is
+//! symmetric; B-splines need `S M G Mᵀ Tᵀ`. Likewise `Q_j(t) = G_j B(t)` needs `B = Mᵀ Tᵀ`. The
+//! lecture numbers the blending functions B₀ to B₃ on one slide and B₄ to B₁ on the next; here they
+//! are B₀ to B₃.
 
 use glam::{DVec3, DVec4};
 
@@ -99,15 +100,16 @@ impl MatrixForm {
         Ok(self.given_by_bezier([0, 1, 2, 3].map(|k| clamped.point(k))))
     }
 
-    /// The four vectors that define in the form `to` the segment that `geometry` defines in this one.
+    /// The four vectors that define in the form `to` the segment that `geometry` defines in this
+    /// one.
     pub fn converted(self, geometry: [DVec3; 4], to: Self) -> [DVec3; 4] {
         to.given_by_bezier(self.to_bezier(geometry))
     }
 
-    /// The chain of the segments of four consecutive vectors each, whose first vectors are `advance`
-    /// apart; each is one parameter unit long and begins where the one before it ends. Catmull–Rom
-    /// segments advance by one point, Hermite segments by their own four vectors; both chains are
-    /// smooth to the first derivative.
+    /// The chain of the segments of four consecutive vectors each, whose first vectors are
+    /// `advance` apart; each is one parameter unit long and begins where the one before it ends.
+    /// Catmull–Rom segments advance by one point, Hermite segments by their own four vectors; both
+    /// chains are smooth to the first derivative.
     fn chain(self, points: &[DVec3], advance: usize) -> Result<NurbsCurve, CurveError> {
         let mut control: Vec<DVec4> = Vec::new();
         let mut pieces = 0;
@@ -251,7 +253,8 @@ mod tests {
         }
     }
 
-    /// The B-spline segments of every four consecutive points are the uniform B-spline of all points.
+    /// The B-spline segments of every four consecutive points are the uniform B-spline of all
+    /// points.
     #[test]
     fn the_lecture_s_b_spline_is_the_one_over_uniform_knots() {
         let corners = [[2, 1], [5, 2], [6, 5], [8, 6], [5, 9], [4, 7], [1, 5]];

@@ -1,4 +1,5 @@
-//! The error of surfaces: numbers that make no surface, or an operation that a surface does not allow.
+//! The error of surfaces: numbers that make no surface, or an operation that a surface does not
+//! allow.
 
 use std::fmt;
 

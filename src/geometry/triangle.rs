@@ -82,9 +82,9 @@ fn exponents(degree: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..=degree).flat_map(move |i| (0..=degree - i).map(move |j| (i, j)))
 }
 
-/// One round of de Casteljau's algorithm, in place: mixes the points of a degree in the ratio of the
-/// coordinates into those of the next lower degree. Where one coordinate is zero, the order of the
-/// sum does not matter: sides depend on their own control points only.
+/// One round of de Casteljau's algorithm, in place: mixes the points of a degree in the ratio of
+/// the coordinates into those of the next lower degree. Where one coordinate is zero, the order of
+/// the sum does not matter: sides depend on their own control points only.
 pub(super) fn mix(points: &mut Vec<DVec4>, degree: usize, [u, v, w]: Barycentric) {
     let lower = degree - 1;
     let mixed = exponents(lower).map(|(i, j)| {
@@ -143,7 +143,8 @@ impl TrianglePatch {
         Ok(patch)
     }
 
-    /// Checks the extent as for tensor-product surfaces: points that differ by rounding only are one.
+    /// Checks the extent as for tensor-product surfaces: points that differ by rounding only are
+    /// one.
     fn check_extent(&self) -> Result<(), TriangleError> {
         let points = || self.control.iter().map(|point| point.xyz() / point.w);
         match extent(points, [self.degree; 2]) {
@@ -338,8 +339,8 @@ impl TrianglePatch {
         Self { degree: n, control }
     }
 
-    /// The patch moved by an affine map. If the map mirrors, normals that pointed out of a body point
-    /// into it; [`TrianglePatch::swapped`] reverses them again.
+    /// The patch moved by an affine map. If the map mirrors, normals that pointed out of a body
+    /// point into it; [`TrianglePatch::swapped`] reverses them again.
     ///
     /// # Errors
     /// When the map is not finite, flattens space, or takes a control point to infinity.

@@ -71,8 +71,8 @@ impl TrianglePatch {
         NurbsSurface::assembled([unit_knots(n), unit_knots(n)], control)
     }
 
-    /// Calls `found` with the blossom at n places out of four, for all ways to choose them, and with
-    /// the numbers of times that the second, the third and the fourth are taken.
+    /// Calls `found` with the blossom at n places out of four, for all ways to choose them, and
+    /// with the numbers of times that the second, the third and the fourth are taken.
     fn blossoms(&self, at: [Barycentric; 4], found: &mut impl FnMut([usize; 3], DVec4)) {
         let n = self.degree();
         let mut first = self.control().to_vec();

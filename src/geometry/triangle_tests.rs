@@ -214,7 +214,8 @@ fn the_octant_is_round_faces_outward_and_has_its_middle_in_the_middle() {
     assert!(octant_quartic(0.0).is_err() && octant_quartic(f64::NAN).is_err());
 }
 
-/// The side `w = 0` is such a quarter circle, as far from the origin as a side of the biquadratic octant.
+/// The side `w = 0` is such a quarter circle, as far from the origin as a side of the biquadratic
+/// octant.
 #[test]
 fn the_octant_s_sides_are_quarter_circles_of_degree_4() {
     let patch = octant_quartic(1.0).unwrap();

@@ -18,8 +18,8 @@ impl TrimmedSurface {
     /// closed domain, in the loop's direction: one curve, or several where the domain cuts the loop
     /// or the surface jumps.
     ///
-    /// They are exact except for rounding: a rational Bézier curve of degree d within a piece of the
-    /// surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
+    /// They are exact except for rounding: a rational Bézier curve of degree d within a piece of
+    /// the surface of degrees p and q is one of degree (p + q) d in space (DeRose, Goldman, Hagen &
     /// Mann, "Functional composition algorithms via blossoming", 1993; here by products of
     /// Bernstein polynomials).
     ///
@@ -170,7 +170,8 @@ fn joins(part: &[DVec4], next: &[DVec4]) -> bool {
     a.distance(b) <= JOINT * f64::EPSILON * magnitude
 }
 
-/// Appends a piece to a part, which keeps its own last point; the piece's weights are scaled to fit.
+/// Appends a piece to a part, which keeps its own last point; the piece's weights are scaled to
+/// fit.
 fn append(part: &mut Vec<DVec4>, next: Vec<DVec4>) {
     let scale = part[part.len() - 1].w / next[0].w;
     part.extend(next.into_iter().skip(1).map(|point| scale * point));

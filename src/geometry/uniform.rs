@@ -107,7 +107,8 @@ mod tests {
         );
     }
 
-    /// A standard cubic meets its outermost points; a uniform cubic keeps its shape when it is clamped.
+    /// A standard cubic meets its outermost points; a uniform cubic keeps its shape when it is
+    /// clamped.
     #[test]
     fn standard_and_uniform_knots_agree_away_from_the_ends() {
         let points = points();

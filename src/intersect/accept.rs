@@ -14,8 +14,8 @@ use crate::geometry::trim::Side;
 use crate::math::{RayFrame, rounding};
 use crate::patch::{Jet, Leaf, Piece};
 
-/// Adds a solution to the findings: as a meeting if it lies on the piece and in the ray's range, as a
-/// doubt where this is undecided.
+/// Adds a solution to the findings: as a meeting if it lies on the piece and in the ray's range, as
+/// a doubt where this is undecided.
 pub(super) fn accept(
     question: &Question<'_>,
     place: &PlacedLeaf<'_>,
@@ -80,7 +80,8 @@ struct Candidate<'a> {
     edge: f64,
     /// Whether trims cut the point off by more than the rounding of a ray aimed at their edge.
     cut_off: bool,
-    /// Whether trims cut it off for certain, but so near to their edge that another search may have found it there.
+    /// Whether trims cut it off for certain, but so near to their edge that another search may have
+    /// found it there.
     just_cut_off: bool,
 }
 
@@ -123,8 +124,8 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Drops what trims cut off, but not what lies on their edges. At a pole, a kept parameter that leads
-    /// to it is taken, if there is one.
+    /// Drops what trims cut off, but not what lies on their edges. At a pole, a kept parameter that
+    /// leads to it is taken, if there is one.
     fn keep_to_trims(&mut self) -> Result<(), Dropped> {
         let Self { question, leaf, ref on_ray, error, z_error, .. } = *self;
         let OnRay { ref spot, z, allowed, .. } = *on_ray;
@@ -136,7 +137,8 @@ impl<'a> Candidate<'a> {
                 self.flags.insert(HitFlags::TRIM_EDGE);
                 let lengths = DVec2::from_array(piece.domain().map(|[from, to]| to - from));
                 let speeds = DVec2::new(spot.jet.ds.length(), spot.jet.dt.length());
-                // At a pole a parameter may be anything: a distance that is not finite says nothing.
+                // At a pole a parameter may be anything: a distance that is not finite says
+                // nothing.
                 let off = (distance / lengths).dot(speeds);
                 self.edge = if off.is_finite() { off } else { 0.0 };
                 let pole = leaf.collapsed(piece).filter(|_| !inside);
@@ -191,8 +193,8 @@ impl<'a> Candidate<'a> {
         if is_start { Err(Dropped::Surely) } else { Ok(()) }
     }
 
-    /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that are met
-    /// at a small angle, the result is doubtful.
+    /// Drops what lies outside the ray's range. At the ends of the range, and at trim edges that
+    /// are met at a small angle, the result is doubtful.
     fn stay_in_range(&mut self) -> Result<(), Dropped> {
         let [t, t_error] = [self.on_ray.z, self.z_error].map(|z| z * self.question.ray.t_from_z);
         let [t_min, t_max] = self.question.t_range;
@@ -250,13 +252,15 @@ impl<'a> Candidate<'a> {
 /// A place on a closed piece within rounding of the ray.
 struct OnRay<'a> {
     spot: Spot<'a>,
-    /// Its distance along the ray, its distance from the ray, and the largest such distance allowed.
+    /// Its distance along the ray, its distance from the ray, and the largest such distance
+    /// allowed.
     z: f64,
     residual: f64,
     allowed: f64,
 }
 
-/// The place of a solution on the closed piece: a root a little outside counts as the nearest point of the border.
+/// The place of a solution on the closed piece: a root a little outside counts as the nearest point
+/// of the border.
 ///
 /// # Errors
 /// If that place is not within rounding of the ray.
@@ -296,31 +300,33 @@ fn on_ray<'a>(
 
 /// Whether a ray through a pole may touch the surface there instead of crossing it.
 ///
-/// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d), and in
-/// between is within R cos² / 2 of the surface. A leaf turns by less than its length over R.
+/// With the radius of curvature R, the ray meets the surface again at the distance 2 R cos(N, d),
+/// and in between is within R cos² / 2 of the surface. A leaf turns by less than its length over R.
 fn may_touch(leaf: &Leaf, jet: &Jet, cosine: f64, error: f64) -> bool {
     let sides = leaf.rect().map(|[from, to]| to - from);
     let length = (sides[0] * jet.ds.length()).max(sides[1] * jet.dt.length());
     cosine * cosine * length <= CLEAR_OF_POLE * error
 }
 
-/// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs inside the leaf may be
-/// off by that much.
+/// A leaf is met only by rays within this many errors of it: a stretch along which a ray runs
+/// inside the leaf may be off by that much.
 pub(super) const AROUND: f64 = 4.0;
 
-/// Two searches come to a border at slightly different parameters: where the border is farther from the ray than
-/// allowed for one of them, it is within this many times as much for the other.
+/// Two searches come to a border at slightly different parameters: where the border is farther from
+/// the ray than allowed for one of them, it is within this many times as much for the other.
 const MOST_UNSURE: f64 = 1.1;
 
-/// A root at a trim edge is doubtful if its error along the ray is more than this many times the error
-/// across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the edge by as much.
+/// A root at a trim edge is doubtful if its error along the ray is more than this many times the
+/// error across it, that is, if the ray is within 1e-5 of the tangent plane: the hit may be off the
+/// edge by as much.
 const EDGE_IN_DOUBT: f64 = 1e5;
 
 /// Error bound along the ray of a root at `z`, given the error bound of its point.
 fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
     match proof {
         Proof::Isolated(_) | Proof::Collapsed => steep(error, cosine),
-        // The ray may touch anywhere between, and the place was moved to where the surface is nearest.
+        // The ray may touch anywhere between, and the place was moved to where the surface is
+        // nearest.
         Proof::Contact([from, to]) => (z - from).max(to - z).max(0.0) + error,
         // Ends are found to within `END` of the leaf; a stretch is longer than `STRETCH` of it.
         Proof::Stretch([from, to]) => 4.0 * error + END / STRETCH * (to - from).abs(),
@@ -329,8 +335,8 @@ fn error_along(proof: Proof, error: f64, (z, cosine): (f64, f64)) -> f64 {
 
 /// How far from a ray's start a solution may be and still be the root the ray starts on.
 ///
-/// A contact is cut off where the leaf's slack ends: another leaf may have found what lies between the
-/// contact and the start, which is no longer than the contact.
+/// A contact is cut off where the leaf's slack ends: another leaf may have found what lies between
+/// the contact and the start, which is no longer than the contact.
 fn start_reach(proof: Proof, error: f64, z_error: f64, cosine: f64) -> f64 {
     match proof {
         Proof::Contact([from, to]) => z_error.max(steep(error, cosine).min(to - from + error)),
@@ -343,9 +349,9 @@ fn steep(error: f64, cosine: f64) -> f64 {
     error / cosine.abs().max(f64::EPSILON)
 }
 
-/// Whether a solution found where a ray starts is proved to be the root the ray starts on. On another
-/// piece it is that root only if the ray starts within twice `reach` of a side: where a surface crosses
-/// itself, there are two roots.
+/// Whether a solution found where a ray starts is proved to be the root the ray starts on. On
+/// another piece it is that root only if the ray starts within twice `reach` of a side: where a
+/// surface crosses itself, there are two roots.
 fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach: f64) -> bool {
     let at_side = || {
         let distances = start.side_distances(root.st, &start.patch.jet(root.st));
@@ -359,10 +365,10 @@ fn is_same_root(proof: Proof, leaf: &Leaf, (root, start): (&Root, &Piece), reach
     }
 }
 
-/// Twice the distance from the surface, in errors, that a ray must reach between a pole and the next root
-/// for the two to be told apart; with two errors and less they were seen as one.
+/// Twice the distance from the surface, in errors, that a ray must reach between a pole and the
+/// next root for the two to be told apart; with two errors and less they were seen as one.
 const CLEAR_OF_POLE: f64 = 16.0;
 
-/// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the rounding error
-/// bound there: 0.1 is the most that was seen.
+/// A ray aimed at a point of a border, or of a trim edge, passes the point within this part of the
+/// rounding error bound there: 0.1 is the most that was seen.
 const AIMED: f64 = 0.25;

@@ -1,5 +1,5 @@
-//! Borders of surfaces and edges of trims: which roots lie inside them, and which lie on them to within
-//! rounding.
+//! Borders of surfaces and edges of trims: which roots lie inside them, and which lie on them to
+//! within rounding.
 
 use glam::{DVec2, DVec3};
 
@@ -42,9 +42,9 @@ pub(super) fn on_piece(piece: &Piece, ray: &RayFrame, st: DVec2) -> DVec2 {
     }
 }
 
-/// The point of a border nearest to the ray, by least squares along the free direction, from a place
-/// on the border. The search stops where the point is so near that rounding would affect the next
-/// step. (Where the ray runs along the border to within rounding, every point is that near.)
+/// The point of a border nearest to the ray, by least squares along the free direction, from a
+/// place on the border. The search stops where the point is so near that rounding would affect the
+/// next step. (Where the ray runs along the border to within rounding, every point is that near.)
 fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVec2 {
     // Gauss–Newton steps double the correct digits, but only near the end of a long way.
     let most_steps = 8;
@@ -73,8 +73,8 @@ fn along_border(piece: &Piece, ray: &RayFrame, start: DVec2, free: DVec2) -> DVe
 /// Points count as on the ray if they are within this part of the error bound of it.
 const AT_RAY: f64 = 0.25;
 
-/// A trim edge counts as near within this many times the error bound of a hit: the edge itself is on
-/// a surface known to rounding, and the edge it is shared with is on another.
+/// A trim edge counts as near within this many times the error bound of a hit: the edge itself is
+/// on a surface known to rounding, and the edge it is shared with is on another.
 pub(super) const TRIM_REACH: f64 = 4.0;
 
 /// Two searches that are about equally exact find one root within twice the error: a root at a trim

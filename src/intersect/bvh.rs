@@ -27,8 +27,8 @@ pub struct SurfaceBvh {
     pub(super) leaf_width: f64,
     /// See [`ReachOfF32::of_tree`].
     pub(super) reach_of_f32: f64,
-    /// Bounds of all that a ray from within that reach may be said to meet: single rays that pass beside
-    /// this box are misses.
+    /// Bounds of all that a ray from within that reach may be said to meet: single rays that pass
+    /// beside this box are misses.
     pub(super) surroundings: Aabb,
 }
 
@@ -51,8 +51,8 @@ impl SurfaceBvh {
     /// depend on them.
     ///
     /// # Errors
-    /// If there are more surfaces, pieces, Bézier points or leaves than 32-bit indices can count, or
-    /// than memory is likely to hold.
+    /// If there are more surfaces, pieces, Bézier points or leaves than 32-bit indices can count,
+    /// or than memory is likely to hold.
     pub fn build<S: Charts + Sync>(surfaces: &[S]) -> Result<Self, BuildError> {
         let (set, grouped) = PatchSet::new(surfaces)?;
         let parts = grouped.all();
@@ -112,8 +112,8 @@ impl SurfaceBvh {
         self.tracer_with(Kernel::default())
     }
 
-    /// Returns a tracer for this thread with the given kernel, or with the scalar one if this processor
-    /// cannot run it ([`Kernel::is_available`]); [`Tracer::kernel`] says which it is.
+    /// Returns a tracer for this thread with the given kernel, or with the scalar one if this
+    /// processor cannot run it ([`Kernel::is_available`]); [`Tracer::kernel`] says which it is.
     pub fn tracer_with(&self, kernel: Kernel) -> Tracer<'_> {
         Tracer::new(self, kernel)
     }
@@ -157,12 +157,12 @@ impl SurfaceBvh {
     }
 }
 
-/// How far a point may be from a ray, in scaled coordinates, while boxes in f32 still meet the ray: a
-/// quarter of the blur of rays at the boxes of nodes, and of the growth of oriented boxes.
+/// How far a point may be from a ray, in scaled coordinates, while boxes in f32 still meet the ray:
+/// a quarter of the blur of rays at the boxes of nodes, and of the growth of oriented boxes.
 const BLUR_OF_F32: f64 = 0.25 * BLUR as f64;
 
-/// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by no more than its
-/// blur and the growth of boxes cover.
+/// With that, and with four roundings of coordinates and distances (see [`BLUR`]), a ray is off by
+/// no more than its blur and the growth of boxes cover.
 const _: () = {
     let rounded = 4.0 * (5.0 + 8.0) * 0.5 * f32::EPSILON as f64;
     assert!(rounded + BLUR_OF_F32 <= BLUR as f64 + PADDING);
@@ -171,9 +171,9 @@ const _: () = {
 
 /// How far away ray origins may be for the work in f32.
 ///
-/// A point may be as far from a ray as the promised bound of its residual. That bound grows with the
-/// origin's coordinates, but the growth of boxes in f32 does not. The rounding error of the surfaces
-/// themselves is part of their boxes.
+/// A point may be as far from a ray as the promised bound of its residual. That bound grows with
+/// the origin's coordinates, but the growth of boxes in f32 does not. The rounding error of the
+/// surfaces themselves is part of their boxes.
 struct ReachOfF32 {
     /// How far a point may be from a ray, per unit of the largest coordinate.
     factor: f64,
@@ -190,16 +190,17 @@ impl ReachOfF32 {
         Self { factor, magnitude }
     }
 
-    /// The largest factor by which coordinates may be scaled up. A larger one resolves smaller things, but
-    /// rays must begin nearer: with this one they may begin up to `TIMES` times as far away as anything in the
-    /// scene. On bicubic surfaces, things of about 5e-6 of the scene's largest coordinate still fill the coordinates.
+    /// The largest factor by which coordinates may be scaled up. A larger one resolves smaller
+    /// things, but rays must begin nearer: with this one they may begin up to `TIMES` times as far
+    /// away as anything in the scene. On bicubic surfaces, things of about 5e-6 of the scene's
+    /// largest coordinate still fill the coordinates.
     fn most_scale(&self) -> f64 {
         const TIMES: f64 = 1024.0;
         rounding::power_of_two_below(BLUR_OF_F32 / (self.factor * TIMES * self.magnitude))
     }
 
-    /// The largest coordinate an origin may have: at least that of the surfaces, whose boxes cover the error
-    /// of points for a ray that starts among them.
+    /// The largest coordinate an origin may have: at least that of the surfaces, whose boxes cover
+    /// the error of points for a ray that starts among them.
     fn of_tree(&self, tree: &Tree) -> f64 {
         let scale = tree.regions.iter().map(|region| region.frame.scale).fold(0.0, f64::max);
         (BLUR_OF_F32 / (self.factor * scale)).max(self.magnitude)
@@ -257,7 +258,8 @@ mod tests {
             let bytes = bvh.bytes() as f64 / (spans * spans) as f64;
             assert!(bytes < most, "{bytes} bytes a span of {spans}²");
         }
-        // Curved surfaces: a leaf with its weight and its share of the tree, and no more leaves than pay off.
+        // Curved surfaces: a leaf with its weight and its share of the tree, and no more leaves
+        // than pay off.
         for surface in [shapes::sphere(1.0).unwrap(), shapes::torus(1.0, 0.4).unwrap()] {
             let bvh = built(surface);
             let (bytes, leaves) = (bvh.bytes(), bvh.leaves().len());

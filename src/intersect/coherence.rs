@@ -15,12 +15,13 @@ use crate::patch::Leaf;
 /// - Batches of a few thousand rays are long enough. The answers to longer ones leave the
 ///   processor's caches before the caller reads them.
 ///
-/// The last digits of a ray's answer may differ between packets, batches of incoherent rays, and the
-/// ray by itself. Within either kind of batch they do not depend on the other rays.
+/// The last digits of a ray's answer may differ between packets, batches of incoherent rays, and
+/// the ray by itself. Within either kind of batch they do not depend on the other rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Coherence {
-    /// Neighbours have similar origins, and similar directions (primary rays, shadow rays of one light) or at
-    /// least meet mostly the same leaves, as short rays do: see [`SurfaceBvh::neighbours`].
+    /// Neighbours have similar origins, and similar directions (primary rays, shadow rays of one
+    /// light) or at least meet mostly the same leaves, as short rays do: see
+    /// [`SurfaceBvh::neighbours`].
     Coherent,
     /// Nothing is known.
     #[default]
@@ -38,24 +39,26 @@ pub struct Neighbours {
     pub scattered: Coherence,
 }
 
-/// Packets pay off where a leaf is at least this many rays wide. Measured on sheets: packets take 1.2 times
-/// as long as batches of incoherent rays at a width of about 1.7, 1.9 times at 0.8, six times at 0.4.
+/// Packets pay off where a leaf is at least this many rays wide. Measured on sheets: packets take
+/// 1.2 times as long as batches of incoherent rays at a width of about 1.7, 1.9 times at 0.8, six
+/// times at 0.4.
 const FIRST_HITS: f64 = 2.0;
 
-/// The same for rays that leave hits: the rays of a packet begin in as many leaves as the packet has met,
-/// and pass by the boxes of all their neighbours. Measured: packets take 0.9 to 1 times as long as batches
-/// at a width of about 2.4, 1.1 times at 1.2.
+/// The same for rays that leave hits: the rays of a packet begin in as many leaves as the packet
+/// has met, and pass by the boxes of all their neighbours. Measured: packets take 0.9 to 1 times as
+/// long as batches at a width of about 2.4, 1.1 times at 1.2.
 const OCCLUSIONS: f64 = 2.0;
 
-/// The same for rays that leave hits in arbitrary directions. Measured: packets take 0.4 to 0.7 times as long
-/// as batches where leaves are 5 to 40 rays wide, 0.7 to 0.9 times at 1.4 to 3.4.
+/// The same for rays that leave hits in arbitrary directions. Measured: packets take 0.4 to 0.7
+/// times as long as batches where leaves are 5 to 40 rays wide, 0.7 to 0.9 times at 1.4 to 3.4.
 const SCATTERED: f64 = 1.5;
 
 impl SurfaceBvh {
-    /// How neighbouring rays, in rows and columns, are best traced if they are `spacing` scene units apart
-    /// where they meet the surfaces: in packets only if leaves are several rays wide.
+    /// How neighbouring rays, in rows and columns, are best traced if they are `spacing` scene
+    /// units apart where they meet the surfaces: in packets only if leaves are several rays wide.
     ///
-    /// The result is the same for all rays of a picture, so that no ray depends on what else is traced.
+    /// The result is the same for all rays of a picture, so that no ray depends on what else is
+    /// traced.
     pub fn neighbours(&self, spacing: f64) -> Neighbours {
         let told = |least: f64| {
             // False for a spacing that is not a number.

@@ -38,8 +38,8 @@ pub(super) struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    /// Adds the nodes and blocks of a hierarchy, whose leaves are `parts`, to those of `wide`; returns
-    /// the child where rays begin.
+    /// Adds the nodes and blocks of a hierarchy, whose leaves are `parts`, to those of `wide`;
+    /// returns the child where rays begin.
     pub(super) fn of(
         (binary, below): (&'a Hierarchy, &'a [u32]),
         regions: &'a HashMap<u32, u32>,
@@ -126,7 +126,8 @@ impl<'a> Collapse<'a> {
         Child::Block(self.wide.starts.len() as u32 - 2)
     }
 
-    /// Makes blocks of the many leaves of a binary node (groups that share one box), and nodes above them.
+    /// Makes blocks of the many leaves of a binary node (groups that share one box), and nodes
+    /// above them.
     fn crowd(&mut self, node: &BinaryNode) -> Child {
         let leaves = node.first as usize..(node.first + node.leaves) as usize;
         if leaves.len() <= LANES {

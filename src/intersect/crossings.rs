@@ -14,7 +14,8 @@ use crate::patch::Piece;
 /// Whatever else is met at the place of a tip stays, and the tip becomes doubtful.
 ///
 /// A ray that passes a convex edge on its outside, within rounding, may be said to enter and to
-/// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is doubtful.
+/// leave there, or to do neither. Where only one of the two sides was near enough, its meeting is
+/// doubtful.
 pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let place = |m: &Meeting| (m.surface, m.piece);
     meetings.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
@@ -24,7 +25,8 @@ pub(super) fn merge(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) 
     let reach = reach_along(meetings);
     let mut crossings: Vec<Crossing> = Vec::new();
     for &meeting in &*meetings {
-        // Crossings are in order, except where a certain view has replaced one, from within reach behind it.
+        // Crossings are in order, except where a certain view has replaced one, from within reach
+        // behind it.
         let near = |earlier: &&mut Crossing| meeting.t - earlier.view.t <= 2.0 * reach;
         let same = crossings.iter_mut().rev().take_while(near).find(|earlier| {
             same_side(&earlier.view, &meeting)
@@ -72,8 +74,8 @@ impl Crossing {
     }
 }
 
-/// Flags tips at whose place something else is met. This comes after views of one crossing are merged, so
-/// that no view can take the flag away again.
+/// Flags tips at whose place something else is met. This comes after views of one crossing are
+/// merged, so that no view can take the flag away again.
 fn doubt_tips(meetings: &mut [Meeting], pieces: &[Piece], axis: DVec3) {
     for k in (0..meetings.len()).filter(|&k| has_no_normal(&meetings[k])).collect::<Vec<_>>() {
         let tip = &meetings[k];
@@ -107,8 +109,8 @@ const GRAZING: f64 = 1e-4;
 /// Whether the ray of a meeting may touch the surface: such a meeting counts for either side.
 ///
 /// A doubtful meeting that is steep has one side. At a corner of a piece whose tangents there are
-/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but it is known
-/// on which side of the surface around the corner the ray is.
+/// parallel, as where a crease of a limit surface runs on smoothly, nothing is proved; but it is
+/// known on which side of the surface around the corner the ray is.
 pub(super) fn touches(meeting: &Meeting) -> bool {
     !meeting.is_certain() && meeting.cosine.abs() < GRAZING && !has_no_normal(meeting)
 }
@@ -118,8 +120,8 @@ pub(super) fn has_no_normal(meeting: &Meeting) -> bool {
     meeting.normal.is_none()
 }
 
-/// Whether the ray passes through the surface in the same direction at both meetings, as far as is known.
-/// At a tip the direction is unknown: it matches only other views of a tip.
+/// Whether the ray passes through the surface in the same direction at both meetings, as far as is
+/// known. At a tip the direction is unknown: it matches only other views of a tip.
 fn same_side(a: &Meeting, b: &Meeting) -> bool {
     match (has_no_normal(a), has_no_normal(b)) {
         (false, false) => a.cosine * b.cosine > 0.0 || touches(a) || touches(b),

@@ -12,12 +12,12 @@ use crate::geometry::Direction;
 use crate::math::bernstein::restrict;
 use crate::patch::{CollapsedSide, Piece};
 
-/// The most times a curve is halved to see on which side of the ray it passes: what is left is then far below what
-/// rounding can resolve.
+/// The most times a curve is halved to see on which side of the ray it passes: what is left is then
+/// far below what rounding can resolve.
 const MOST_HALVINGS: u32 = 40;
 
-/// Directions are known to span a plane if the sine of the angle between two of them is more than this, the root of the
-/// unit roundoff.
+/// Directions are known to span a plane if the sine of the angle between two of them is more than
+/// this, the root of the unit roundoff.
 const LEAST_SINE: f64 = 1e-8;
 
 /// A piece of a surface, where a ray meets it.
@@ -36,13 +36,14 @@ impl Face<'_> {
         self.reach.sides(self.meeting.st, &self.meeting.jet)
     }
 
-    /// Whether another place of the piece is the same, to within rounding; at a pole all places of the side are.
+    /// Whether another place of the piece is the same, to within rounding; at a pole all places of
+    /// the side are.
     pub(super) fn holds(&self, st: DVec2) -> bool {
         moved(&self.meeting.jet, st - self.meeting.st) <= 2.0 * self.reach.along_ray
     }
 
-    /// The angle the face covers, in radians: positive if the ray leaves through the face, negative if it enters.
-    /// `None` if the angle cannot be determined.
+    /// The angle the face covers, in radians: positive if the ray leaves through the face, negative
+    /// if it enters. `None` if the angle cannot be determined.
     pub(super) fn angle(&self) -> Option<f64> {
         let sides = self.sides();
         let mut poles = self.piece.collapsed_sides().filter(|(side, _)| sides[side.number()]);
@@ -54,8 +55,8 @@ impl Face<'_> {
         angle.filter(|angle| angle.is_finite())
     }
 
-    /// The angle around a place with a tangent plane: of the directions in that plane that neither a side nor trims
-    /// cut off.
+    /// The angle around a place with a tangent plane: of the directions in that plane that neither
+    /// a side nor trims cut off.
     fn around_place(&self, [s0, s1, t0, t1]: [bool; 4]) -> Option<f64> {
         let Meeting { st, jet, flags, .. } = self.meeting;
         let lengths = DVec2::from_array(self.piece.domain().map(|[from, to]| to - from));
@@ -80,15 +81,18 @@ impl Face<'_> {
             let beyond = s0 && u < 0.0 || s1 && u > 0.0 || t0 && v < 0.0 || t1 && v > 0.0;
             cut[0] < cut[1] && !beyond && sectors.as_ref().is_none_or(|one| one.keeps(middle))
         });
-        // All turn the same way; for one that turns by half a turn, rounding would decide which way.
+        // All turn the same way; for one that turns by half a turn, rounding would decide which
+        // way.
         let turned = |cut: &[f64]| self.turn(in_space(cut[0]), in_space(cut[1])).abs();
         Some(kept.map(turned).sum::<f64>().copysign(self.meeting.cosine))
     }
 
-    /// The angle around a pole: swept, along the collapsed side, by the direction that leads away from the pole.
+    /// The angle around a pole: swept, along the collapsed side, by the direction that leads away
+    /// from the pole.
     ///
-    /// Where `t` is zero on that side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W` except for higher
-    /// powers of `t`, with the control points `Pᵢ` of the next row: these directions are those of a Bézier curve.
+    /// Where `t` is zero on that side, the surface minus the pole is `t q Σ Bᵢ(s) wᵢ (Pᵢ − P) / W`
+    /// except for higher powers of `t`, with the control points `Pᵢ` of the next row: these
+    /// directions are those of a Bézier curve.
     fn around_pole(&self, side: CollapsedSide, pole: DVec3) -> Option<f64> {
         let (piece, fixed) = (self.piece, side.parameter());
         let degree = piece.patch.degree();
@@ -108,8 +112,8 @@ impl Face<'_> {
         }
         let across: Vec<DVec3> = away.into_iter().map(|v| self.across(v)).collect();
 
-        // The normal is the cross product of the direction's derivative along the side and the direction, or of
-        // these in reverse order.
+        // The normal is the cross product of the direction's derivative along the side and the
+        // direction, or of these in reverse order.
         let sign = if (fixed == 0) == (side.end() == 0) { 1.0 } else { -1.0 };
         let [start, end] = piece.domain()[1 - fixed];
         let local = |u: f64| ((u - start) / (end - start)).clamp(0.0, 1.0);
@@ -127,9 +131,10 @@ impl Face<'_> {
         Some(sign * kept.into_iter().map(swept).sum::<Option<f64>>()?)
     }
 
-    /// The angle a Bézier curve sweeps about the ray; its control points are given as seen along the ray. If they are
-    /// all on one side of a line through the ray, so is the curve, and its ends give the angle. Otherwise this holds,
-    /// sooner or later, for the control points of its halves.
+    /// The angle a Bézier curve sweeps about the ray; its control points are given as seen along
+    /// the ray. If they are all on one side of a line through the ray, so is the curve, and its
+    /// ends give the angle. Otherwise this holds, sooner or later, for the control points of its
+    /// halves.
     fn swept(&self, control: Vec<DVec3>, halvings: u32) -> Option<f64> {
         let [first, last] = [control[0], control[control.len() - 1]];
         let middle = control.iter().filter_map(|v| v.try_normalize()).sum::<DVec3>();
@@ -148,15 +153,16 @@ impl Face<'_> {
         v.reject_from_normalized(self.axis)
     }
 
-    /// The angle about the ray from one vector seen along it to another, up to half a turn to either side.
+    /// The angle about the ray from one vector seen along it to another, up to half a turn to
+    /// either side.
     fn turn(&self, from: DVec3, to: DVec3) -> f64 {
         let sine = self.axis.dot(from.cross(to));
         if from == DVec3::ZERO || to == DVec3::ZERO { f64::NAN } else { sine.atan2(from.dot(to)) }
     }
 }
 
-/// The unit vector at an angle. Where it is along an axis the other coordinate is exactly zero, for in space it may be
-/// multiplied by something large.
+/// The unit vector at an angle. Where it is along an axis the other coordinate is exactly zero, for
+/// in space it may be multiplied by something large.
 fn direction(angle: f64) -> DVec2 {
     let exact = |x: f64| if x.abs() <= 4.0 * f64::EPSILON { 0.0 } else { x };
     DVec2::new(exact(angle.cos()), exact(angle.sin()))

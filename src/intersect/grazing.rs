@@ -1,8 +1,9 @@
 //! Trim edges near a root where the ray meets the surface at a small angle.
 //!
-//! Where a root may be far off along the ray, it may be on either side of any edge that the ray passes
-//! over there. But only a narrow strip of the surface lies within rounding of the ray: an edge beside
-//! that strip does not matter. Where the shape of the strip is not certain, all edges near it matter.
+//! Where a root may be far off along the ray, it may be on either side of any edge that the ray
+//! passes over there. But only a narrow strip of the surface lies within rounding of the ray: an
+//! edge beside that strip does not matter. Where the shape of the strip is not certain, all edges
+//! near it matter.
 
 use glam::{DVec2, DVec3};
 
@@ -21,8 +22,8 @@ pub(super) struct KnownRoot<'a> {
     pub(super) along: f64,
 }
 
-/// Roots whose error bound along the ray is more than this many times the one across it are treated as a
-/// stretch of the ray, not as a square.
+/// Roots whose error bound along the ray is more than this many times the one across it are treated
+/// as a stretch of the ray, not as a square.
 const LONG: f64 = 4.0;
 
 /// The most squares that are looked at: a few for each halving of a long strip beside an edge.
@@ -37,11 +38,11 @@ impl KnownRoot<'_> {
         self.along > LONG * self.error
     }
 
-    /// The side of the trims that holds all the ray passes over where the root may be; `None` if it may be
-    /// either. The piece has no pole nearby.
+    /// The side of the trims that holds all the ray passes over where the root may be; `None` if it
+    /// may be either. The piece has no pole nearby.
     ///
-    /// The strip is covered by squares over parts of the ray; a part is halved as long as its square
-    /// reaches an edge and it is longer than the strip is wide.
+    /// The strip is covered by squares over parts of the ray; a part is halved as long as its
+    /// square reaches an edge and it is longer than the strip is wide.
     pub(super) fn side(&self, piece: &Piece, st: DVec2, jet: &Jet) -> Option<Side> {
         let width = TRIM_REACH * self.error;
         let (mut waiting, mut only) = (vec![self.over_piece(piece, jet.point)], None);
@@ -60,8 +61,8 @@ impl KnownRoot<'_> {
         None // it may run along an edge
     }
 
-    /// The range along the ray, measured from a root, that is near enough to the root and may be over the
-    /// piece: the piece lies between its control points.
+    /// The range along the ray, measured from a root, that is near enough to the root and may be
+    /// over the piece: the piece lies between its control points.
     fn over_piece(&self, piece: &Piece, root: DVec3) -> [f64; 2] {
         let reach = TRIM_REACH * self.along;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -78,8 +79,8 @@ impl KnownRoot<'_> {
         let half = 0.5 * (to - from);
         let under = |along: f64| Foot::new(piece, root, root.1.point + along * self.ray.axis);
         let feet = [from, 0.5 * (from + to), to].map(under);
-        // Beyond a border there is nothing; beyond another side there are other parameters, about which
-        // nothing is known here.
+        // Beyond a border there is nothing; beyond another side there are other parameters, about
+        // which nothing is known here.
         let beyond = |foot: &Foot| foot.beyond.filter(|&side| !piece.is_border(side));
         if feet.iter().any(|foot| beyond(foot).is_some()) {
             return Strip::Unknown;
@@ -138,8 +139,8 @@ impl Foot {
     }
 }
 
-/// The step in parameters that moves the point, to first order, by the part of a vector in the tangent
-/// plane.
+/// The step in parameters that moves the point, to first order, by the part of a vector in the
+/// tangent plane.
 fn step_towards(jet: &Jet, v: DVec3) -> DVec2 {
     let (ss, st, tt) = (jet.ds.length_squared(), jet.ds.dot(jet.dt), jet.dt.length_squared());
     let (s, t) = (jet.ds.dot(v), jet.dt.dot(v));

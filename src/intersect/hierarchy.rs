@@ -17,8 +17,8 @@ use rayon::prelude::*;
 
 use crate::patch::ScaledBox;
 
-/// In trees over more primitives than this, only the worst nodes are reinserted: reinsertion is slow, and
-/// gains little where boxes are many, small and alike.
+/// In trees over more primitives than this, only the worst nodes are reinserted: reinsertion is
+/// slow, and gains little where boxes are many, small and alike.
 const MANY: usize = 1 << 17;
 
 /// A node: its box and what is in it.
@@ -41,8 +41,8 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// The tree over leaves with the given boxes. `groups` are the sizes of the runs of leaves that are
-    /// to be kept together: each is at least 1, their sum is the number of leaves.
+    /// The tree over leaves with the given boxes. `groups` are the sizes of the runs of leaves that
+    /// are to be kept together: each is at least 1, their sum is the number of leaves.
     pub(super) fn new(leaves: &[ScaledBox], groups: &[u32]) -> Self {
         if leaves.is_empty() {
             return Self::default();
@@ -90,7 +90,8 @@ impl Hierarchy {
         Self { nodes: build(&boxes, &primitives), order }
     }
 
-    /// The sum of a quantity over the leaves below each node; `of` returns it for the leaves of one node.
+    /// The sum of a quantity over the leaves below each node; `of` returns it for the leaves of one
+    /// node.
     pub(super) fn totals<T: Copy + Default + std::ops::Add<Output = T>>(
         &self,
         of: impl Fn(&[u32]) -> T,
@@ -158,8 +159,9 @@ fn build(boxes: &[BuilderBox], primitives: &[Range<u32>]) -> Vec<BinaryNode> {
 
 /// The boxes, each a little larger, neighbours by different fractions.
 ///
-/// The builder merges pairs of boxes that are each other's best. Of boxes that are alike and evenly spaced, as in a row,
-/// every one would prefer the neighbour on the same side, and each pass would merge one pair only.
+/// The builder merges pairs of boxes that are each other's best. Of boxes that are alike and evenly
+/// spaced, as in a row, every one would prefer the neighbour on the same side, and each pass would
+/// merge one pair only.
 fn uneven(boxes: &[BuilderBox]) -> Vec<BuilderBox> {
     let grown = |(k, b): (usize, &BuilderBox)| {
         // Fibonacci hashing (Knuth 1998, section 6.4): neighbours get fractions that are far apart.
@@ -170,7 +172,8 @@ fn uneven(boxes: &[BuilderBox]) -> Vec<BuilderBox> {
     boxes.iter().enumerate().map(grown).collect()
 }
 
-/// The fraction of its size by which a box is grown at most: little enough to leave all other decisions as they are.
+/// The fraction of its size by which a box is grown at most: little enough to leave all other
+/// decisions as they are.
 const UNEVEN: f32 = 1.0 / 65536.0;
 
 /// The units in the last place of its coordinates by which a box is grown at most, in addition.
@@ -223,8 +226,8 @@ fn ordered_bits(x: f32) -> u32 {
 mod tests {
     use super::*;
 
-    /// The number of pairs that one pass of PLOC merges: of boxes that are each other's best among a few neighbours,
-    /// by the area of what holds both; the last of equally good ones is the best.
+    /// The number of pairs that one pass of PLOC merges: of boxes that are each other's best among
+    /// a few neighbours, by the area of what holds both; the last of equally good ones is the best.
     fn merged_at_once(boxes: &[BuilderBox]) -> usize {
         let best = |k: usize| {
             let area = |other: usize| boxes[k].union(&boxes[other]).half_area();
@@ -236,7 +239,8 @@ mod tests {
         (0..boxes.len()).filter(|&k| bests[bests[k]] == k).count() / 2
     }
 
-    /// A row of cubes, and a stack of sheets so thin that f32 does not tell the areas of pairs apart.
+    /// A row of cubes, and a stack of sheets so thin that f32 does not tell the areas of pairs
+    /// apart.
     #[test]
     fn many_pairs_of_a_row_are_merged_at_once() {
         let count = 4000u16;

@@ -10,8 +10,8 @@ use crate::math::bits::has;
 
 /// One meeting of a ray and a surface, in f64.
 ///
-/// Hits are equal if all of their numbers are. A hit without a normal equals nothing, not even itself,
-/// since its normal is NaN.
+/// Hits are equal if all of their numbers are. A hit without a normal equals nothing, not even
+/// itself, since its normal is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The ray parameter: the hit lies at `o + t d`, with `d` as the caller gave it.
@@ -25,10 +25,10 @@ pub struct Hit {
     pub uv: DVec2,
     /// The point on the surface, `S(u, v)`.
     pub point: DVec3,
-    /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where
-    /// it is undefined (then [`HitFlags::NO_NORMAL`] is set). It is the normal at `(u, v)` to within a
-    /// few roundings (in packets to 5e-12), beside poles too. Only half of its digits are sure beside
-    /// collapsed sides that meet, or where all paths from a pole start in one direction.
+    /// The unit normal `S_u × S_v / |S_u × S_v|`, not turned towards the ray; NaN where it is
+    /// undefined (then [`HitFlags::NO_NORMAL`] is set). It is the normal at `(u, v)` to within a
+    /// few roundings (in packets to 5e-12), beside poles too. Only half of its digits are sure
+    /// beside collapsed sides that meet, or where all paths from a pole start in one direction.
     pub normal: DVec3,
     /// What else is known about the hit.
     pub flags: HitFlags,
@@ -41,8 +41,8 @@ pub struct Hit {
 pub struct Root {
     /// The Bézier piece it was found on.
     pub(crate) piece: u32,
-    /// The part of `error` that is across the surface: the cosine of the angle between ray and normal;
-    /// 0 without a normal.
+    /// The part of `error` that is across the surface: the cosine of the angle between ray and
+    /// normal; 0 without a normal.
     pub(crate) cosine: f32,
     /// Its parameters in that piece's unit square.
     pub(crate) st: DVec2,
@@ -51,7 +51,8 @@ pub struct Root {
 }
 
 impl Root {
-    /// A cosine as it is stored: rounded up by about a unit, in one multiplication, since this is done for every hit.
+    /// A cosine as it is stored: rounded up by about a unit, in one multiplication, since this is
+    /// done for every hit.
     #[inline(always)]
     pub(super) fn kept_cosine(cosine: f64) -> f32 {
         ((1.0 + f64::from(f32::EPSILON)) * cosine.abs()) as f32
@@ -150,8 +151,8 @@ impl fmt::Debug for HitFlags {
 
 /// A ray to trace and, if it is a secondary ray, the root it leaves.
 ///
-/// That root is not reported again and, where it is the only root there may be, not even searched for. So only
-/// [`Query::leaving`] sets it, after checking that the ray starts there.
+/// That root is not reported again and, where it is the only root there may be, not even searched
+/// for. So only [`Query::leaving`] sets it, after checking that the ray starts there.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
     pub(super) ray: Ray,
@@ -166,11 +167,11 @@ impl Query {
 
     /// A ray that leaves a hit: the hit itself is not met again.
     ///
-    /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that starts
-    /// elsewhere, for instance because its origin was moved along the normal to be on the safe side, does
-    /// not leave the hit: it is traced like any other ray, and [`start_root`](Self::start_root) is
-    /// `None`. The hit must be unchanged, and of the surfaces that are queried: only its point and
-    /// normal are checked.
+    /// The ray should start at [`Hit::point`], or as near as `o + t d` comes to it. A ray that
+    /// starts elsewhere, for instance because its origin was moved along the normal to be on the
+    /// safe side, does not leave the hit: it is traced like any other ray, and
+    /// [`start_root`](Self::start_root) is `None`. The hit must be unchanged, and of the surfaces
+    /// that are queried: only its point and normal are checked.
     ///
     /// A plain ray from [`Hit::point`], or [`Query::primary`], is no substitute. Rounding decides
     /// on which side of the surface it starts: many such answers are doubtful, and some report the

@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3, DVec4, Vec3Swizzles};
 use crate::math::{RayFrame, bernstein};
 use crate::patch::{Leaf, Piece};
 
-/// The control points of a leaf without its slack, in the coordinates of a ray. Since all weights are positive
-/// there, their hull contains the whole leaf.
+/// The control points of a leaf without its slack, in the coordinates of a ray. Since all weights
+/// are positive there, their hull contains the whole leaf.
 #[derive(Debug)]
 pub(super) struct Hull(Vec<DVec3>);
 
@@ -18,7 +18,8 @@ impl Hull {
         Self(net.into_iter().map(|c| ray.coordinates(c.truncate() / c.w)).collect())
     }
 
-    /// Whether some plane parallel to the ray, more than `distance` from it, has the whole hull on its far side.
+    /// Whether some plane parallel to the ray, more than `distance` from it, has the whole hull on
+    /// its far side.
     pub(super) fn is_passed_by(&self, distance: f64) -> bool {
         let across = || self.0.iter().map(|point| point.xy());
         // The outermost points on either side, as seen from the ray, if it passes the hull.

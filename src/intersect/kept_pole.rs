@@ -1,8 +1,8 @@
 //! Hits at a pole where trims have cut off some of the parameters that lead there.
 //!
 //! All parameters of a collapsed side are one point. That point is kept if any of them is kept. The
-//! hit is given a kept parameter, so that its parameters, and the normal that goes with them, belong
-//! to a part that is kept.
+//! hit is given a kept parameter, so that its parameters, and the normal that goes with them,
+//! belong to a part that is kept.
 
 use glam::{DVec2, DVec3};
 
@@ -27,8 +27,8 @@ impl<'a> Spot<'a> {
         (normal, normal.map_or(0.0, |normal| normal.dot(ray.axis)))
     }
 
-    /// The nearest place along a collapsed side that trims keep, perhaps on another piece that
-    /// ends in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
+    /// The nearest place along a collapsed side that trims keep, perhaps on another piece that ends
+    /// in the same pole; `None` if there is none, or if it is farther than `allowed` from the ray.
     pub(super) fn kept(
         &self,
         set: &'a PatchSet,
@@ -79,7 +79,8 @@ fn within([from, to]: [f64; 2], share: f64) -> f64 {
     if share == 1.0 { to } else { from + share * (to - from) }
 }
 
-/// The point of a stretch nearest to `place`, at least `little` inside its ends; the middle of too short a stretch.
+/// The point of a stretch nearest to `place`, at least `little` inside its ends; the middle of too
+/// short a stretch.
 fn nearest_inside([from, to]: [f64; 2], little: f64, place: f64) -> f64 {
     let [first, last] = [from + little, to - little];
     if first < last { place.clamp(first, last) } else { 0.5 * (from + to) }

@@ -13,7 +13,8 @@ use thiserror::Error;
 pub enum Kernel {
     /// The readable specification: one ray at a time in f64.
     Scalar,
-    /// Many rays or many boxes at a time, with instructions that every processor of its architecture has.
+    /// Many rays or many boxes at a time, with instructions that every processor of its
+    /// architecture has.
     Portable,
     /// The same with AVX2.
     Avx2,

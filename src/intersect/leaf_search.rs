@@ -11,7 +11,8 @@ use super::newton::{Grounds, Newton, newton};
 use crate::math::RayFrame;
 use crate::patch::{CollapsedSide, LEAF_SLACK, Leaf, Passage, Piece, WIDENING};
 
-/// Searches a leaf the fast way: by Newton where the leaf's certificate holds, else by the exact solver.
+/// Searches a leaf the fast way: by Newton where the leaf's certificate holds, else by the exact
+/// solver.
 ///
 /// Where the certificate holds there is at most one root in the widened leaf. If Newton
 /// converges there, a second point with a residual below the error could only be within
@@ -56,14 +57,16 @@ pub(super) fn search(
             Newton::Failed => {}
         }
     }
-    // A search may reach a leaf whose box the ray meets though the ray misses the boxes around it: a packet does so
-    // on behalf of other rays. So what is searched, and doubted, depends on the leaf alone, not on how it was reached.
+    // A search may reach a leaf whose box the ray meets though the ray misses the boxes around it:
+    // a packet does so on behalf of other rays. So what is searched, and doubted, depends on the
+    // leaf alone, not on how it was reached.
     if let Some(from) = met_from(place, passage, ray) {
         search_exactly(question, place, Some(from), z_limit, findings);
     }
 }
 
-/// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from` is the result of
+/// Searches a leaf the exact way: all roots by subdivision, whatever the certificate says. `from`
+/// is the result of
 /// [`met_from`]: if it is `None`, only proved roots count.
 pub(super) fn search_exactly(
     question: &Question<'_>,
@@ -116,7 +119,8 @@ pub(super) fn search_exactly(
         if let Some(z) = from.filter(|_| !is_all && !solutions.iter().any(is_proved)) {
             findings.doubt_at(z * question.ray.t_from_z);
         }
-        // The places that stand for a stretch may have been moved out of the ray's range, far from the origin.
+        // The places that stand for a stretch may have been moved out of the ray's range, far from
+        // the origin.
         if earliest < f64::INFINITY {
             findings.doubt_at(earliest * question.ray.t_from_z);
         }
@@ -126,35 +130,38 @@ pub(super) fn search_exactly(
     findings.solutions = solutions;
 }
 
-/// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not before it enters the
-/// leaf's box, nor before the nearest control point. `None` if the ray passes by the control points' hull.
+/// The distance along the ray from which on it may meet a leaf, or pass it within rounding: not
+/// before it enters the leaf's box, nor before the nearest control point. `None` if the ray passes
+/// by the control points' hull.
 pub(super) fn met_from(place: &PlacedLeaf<'_>, passage: &Passage, ray: &RayFrame) -> Option<f64> {
     let (hull, error) = (Hull::of(place.leaf, place.piece, ray), error_bound(place.piece, ray));
     let nearest = hull.nearest_z().max(passage.entry) - error;
     (!hull.is_passed_by(AROUND * error)).then_some(nearest.max(ray.z_range[0]))
 }
 
-/// How many boxes the exact solver looks at for one ray, on bicubic surfaces, before it leaves further leaves
-/// undecided, which makes the answer doubtful: about a tenth of a second of work. A ray through any proper
-/// surface takes about a hundred. A ray that runs inside a plane through many leaves takes about a hundred for
-/// each, and thousands for each leaf around a pole that it passes closely: all hits of one on a disk have
-/// cost more than 2¹⁵. A surface that is folded flat onto itself, or is only a curve, may take thousands of
-/// boxes for each of thousands of leaves.
+/// How many boxes the exact solver looks at for one ray, on bicubic surfaces, before it leaves
+/// further leaves undecided, which makes the answer doubtful: about a tenth of a second of work. A
+/// ray through any proper surface takes about a hundred. A ray that runs inside a plane through
+/// many leaves takes about a hundred for each, and thousands for each leaf around a pole that it
+/// passes closely: all hits of one on a disk have cost more than 2¹⁵. A surface that is folded flat
+/// onto itself, or is only a curve, may take thousands of boxes for each of thousands of leaves.
 const MOST_EFFORT: u64 = 1 << 17;
 
-/// The cost of one box, in boxes of bicubic surfaces: from how often two control points are mixed to cut the net down
-/// to the box. At degrees around 30, [`MOST_EFFORT`] boxes would take ten seconds and more. But no box counts as more
-/// than 16, so that any ray may use twice as many boxes as the most difficult leaf may take.
+/// The cost of one box, in boxes of bicubic surfaces: from how often two control points are mixed
+/// to cut the net down to the box. At degrees around 30, [`MOST_EFFORT`] boxes would take ten
+/// seconds and more. But no box counts as more than 16, so that any ray may use twice as many boxes
+/// as the most difficult leaf may take.
 fn cost_of_box([p, q]: [usize; 2]) -> u64 {
     let mixes = |[p, q]: [usize; 2]| ((p + 1) * (q + 1) * (p + q)) as u64;
     (mixes([p, q]) / mixes([3, 3])).clamp(1, 16)
 }
 
-/// The rectangle in which roots are searched for, and whether it holds all roots that count. It is the leaf with its
-/// slack; where the leaf ends at a side of its piece, it reaches beyond the side by as much as points may be off.
+/// The rectangle in which roots are searched for, and whether it holds all roots that count. It is
+/// the leaf with its slack; where the leaf ends at a side of its piece, it reaches beyond the side
+/// by as much as points may be off.
 ///
-/// Far from the origin that may be more than the slack, or even than the leaf; as [`FARTHEST_BEYOND`] limits it, roots
-/// that count may lie farther out.
+/// Far from the origin that may be more than the slack, or even than the leaf; as
+/// [`FARTHEST_BEYOND`] limits it, roots that count may lie farther out.
 fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     let mut rect = leaf.widened(piece, LEAF_SLACK);
     let sides = leaf.rect();
@@ -179,24 +186,25 @@ fn searched(leaf: &Leaf, piece: &Piece, error: f64) -> (Rect, bool) {
     (rect, is_all)
 }
 
-/// How many errors beyond a side of a piece are searched: twice as far as roots are wanted. A root is as far from the
-/// side as the ray passes it, over the sine of the ray's angle with the surface.
+/// How many errors beyond a side of a piece are searched: twice as far as roots are wanted. A root
+/// is as far from the side as the ray passes it, over the sine of the ray's angle with the surface.
 const BEYOND_SIDES: f64 = 16.0;
 
-/// The search reaches beyond a side by at most this part of the leaf's side, over the degree: rounding errors of
-/// control points grow there by the power of the degree, to 1.6 times at a corner. Where half of that reach is less
-/// than twice the error bound of points, and nothing is found, it is doubtful whether the leaf is met.
+/// The search reaches beyond a side by at most this part of the leaf's side, over the degree:
+/// rounding errors of control points grow there by the power of the degree, to 1.6 times at a
+/// corner. Where half of that reach is less than twice the error bound of points, and nothing is
+/// found, it is doubtful whether the leaf is met.
 const FARTHEST_BEYOND: f64 = 0.125;
 
-/// The distance from which on a ray may meet something that is known only to lie along a stretch of the ray; `None` for
-/// a proved root, or a stretch outside the range of interest.
+/// The distance from which on a ray may meet something that is known only to lie along a stretch of
+/// the ray; `None` for a proved root, or a stretch outside the range of interest.
 fn open_from(proof: Proof, problem: &Problem<'_>) -> Option<f64> {
     let ([from, to], [z_min, z_max]) = (proof.stretch()?, problem.z_range);
     (from <= z_max && to >= z_min).then_some(from.max(z_min))
 }
 
-/// Cuts stretches that reach into the slack beyond the piece down to the part on the piece.
-/// A stretch of which no part is on the piece becomes a contact with the border, somewhere along it.
+/// Cuts stretches that reach into the slack beyond the piece down to the part on the piece. A
+/// stretch of which no part is on the piece becomes a contact with the border, somewhere along it.
 fn clip_stretches(piece: &Piece, ray: &RayFrame, solutions: &mut [Solution]) {
     // The solver reports both ends of a stretch, one after the other.
     for ends in solutions.chunk_by_mut(|a, b| a.proof == b.proof) {
@@ -226,7 +234,8 @@ fn certified(place: &PlacedLeaf<'_>, ray: &RayFrame, error: f64) -> bool {
     })
 }
 
-/// Newton's start: the parameters at box coordinates, which run from −1 to 1 along the leaf's parameters.
+/// Newton's start: the parameters at box coordinates, which run from −1 to 1 along the leaf's
+/// parameters.
 fn first_guess(leaf: &Leaf, middle: DVec2) -> DVec2 {
     let at = |[from, to]: [f64; 2], x: f64| 0.5 * ((from + to) + x * (to - from));
     let [s, t] = leaf.rect();

@@ -32,8 +32,8 @@ pub(super) struct Meeting {
     pub(super) cosine: f64,
     /// The stretch along which the ray runs inside the surface, as ray parameters.
     pub(super) stretch: Option<[f64; 2]>,
-    /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more than the
-    /// rounding of a ray aimed at it.
+    /// Whether the ray passes a side of the piece, or an edge of its trims, on the outside, by more
+    /// than the rounding of a ray aimed at it.
     pub(super) beyond: bool,
 }
 
@@ -99,8 +99,8 @@ pub(super) struct Question<'a> {
     pub(super) ray: &'a RayFrame,
     pub(super) t_range: [f64; 2],
     pub(super) from: Option<&'a Root>,
-    /// Whether all hits are wanted: then a root just beyond a trim edge, which another search may have found at the
-    /// edge, is doubtful.
+    /// Whether all hits are wanted: then a root just beyond a trim edge, which another search may
+    /// have found at the edge, is doubtful.
     pub(super) all_hits: bool,
 }
 
@@ -121,8 +121,8 @@ pub(super) struct PlacedLeaf<'a> {
 }
 
 impl PlacedLeaf<'_> {
-    /// The ray's passage through the leaf's box, if the ray may meet the leaf, to within rounding, between
-    /// the start of its range and `limit`, both in scene units along the ray.
+    /// The ray's passage through the leaf's box, if the ray may meet the leaf, to within rounding,
+    /// between the start of its range and `limit`, both in scene units along the ray.
     pub(super) fn passage(
         &self,
         ray: &RayFrame,
@@ -145,8 +145,8 @@ impl<'a> Question<'a> {
         (piece.surface == surface).then_some((root, piece))
     }
 
-    /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which the
-    /// ray starts on: at the same place, to within both error bounds, and with the same sign of
+    /// Whether the crossing of an edge at `point` is that of the edge, of another surface, which
+    /// the ray starts on: at the same place, to within both error bounds, and with the same sign of
     /// `N · d`, as in [`crossings`](super::crossings).
     pub(super) fn starts_on_edge_at(&self, point: DVec3, cosine: f64, z_error: f64) -> bool {
         let Some(root) = self.from else { return false };
@@ -175,8 +175,8 @@ pub(super) struct Findings {
     /// The smallest ray parameter at which something may have been missed.
     pub(super) doubt: f64,
     pub(super) statistics: Statistics,
-    /// Boxes the exact solver has looked at for this ray, weighted by cost; to be set to zero for the
-    /// next ray.
+    /// Boxes the exact solver has looked at for this ray, weighted by cost; to be set to zero for
+    /// the next ray.
     pub(super) effort: u64,
     pub(super) solver: ExactSolver,
     pub(super) solutions: Vec<Solution>,

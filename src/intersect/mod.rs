@@ -19,24 +19,24 @@
 //!
 //! # What is computed, why it is certain, how it is made fast
 //!
-//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search` finds
-//! the roots of a ray on a leaf, by `newton` or the `exact` solver, and `tracer` turns roots into
-//! answers.
+//! The scalar [`Kernel`] is the readable specification: `traverse` finds leaves, `leaf_search`
+//! finds the roots of a ray on a leaf, by `newton` or the `exact` solver, and `tracer` turns roots
+//! into answers.
 //!
 //! Answers are certain because of two proofs: one per leaf, made once (its certificate: which rays
 //! meet the leaf at most once), and one per ray (the `exact` solver's test of existence and
 //! uniqueness). `borders` says which roots count where surfaces end. The fast kernels add three
 //! proofs of their own, described in `wide`: what a leaf's approximation proves about one ray
-//! (`single_proof`) or about its only root (`screen`), and when a ray that leaves a leaf cannot come
-//! back to it (`departure`).
+//! (`single_proof`) or about its only root (`screen`), and when a ray that leaves a leaf cannot
+//! come back to it (`departure`).
 //!
-//! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets and
-//! search sixteen rays at a time in f32. For first hits of incoherent batches they search sixteen
-//! pairs of a ray and a leaf at a time; for one ray, or for the occlusion of incoherent batches, they
-//! test sixteen boxes at a time. Things that are small compared with the scene are searched in
-//! coordinates of their own (`regions`), since f32 would not resolve them otherwise. Each hit is
-//! finished in f64 on the true surface. What neither the certificate nor those proofs decide goes to
-//! the scalar search. The answer for a ray does not depend on its neighbours.
+//! The other kernels, in `wide`, are fast. They trace coherent batches ([`Coherence`]) in packets
+//! and search sixteen rays at a time in f32. For first hits of incoherent batches they search
+//! sixteen pairs of a ray and a leaf at a time; for one ray, or for the occlusion of incoherent
+//! batches, they test sixteen boxes at a time. Things that are small compared with the scene are
+//! searched in coordinates of their own (`regions`), since f32 would not resolve them otherwise.
+//! Each hit is finished in f64 on the true surface. What neither the certificate nor those proofs
+//! decide goes to the scalar search. The answer for a ray does not depend on its neighbours.
 //!
 //! [`Tracer::all_hits`] is the scalar search of all leaves that a ray may meet.
 //! [`Tracer::exact_first_hit`] and [`Tracer::exact_all_hits`] use the exact solver alone; the

@@ -42,9 +42,9 @@ pub(super) struct Grounds {
     pub(super) bend: [[f64; 2]; 2],
 }
 
-/// The margin on each product of the residual with an axis, as a share of the residual: far more than what
-/// rounding changes, of a residual that is [`CLEAR`] of the error, of the point that it is compared with, or of
-/// axes in f32.
+/// The margin on each product of the residual with an axis, as a share of the residual: far more
+/// than what rounding changes, of a residual that is [`CLEAR`] of the error, of the point that it
+/// is compared with, or of axes in f32.
 pub(super) const SURELY: f64 = 1e-3;
 
 /// A miss is only proved from residuals more than this many times the error.

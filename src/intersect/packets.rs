@@ -1,4 +1,5 @@
-//! First and any hits of coherent rays: packets, and the scalar search for what they leave undecided.
+//! First and any hits of coherent rays: packets, and the scalar search for what they leave
+//! undecided.
 
 use super::borders::{at_border, error_bound};
 use super::meeting::{CertainHit, Meeting, occlusion};
@@ -51,8 +52,8 @@ impl Tracer<'_> {
 
     /// Occlusion of rays by packets, appended to `answers`.
     ///
-    /// One certain hit is enough; until there is one, every leaf that may hold a hit is searched. So
-    /// an answer depends neither on the order of the search nor on the other rays.
+    /// One certain hit is enough; until there is one, every leaf that may hold a hit is searched.
+    /// So an answer depends neither on the order of the search nor on the other rays.
     pub(super) fn occlusions_in_packets<Q: Shot>(
         &mut self,
         level: Level,

@@ -15,9 +15,10 @@ const FARTHEST: usize = 32 * PACKET;
 
 /// Reads the rays of a batch some time before they are traced.
 ///
-/// A long run of rays is read at the full rate of memory. The rays of one packet are only a page of memory
-/// or two: read by themselves, they would each time wait anew for the first to arrive. Measured on a million
-/// rays in memory, on Zen 4: a ray of a picture's background takes 5 ns instead of 10.
+/// A long run of rays is read at the full rate of memory. The rays of one packet are only a page of
+/// memory or two: read by themselves, they would each time wait anew for the first to arrive.
+/// Measured on a million rays in memory, on Zen 4: a ray of a picture's background takes 5 ns
+/// instead of 10.
 #[derive(Debug, Default)]
 pub(super) struct ReadAhead {
     /// How many of the rays that come next have been read or prefetched.
@@ -34,13 +35,14 @@ pub(super) struct Ahead<'a, Q> {
 /// Where on its way a packet prefetches rays that come after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    /// At each box it comes to. Measured on a Xeon with AVX-512: shadow rays, which carry the root they leave and
-    /// are thus half as large again as rays alone, are traced 1.04 to 1.09 times as fast; ambient occlusion 1.02
-    /// to 1.03 times. Rays of pictures, whose background takes less time than memory does, become slower: 0.95.
+    /// At each box it comes to. Measured on a Xeon with AVX-512: shadow rays, which carry the root
+    /// they leave and are thus half as large again as rays alone, are traced 1.04 to 1.09 times as
+    /// fast; ambient occlusion 1.02 to 1.03 times. Rays of pictures, whose background takes less
+    /// time than memory does, become slower: 0.95.
     Box,
-    /// Where it finishes a leaf in f64, which takes longer than memory does. Measured on Zen 4: rays of pictures
-    /// are traced 1.02 to 1.06 times as fast; shadow rays, many of which need no finish, at 0.98 to 1.04 of the
-    /// speed with [`Box`](Self::Box).
+    /// Where it finishes a leaf in f64, which takes longer than memory does. Measured on Zen 4:
+    /// rays of pictures are traced 1.02 to 1.06 times as fast; shadow rays, many of which need no
+    /// finish, at 0.98 to 1.04 of the speed with [`Box`](Self::Box).
     Finish,
 }
 
@@ -55,8 +57,8 @@ impl Moment {
 }
 
 impl ReadAhead {
-    /// Makes sure that the rays of the next packet, the first of `rest`, have been read. They then count as
-    /// traced.
+    /// Makes sure that the rays of the next packet, the first of `rest`, have been read. They then
+    /// count as traced.
     #[inline(always)]
     pub(super) fn read<Q: Shot>(&mut self, rest: &[Q]) {
         if self.left < PACKET {

@@ -1,10 +1,11 @@
 //! Small things in large scenes: parts of the tree with coordinates of their own.
 //!
-//! Work in f32 is accurate to about 1e-6 of the scene, and boxes are grown by that much. Leaves of that
-//! size would all be met at once: on a teapot on a table 1e5 times its size, a ray met 1800 leaves
-//! instead of one. So a thing that is small compared with the scene, and has small leaves, becomes a
-//! region: a tree of its own, in coordinates scaled to it. A ray that enters a region is converted to its
-//! coordinates anew, from f64, and back when the region is done. A region may contain smaller ones.
+//! Work in f32 is accurate to about 1e-6 of the scene, and boxes are grown by that much. Leaves of
+//! that size would all be met at once: on a teapot on a table 1e5 times its size, a ray met 1800
+//! leaves instead of one. So a thing that is small compared with the scene, and has small leaves,
+//! becomes a region: a tree of its own, in coordinates scaled to it. A ray that enters a region is
+//! converted to its coordinates anew, from f64, and back when the region is done. A region may
+//! contain smaller ones.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -16,15 +17,16 @@ use super::tree::{LANES, Region, Tree};
 use crate::math::Aabb;
 use crate::patch::{Part, ScaledBox, ScaledFrame};
 
-/// A region is no larger than this, in the scaled coordinates of the region around it, where sizes are
-/// up to 2: the change of coordinates must gain something.
+/// A region is no larger than this, in the scaled coordinates of the region around it, where sizes
+/// are up to 2: the change of coordinates must gain something.
 const SMALL: f32 = 1.0 / 32.0;
 
-/// A region's parts are no wider than this on average: about thirty times the growth of their boxes.
+/// A region's parts are no wider than this on average: about thirty times the growth of their
+/// boxes.
 const FINE: f64 = 1.0 / 8192.0;
 
-/// A change of coordinates that gains less than this factor is not made: the scale is then near its limit, for
-/// deeper regions, too.
+/// A change of coordinates that gains less than this factor is not made: the scale is then near its
+/// limit, for deeper regions, too.
 const GAIN: f64 = 8.0;
 
 /// Parts that are to become a region.
@@ -165,7 +167,8 @@ mod tests {
         assert!(sorted.iter().copied().eq(0..parts.len() as u32));
 
         let (mut reached, mut entered) = (Vec::new(), vec![0]);
-        // What is met, in which region, and the boxes that hold it: each in its region's coordinates.
+        // What is met, in which region, and the boxes that hold it: each in its region's
+        // coordinates.
         type Boxes = Vec<(ScaledFrame, ScaledBox)>;
         let root = tree.root().map(|root| (root, 0, Boxes::new()));
         let mut waiting: Vec<(ChildCode, u32, Boxes)> = root.into_iter().collect();

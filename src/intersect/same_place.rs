@@ -7,22 +7,24 @@ use super::crossings::has_no_normal;
 use super::meeting::Meeting;
 use crate::patch::{Jet, Piece};
 
-/// Surfaces met at a smaller cosine than this, the root of the unit roundoff, cannot be told from touched ones, unless
-/// the meeting is certain all the same, as on what is flat.
+/// Surfaces met at a smaller cosine than this, the root of the unit roundoff, cannot be told from
+/// touched ones, unless the meeting is certain all the same, as on what is flat.
 const LEAST_COSINE: f64 = 1e-8;
 
-/// Meetings at one place are no farther apart along the ray than this many times the sum of their error bounds along
-/// it. A point beyond a border may be off the ray by the whole error; where the other surface is met obliquely, this
-/// amounts to the other meeting's error along the ray.
+/// Meetings at one place are no farther apart along the ray than this many times the sum of their
+/// error bounds along it. A point beyond a border may be off the ray by the whole error; where the
+/// other surface is met obliquely, this amounts to the other meeting's error along the ray.
 const ALONG: f64 = 2.0;
 
-/// Meetings at one place are closer in space than this many times the sum of their errors, over the smaller cosine:
-/// more than the error of each and its move to a border. (Other factors were not tried.)
+/// Meetings at one place are closer in space than this many times the sum of their errors, over the
+/// smaller cosine: more than the error of each and its move to a border. (Other factors were not
+/// tried.)
 const APART: f64 = 4.0;
 
-/// The smallest sine of the angle between tangents that is used to tell how near a side is; it replaces smaller ones.
-/// Where tangents are parallel, as in a cusp, every side would be near. This is less than for
-/// [`Piece::side_distances`], whose sides have no other evidence: here two meetings are near each other already.
+/// The smallest sine of the angle between tangents that is used to tell how near a side is; it
+/// replaces smaller ones. Where tangents are parallel, as in a cusp, every side would be near. This
+/// is less than for [`Piece::side_distances`], whose sides have no other evidence: here two
+/// meetings are near each other already.
 const NARROWEST: f64 = 1e-6;
 
 /// How far apart, in `t`, meetings at the same place may be.
@@ -30,15 +32,15 @@ pub(super) fn reach_along(meetings: &[Meeting]) -> f64 {
     2.0 * meetings.iter().map(off_along).fold(0.0, f64::max)
 }
 
-/// How far, in `t`, a meeting may be from another one at the same place; at a trim edge, the distance of the edge is
-/// added.
+/// How far, in `t`, a meeting may be from another one at the same place; at a trim edge, the
+/// distance of the edge is added.
 fn off_along(meeting: &Meeting) -> f64 {
     let t_from_z = meeting.t_error / meeting.z_error;
     ALONG * meeting.t_error + meeting.edge * t_from_z
 }
 
-/// Whether two meetings are at the same place: of one piece, or one that two pieces share. `axis` is the direction of
-/// the ray.
+/// Whether two meetings are at the same place: of one piece, or one that two pieces share. `axis`
+/// is the direction of the ray.
 pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVec3) -> bool {
     let along = off_along(a) + off_along(b); // no more than `reach_along`
     let (across, edge) = (APART * (a.error + b.error), a.edge + b.edge);
@@ -74,16 +76,16 @@ pub(super) fn at_one_place(a: &Meeting, b: &Meeting, pieces: &[Piece], axis: DVe
 
 /// How far a step in parameters moves a point, to first order.
 ///
-/// Where the tangents are nearly parallel, as on a body that was stretched, parameters of one place may differ by far
-/// more than their errors would move it along each tangent alone.
+/// Where the tangents are nearly parallel, as on a body that was stretched, parameters of one place
+/// may differ by far more than their errors would move it along each tangent alone.
 pub(super) fn moved(jet: &Jet, step: DVec2) -> f64 {
     (step.x * jet.ds + step.y * jet.dt).length()
 }
 
 /// How far two views of one place may be apart.
 ///
-/// Both are within rounding of the ray, so that they differ across it by no more; but along the ray each is off by
-/// that over the cosine.
+/// Both are within rounding of the ray, so that they differ across it by no more; but along the ray
+/// each is off by that over the cosine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     /// The direction of the ray.
@@ -98,12 +100,14 @@ impl Reach {
         Self::new(2.0 * APART * meeting.error, slope(meeting), 2.0 * meeting.edge, axis)
     }
 
-    /// With an error `across` the ray, which the cosine makes longer along it; trim edges add `edge` to both.
+    /// With an error `across` the ray, which the cosine makes longer along it; trim edges add
+    /// `edge` to both.
     fn new(across: f64, cosine: f64, edge: f64, axis: DVec3) -> Self {
         Self { axis, along_ray: across / cosine + edge, across_ray: across + edge }
     }
 
-    /// Which sides of its piece a place may be at, to first order: `s = 0`, `s = 1`, `t = 0`, `t = 1`.
+    /// Which sides of its piece a place may be at, to first order: `s = 0`, `s = 1`, `t = 0`,
+    /// `t = 1`.
     pub(super) fn sides(&self, st: DVec2, jet: &Jet) -> [bool; 4] {
         let [s, t] = self.in_parameters(jet);
         [st.x <= s, 1.0 - st.x <= s, st.y <= t, 1.0 - st.y <= t]
@@ -119,7 +123,8 @@ impl Reach {
         if is_pole {
             return lengths.map(|length| self.along_ray / length);
         }
-        // The surface's unit vectors along which each parameter grows fastest, and how far it has to go along these.
+        // The surface's unit vectors along which each parameter grows fastest, and how far it has
+        // to go along these.
         let steepest = [t.cross(normal) / sine, normal.cross(s) / sine];
         let far = |k: usize| {
             let along = self.along_ray * steepest[k].dot(self.axis).abs();
@@ -141,8 +146,8 @@ struct AtSides<'a> {
     piece: &'a Piece,
     /// `s = 0`, `s = 1`, `t = 0`, `t = 1`.
     sides: [bool; 4],
-    /// Whether one of these sides is a border of the surface or collapsed to a point, or there is a trim edge:
-    /// whatever else ends there may be met at the same place.
+    /// Whether one of these sides is a border of the surface or collapsed to a point, or there is a
+    /// trim edge: whatever else ends there may be met at the same place.
     at_end: bool,
 }
 
@@ -164,8 +169,8 @@ impl<'a> AtSides<'a> {
         touch && (0..2).any(at_line)
     }
 
-    /// Whether another meeting is at the same parameters, to within four times `reach`: there may be a thin piece
-    /// between their pieces.
+    /// Whether another meeting is at the same parameters, to within four times `reach`: there may
+    /// be a thin piece between their pieces.
     fn is_beside(&self, other: &Self, reach: &Reach) -> bool {
         let [here, there] = [self, other].map(|at| at.piece.chart_uv(at.meeting.st));
         let lengths = self.piece.domain().map(|[from, to]| to - from);

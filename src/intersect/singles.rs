@@ -55,10 +55,11 @@ impl Tracer<'_> {
         dispatch!(level, simd => any_hits(simd, self, shots, answers));
     }
 
-    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit` along
-    /// the ray; stops at the first certain hit if any will do.
+    /// Runs the scalar search on the leaves that the fast one could not decide, as far as `limit`
+    /// along the ray; stops at the first certain hit if any will do.
     ///
-    /// Near leaves come first, whatever the order they were found in: effort spent on one is not left for others.
+    /// Near leaves come first, whatever the order they were found in: effort spent on one is not
+    /// left for others.
     pub(super) fn search_undecided(
         &mut self,
         (query, frame): (&Query, &RayFrame),
@@ -108,7 +109,8 @@ impl Tracer<'_> {
         self.single.undecided = undecided;
     }
 
-    /// The first of the fast search's hit and what the scalar search finds in the leaves left undecided.
+    /// The first of the fast search's hit and what the scalar search finds in the leaves left
+    /// undecided.
     fn with_scalar_search(&mut self, query: &Query, frame: &RayFrame) -> Answer {
         let known = self.single.hit().copied();
         let limit = known.map_or(frame.z_range[1], |hit| hit.z);

@@ -20,7 +20,8 @@ impl Tracer<'_> {
             dispatch!(level, simd => trace(simd, self, shots));
             let first = answers.len();
             answers.extend(shots.iter().map(|_| Answer::default()));
-            // Which rays have hits is unpredictable, so their indices are collected without a branch.
+            // Which rays have hits is unpredictable, so their indices are collected without a
+            // branch.
             let (mut met, mut count) = ([0; FLIGHTS], 0);
             for k in 0..shots.len() {
                 met[count] = k;

@@ -19,8 +19,8 @@ use crate::patch::{OrientedBox, Passage, PatchSet};
 
 /// Answers queries on one thread; holds the scratch memory and the counts.
 ///
-/// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays or on
-/// earlier queries.
+/// Answers depend on the ray, the surfaces, the kernel and the way of asking, never on other rays
+/// or on earlier queries.
 pub struct Tracer<'a> {
     pub(super) bvh: &'a SurfaceBvh,
     kernel: Kernel,
@@ -160,8 +160,8 @@ impl<'a> Tracer<'a> {
 
     /// First hits of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// If the kernel supports it, coherent rays are traced in packets, except those that leave a root, which are
-    /// traced one by one; incoherent rays are traced side by side in streams.
+    /// If the kernel supports it, coherent rays are traced in packets, except those that leave a
+    /// root, which are traced one by one; incoherent rays are traced side by side in streams.
     ///
     /// The order of coherent rays matters for speed: 64 consecutive ones make a packet.
     /// [`Coherence`] says how to order them, and how many to give at a time.
@@ -272,7 +272,8 @@ impl SurfaceBvh {
     }
 }
 
-/// Two points of a surface count as one place if they are closer than this many times the sum of their error bounds.
+/// Two points of a surface count as one place if they are closer than this many times the sum of
+/// their error bounds.
 const SAME_PLACE: f64 = 4.0;
 
 /// The first of some meetings, and whether something doubtful could come before it.
@@ -281,7 +282,8 @@ pub(super) fn answer_of<'m>(
     meetings: impl Iterator<Item = &'m Meeting> + Clone,
     doubt: f64,
 ) -> Answer {
-    // The last tie-break is the place on the piece, so that the order of the search does not matter.
+    // The last tie-break is the place on the piece, so that the order of the search does not
+    // matter.
     let order = |a: &&Meeting, b: &&Meeting| {
         let place = |m: &Meeting| (m.surface, m.piece);
         let on_piece = |m: &Meeting| (m.st.x, m.st.y);
@@ -292,8 +294,9 @@ pub(super) fn answer_of<'m>(
     // A hit so far away that `t` is infinite lies beyond every range.
     let reachable = meetings.filter(|meeting| meeting.t < f64::INFINITY);
     let first = reachable.clone().min_by(order);
-    // A doubtful meeting may lie before where it was found, by as much as its error bound. But one at the place of
-    // the first meeting is the first itself if it is known as well as that, as the ends of stretches are.
+    // A doubtful meeting may lie before where it was found, by as much as its error bound. But one
+    // at the place of the first meeting is the first itself if it is known as well as that, as the
+    // ends of stretches are.
     let before = |first: &Meeting, meeting: &Meeting| {
         let reach = SAME_PLACE * (first.error + meeting.error);
         let earlier = first.t - (meeting.t - meeting.t_error);

@@ -10,10 +10,11 @@ use crate::patch::{OrientedBox, ScaledFrame};
 impl Tree {
     /// Visits the leaves whose boxes the ray may meet, nearer boxes first.
     ///
-    /// `visit` is given a leaf, its oriented box and the coordinates of that box, and returns how far
-    /// along the ray, in scene units, anything is still of interest. Every leaf whose node begins before that
-    /// is visited, and no node's entry is computed later than the true one: so a result that is the
-    /// least of all does not depend on the tree. Returns the number of nodes looked at.
+    /// `visit` is given a leaf, its oriented box and the coordinates of that box, and returns how
+    /// far along the ray, in scene units, anything is still of interest. Every leaf whose node
+    /// begins before that is visited, and no node's entry is computed later than the true one: so a
+    /// result that is the least of all does not depend on the tree. Returns the number of nodes
+    /// looked at.
     pub(super) fn traverse(
         &self,
         ray: &RayFrame,
@@ -60,9 +61,9 @@ impl Tree {
     }
 }
 
-/// How far from a box a ray may pass and still be said to meet it, per unit of the largest coordinate: the
-/// error bound of a point of a surface of the highest degree, and almost as much again for the rounding
-/// of the origin and of the test itself, a few operations.
+/// How far from a box a ray may pass and still be said to meet it, per unit of the largest
+/// coordinate: the error bound of a point of a surface of the highest degree, and almost as much
+/// again for the rounding of the origin and of the test itself, a few operations.
 const BOX_ROUNDING: f64 = 512.0 * rounding::UNIT_ROUNDOFF;
 const _: () = assert!(BOX_ROUNDING > 1.5 * rounding::residual_factor(MAX_DEGREE, MAX_DEGREE));
 
@@ -94,7 +95,8 @@ impl Slabs {
         }
     }
 
-    /// The distance at which the ray enters a child's box, in scene units and never too late; `None` for a miss.
+    /// The distance at which the ray enters a child's box, in scene units and never too late;
+    /// `None` for a miss.
     ///
     /// A direction component of zero gives an infinite inverse; a NaN arises only when the
     /// widened origin lies exactly in a padded face, where nothing is: then the other face alone

@@ -168,8 +168,8 @@ pub(super) struct Region {
     pub(super) root: Option<ChildCode>,
     /// The region around it; for the first region, itself.
     pub(super) around: u32,
-    /// The first of its own leaves, which exclude those of regions inside it; they end where the next
-    /// region's begin.
+    /// The first of its own leaves, which exclude those of regions inside it; they end where the
+    /// next region's begin.
     pub(super) first_leaf: u32,
     /// The width of those leaves, in scaled coordinates.
     pub(super) leaf_width: f32,
@@ -209,8 +209,8 @@ impl Tree {
         self.regions[0].root
     }
 
-    /// The region that a ray comes to, and what to push onto the stack then. The way back lies below all
-    /// of the region, so everything is popped in the coordinates in which it was pushed.
+    /// The region that a ray comes to, and what to push onto the stack then. The way back lies
+    /// below all of the region, so everything is popped in the coordinates in which it was pushed.
     pub(super) fn enter(
         &self,
         region: u32,

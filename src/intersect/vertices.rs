@@ -1,13 +1,14 @@
 //! Which way a ray goes through a vertex at which it meets several faces from both sides.
 //!
-//! Around a vertex of a closed surface the faces are wedges of their tangent planes, one after another, or parts of
-//! cones about the vertex. Seen along the ray, each face covers an angle: one way round if the ray enters through it,
-//! the other way if it leaves. Together they go around the ray as often as it goes through the surface: once, in one of
-//! the two senses, or not at all where it only touches the vertex. So the sum of their angles, over a full turn, is 1
-//! where the ray leaves, −1 where it enters, and 0 where it does neither, or both.
+//! Around a vertex of a closed surface the faces are wedges of their tangent planes, one after
+//! another, or parts of cones about the vertex. Seen along the ray, each face covers an angle: one
+//! way round if the ray enters through it, the other way if it leaves. Together they go around the
+//! ray as often as it goes through the surface: once, in one of the two senses, or not at all where
+//! it only touches the vertex. So the sum of their angles, over a full turn, is 1 where the ray
+//! leaves, −1 where it enters, and 0 where it does neither, or both.
 //!
-//! Where the sum is anything else, not all faces of the vertex are met, as at the border of an open surface, or by a ray
-//! that passes within rounding: then the meetings are doubtful.
+//! Where the sum is anything else, not all faces of the vertex are met, as at the border of an open
+//! surface, or by a ray that passes within rounding: then the meetings are doubtful.
 
 use std::f64::consts::TAU;
 
@@ -20,13 +21,15 @@ use super::meeting::Meeting;
 use super::same_place::{Reach, at_one_place, reach_along};
 use crate::patch::Piece;
 
-/// How far a sum of angles may be from a whole number of turns, in turns: far more than the rounding error if no face
-/// is met at a cosine below 1e-8, and less than a missing face would cover, unless that is next to nothing.
+/// How far a sum of angles may be from a whole number of turns, in turns: far more than the
+/// rounding error if no face is met at a cosine below 1e-8, and less than a missing face would
+/// cover, unless that is next to nothing.
 const MOST_TURNED: f64 = 1e-6;
 
-/// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves; where this
-/// cannot be decided, they become doubtful. A tip has all sides: it takes that of the ray or, where it is touched,
-/// both. `meetings` are sorted by increasing `t`; `axis` is the ray's direction.
+/// Drops meetings at vertices that are on the wrong side where the ray only enters, or only leaves;
+/// where this cannot be decided, they become doubtful. A tip has all sides: it takes that of the
+/// ray or, where it is touched, both. `meetings` are sorted by increasing `t`; `axis` is the ray's
+/// direction.
 pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3) {
     let mut wrong = vec![false; meetings.len()];
     let mut seen = vec![false; meetings.len()];
@@ -63,7 +66,8 @@ pub(super) fn settle(meetings: &mut Vec<Meeting>, pieces: &[Piece], axis: DVec3)
             continue;
         }
         if overlaps {
-            // A meeting is at the place of two that are not at one place: which belong together is not known.
+            // A meeting is at the place of two that are not at one place: which belong together is
+            // not known.
             group.iter().for_each(|&j| doubtful[j] = true);
             continue;
         }
@@ -187,7 +191,8 @@ mod tests {
         (hits.iter().map(|hit| hit.normal.dot(ray.direction()).signum()).collect(), doubtful)
     }
 
-    /// A bilinear cone over a star of this many spikes, or a square, with its base; the apex is at (0, 0, 1).
+    /// A bilinear cone over a star of this many spikes, or a square, with its base; the apex is at
+    /// (0, 0, 1).
     fn spiked(radii: &[f64]) -> SurfaceBvh {
         let corner = |k: usize| {
             let (y, x) = (TAU * (k % radii.len()) as f64 / radii.len() as f64).sin_cos();
@@ -278,7 +283,8 @@ mod tests {
         for (name, bvh) in [("star", &star), ("pyramid", &pyramid), ("cone", &cone)] {
             let (mut touched, mut doubted) = (0, 0);
             for k in 0..500 {
-                // Through the apex, at all angles; base and apex are met at places that are known exactly.
+                // Through the apex, at all angles; base and apex are met at places that are known
+                // exactly.
                 let (turn, tilt) = (0.37 * k as f64, 0.003 * k as f64);
                 let direction =
                     DVec3::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), -tilt.cos());

@@ -94,7 +94,8 @@ pub struct StagedFile {
 enum Staged {
     /// A temporary file in the same folder, and the file it is to replace.
     File { temporary: NamedTempFile, file: PathBuf },
-    /// A nameless file, to be copied into a device or a pipe. Encoders seek, which those may not support.
+    /// A nameless file, to be copied into a device or a pipe. Encoders seek, which those may not
+    /// support.
     Stream(File),
 }
 

@@ -428,7 +428,8 @@ impl EmbreeScene {
 
     /// Makes rays ready for this scene, in packets of the width given.
     ///
-    /// Origins, directions and ranges are rounded to f32 in the scene's frame; a range starts at 0 at the earliest.
+    /// Origins, directions and ranges are rounded to f32 in the scene's frame; a range starts at 0
+    /// at the earliest.
     pub fn rays(&self, rays: &[Ray], width: PacketWidth, coherence: Coherence) -> EmbreeRays {
         EmbreeRays::new(rays, &self.frame, width, coherence)
     }

@@ -46,13 +46,12 @@ pub struct ExrNotes<'a> {
 
 /// Writes all channels of a film as one layer of an OpenEXR file, ZIP-compressed.
 ///
-/// Values are linear, primaries Rec. 709. The display window is the whole picture, the
-/// data window the crop. The header holds
-/// `software` (with version), `capDate` (UTC), `worldToCamera`, `screenWindowWidth`, and
-/// as text `nurbray:command`, `nurbray:version`, `nurbray:seed`, `nurbray:spp`,
-/// `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
-/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives the same
-/// pixels; the header contains the time and so differs.
+/// Values are linear, primaries Rec. 709. The display window is the whole picture, the data window
+/// the crop. The header holds `software` (with version), `capDate` (UTC), `worldToCamera`,
+/// `screenWindowWidth`, and as text `nurbray:command`, `nurbray:version`, `nurbray:seed`,
+/// `nurbray:spp`, `nurbray:samples`, `nurbray:integrator`, `nurbray:seconds`, `nurbray:camera`,
+/// `nurbray:background`, `nurbray:rays`, `nurbray:hits`, `nurbray:doubtful`. The same film gives
+/// the same pixels; the header contains the time and so differs.
 ///
 /// # Errors
 /// When the file cannot be written; an older one then stays as it was.

@@ -37,10 +37,10 @@
 //! | any other | not used, and a note a key says so |
 //!
 //! Each entry of `trims` (`{"count": …, "data": […]}`) is a closed loop in the surface's (u, v): a
-//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, the region
-//! inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the border of
-//! the domain is the outline. Loops must be nested so that holes lie in kept regions, and islands in
-//! holes.
+//! `spline`, a `freeform` polygon, or a `container` of such curves in turn. As in geomdl, the
+//! region inside a loop is cut off, or kept if the loop is `reversed`; without reversed loops the
+//! border of the domain is the outline. Loops must be nested so that holes lie in kept regions, and
+//! islands in holes.
 //!
 //! In code, [`Net::surface`](crate::scene::Net::surface) makes a surface of the numbers that were
 //! read. [`load_input`](super::load_input) reads a file, and
@@ -339,8 +339,8 @@ impl<'a> Reader<'a> {
         Ok(Written::new(weights, place))
     }
 
-    /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and weights beside them.
-    /// The last item is the note for weights given in both places.
+    /// Points and weights: either `{"points": …, "weights": …}`, or the points themselves and
+    /// weights beside them. The last item is the note for weights given in both places.
     fn control(
         &self,
         control: &'a RawValue,
@@ -392,7 +392,8 @@ impl<'a> Reader<'a> {
     }
 
     fn unreadable(&self, part: &str, error: &serde_json::Error) -> LoadError {
-        // A value that is neither a list nor an object is wrong as a whole: the place is its beginning.
+        // A value that is neither a list nor an object is wrong as a whole: the place is its
+        // beginning.
         let inside = if part.starts_with(['[', '{']) { offset_of(error, part) } else { 0 };
         let offset = self.source.offset_of(part) + inside;
         let text = self.source.text();

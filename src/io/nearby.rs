@@ -8,8 +8,8 @@ use crate::scene::nearest;
 /// The most entries of a folder that are compared with a missing file's name.
 const MAX_LISTED: usize = 1000;
 
-/// Returns a file with a similar name in the same folder, as a suggestion for a missing file. It has
-/// one of the `endings` (in lower case), those of files that can be read instead.
+/// Returns a file with a similar name in the same folder, as a suggestion for a missing file. It
+/// has one of the `endings` (in lower case), those of files that can be read instead.
 ///
 /// Names are compared without their endings, which all would have in common.
 pub(super) fn nearest_file(path: &Path, endings: &[&str]) -> Option<PathBuf> {
@@ -25,7 +25,8 @@ pub(super) fn nearest_file(path: &Path, endings: &[&str]) -> Option<PathBuf> {
         ending.is_some_and(|ending| endings.contains(&ending.as_str()))
             && Some(name.as_os_str()) != path.file_name() // it exists, but is of no use
     });
-    // Folders are not listed in the same order everywhere. Of equal stems, one with the wanted ending comes first.
+    // Folders are not listed in the same order everywhere. Of equal stems, one with the wanted
+    // ending comes first.
     names.sort_by_key(|name| (name.extension() != path.extension(), name.clone()));
     let stem = |name: &PathBuf| name.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stems: Vec<String> = names.iter().filter_map(stem).collect();

@@ -182,7 +182,8 @@ struct Reader<'a> {
     offsets: CageOffsets,
     /// Kind of statement, offset of the first one, and their number.
     left_out: Vec<((&'static str, &'static str), usize, usize)>,
-    /// Vertices whose weight is not 1, with the weight as written: free-form surfaces may have such vertices.
+    /// Vertices whose weight is not 1, with the weight as written: free-form surfaces may have such
+    /// vertices.
     weighted: Vec<(usize, &'a str)>,
 }
 
@@ -306,8 +307,8 @@ impl<'a> Reader<'a> {
         kinds.next().map(|((keyword, _), first, _)| (*keyword, *first))
     }
 
-    /// Leaves out corners repeated in a row, and faces left with fewer than three corners; returns the
-    /// numbers of the faces kept.
+    /// Leaves out corners repeated in a row, and faces left with fewer than three corners; returns
+    /// the numbers of the faces kept.
     fn tidy_faces(&mut self) -> Result<Vec<usize>, LoadError> {
         let vertices = self.parts.positions.len();
         let mut kept = Vec::new();
@@ -364,7 +365,8 @@ impl<'a> Reader<'a> {
         kept
     }
 
-    /// Notes vertices at the same place as an earlier one: if faces share no vertices, nothing is smoothed.
+    /// Notes vertices at the same place as an earlier one: if faces share no vertices, nothing is
+    /// smoothed.
     fn note_coincident(&mut self, kept: &[usize]) {
         let place_of = |position: &DVec3| (*position + DVec3::ZERO).to_array().map(f64::to_bits); // −0 becomes 0
         let mut places = HashSet::new();
@@ -382,8 +384,8 @@ impl<'a> Reader<'a> {
         let kept = self.keep_used_vertices();
         self.note_coincident(&kept);
         self.left_out.sort_by_key(|(_, first, _)| *first); // in the order of the file
-        // Files of free-form surfaces have no faces at all. The error is then that these are not read, not that
-        // the cage is wrong.
+        // Files of free-form surfaces have no faces at all. The error is then that these are not
+        // read, not that the cage is wrong.
         let free_form = self.free_form().map(|(keyword, first)| {
             let message =
                 format!("statement \"{keyword}\": {FREE_FORM}; cages, made of faces, are");

@@ -115,8 +115,8 @@ pub fn povray_scene(
     PovrayScene { text, written, skipped }
 }
 
-/// The shape that a surface was made of, and the transforms that moved it to its place. (Some shapes
-/// make several surfaces.)
+/// The shape that a surface was made of, and the transforms that moved it to its place. (Some
+/// shapes make several surfaces.)
 fn shape_of<'a>(
     scene: &'a Scene,
     instance: &Instance,

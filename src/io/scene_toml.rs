@@ -59,10 +59,11 @@
 //! ]
 //! ```
 //!
-//! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS surfaces
-//! run backwards in u; in triangular patches, and in each unit square of subdivision surfaces, u and v
-//! are exchanged. The `trims` of the object are written in the (u, v) that its shape has without
-//! `reverse`; everything else (textures, `iso_curves`, plots, hits) refers to the (u, v) after it.
+//! With `reverse = true` the normals of an object's surfaces point to the other side: NURBS
+//! surfaces run backwards in u; in triangular patches, and in each unit square of subdivision
+//! surfaces, u and v are exchanged. The `trims` of the object are written in the (u, v) that its
+//! shape has without `reverse`; everything else (textures, `iso_curves`, plots, hits) refers to the
+//! (u, v) after it.
 //!
 //! # Shapes
 //!
@@ -98,11 +99,11 @@
 //! shape = "deck_patch"
 //! ```
 //!
-//! Their u and v run from 0 to 1: on `sphere` and `hemisphere` u from the pole `+z` to `−z`, v around, from `+x`
-//! over `+y`; on `sphere_biquadratic`, `octant`, cylinder and cone u around, v up; on the torus u around the
-//! axis, v around the tube; on the disk u from the centre out, v around; on the plane u along x, v along y.
-//! Normals, `S_u × S_v`, point outward, and up. Where a `transform` mirrors, the normals of bodies point
-//! inward: `reverse = true` turns them back.
+//! Their u and v run from 0 to 1: on `sphere` and `hemisphere` u from the pole `+z` to `−z`, v
+//! around, from `+x` over `+y`; on `sphere_biquadratic`, `octant`, cylinder and cone u around, v
+//! up; on the torus u around the axis, v around the tube; on the disk u from the centre out, v
+//! around; on the plane u along x, v along y. Normals, `S_u × S_v`, point outward, and up. Where a
+//! `transform` mirrors, the normals of bodies point inward: `reverse = true` turns them back.
 //!
 //! A shape from a model file, relative to the scene: geomdl's JSON ([`geomdl`](super::geomdl) says
 //! what is read), or a cage in an OBJ file ([`obj`](super::obj)), which stands for its
@@ -172,18 +173,18 @@
 //! shape = { doo_sabin = { points = [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]], faces = [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]] } }
 //! ```
 //!
-//! Catmull–Clark surfaces of an open cage end at its border. Doo–Sabin surfaces do not reach it: they
-//! end in the middle of the faces along it, as uniform B-splines do, so that an open cage loses half
-//! a face all around, and one without any inner vertex leaves nothing and is refused.
+//! Catmull–Clark surfaces of an open cage end at its border. Doo–Sabin surfaces do not reach it:
+//! they end in the middle of the faces along it, as uniform B-splines do, so that an open cage
+//! loses half a face all around, and one without any inner vertex leaves nothing and is refused.
 //!
 //! A surface is within `tolerance` of the scheme's limit surface: a length in the object's own
 //! units, before `transform`. If not given, it is 1e-4 of the longest side of the box around the
 //! cage's points. Regular faces are exact; for the rest `nurbray info` lists a proved error bound.
 //!
-//! Instead of all these keys except `tolerance`, `file = "body.obj"` takes the cage from a file, with
-//! the file's own tags of creases and corners. That is how an OBJ file becomes a Doo–Sabin surface:
-//! `shape = { doo_sabin = { file = "body.obj" } }`.
-//! Textures are spread over each unit square: a quad, or a corner of another face.
+//! Instead of all these keys except `tolerance`, `file = "body.obj"` takes the cage from a file,
+//! with the file's own tags of creases and corners. That is how an OBJ file becomes a Doo–Sabin
+//! surface: `shape = { doo_sabin = { file = "body.obj" } }`. Textures are spread over each unit
+//! square: a quad, or a corner of another face.
 //!
 #![doc = include_str!("scene_toml/from_curves.md")]
 #![doc = include_str!("scene_toml/plots.md")]

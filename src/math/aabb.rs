@@ -57,19 +57,20 @@ impl Aabb {
 
     /// Whether a ray passes beside the box, as far as rounding tells (Kay and Kajiya 1986).
     ///
-    /// It may be wrong where the ray comes nearer than a few roundings of the distances from its origin to the
-    /// box's planes. No ray is beside the empty box.
+    /// It may be wrong where the ray comes nearer than a few roundings of the distances from its
+    /// origin to the box's planes. No ray is beside the empty box.
     #[inline(always)]
     pub(crate) fn is_beside(&self, ray: &Ray) -> bool {
         let (origin, inverse) = (ray.origin(), ray.direction().recip());
-        // Never −∞: for a ray in the plane of a side, the box's other plane must not exclude anything either.
+        // Never −∞: for a ray in the plane of a side, the box's other plane must not exclude
+        // anything either.
         let inverse = DVec3::select(inverse.cmplt(DVec3::MIN), DVec3::INFINITY, inverse);
         let (to_min, to_max) = ((self.min - origin) * inverse, (self.max - origin) * inverse);
         let (mut entry, mut exit) = (ray.t_min(), ray.t_max());
         for k in 0..3 {
             let (to_min, to_max) = (to_min[k], to_max[k]);
-            // In this form each is one instruction, and NaN, which a ray in the plane of a side gives, stays NaN and
-            // excludes nothing.
+            // In this form each is one instruction, and NaN, which a ray in the plane of a side
+            // gives, stays NaN and excludes nothing.
             let near = if to_max < to_min { to_max } else { to_min };
             let far = if to_min > to_max { to_min } else { to_max };
             entry = if near > entry { near } else { entry };
@@ -95,7 +96,8 @@ mod tests {
     }
 
     proptest! {
-        /// A ray through a point of the box is not beside it; cut off before it reaches the box, it is.
+        /// A ray through a point of the box is not beside it; cut off before it reaches the box, it
+        /// is.
         #[test]
         fn a_ray_is_beside_what_it_does_not_reach(
             corner in vector(-3.0..3.0),

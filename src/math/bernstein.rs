@@ -42,9 +42,10 @@ pub(crate) fn binomial(n: usize, k: usize) -> f64 {
     (1..=k).fold(1.0, |product, i| product * (n - (i - 1)) as f64 / i as f64)
 }
 
-/// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond. `n` is at most [`MAX_DEGREE`] + 3, because
-/// products of pieces with cubics occur, and of small pieces with each other. They are looked up: to compute one from
-/// another takes a division each, and longer than all the rest of a sum over them.
+/// `n` choose `k` for `k = 0 … n`, exact, and zeros in the room beyond. `n` is at most
+/// [`MAX_DEGREE`] + 3, because products of pieces with cubics occur, and of small pieces with each
+/// other. They are looked up: to compute one from another takes a division each, and longer than
+/// all the rest of a sum over them.
 #[inline(always)]
 pub(crate) const fn binomials(n: usize) -> &'static [f64; MAX_DEGREE + 4] {
     &BINOMIALS[n]
@@ -93,10 +94,11 @@ pub(crate) fn raised<const N: usize>(degree: usize, t: f64, lower: &[f64; N]) ->
 /// Replaces the coefficients of a polynomial on `[0, 1]` by those of the same polynomial
 /// on `[a, b]` (de Casteljau at `b`, then at `a / b`; reversed where that is steadier).
 ///
-/// There are `p + 1` coefficients (an empty slice stays empty). `a ≤ b` may lie outside `[0, 1]`. For `[a, b]` within
-/// `[0, 1]`, each coefficient is off by at most `6 p u` times the largest one: each of the two cuts mixes `p` times,
-/// with three roundings a mix; with random signs they come to less than `4 p u`. Beyond, the error grows as
-/// polynomials do: at `e` outside at both ends, by a factor of up to `(1 + 2 e)ᵖ`.
+/// There are `p + 1` coefficients (an empty slice stays empty). `a ≤ b` may lie outside `[0, 1]`.
+/// For `[a, b]` within `[0, 1]`, each coefficient is off by at most `6 p u` times the largest one:
+/// each of the two cuts mixes `p` times, with three roundings a mix; with random signs they come to
+/// less than `4 p u`. Beyond, the error grows as polynomials do: at `e` outside at both ends, by a
+/// factor of up to `(1 + 2 e)ᵖ`.
 pub(crate) fn restrict<T>(coefficients: &mut [T], a: f64, b: f64)
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
@@ -136,7 +138,8 @@ where
 /// De Casteljau's cuts that leave `[a, b]` of `[0, 1]`, worked out once for many polynomials.
 #[derive(Clone, Copy)]
 struct Cuts {
-    /// What lies right of this parameter is kept: it is one of `[0, 1]`, or of `[0, right]` if that is cut first.
+    /// What lies right of this parameter is kept: it is one of `[0, 1]`, or of `[0, right]` if that
+    /// is cut first.
     left: f64,
     /// What lies left of this parameter is kept: it is one of `[0, 1]`, or of `[left, 1]`.
     right: f64,
@@ -153,8 +156,8 @@ impl Cuts {
         }
     }
 
-    /// The steps that cut a polynomial of this degree. `mix` must replace one coefficient, given first, by its mean
-    /// with another, with the weights of both.
+    /// The steps that cut a polynomial of this degree. `mix` must replace one coefficient, given
+    /// first, by its mean with another, with the weights of both.
     #[inline(always)]
     fn steps(&self, degree: usize, mut mix: impl FnMut(usize, usize, [f64; 2])) {
         if self.left_first {

@@ -33,8 +33,8 @@ impl Interval {
         self.union(Self::point(x))
     }
 
-    /// The smallest interval that holds this one and the other. A NaN end of the other is ignored; one of this
-    /// interval stays.
+    /// The smallest interval that holds this one and the other. A NaN end of the other is ignored;
+    /// one of this interval stays.
     #[must_use]
     #[inline(always)]
     pub(crate) fn union(self, other: Self) -> Self {
@@ -75,8 +75,8 @@ impl Interval {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// Wider by one to two units in the last place at both ends, or by the least normal number: what one rounding may
-    /// have done to them. For intervals whose ends are rounded to nearest.
+    /// Wider by one to two units in the last place at both ends, or by the least normal number:
+    /// what one rounding may have done to them. For intervals whose ends are rounded to nearest.
     #[must_use]
     #[inline(always)]
     pub(crate) fn outward(self) -> Self {

@@ -1,8 +1,9 @@
 //! Numbers: rays, boxes, rounding, Bernstein polynomials. Depends on nothing else of the library.
 //!
-//! The promised accuracy comes from here: [`rounding::residual_factor`] is the error bound of a computed point of a
-//! surface, in units of its coordinates. Places count as one, and rays as touching, within multiples of that; every
-//! other number that something is compared with is explained where it stands.
+//! The promised accuracy comes from here: [`rounding::residual_factor`] is the error bound of a
+//! computed point of a surface, in units of its coordinates. Places count as one, and rays as
+//! touching, within multiples of that; every other number that something is compared with is
+//! explained where it stands.
 
 mod aabb;
 pub(crate) mod angle;

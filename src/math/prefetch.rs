@@ -1,7 +1,7 @@
 //! Memory that is requested before it is read.
 
-/// Requests the cache line in which a value begins, without waiting for it; does nothing on processors other than
-/// x86-64.
+/// Requests the cache line in which a value begins, without waiting for it; does nothing on
+/// processors other than x86-64.
 ///
 /// Reading the value for this purpose would hold up all that follows until it has come.
 #[inline(always)]

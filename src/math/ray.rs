@@ -59,9 +59,9 @@ pub enum RayError {
 impl Ray {
     /// The largest coordinate of an origin, and the largest component of a direction.
     ///
-    /// Surfaces end at 1e70, so `t` is at most a few times 1e300 for any of their points: with directions shorter
-    /// than [`MIN_DIRECTION`](Self::MIN_DIRECTION) no f64 could hold it, and a surface could lie on a ray without a
-    /// hit to report it.
+    /// Surfaces end at 1e70, so `t` is at most a few times 1e300 for any of their points: with
+    /// directions shorter than [`MIN_DIRECTION`](Self::MIN_DIRECTION) no f64 could hold it, and a
+    /// surface could lie on a ray without a hit to report it.
     pub const MAX_MAGNITUDE: f64 = 1e150;
 
     /// The least that the largest component of a direction may be.

@@ -3,16 +3,15 @@
 /// The unit roundoff of f64, `u = 2⁻⁵³`: one operation errs by at most this, relatively.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// The error bound of a computed point of a Bézier piece, per unit of the largest coordinate: `C(p, q) · u` with
-/// `C = 4 (p + q + 4)`.
+/// The error bound of a computed point of a Bézier piece, per unit of the largest coordinate:
+/// `C(p, q) · u` with `C = 4 (p + q + 4)`.
 ///
-/// A basis function of degree `p` is a product of `p` rounded powers and two rounded
-/// constants, so it errs by at most `(2p + 2) u`; the sum over `(p + 1)(q + 1)` positive
-/// terms adds `(p + q + 2) u`, numerator and denominator double that for a rational
-/// piece, and the difference to the ray's origin and the dot product with a plane's
-/// normal add the rest (Higham 2002, ch. 3). The worst case would be about
-/// `6 (p + q + 4)`; errors of random sign stay below two thirds of it, which is the bound taken here and checked by
-/// the tests.
+/// A basis function of degree `p` is a product of `p` rounded powers and two rounded constants, so
+/// it errs by at most `(2p + 2) u`; the sum over `(p + 1)(q + 1)` positive terms adds
+/// `(p + q + 2) u`, numerator and denominator double that for a rational piece, and the difference
+/// to the ray's origin and the dot product with a plane's normal add the rest (Higham 2002, ch. 3).
+/// The worst case would be about `6 (p + q + 4)`; errors of random sign stay below two thirds of
+/// it, which is the bound taken here and checked by the tests.
 pub const fn residual_factor(degree_u: usize, degree_v: usize) -> f64 {
     4.0 * (degree_u + degree_v + 4) as f64 * UNIT_ROUNDOFF
 }
@@ -24,7 +23,8 @@ pub(crate) fn f32_below(x: f64) -> f32 {
 
 /// The smallest f32 not below `x`.
 ///
-/// It has no branch: a branch could not be predicted, and a wrong guess takes as long as a good part of a ray.
+/// It has no branch: a branch could not be predicted, and a wrong guess takes as long as a good
+/// part of a ray.
 #[inline(always)]
 pub(crate) fn f32_above(x: f64) -> f32 {
     let nearest = x as f32;

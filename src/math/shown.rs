@@ -11,8 +11,8 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Shown(pub f64);
 
-/// Magnitudes that are shown without a power of ten: from the upper end on f64 holds whole numbers only, and below
-/// the lower end a decimal begins with more zeros than a reader counts.
+/// Magnitudes that are shown without a power of ten: from the upper end on f64 holds whole numbers
+/// only, and below the lower end a decimal begins with more zeros than a reader counts.
 const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
 
 impl fmt::Display for Shown {
@@ -37,13 +37,13 @@ impl fmt::Display for Measured {
     }
 }
 
-/// A length that was measured and must not be exceeded, as a message shows it: six digits, the last of
-/// them rounded down. `0.666666`; but `2`, where it is 2 to within rounding.
+/// A length that was measured and must not be exceeded, as a message shows it: six digits, the last
+/// of them rounded down. `0.666666`; but `2`, where it is 2 to within rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct AtLeast(pub f64);
 
-/// How far a measured length may be below a round one and still count as it, as a share: millions of times less than
-/// what the six digits tell.
+/// How far a measured length may be below a round one and still count as it, as a share: millions
+/// of times less than what the six digits tell.
 const ROUND: f64 = 1e-12;
 
 impl fmt::Display for AtLeast {
@@ -58,8 +58,8 @@ impl fmt::Display for AtLeast {
     }
 }
 
-/// A point that was computed, as a message shows it: each coordinate as [`Measured`], those that are only rounding
-/// error of the largest as 0.
+/// A point that was computed, as a message shows it: each coordinate as [`Measured`], those that
+/// are only rounding error of the largest as 0.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredPoint(pub DVec3);
 

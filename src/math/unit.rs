@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// The unit vector along a vector of any length, exact along the coordinate axes; `None` for zero and for vectors
-/// that are not finite.
+/// The unit vector along a vector of any length, exact along the coordinate axes; `None` for zero
+/// and for vectors that are not finite.
 pub(crate) fn unit(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     let usable = largest > 0.0 && vector.is_finite();

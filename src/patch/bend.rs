@@ -14,46 +14,51 @@ pub(super) const MOST_HALVINGS: u32 = 16;
 /// Leaves are at least this flat.
 const COARSEST: f64 = 0.5;
 
-/// Rational leaves longer than this many times their width, and bent along their length, must be flatter than
-/// [`COARSEST`] by the factor by which they are longer, up to a length of [`LONGEST`] widths: what is known of them
-/// relative to their length must be good for their width. Measured on the wires of a sphere's net: rays are traced
-/// 1.1 to 1.3 times as fast.
+/// Rational leaves longer than this many times their width, and bent along their length, must be
+/// flatter than [`COARSEST`] by the factor by which they are longer, up to a length of [`LONGEST`]
+/// widths: what is known of them relative to their length must be good for their width. Measured on
+/// the wires of a sphere's net: rays are traced 1.1 to 1.3 times as fast.
 const LONG: f64 = 8.0;
 const LONGEST: f64 = 32.0;
 
-/// The bend that a part ending in a pole is treated as having towards the pole, for the first [`POLE_HALVINGS`]
-/// halvings: the nearer a ray passes to the pole, the less the certificate says about it.
+/// The bend that a part ending in a pole is treated as having towards the pole, for the first
+/// [`POLE_HALVINGS`] halvings: the nearer a ray passes to the pole, the less the certificate says
+/// about it.
 ///
-/// Measured: discs and cones are traced 1.1 to 1.2 times as fast, other bodies with poles no slower.
+/// Measured: discs and cones are traced 1.1 to 1.2 times as fast, other bodies with poles no
+/// slower.
 const AT_POLES: f64 = 0.15;
 const POLE_HALVINGS: u32 = 5;
 
-/// Turns relative to a part's own sides and width count at most this many times the turns relative to its longest
-/// row: where the sides are nearly parallel, as beside a cusp line, the former do not shrink however often the part
-/// is halved.
+/// Turns relative to a part's own sides and width count at most this many times the turns relative
+/// to its longest row: where the sides are nearly parallel, as beside a cusp line, the former do
+/// not shrink however often the part is halved.
 const MOST_TIMES: f64 = 4.0;
 
-/// Lengths below this many times the error bound of points are not measured for bending: what would be measured there
-/// is rounding error, which does not shrink however often a part is halved.
+/// Lengths below this many times the error bound of points are not measured for bending: what would
+/// be measured there is rounding error, which does not shrink however often a part is halved.
 const LEAST_SEEN: f64 = 1e4;
 
-/// A part of degree above three whose rows deviate from cubics by this fraction of its side counts as bent by
-/// [`COARSEST`], because leaves are approximated by bicubics. Halving leaves a sixteenth of the deviation, or an
-/// eighth relative to the side; the fourth root of that counts, which shrinks about as a bend does.
+/// A part of degree above three whose rows deviate from cubics by this fraction of its side counts
+/// as bent by [`COARSEST`], because leaves are approximated by bicubics. Halving leaves a sixteenth
+/// of the deviation, or an eighth relative to the side; the fourth root of that counts, which
+/// shrinks about as a bend does.
 ///
-/// Measured: sheets of degrees 4 and 5 with random weights are traced 1.2 to 2 times as fast, with up to twice as many
-/// leaves; an octant sphere of degree 4 × 4 1.0 to 1.1 times, with no more. A third of this value gained little more.
+/// Measured: sheets of degrees 4 and 5 with random weights are traced 1.2 to 2 times as fast, with
+/// up to twice as many leaves; an octant sphere of degree 4 × 4 1.0 to 1.1 times, with no more. A
+/// third of this value gained little more.
 const OFF_CUBIC: f64 = 3e-4;
 
 /// How much a part bends.
 ///
-/// How often a ray meets a part does not change when both are stretched. So turns within the part's plane are
-/// measured in units of its own sides, and turns out of the plane in units of its width, which is less than a side
-/// where the two sides are slanted. A slender part whose short rows are sheared along it is then as good as the wide
-/// part that stretching would make of it.
+/// How often a ray meets a part does not change when both are stretched. So turns within the part's
+/// plane are measured in units of its own sides, and turns out of the plane in units of its width,
+/// which is less than a side where the two sides are slanted. A slender part whose short rows are
+/// sheared along it is then as good as the wide part that stretching would make of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bend {
-    /// What halving in `s` and in `t` is worth: half the angle by which rows turn, or its equivalent.
+    /// What halving in `s` and in `t` is worth: half the angle by which rows turn, or its
+    /// equivalent.
     angles: [f64; 2],
     /// The same, counting only what must be at most [`COARSEST`] in a leaf.
     strained: [f64; 2],
@@ -61,8 +66,8 @@ pub(super) struct Bend {
     sides: [f64; 2],
 }
 
-/// The rows of control points along one direction: the steps in a row, the index distance of its points in the net,
-/// the number of rows less one, and the index distance of rows.
+/// The rows of control points along one direction: the steps in a row, the index distance of its
+/// points in the net, the number of rows less one, and the index distance of rows.
 #[derive(Clone, Copy, Debug)]
 struct Rows {
     degree: usize,
@@ -79,7 +84,8 @@ struct Turns {
     by_part: f64,
 }
 
-/// The vectors whose products with second differences measure them along both sides and out of the plane.
+/// The vectors whose products with second differences measure them along both sides and out of the
+/// plane.
 struct Measures {
     along: [DVec3; 2],
     out: DVec3,
@@ -88,11 +94,12 @@ struct Measures {
 }
 
 impl Bend {
-    /// Measures the control points over a rectangle of a piece; `None` where only rounding error is left to measure.
+    /// Measures the control points over a rectangle of a piece; `None` where only rounding error is
+    /// left to measure.
     ///
     /// The measure of a direction is the largest second difference of the control points along it,
-    /// times the second derivative's factor, over the part's size: half the angle by which the rows turn.
-    /// Twist counts where it leaves the part's plane.
+    /// times the second derivative's factor, over the part's size: half the angle by which the rows
+    /// turn. Twist counts where it leaves the part's plane.
     pub(super) fn of(piece: &Piece, rect: DyadicRect, net: &[DVec4]) -> Option<Self> {
         let [p, q] = piece.patch.degree();
         let noise = piece.patch.noise();
@@ -112,8 +119,8 @@ impl Bend {
         let turns = [0, 1].map(|k| rows[k].turns(&points, k, &measures, sides[k]));
 
         let rational = piece.patch.is_rational();
-        // Only where the part bends as a whole, too: a crescent has long rows that turn far relative to its width,
-        // but is none the worse for it.
+        // Only where the part bends as a whole, too: a crescent has long rows that turn far
+        // relative to its width, but is none the worse for it.
         let lengths = if rational { sides[0] / sides[1] } else { 1.0 };
         let strain = [lengths, lengths.recip()].map(|times| (times.min(LONGEST) / LONG).max(1.0));
         let twist = corner(1, 1) - corner(1, 0) - corner(0, 1) + corner(0, 0);
@@ -188,8 +195,8 @@ impl Rows {
 }
 
 impl Measures {
-    /// The measures of a part with these sides. Only the directions of its chords count: they may be twice as long as
-    /// the part, or zero.
+    /// The measures of a part with these sides. Only the directions of its chords count: they may
+    /// be twice as long as the part, or zero.
     fn new(chords: [DVec3; 2], sides: [f64; 2]) -> Self {
         let [a, b] = chords.map(DVec3::normalize_or_zero);
         let normal = a.cross(b);
@@ -200,10 +207,11 @@ impl Measures {
     }
 }
 
-/// Estimates how far rows in `s` and in `t` deviate from cubics, from fourth differences of 5 × 5 points.
+/// Estimates how far rows in `s` and in `t` deviate from cubics, from fourth differences of 5 × 5
+/// points.
 ///
-/// A cubic polynomial through Chebyshev points of a row of length one deviates by the fourth derivative over 4! 2⁷,
-/// and that derivative is 4⁴ times such a difference.
+/// A cubic polynomial through Chebyshev points of a row of length one deviates by the fourth
+/// derivative over 4! 2⁷, and that derivative is 4⁴ times such a difference.
 fn off_cubics(degree: [usize; 2], net: &[DVec4]) -> [f64; 2] {
     let points = points_at([0.0, 0.25, 0.5, 0.75, 1.0], degree, net);
     let off = |[a, b, c, d, e]: [DVec3; 5]| (a + e - 4.0 * (b + d) + 6.0 * c).length() / 12.0;
@@ -212,7 +220,8 @@ fn off_cubics(degree: [usize; 2], net: &[DVec4]) -> [f64; 2] {
     [most(across), most(points)]
 }
 
-/// The direction with more bend; if both are equal, for example because both are the twist, that of the longer side.
+/// The direction with more bend; if both are equal, for example because both are the twist, that of
+/// the longer side.
 fn larger(angles: [f64; 2], sides: [f64; 2]) -> usize {
     let order = angles[1].total_cmp(&angles[0]).then(sides[1].total_cmp(&sides[0]));
     usize::from(order.is_gt())
@@ -237,8 +246,8 @@ mod tests {
         })
     }
 
-    /// The number of leaves, and the certified shares of the rays along their normals and of rays from everywhere
-    /// that are stretched with the surface.
+    /// The number of leaves, and the certified shares of the rays along their normals and of rays
+    /// from everywhere that are stretched with the surface.
     fn certified(surface: &NurbsSurface, map: &DAffine3) -> (usize, [f64; 2]) {
         let surface = surface.transformed(map).unwrap();
         let (set, parts) = PatchSet::new(&[surface]).unwrap();
@@ -257,7 +266,8 @@ mod tests {
         (count, [part(steep, count), part(any, count * directions().count())])
     }
 
-    /// The tangents of a twisted cubic: beside that curve, in the middle, both sides of a part run along it.
+    /// The tangents of a twisted cubic: beside that curve, in the middle, both sides of a part run
+    /// along it.
     #[test]
     fn parts_with_parallel_sides_do_not_take_all_the_room() {
         let curve = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 3.0, 3.0]];
@@ -274,7 +284,8 @@ mod tests {
         assert!((8..100).contains(&count), "{count} leaves");
     }
 
-    /// A span of 1e-9 of a rational surface at 1e5 from the origin: what is measured across it is rounding error.
+    /// A span of 1e-9 of a rational surface at 1e5 from the origin: what is measured across it is
+    /// rounding error.
     #[test]
     fn slivers_far_from_the_origin_do_not_take_all_the_room() {
         let span = [0.4, 0.4 + 1e-9];

@@ -15,21 +15,21 @@ use crate::math::Interval;
 /// sides, at most once; and how far the leaf's tangents turn.
 ///
 /// # What is bounded
-/// Write the piece over the convex parameter rectangle `D` as `S = c + X / W`, where the
-/// Bernstein coefficients of `X` are `w_ij (P_ij − c)` and those of `W` are `w_ij > 0`.
-/// By the quotient rule `S_s = a / W` with `a = X_s − (S − c) W_s`, and `S_t = b / W`
-/// likewise. On `D` every component of `X_s` lies between the smallest and the largest
-/// of its Bernstein coefficients, and so does `W_s`; `S − c` lies in the hull of the
-/// `P_ij − c`. Interval arithmetic, rounded outwards and widened by the rounding error of
-/// the coefficients, gives a box around every coefficient of `a` and of `b`, in the frame
-/// `(a₀, b₀, n)` of the leaf's chords and its normal: `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. If
-/// `α₁ > 0` in all of these boxes, the quotients `α₂/α₁` and `α₃/α₁` of a sum are weighted means of the quotients of
-/// its terms, and likewise for `b`. So intervals around the quotients of the coefficients hold the quotients of the
-/// means of `a` and of `b` over any set.
+/// Write the piece over the convex parameter rectangle `D` as `S = c + X / W`, where the Bernstein
+/// coefficients of `X` are `w_ij (P_ij − c)` and those of `W` are `w_ij > 0`. By the quotient rule
+/// `S_s = a / W` with `a = X_s − (S − c) W_s`, and `S_t = b / W` likewise. On `D` every component
+/// of `X_s` lies between the smallest and the largest of its Bernstein coefficients, and so does
+/// `W_s`; `S − c` lies in the hull of the `P_ij − c`. Interval arithmetic, rounded outwards and
+/// widened by the rounding error of the coefficients, gives a box around every coefficient of `a`
+/// and of `b`, in the frame `(a₀, b₀, n)` of the leaf's chords and its normal:
+/// `a = α₁ a₀ + α₂ b₀ + α₃ n`, `b = β₁ a₀ + β₂ b₀ + β₃ n`. If `α₁ > 0` in all of these boxes, the
+/// quotients `α₂/α₁` and `α₃/α₁` of a sum are weighted means of the quotients of its terms, and
+/// likewise for `b`. So intervals around the quotients of the coefficients hold the quotients of
+/// the means of `a` and of `b` over any set.
 ///
-/// Where the weights differ, changes of `X_s` and of `(S − c) W_s` may cancel, which these boxes do not show. So unless
-/// there are too many coefficients, or a pole, `a W = W X_s − X W_s` and `b W` are multiplied out; their coefficients
-/// replace those boxes, and the square of `W` replaces `W`.
+/// Where the weights differ, changes of `X_s` and of `(S − c) W_s` may cancel, which these boxes do
+/// not show. So unless there are too many coefficients, or a pole, `a W = W X_s − X W_s` and `b W`
+/// are multiplied out; their coefficients replace those boxes, and the square of `W` replaces `W`.
 ///
 /// # What is concluded
 /// Let a ray with unit direction `d` meet `S` at two points `x ≠ y` of `D`, and let `F` be
@@ -41,26 +41,26 @@ use crate::math::Interval;
 ///
 /// `ā × b̄ = α₁ β₂ m (a₀ × b₀ + g (a₀ × n) + h (b₀ × n))`,
 ///
-/// `m = 1 − ρ₂σ₁`, `g = (σ₃ − ρ₃σ₁) / m`, `h = (ρ₂σ₃ − ρ₃) / m`. With `g` within `r` of `g₀` and `h` within `q` of
-/// `h₀`, the product with `d` is not zero, hence `x = y`, whenever `|N·d| > |A·d| + |B·d|` with
-/// `N = n + (g₀ (a₀ × n) + h₀ (b₀ × n)) / |a₀ × b₀|`, `A = r (a₀ × n) / |a₀ × b₀|` and
-/// `B = q (b₀ × n) / |a₀ × b₀|`: three dot products. `N` is about the mean normal; the normal of the chords may lean
-/// to one side of it. Splitting off the parts along `a₀`
-/// and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm, only
-/// the turning of the tangents does; and the less the leaf turns in the direction that a ray comes from, the flatter
-/// the ray may be. For polynomial pieces `ā` and `b̄`, both means over one segment, are
-/// bounded together where that says more: see `PairTurns`.
+/// `m = 1 − ρ₂σ₁`, `g = (σ₃ − ρ₃σ₁) / m`, `h = (ρ₂σ₃ − ρ₃) / m`. With `g` within `r` of `g₀` and
+/// `h` within `q` of `h₀`, the product with `d` is not zero, hence `x = y`, whenever
+/// `|N·d| > |A·d| + |B·d|` with `N = n + (g₀ (a₀ × n) + h₀ (b₀ × n)) / |a₀ × b₀|`,
+/// `A = r (a₀ × n) / |a₀ × b₀|` and `B = q (b₀ × n) / |a₀ × b₀|`: three dot products. `N` is about
+/// the mean normal; the normal of the chords may lean to one side of it. Splitting off the parts
+/// along `a₀` and `b₀`, and the lengths, matters: the speed of the parametrisation does no harm,
+/// only the turning of the tangents does; and the less the leaf turns in the direction that a ray
+/// comes from, the flatter the ray may be. For polynomial pieces `ā` and `b̄`, both means over one
+/// segment, are bounded together where that says more: see `PairTurns`.
 ///
 /// # How a miss is proved
 /// Let `x` lie in `D` beyond all points `y` of the leaf in `s`, so that `y − x` has a first
-/// component of known sign, and let the ray be certified: the determinant has one sign on all of `D`, that of
-/// `N·d` (not of `n·d`). If the ray met the leaf at `y`, `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would determine the
-/// sign of the cross product `F(x) × b̄`: opposite to its sign where Newton's step from `x` leads away from the leaf.
-/// The product has the same sign for all `b̄` as for `b₀` if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|` with the
-/// largest `|σ₁|` and `|σ₃|`; each of the three products allows for the error bound of `F`. The same holds for `t`,
-/// with `ρ₂` and `ρ₃`.
-/// (These bounds are those of each tangent by itself, and are unknown where one turns too far; the determinant's sign
-/// may come from both tangents together.)
+/// component of known sign, and let the ray be certified: the determinant has one sign on all of
+/// `D`, that of `N·d` (not of `n·d`). If the ray met the leaf at `y`,
+/// `−F(x) = λā (y − x)₁ + μb̄ (y − x)₂` would determine the sign of the cross product `F(x) × b̄`:
+/// opposite to its sign where Newton's step from `x` leads away from the leaf. The product has the
+/// same sign for all `b̄` as for `b₀` if `|F × b₀| > |σ₁| |F × a₀| + |σ₃| |F × n|` with the largest
+/// `|σ₁|` and `|σ₃|`; each of the three products allows for the error bound of `F`. The same holds
+/// for `t`, with `ρ₂` and `ρ₃`. (These bounds are those of each tangent by itself, and are unknown
+/// where one turns too far; the determinant's sign may come from both tangents together.)
 ///
 /// At a side that is collapsed to a point `c`, say `t = 0`, `X = t X̃` and
 /// `S_s = t (X̃_s − (X̃/W) W_s) / W`: the bracket takes the place of `a`, and positive
@@ -68,44 +68,45 @@ use crate::math::Interval;
 ///
 /// # What rounding costs
 /// `A` and `B` are taken with 2 % to spare, so that with `cos θ` short for `|N·d|`
-/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (for pairs, with half their least `m` in place of `α₁ β₂ m`). A
-/// computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the root, if there is one, in each
-/// parameter, measured in sides of the leaf: the leaf's owner compares that with its slack. And where the root lies
-/// farther than that beyond a side of the piece, no point of the piece in `D` is within `ε` of
-/// the ray.
+/// `|d·(ā × b̄)| ≥ 0.019 cos θ α₁ β₂ |a₀ × b₀| m` (for pairs, with half their least `m` in place of
+/// `α₁ β₂ m`). A computed point `x` of `D` with `|F(x)| ≤ ε` is then within `ε·spread/cos θ` of the
+/// root, if there is one, in each parameter, measured in sides of the leaf: the leaf's owner
+/// compares that with its slack. And where the root lies farther than that beyond a side of the
+/// piece, no point of the piece in `D` is within `ε` of the ray.
 ///
 /// # What is kept
-/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are, up to factors, the
-/// products of the box's rows with a direction, which are computed anyway: its *slopes*. The factors are kept in
-/// units of the third slope, in sixteen bits, those for misses in eight. Those of `N` are rounded to nearest, and `r`
-/// and `q` reach from the rounded values; all others are rounded up. So every condition becomes a little harder to
-/// meet, by less than 1 %, or by an eighth for misses. Rows in f32 are off by 2⁻²⁴ of their length; the last number
-/// that `turning` returns covers that and nine f32 roundings of each of the three slopes.
+/// `a₀`, `b₀` and `n` are the axes of the leaf's [`OrientedBox`], so `n·d`, `A·d` and `B·d` are, up
+/// to factors, the products of the box's rows with a direction, which are computed anyway: its
+/// *slopes*. The factors are kept in units of the third slope, in sixteen bits, those for misses in
+/// eight. Those of `N` are rounded to nearest, and `r` and `q` reach from the rounded values; all
+/// others are rounded up. So every condition becomes a little harder to meet, by less than 1 %, or
+/// by an eighth for misses. Rows in f32 are off by 2⁻²⁴ of their length; the last number that
+/// `turning` returns covers that and nine f32 roundings of each of the three slopes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Certificate {
-    /// A ray with slopes `a, b, c` has the steepness `e = |c + lean₀ a + lean₁ b|`, and meets the widened leaf at
-    /// most once where `e > turning₀ |a| + turning₁ |b| + rounding`.
+    /// A ray with slopes `a, b, c` has the steepness `e = |c + lean₀ a + lean₁ b|`, and meets the
+    /// widened leaf at most once where `e > turning₀ |a| + turning₁ |b| + rounding`.
     lean: [Near16; 2],
     turning: [Up16; 2],
     rounding: Up16,
-    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the root if also
-    /// `e ≥ ε steep_per_error`.
+    /// A computed point with a residual of at most `ε` is well within the leaf's slack of the root
+    /// if also `e ≥ ε steep_per_error`.
     steep_per_error: Up16,
-    /// For a step in `s`, then in `t`: the largest multiples of the unit vectors of the other tangent, and of the
-    /// normal, that may have to be added to that of `b₀`, or `a₀`.
+    /// For a step in `s`, then in `t`: the largest multiples of the unit vectors of the other
+    /// tangent, and of the normal, that may have to be added to that of `b₀`, or `a₀`.
     bend: [[Up8; 2]; 2],
     /// In a leaf that ends in a pole: `e ρ ≥ ε pole_per_error` is needed, too, for a ray at
     /// the distance `ρ` from the pole. Zero for other leaves.
     pole_per_error: Up16,
 }
 
-/// More than the f32 rounding error of the sum of three slopes, in units of the third row's length: ten roundings of
-/// 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6. The margin is so large that what is
-/// left is known to a third, too.
+/// More than the f32 rounding error of the sum of three slopes, in units of the third row's length:
+/// ten roundings of 2⁻²⁴ of each, of rows whose lengths add up to no more than five, come to 3e-6.
+/// The margin is so large that what is left is known to a third, too.
 const SLOPE_ROUNDING: f64 = 1e-5;
 
-/// How many times as far beyond a side as needed a root must lie to prove a miss: the root, and the points of the
-/// piece, may each be off by the error bound; and slopes are in f32.
+/// How many times as far beyond a side as needed a root must lie to prove a miss: the root, and the
+/// points of the piece, may each be off by the error bound; and slopes are in f32.
 const ROOM: f64 = 4.0;
 
 impl Certificate {
@@ -164,9 +165,10 @@ impl Certificate {
         self.steepness(slopes) > by_a * a.abs() + by_b * b.abs() + rounding
     }
 
-    /// Returns the steepness of a ray with these slopes, if it meets the widened leaf at most once and rounding is
-    /// small against the leaf: `error` is the bound, in scene units, of a point's distance from the ray. Leaves that
-    /// end in a pole have a further condition: see [`pole_per_error`](Self::pole_per_error).
+    /// Returns the steepness of a ray with these slopes, if it meets the widened leaf at most once
+    /// and rounding is small against the leaf: `error` is the bound, in scene units, of a point's
+    /// distance from the ray. Leaves that end in a pole have a further condition: see
+    /// [`pole_per_error`](Self::pole_per_error).
     #[inline(always)]
     pub(crate) fn steepness_if_valid(&self, slopes: [f64; 3], error: f64) -> Option<f64> {
         let steepness = self.steepness(slopes);
@@ -180,7 +182,8 @@ impl Certificate {
         self.upright(slopes).abs()
     }
 
-    /// The third of a ray's slopes, or of the rows that slopes come from, corrected by the certificate's lean.
+    /// The third of a ray's slopes, or of the rows that slopes come from, corrected by the
+    /// certificate's lean.
     #[inline(always)]
     pub(crate) fn upright<T>(&self, [a, b, c]: [T; 3]) -> T
     where
@@ -209,23 +212,24 @@ impl Certificate {
         self.steep_per_error.value()
     }
 
-    /// The clearance per error: where the root lies farther beyond a side of the piece, in box coordinates, than this
-    /// times the error bound of points over the steepness, all points of the piece in the widened leaf are farther
-    /// from the ray than that error bound. Not for leaves that end in a pole.
+    /// The clearance per error: where the root lies farther beyond a side of the piece, in box
+    /// coordinates, than this times the error bound of points over the steepness, all points of the
+    /// piece in the widened leaf are farther from the ray than that error bound. Not for leaves
+    /// that end in a pole.
     #[inline(always)]
     pub(crate) fn clearance_per_error(&self) -> f64 {
         ROOM * LEAF_SLACK * f64::from(self.steep_per_error.value())
     }
 
-    /// Like [`steep_per_error`](Self::steep_per_error), but for the steepness times the distance from the pole; zero
-    /// for leaves without one.
+    /// Like [`steep_per_error`](Self::steep_per_error), but for the steepness times the distance
+    /// from the pole; zero for leaves without one.
     #[inline(always)]
     pub(crate) fn pole_per_error(&self) -> f32 {
         self.pole_per_error.value()
     }
 
-    /// The largest multiples of the other tangent and of the normal to be reckoned with, for a step in `s`, then in
-    /// `t`.
+    /// The largest multiples of the other tangent and of the normal to be reckoned with, for a step
+    /// in `s`, then in `t`.
     #[inline(always)]
     pub(crate) fn bend(&self) -> [[f64; 2]; 2] {
         self.bend.map(|bend| bend.map(|bend| f64::from(bend.value())))
@@ -249,7 +253,8 @@ mod tests {
         leaves_of(points, bumps, rational)
     }
 
-    /// The piece with these control points, whose weights are the second of each pair, and its leaves.
+    /// The piece with these control points, whose weights are the second of each pair, and its
+    /// leaves.
     fn leaves_of(
         points: impl Iterator<Item = DVec3>,
         weights: &[(f64, f64)],
@@ -271,7 +276,8 @@ mod tests {
         (set, leaves)
     }
 
-    /// No line through two points of a leaf is certified to meet it at most once, and some nearly are.
+    /// No line through two points of a leaf is certified to meet it at most once, and some nearly
+    /// are.
     #[test]
     fn chords_are_not_certified() {
         let place = || (-1.02..1.02f64, -1.02..1.02f64);
@@ -303,8 +309,8 @@ mod tests {
         assert!(asked > 1000 && nearest < 1.2, "{asked} chords, one to {nearest}");
     }
 
-    /// The same for leaves that end in a pole, at any of the sides, whose points agree only to a few roundings: as
-    /// near to the pole as the certificate speaks of rays.
+    /// The same for leaves that end in a pole, at any of the sides, whose points agree only to a
+    /// few roundings: as near to the pole as the certificate speaks of rays.
     #[test]
     fn chords_beside_poles_are_not_certified() {
         let along = || -1.02..1.02f64;
@@ -370,8 +376,8 @@ mod tests {
         assert!(asked > 1000 && close > 50 && nearest < 1.3, "{asked}, {close}: {nearest}");
     }
 
-    /// Where a ray meets the continuation of a surface beyond its border, as far out as the certificate asks for, no
-    /// point of the leaf is within the error, or twice the error.
+    /// Where a ray meets the continuation of a surface beyond its border, as far out as the
+    /// certificate asks for, no point of the leaf is within the error, or twice the error.
     #[test]
     fn roots_beyond_a_border_are_far_enough() {
         let bumps = prop::collection::vec((-0.3..0.3f64, 0.7..1.4f64), 16);

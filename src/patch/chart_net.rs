@@ -17,7 +17,8 @@ use crate::math::rounding;
 #[derive(Debug)]
 pub(super) struct ChartNet {
     pub(super) degree: [usize; 2],
-    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): every ray needs it at every leaf.
+    /// See [`TensorPatch::residual_factor`](super::TensorPatch::residual_factor): every ray needs
+    /// it at every leaf.
     pub(super) residual_factor: f64,
     /// Row by row.
     control: Control,
@@ -47,8 +48,8 @@ enum Sums {
     PowersOf(Box<MadePowers>),
 }
 
-/// Pieces that are not well conditioned, whose sums stay in Bernstein form: the rows and columns in which they begin,
-/// in order.
+/// Pieces that are not well conditioned, whose sums stay in Bernstein form: the rows and columns in
+/// which they begin, in order.
 #[derive(Debug)]
 struct Others(Vec<[u32; 2]>);
 
@@ -74,8 +75,8 @@ struct KeptPowers {
 /// Power nets that are made on demand.
 #[derive(Debug)]
 struct MadePowers {
-    /// How they are made, by the row and the column in which pieces begin: the shares of [`ToPowers`], one piece
-    /// after another.
+    /// How they are made, by the row and the column in which pieces begin: the shares of
+    /// [`ToPowers`], one piece after another.
     along: [Vec<f64>; 2],
     degree: [usize; 2],
     others: Others,
@@ -221,7 +222,8 @@ impl ChartNet {
         (net, firsts)
     }
 
-    /// The power nets of the pieces that begin with these rows and columns, if most are well conditioned.
+    /// The power nets of the pieces that begin with these rows and columns, if most are well
+    /// conditioned.
     fn all_by_powers(&self, [rows, columns]: &[Vec<u32>; 2]) -> Option<KeptPowers> {
         if !powers::suit(self.degree) {
             return None;
@@ -250,8 +252,8 @@ impl ChartNet {
         others.are_few(count).then_some(KeptPowers { numbers, others })
     }
 
-    /// How power nets are made from these control points, and for which pieces they are not, if most are well
-    /// conditioned.
+    /// How power nets are made from these control points, and for which pieces they are not, if
+    /// most are well conditioned.
     fn made_by_powers(
         &self,
         [rows, columns]: &[Vec<u32>; 2],
@@ -303,7 +305,8 @@ impl ChartNet {
         self.components() * (p + 1) * (q + 1)
     }
 
-    /// The net of a piece whose sums are used where speed counts, in power form or in Bernstein form.
+    /// The net of a piece whose sums are used where speed counts, in power form or in Bernstein
+    /// form.
     #[inline(always)]
     pub(super) fn sums_source(&self, first: [u32; 2]) -> NetSource<'_> {
         let Sums::Powers(powers) = &self.sums else { return self.source(first) };
@@ -340,7 +343,8 @@ impl ChartNet {
         }
     }
 
-    /// What makes the power net of a piece from the control points that govern it, if it is made that way.
+    /// What makes the power net of a piece from the control points that govern it, if it is made
+    /// that way.
     #[inline(always)]
     pub(super) fn to_powers(&self, first: [u32; 2]) -> Option<[ToPowers<'_>; 2]> {
         match &self.sums {

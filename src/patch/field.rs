@@ -1,4 +1,5 @@
-//! The Bernstein coefficients of a leaf and of the fields derived from them, which bound its tangents.
+//! The Bernstein coefficients of a leaf and of the fields derived from them, which bound its
+//! tangents.
 
 use glam::{DVec3, DVec4};
 
@@ -89,7 +90,8 @@ impl Field {
 
     /// `W² S_s`, or `W² S_t`, in Bernstein form: `W X_s − X W_s`, where the highest powers cancel.
     ///
-    /// For `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ`, `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
+    /// For `bᵢ = C(p, i) sⁱ (1 − s)ᵖ⁻ⁱ`,
+    /// `bᵢ bⱼ′ − bⱼ bᵢ′ = C(p, i) C(p, j) (j − i) sⁱ⁺ʲ⁻¹ (1 − s)²ᵖ⁻ⁱ⁻ʲ⁻¹`.
     pub(super) fn quotients_slope(&self, which: usize) -> Self {
         let mut degree = self.degree;
         let (p, q) = (degree[which], degree[1 - which]);

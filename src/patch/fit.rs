@@ -24,8 +24,8 @@ pub(super) const NO_WEIGHT: WeightFit = {
     weight
 };
 
-/// Weights are approximated where they are at most this many times the weight in the middle of the leaf, and at least
-/// one over that, everywhere that the bounds of [`FitError`] hold.
+/// Weights are approximated where they are at most this many times the weight in the middle of the
+/// leaf, and at least one over that, everywhere that the bounds of [`FitError`] hold.
 pub(crate) const MOST_WEIGHT: f32 = 4.0;
 
 /// A leaf's bicubic approximation.
@@ -41,8 +41,9 @@ pub(super) struct Approximation {
 }
 
 impl Approximation {
-    /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by that quotient if its
-    /// weights differ little enough ([`MOST_WEIGHT`]), and everything else by a polynomial near the surface.
+    /// Approximates a polynomial of degree up to three by that polynomial, a quotient of two by
+    /// that quotient if its weights differ little enough ([`MOST_WEIGHT`]), and everything else by
+    /// a polynomial near the surface.
     pub(super) fn new(part_net: &PartNet, piece: &Piece) -> Self {
         let [p, q] = piece.patch.degree();
         let quotient = if p.max(q) <= 3 { Quotient::new(part_net, piece) } else { None };
@@ -51,8 +52,8 @@ impl Approximation {
 
     /// A polynomial near the surface.
     pub(super) fn polynomial(part_net: &PartNet, piece: &Piece) -> Self {
-        // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation (Trefethen 2013,
-        // ch. 16).
+        // The bicubic polynomial through 4 × 4 Chebyshev points is near the best approximation
+        // (Trefethen 2013, ch. 16).
         let nodes = NODES.map(|node| 0.5 * (1.0 + node));
         let mut values = points_at(nodes, piece.patch.degree(), part_net.net());
         let some = values[1][1];
@@ -81,10 +82,11 @@ impl Approximation {
     }
 }
 
-/// A piece of degree up to three over a leaf: a bicubic polynomial, divided by another one where weights differ.
+/// A piece of degree up to three over a leaf: a bicubic polynomial, divided by another one where
+/// weights differ.
 ///
-/// A polynomial alone deviates from a leaf as much as its weights differ: by a few percent of the leaf's sides, on a
-/// spline whose control points have weights from 0.8 to 1.25.
+/// A polynomial alone deviates from a leaf as much as its weights differ: by a few percent of the
+/// leaf's sides, on a spline whose control points have weights from 0.8 to 1.25.
 struct Quotient {
     /// The point in the middle, which the numerators are relative to.
     middle: DVec3,
@@ -137,8 +139,8 @@ impl Quotient {
         in_range.then_some(Self { middle, coefficients, least: Some(least), noise })
     }
 
-    /// The sizes, as forms, of the surface and its first three derivatives in the middle, by Leibniz's rule for
-    /// `X = S W`: there `X` and `S` are zero, and `W` is 1.
+    /// The sizes, as forms, of the surface and its first three derivatives in the middle, by
+    /// Leibniz's rule for `X = S W`: there `X` and `S` are zero, and `W` is 1.
     fn in_middle(&self) -> [f64; 4] {
         let [[_, y, yy, yyy], [x, xy, xyy, _], [xx, xxy, ..], [xxx, ..]] = self.coefficients;
         let (s_x, s_y) = (x.truncate(), y.truncate());
@@ -170,8 +172,8 @@ impl Quotient {
     }
 }
 
-/// The second derivatives of a quotient in the middle, where its numerators are zero and its weight is 1: by `xx`, `xy`
-/// and `yy`, from the coefficients of these and of `x` and `y`.
+/// The second derivatives of a quotient in the middle, where its numerators are zero and its weight
+/// is 1: by `xx`, `xy` and `yy`, from the coefficients of these and of `x` and `y`.
 #[inline(always)]
 pub(super) fn second_derivatives([x, y]: [DVec4; 2], [xx, xy, yy]: [DVec4; 3]) -> [DVec3; 3] {
     let (s_x, s_y) = (x.truncate(), y.truncate());
@@ -193,7 +195,8 @@ fn rounded(coefficients: &[[DVec4; 4]; 4]) -> (Fit, WeightFit) {
     (fit, weight)
 }
 
-/// The vectors across the middle in `x` and in `y`, where the numerators are zero and the weight is 1.
+/// The vectors across the middle in `x` and in `y`, where the numerators are zero and the weight is
+/// 1.
 fn chords(coefficients: &[[DVec4; 4]; 4]) -> [DVec3; 2] {
     let along_x = [0, 1, 2, 3].map(|i| coefficients[i][0]);
     // `X / W` at 1 minus `X / W` at −1, from the even and the odd parts of both.

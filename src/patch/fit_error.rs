@@ -3,29 +3,31 @@
 //! Over the leaf's widened rectangle `D`, in box coordinates `x, y` (half sides), let `S` be
 //! the surface and `Q` the approximation, both relative to the leaf's middle.
 //!
-//! *Quotients.* For pieces of degree up to three whose weights differ, the numerators `X` and the weights `W` are
-//! approximated, both exactly except for rounding. The bounds are for `F = n · X + m W` with a unit vector `n`, and
-//! `m` no larger than the distance at which rays pass the middle, or than the length of `S` in `D`. So `E`, the
-//! slopes' bound and `M` are those of a polynomial whose coefficients are as large as those of `X` and `m W`
-//! together. `M` also bounds `S`, and `T` bounds `S` alone. All other approximations are polynomials `Q`; in what
-//! follows, `X` and `W` are the surface's own:
+//! *Quotients.* For pieces of degree up to three whose weights differ, the numerators `X` and the
+//! weights `W` are approximated, both exactly except for rounding. The bounds are for
+//! `F = n · X + m W` with a unit vector `n`, and `m` no larger than the distance at which rays pass
+//! the middle, or than the length of `S` in `D`. So `E`, the slopes' bound and `M` are those of a
+//! polynomial whose coefficients are as large as those of `X` and `m W` together. `M` also bounds
+//! `S`, and `T` bounds `S` alone. All other approximations are polynomials `Q`; in what follows,
+//! `X` and `W` are the surface's own:
 //!
 //! *Values.* With `S = X / W`, the polynomial `X − W Q` has a Bernstein form; the largest of
 //! its coefficients over the least weight bounds `|S − Q|` by `E`.
 //!
-//! *Derivatives.* A derivative of order `k` is a form `D[h₁, …, hₖ]` in directions `hᵢ`, whose larger components are
-//! at most 1 here. So it is at most the sum of its `2ᵏ` entries, and the differences of the net bound that sum: by
-//! `Xₖ` for `X`, and by `Wₖ` for `W`. Leibniz's rule for `X = S W` then gives bounds `Sₖ` for `S` on `D`, where `S₀`
-//! is the largest distance of a control point from the middle and `w` the least weight:
+//! *Derivatives.* A derivative of order `k` is a form `D[h₁, …, hₖ]` in directions `hᵢ`, whose
+//! larger components are at most 1 here. So it is at most the sum of its `2ᵏ` entries, and the
+//! differences of the net bound that sum: by `Xₖ` for `X`, and by `Wₖ` for `W`. Leibniz's rule for
+//! `X = S W` then gives bounds `Sₖ` for `S` on `D`, where `S₀` is the largest distance of a control
+//! point from the middle and `w` the least weight:
 //!
 //! `w Sₖ = Xₖ + S₀ Wₖ + Σ C(k, i) Sᵢ Wₖ₋ᵢ`, over `i = 1 … k − 1`.
 //!
-//! By Taylor's theorem along the segment from `x` to `x + h` in `D`, with `M = S₂ / 2`, `T = S₃ / 6`:
+//! By Taylor's theorem along the segment from `x` to `x + h` in `D`, with `M = S₂ / 2`,
+//! `T = S₃ / 6`:
 //!
-//! `|S(x + h) − S(x) − S'(x) h| ≤ M |h|²`,
-//! `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ T |h|³`, and, summed over the directions `e` of both sides,
-//! because each entry of a form counts once in such a sum,
-//! `Σ |S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 T |h|²`, `Σ |S''(x)[h, e]| ≤ 2 M |h|`.
+//! `|S(x + h) − S(x) − S'(x) h| ≤ M |h|²`, `|S(x + h) − S(x) − S'(x) h − ½ S''(x)[h, h]| ≤ T |h|³`,
+//! and, summed over the directions `e` of both sides, because each entry of a form counts once in
+//! such a sum, `Σ |S'(x + h) e − S'(x) e − S''(x)[h, e]| ≤ 3 T |h|²`, `Σ |S''(x)[h, e]| ≤ 2 M |h|`.
 //!
 //! *Slopes.* With `R = X − W Q` the slopes of `S` and `Q` differ by `(R' − (R / W) W') / W`. The
 //! degree times the longest difference of neighbouring Bernstein coefficients bounds `R'`, and
@@ -39,7 +41,8 @@ use super::fit::{Fit, in_both_directions};
 use super::part::PartNet;
 use crate::math::bernstein::binomials;
 
-/// The bounds hold up to this far from the middle, in box coordinates: Newton's steps may stray there.
+/// The bounds hold up to this far from the middle, in box coordinates: Newton's steps may stray
+/// there.
 pub(crate) const FIT_DOMAIN: f64 = 1.2;
 
 /// The side of the rectangle on which the bounds hold, in box coordinates.
@@ -83,14 +86,14 @@ impl FitError {
             return Self::UNKNOWN;
         }
 
-        // Restricting a net to part of its square moves coefficients by about 4 (p + q) u, times the heaviest weight;
-        // enlarging it multiplies their errors by up to `FIT_DOMAINᵖ⁺q`.
+        // Restricting a net to part of its square moves coefficients by about 4 (p + q) u, times
+        // the heaviest weight; enlarging it multiplies their errors by up to `FIT_DOMAINᵖ⁺q`.
         let grown = 0.25 * FIT_DOMAIN.powi((degree[0] + degree[1]) as i32);
         let noise = 4.0 * patch.noise() * grown.max(1.0) * (heaviest / least);
         let [farthest, along] = difference(degree, &net, &in_bernstein_form(fit));
         let value = farthest / least + noise;
-        // Differences of order k are off by 2ᵏ times `noise`, and the factors of all of them add up to (p + q)ᵏ at
-        // most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
+        // Differences of order k are off by 2ᵏ times `noise`, and the factors of all of them add up
+        // to (p + q)ᵏ at most: 2² / (2 · SIDE²) is less than 0.35, 2³ / (6 · SIDE³) less than 0.1.
         let sum = (degree[0] + degree[1]) as f64;
         let [slope_of_weight, bend, third] = derivatives(degree, &net, least);
         let bend = bend + noise * (0.35 * sum * sum).max(1.0);
@@ -107,9 +110,9 @@ impl FitError {
 }
 
 impl FitError {
-    /// The bounds for a polynomial that differs from its approximation only by the rounding of each coefficient to
-    /// f32, by 2⁻²⁴ of the coefficient or the least number of f32: from the `sizes` of the coefficients of `xⁱ yʲ`
-    /// and their error bound `noise`.
+    /// The bounds for a polynomial that differs from its approximation only by the rounding of each
+    /// coefficient to f32, by 2⁻²⁴ of the coefficient or the least number of f32: from the `sizes`
+    /// of the coefficients of `xⁱ yʲ` and their error bound `noise`.
     pub(super) fn of_polynomial(sizes: &[[f64; 4]; 4], noise: f64) -> Self {
         let [value, slope, second, third, _] = derivative_sums(sizes);
         // Larger coefficients are infinite in f32.
@@ -117,23 +120,25 @@ impl FitError {
         if !in_range {
             return Self::UNKNOWN;
         }
-        // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` is 83; the sums for lengths of vectors
-        // are √3 times as large.
+        // The sum of `FIT_DOMAINⁱ⁺ʲ` is 29, that of `(i + j) FIT_DOMAINⁱ⁺ʲ⁻¹` is 83; the sums for
+        // lengths of vectors are √3 times as large.
         let least = f64::from(f32::MIN_POSITIVE);
         let rounding = |sum: f64| 0.5 * f64::from(f32::EPSILON) * sum + 160.0 * least;
         let (value, slope) = (rounding(value) + noise, rounding(slope) + 96.0 * noise);
-        // In Bernstein form coefficients are off by a quarter of the noise. Up to a tenth of a side beyond both of
-        // its ends, that error grows by `FIT_DOMAIN` to the power of the degree; and derivatives are off by `p / 2`
-        // and `p (p − 1) / 4` times its first and second differences. Second derivatives, entry by entry as forms,
-        // are then off by 16 times the noise at most, third ones by 52 times.
+        // In Bernstein form coefficients are off by a quarter of the noise. Up to a tenth of a side
+        // beyond both of its ends, that error grows by `FIT_DOMAIN` to the power of the degree; and
+        // derivatives are off by `p / 2` and `p (p − 1) / 4` times its first and second
+        // differences. Second derivatives, entry by entry as forms, are then off by 16 times the
+        // noise at most, third ones by 52 times.
         let (bend, third) = (0.5 * second + 8.0 * noise, third / 6.0 + 30.0 * noise);
         Self { value, slope, bend, third }
     }
 
-    /// The same for a quotient: the bounds are for `F` of rays that pass the middle within `reach`, except that
-    /// `bend` also bounds the second derivatives of the surface, and `third` bounds its third. The sizes are those of
-    /// the coefficients of the numerators and of the weights, which are at least `least`; `in_middle` holds the
-    /// sizes, as forms, of the surface and of its first three derivatives in the middle.
+    /// The same for a quotient: the bounds are for `F` of rays that pass the middle within `reach`,
+    /// except that `bend` also bounds the second derivatives of the surface, and `third` bounds its
+    /// third. The sizes are those of the coefficients of the numerators and of the weights, which
+    /// are at least `least`; `in_middle` holds the sizes, as forms, of the surface and of its first
+    /// three derivatives in the middle.
     pub(super) fn of_quotient(
         [points, weights]: &[[[f64; 4]; 4]; 2],
         (in_middle, least): ([f64; 4], f64),
@@ -172,8 +177,8 @@ impl FitError {
     }
 }
 
-/// Bounds of a polynomial and its first to fourth derivatives, as forms, from the sizes of its coefficients of
-/// `xⁱ yʲ`.
+/// Bounds of a polynomial and its first to fourth derivatives, as forms, from the sizes of its
+/// coefficients of `xⁱ yʲ`.
 fn derivative_sums(sizes: &[[f64; 4]; 4]) -> [f64; 5] {
     let mut sums = [0.0; 5];
     for (i, row) in sizes.iter().enumerate() {
@@ -220,8 +225,9 @@ fn in_bernstein_form(fit: &Fit) -> [[DVec3; 4]; 4] {
     in_both_directions(&BLOSSOM, &powers)
 }
 
-/// The Bernstein coefficient `i` of `xᵏ` in the cubic form on `[−FIT_DOMAIN, FIT_DOMAIN]`: the mean of all
-/// products of `k` out of three values, of which `i` are the upper end and the others the lower.
+/// The Bernstein coefficient `i` of `xᵏ` in the cubic form on `[−FIT_DOMAIN, FIT_DOMAIN]`: the mean
+/// of all products of `k` out of three values, of which `i` are the upper end and the others the
+/// lower.
 pub(super) const BLOSSOM: [[f64; 4]; 4] = {
     let mut blossom = [[0.0; 4]; 4];
     let mut i = 0;
@@ -257,8 +263,8 @@ fn difference(degree: [usize; 2], net: &[DVec4], fit: &[[DVec3; 4]; 4]) -> [f64;
 
 /// The Bernstein coefficients of `X − W Q`, and how many there are in a row.
 ///
-/// Scaled by binomials, Bernstein coefficients multiply like power coefficients (Farouki and Rajan 1988,
-/// "Algorithms for polynomials in Bernstein form"): those of a product with a cubic are
+/// Scaled by binomials, Bernstein coefficients multiply like power coefficients (Farouki and Rajan
+/// 1988, "Algorithms for polynomials in Bernstein form"): those of a product with a cubic are
 /// `C(p + 3, m) rₘ = Σ C(p, i) xᵢ C(3, m − i) q₍ₘ₋ᵢ₎`.
 fn difference_net(
     [p, q]: [usize; 2],
@@ -296,8 +302,8 @@ fn difference_net(
     (difference, columns)
 }
 
-/// Three bounds for a net of `(w (P − c), w)`, by box coordinates: of either first derivative of the weight, `M`
-/// and `T`.
+/// Three bounds for a net of `(w (P − c), w)`, by box coordinates: of either first derivative of
+/// the weight, `M` and `T`.
 fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     // Of points and of weights, by order; and the larger of the weight's two slopes.
     let (mut of_points, mut of_weights, mut slope) = ([0.0; 4], [0.0; 4], 0f64);
@@ -311,7 +317,8 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
         // … and by t `j` times.
         for j in 0..=q.min(3 - i) {
             if j > 0 {
-                // Rows keep their length; differences that run from one row into the next are left out below.
+                // Rows keep their length; differences that run from one row into the next are left
+                // out below.
                 differences(&mut room, (1, (q + 1 - j) as f64));
             }
             if i + j == 0 {
@@ -345,7 +352,8 @@ fn derivatives([p, q]: [usize; 2], net: &[DVec4], least: f64) -> [f64; 3] {
     [slope / SIDE, s2 / (2.0 * SIDE * SIDE), s3 / (6.0 * SIDE * SIDE * SIDE)]
 }
 
-/// Differences of the points that are `step` apart, times a factor, in place; there are `step` fewer of them.
+/// Differences of the points that are `step` apart, times a factor, in place; there are `step`
+/// fewer of them.
 fn differences(points: &mut SmallVec<[DVec4; 36]>, (step, factor): (usize, f64)) {
     let left = points.len() - step;
     for k in 0..left {
@@ -372,8 +380,8 @@ mod tests {
         parts.iter().map(leaf).collect()
     }
 
-    /// The approximation's numerators less a point times its weight, and its first derivatives, relative to the leaf's
-    /// middle; and the weight.
+    /// The approximation's numerators less a point times its weight, and its first derivatives,
+    /// relative to the leaf's middle; and the weight.
     fn approximation(
         (leaf, weight): &(Leaf, WeightFit),
         point: DVec3,
@@ -423,7 +431,8 @@ mod tests {
         }
     }
 
-    /// A piece of these degrees, whose control points are made from their index and their place in a unit square.
+    /// A piece of these degrees, whose control points are made from their index and their place in
+    /// a unit square.
     fn one_piece(
         degree: [usize; 2],
         point: impl Fn(usize, f64, f64) -> DVec4,

@@ -4,12 +4,12 @@ use glam::{DVec3, Vec3};
 
 use crate::math::{Aabb, rounding};
 
-/// Boxes are grown by this fraction of the half size of what is scaled: a few roundings of f32, and far more than any
-/// rounding of f64.
+/// Boxes are grown by this fraction of the half size of what is scaled: a few roundings of f32, and
+/// far more than any rounding of f64.
 pub(crate) const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is searched
-/// by itself, lies within `[−1, 1]³`: f32 is then as fine at 1e6 as at the origin.
+/// Coordinates moved and scaled, by a power of two, so that a scene, or a small part of it that is
+/// searched by itself, lies within `[−1, 1]³`: f32 is then as fine at 1e6 as at the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScaledFrame {
     /// The middle of the scene, or of the part.

@@ -8,19 +8,20 @@ use crate::geometry::{Chart, Extractions, KnotVector, NurbsSurface};
 pub(super) enum Keeping {
     /// All Bézier points, ready to be used.
     Bezier,
-    /// Where this is possible and saves much, the control points of the B-spline, from which pieces make their Bézier
-    /// points.
+    /// Where this is possible and saves much, the control points of the B-spline, from which pieces
+    /// make their Bézier points.
     Spline,
 }
 
-/// The Bézier points of all charts are kept as long as they take no more than this together: with everything else
-/// they fit into a core's own cache, of 1 or 2 MB, and a small model does not lack memory. If they are made anew for
-/// each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94 to 1.0 times as fast.
+/// The Bézier points of all charts are kept as long as they take no more than this together: with
+/// everything else they fit into a core's own cache, of 1 or 2 MB, and a small model does not lack
+/// memory. If they are made anew for each search, a sheet of 64 × 64 spans (0.9 MB) is traced 0.94
+/// to 1.0 times as fast.
 const MOST_BEZIER_BYTES: usize = 1 << 18;
 
-/// Charts with fewer than this many times as many Bézier points as control points keep their Bézier points all the
-/// same. So do charts of so few spans that their control points, with what makes nets of them, take more than one
-/// part in this many of the memory.
+/// Charts with fewer than this many times as many Bézier points as control points keep their Bézier
+/// points all the same. So do charts of so few spans that their control points, with what makes
+/// nets of them, take more than one part in this many of the memory.
 const LEAST_SAVING: usize = 2;
 
 impl Keeping {
@@ -57,8 +58,9 @@ pub(super) fn piece_count(surface: &NurbsSurface) -> usize {
     surface.knots_u().spans().count().saturating_mul(surface.knots_v().spans().count())
 }
 
-/// Whether a surface has many times as many Bézier points as control points, and its Bézier points, with the power
-/// nets kept beside them, take much more memory than its control points with what makes nets of them.
+/// Whether a surface has many times as many Bézier points as control points, and its Bézier points,
+/// with the power nets kept beside them, take much more memory than its control points with what
+/// makes nets of them.
 fn spline_saves(surface: &NurbsSurface) -> bool {
     let knots = [surface.knots_u(), surface.knots_v()];
     let (bezier, control) = (surface.bezier_point_count(), surface.control().len());

@@ -24,30 +24,32 @@ pub(crate) const LEAF_SLACK: f64 = 1e-3;
 /// [`Leaf::near_border`].)
 pub(crate) const BORDER_REACH: f64 = 4.0;
 
-/// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps may stray there.
-/// With a wider rectangle, it would hold for fewer rays.
+/// A leaf's certificate holds on its rectangle widened by this part of its sides: Newton's steps
+/// may stray there. With a wider rectangle, it would hold for fewer rays.
 pub(crate) const WIDENING: f64 = 0.02;
 
 /// A part of a piece that is flat enough to search, in the common form that all leaves have,
 /// whatever the degree: four cache lines.
 ///
-/// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf
-/// to the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene units: its
-/// numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`, which is 1 in the
-/// middle, by another one. That is so where the degrees are three at most, and the weights differ, but not too much
-/// (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` is near `S`. The `WeightFit`s and the leaf's `OrientedBox` are
-/// kept elsewhere, beside those of its neighbours in space.
+/// In *box coordinates* from −1 to 1, `x` and `y` follow `s` and `t` from one end of the leaf to
+/// the other. The surface `S = X / W` is approximated, relative to the leaf's middle and in scene
+/// units: its numerators `X` by bicubic polynomials in `x` and `y`, `fit`, and its weight `W`,
+/// which is 1 in the middle, by another one. That is so where the degrees are three at most, and
+/// the weights differ, but not too much (`MOST_WEIGHT`); in other leaves `W` is 1, and `X` is near
+/// `S`. The `WeightFit`s and the leaf's `OrientedBox` are kept elsewhere, beside those of its
+/// neighbours in space.
 ///
-/// The distances of the surface's points from a plane through a ray, `n · (S − o)`, have the roots of
-/// `F = n · X + (n · (c − o)) W`, where `c` is the leaf's middle; the coefficients of `F` are sums of those of `X`
-/// and `W`. They give Newton's iteration a start. Since their error is bounded (`FitError`) for rays that meet the
-/// leaf's box, they can also prove for a ray that a part of the leaf holds one root at most, or none.
+/// The distances of the surface's points from a plane through a ray, `n · (S − o)`, have the roots
+/// of `F = n · X + (n · (c − o)) W`, where `c` is the leaf's middle; the coefficients of `F` are
+/// sums of those of `X` and `W`. They give Newton's iteration a start. Since their error is bounded
+/// (`FitError`) for rays that meet the leaf's box, they can also prove for a ray that a part of the
+/// leaf holds one root at most, or none.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Leaf {
     fit: Fit,
-    /// The point that the approximation is relative to: its own value in the middle, off the surface by
-    /// [`fit_error`](Self::fit_error) at most.
+    /// The point that the approximation is relative to: its own value in the middle, off the
+    /// surface by [`fit_error`](Self::fit_error) at most.
     pub(crate) middle: DVec3,
     rect: DyadicRect,
     /// The index of the piece.
@@ -127,8 +129,8 @@ impl Leaf {
         self.rect
     }
 
-    /// The leaf's rectangle with `part` of its sides added on each side, except at a side that is collapsed to a
-    /// point.
+    /// The leaf's rectangle with `part` of its sides added on each side, except at a side that is
+    /// collapsed to a point.
     #[inline(always)]
     pub(crate) fn widened(&self, piece: &Piece, part: f64) -> [[f64; 2]; 2] {
         let wider = |[from, to]: [f64; 2]| {
@@ -155,29 +157,31 @@ impl Leaf {
         piece.collapsed(self.collapsed(piece)?.number())
     }
 
-    /// Whether a trim curve passes through, so that hits must be tested against it; otherwise everything that the
-    /// leaf answers for is kept.
+    /// Whether a trim curve passes through, so that hits must be tested against it; otherwise
+    /// everything that the leaf answers for is kept.
     #[inline(always)]
     pub fn is_trimmed(&self) -> bool {
         self.marks & TRIMMED != 0
     }
 
-    /// Whether the box coordinates at which a ray crosses the middle of the leaf's box are about as near to its root
-    /// as f32 can tell: the leaf is nearly a parallelogram with an even parametrization.
+    /// Whether the box coordinates at which a ray crosses the middle of the leaf's box are about as
+    /// near to its root as f32 can tell: the leaf is nearly a parallelogram with an even
+    /// parametrization.
     #[inline(always)]
     pub(crate) fn is_flat(&self) -> bool {
         self.marks & FLAT != 0
     }
 
-    /// Whether hits on the leaf may be within rounding of a border of the surface: see [`Self::near_border`].
+    /// Whether hits on the leaf may be within rounding of a border of the surface: see
+    /// [`Self::near_border`].
     #[inline(always)]
     pub(crate) fn is_at_border(&self) -> bool {
         self.marks & AT_BORDER != 0
     }
 
-    /// The distance from a side of the piece, in its parameter, within which a hit may be within rounding of the
-    /// side; `None` unless the side is a border of the surface and near the leaf. The leaf must be certified for the
-    /// ray. Sides are counted as in [`Piece::is_border`].
+    /// The distance from a side of the piece, in its parameter, within which a hit may be within
+    /// rounding of the side; `None` unless the side is a border of the surface and near the leaf.
+    /// The leaf must be certified for the ray. Sides are counted as in [`Piece::is_border`].
     ///
     /// Rounding then moves a root by less than half of the leaf's slack, and a hit at a border is
     /// within [`BORDER_REACH`] times that; the distance returned is twice as much.
@@ -195,7 +199,8 @@ impl Leaf {
         self.certificate.pole_per_error() > 0.0
     }
 
-    /// The approximation's numerators: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by coordinate.
+    /// The approximation's numerators: coefficients of `xⁱ yʲ`, at `4 i + j`, coordinate by
+    /// coordinate.
     #[inline(always)]
     pub(crate) fn fit(&self) -> &Fit {
         &self.fit
@@ -236,9 +241,9 @@ impl Leaf {
         f64::from(self.fit_third.value()) * f64::from(self.fit_bend())
     }
 
-    /// The largest ratio of the distance between two places of the leaf, or a little outside, to that between their
-    /// points in space, where box coordinates are multiplied by [`Self::half_side_lengths`]; infinite where nothing
-    /// is known.
+    /// The largest ratio of the distance between two places of the leaf, or a little outside, to
+    /// that between their points in space, where box coordinates are multiplied by
+    /// [`Self::half_side_lengths`]; infinite where nothing is known.
     #[inline(always)]
     pub(crate) fn stretch(&self) -> f32 {
         self.stretch.value()
@@ -256,10 +261,11 @@ impl Leaf {
 
 /// See [`Leaf::stretch`].
 ///
-/// With the sides made unit vectors, the tangents in the middle map a vector to one that is at least `√(1 − |cos φ|)`
-/// times as long, where `φ` is the angle between them. All other terms of a polynomial approximation add no more to
-/// the tangents than their sizes, and the surface adds the slopes' error. In a quotient the tangents turn by the
-/// second derivatives in the middle, and by what these leave: see [`FitError`].
+/// With the sides made unit vectors, the tangents in the middle map a vector to one that is at
+/// least `√(1 − |cos φ|)` times as long, where `φ` is the angle between them. All other terms of a
+/// polynomial approximation add no more to the tangents than their sizes, and the surface adds the
+/// slopes' error. In a quotient the tangents turn by the second derivatives in the middle, and by
+/// what these leave: see [`FitError`].
 fn stretch(
     leaf: &Leaf,
     weight: &WeightFit,
@@ -296,7 +302,8 @@ fn stretch(
     of_quotient.min(of_polynomial * longer(4).max(longer(1)).max(1.0))
 }
 
-/// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as flat.
+/// Leaves whose [`FitError::bend`] is no larger than this fraction of their half sides count as
+/// flat.
 const MOST_BEND_OF_FLAT: f64 = 1e-6;
 
 /// The marks of leaves: see [`Leaf::is_trimmed`], [`Leaf::is_flat`] and [`Leaf::is_at_border`].
@@ -304,8 +311,8 @@ const TRIMMED: u8 = 1;
 const FLAT: u8 = 2;
 const AT_BORDER: u8 = 4;
 
-/// Leaves that are stretched less than [`WELL_STRETCHED`] need no second look, nor do those that are less than
-/// [`LONG`] times as long as wide.
+/// Leaves that are stretched less than [`WELL_STRETCHED`] need no second look, nor do those that
+/// are less than [`LONG`] times as long as wide.
 const WELL_STRETCHED: f64 = 2.0;
 const LONG: f32 = 2.0;
 

@@ -11,30 +11,34 @@ use super::tiles::Grid;
 use super::{DyadicRect, GroupedParts, Leaf, OrientedBox, Part, Piece};
 use crate::math::Aabb;
 
-/// Finer leaves are made as long as all leaves together take no more than this: a tenth of the memory of triangles
-/// that approximate the teapot to 1e-5 of its diagonal.
+/// Finer leaves are made as long as all leaves together take no more than this: a tenth of the
+/// memory of triangles that approximate the teapot to 1e-5 of its diagonal.
 const WORTHWHILE_BYTES: usize = 25 << 15;
 
-/// Up to 1.5 times as many leaves as there are coarsest ones may take this, about the size of a second-level cache.
+/// Up to 1.5 times as many leaves as there are coarsest ones may take this, about the size of a
+/// second-level cache.
 const MOST_BYTES: usize = 5 << 18;
 
-/// Parts that bend much and are large in the scene are worth more memory, up to this; in scenes of more leaves, up to
-/// half of this in addition.
+/// Parts that bend much and are large in the scene are worth more memory, up to this; in scenes of
+/// more leaves, up to half of this in addition.
 const SCENE_BYTES: usize = 5 << 20;
 
-/// The least [`Cut::worth`] that is worth that memory, with lengths as fractions of the scene's diagonal: half an
-/// angle of 0.42 is enough for a part of size a hundredth, and 0.1 for one of size 0.18.
+/// The least [`Cut::worth`] that is worth that memory, with lengths as fractions of the scene's
+/// diagonal: half an angle of 0.42 is enough for a part of size a hundredth, and 0.1 for one of
+/// size 0.18.
 ///
-/// Measured on models of 500 to 2700 pieces: a teapot with its parts blended is traced 1.3 to 1.6 times as fast
-/// (shadow rays 2.5 times) with 8400 leaves instead of 6300, a lamp 1.2 to 1.3 times with 5900 instead of 3700, others
-/// 1.0 to 1.2 times. Half this value gains packets nothing more, and takes 1.4 to 2.2 times the memory.
+/// Measured on models of 500 to 2700 pieces: a teapot with its parts blended is traced 1.3 to 1.6
+/// times as fast (shadow rays 2.5 times) with 8400 leaves instead of 6300, a lamp 1.2 to 1.3 times
+/// with 5900 instead of 3700, others 1.0 to 1.2 times. Half this value gains packets nothing more,
+/// and takes 1.4 to 2.2 times the memory.
 const WORTHWHILE_IN_SCENE: f64 = 1.0 / 24.0;
 
-/// However many leaves a scene has, it may have this part of them in addition. What fills the picture may be a few
-/// large pieces among thousands of small ones.
+/// However many leaves a scene has, it may have this part of them in addition. What fills the
+/// picture may be a few large pieces among thousands of small ones.
 const MORE: usize = 8;
 
-/// The memory of a leaf without its weight, including its share of the tree: its box in a block that is half full.
+/// The memory of a leaf without its weight, including its share of the tree: its box in a block
+/// that is half full.
 const BYTES_A_LEAF: usize = size_of::<Leaf>() + size_of::<OrientedBox>() * 2;
 
 /// The same limits as numbers of leaves.
@@ -44,8 +48,8 @@ const MOST_OF_SCENE: usize = SCENE_BYTES / BYTES_A_LEAF;
 
 /// The parts of all pieces that become leaves; none of a piece that trims have cut off entirely.
 ///
-/// Charts of more than [`MOST`] pieces get the coarsest parts. Neighbours are kept together where there are so many
-/// pieces.
+/// Charts of more than [`MOST`] pieces get the coarsest parts. Neighbours are kept together where
+/// there are so many pieces.
 pub(super) fn parts(pieces: &[Piece], grids: &[Grid]) -> GroupedParts {
     let (dense, others): (Vec<Grid>, Vec<Grid>) =
         grids.iter().partition(|grid| grid.count() > MOST);
@@ -83,11 +87,12 @@ fn add_coarse(index: usize, pieces: &[Piece], parts: &mut Vec<Part>) {
     });
 }
 
-/// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene. In large scenes, the
-/// pieces of which no part is worth halving are left out.
+/// The parts of the pieces of some charts, piece by piece; `bounds` hold what else is in the scene.
+/// In large scenes, the pieces of which no part is worth halving are left out.
 ///
-/// All parts are as flat as a leaf must be. Then the part for which halving is worth most is halved, again and again,
-/// as long as there is room. Halves that are not flat enough by themselves may take a little more.
+/// All parts are as flat as a leaf must be. Then the part for which halving is worth most is
+/// halved, again and again, as long as there is room. Halves that are not flat enough by themselves
+/// may take a little more.
 fn halved(pieces: &[Piece], grids: &[Grid], bounds: Aabb) -> Vec<Part> {
     let flats = |k: usize| -> SmallVec<[Flat; 1]> {
         let piece = &pieces[k];
@@ -156,7 +161,8 @@ impl Room {
         count < self.worthwhile || way.worth > self.worth_in_scene && count < self.in_scene
     }
 
-    /// Whether halving one of these parts is worth so much that it may be their turn in a large scene.
+    /// Whether halving one of these parts is worth so much that it may be their turn in a large
+    /// scene.
     fn may_be_for(&self, flats: &[Flat]) -> bool {
         let worth = |flat: &Flat| flat.way.map_or(0.0, |way| way.worth);
         flats.iter().any(|flat| worth(flat) > 0.5 * self.worth_in_scene)

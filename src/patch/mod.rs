@@ -1,17 +1,19 @@
 //! Everything becomes Bézier pieces, and pieces become leaves.
 //!
-//! A surface is clamped and its knots are inserted to full multiplicity. Each rectangle between neighbouring knots is
-//! then a [`TensorPatch`], a rational Bézier piece, and neighbouring pieces share the control points of their common
-//! edge bit for bit. The Bézier points of dense surfaces are not kept, but computed from the surface's own control
-//! points when needed. A [`Piece`] is such a patch with its place: which surface, which rectangle of its knot domain,
-//! which sides are borders, and which are collapsed to a point.
+//! A surface is clamped and its knots are inserted to full multiplicity. Each rectangle between
+//! neighbouring knots is then a [`TensorPatch`], a rational Bézier piece, and neighbouring pieces
+//! share the control points of their common edge bit for bit. The Bézier points of dense surfaces
+//! are not kept, but computed from the surface's own control points when needed. A [`Piece`] is
+//! such a patch with its place: which surface, which rectangle of its knot domain, which sides are
+//! borders, and which are collapsed to a point.
 //!
-//! A piece is halved until it is flat, which gives parts (`part`). The parts of neighbouring pieces of dense surfaces
-//! are kept together (`tiles`), so that blocks of the tree are full. A [`Leaf`] is what is kept of a part to search
-//! it: an approximation (`fit`) and a certificate, which is the proof, made once, that every ray steep enough to the
-//! leaf's mean normal meets it at most once. Bounds ([`Aabb`] and oriented boxes) are proved to hold all points of
-//! the leaf. Leaves are for searching only. Points are always computed on the whole piece, in one order of
-//! operations, so that neighbouring leaves agree on their common line: by Bernstein functions, or, where speed
+//! A piece is halved until it is flat, which gives parts (`part`). The parts of neighbouring pieces
+//! of dense surfaces are kept together (`tiles`), so that blocks of the tree are full. A [`Leaf`]
+//! is what is kept of a part to search it: an approximation (`fit`) and a certificate, which is the
+//! proof, made once, that every ray steep enough to the leaf's mean normal meets it at most once.
+//! Bounds ([`Aabb`] and oriented boxes) are proved to hold all points of the leaf. Leaves are for
+//! searching only. Points are always computed on the whole piece, in one order of operations, so
+//! that neighbouring leaves agree on their common line: by Bernstein functions, or, where speed
 //! counts, in power form (`powers`).
 //!
 //! [`Aabb`]: crate::math::Aabb
@@ -48,8 +50,9 @@ use smallvec::SmallVec;
 /// The homogeneous control points of a part of a piece; those of a bicubic are stored inline.
 type BezierNet = SmallVec<[DVec4; 16]>;
 
-/// Returns a copy of a net with `change` applied to each point. The net is copied at once and changed in place:
-/// collecting an iterator would push points one by one, each after a check of the room left.
+/// Returns a copy of a net with `change` applied to each point. The net is copied at once and
+/// changed in place: collecting an iterator would push points one by one, each after a check of the
+/// room left.
 #[inline(always)]
 fn mapped(net: &[DVec4], change: impl Fn(DVec4) -> DVec4) -> BezierNet {
     let mut mapped = BezierNet::from_slice(net);

@@ -6,10 +6,12 @@ use super::ScaledFrame;
 use super::tensor::euclidean;
 use crate::math::RayFrame;
 
-/// A ray whose component along a row is smaller than this runs along the slab: nothing can be divided by it.
+/// A ray whose component along a row is smaller than this runs along the slab: nothing can be
+/// divided by it.
 const LEAST_ALONG: f64 = 1e-300;
 
-/// A chord shorter than this fraction of the other is of no use as a direction: it may be all rounding error.
+/// A chord shorter than this fraction of the other is of no use as a direction: it may be all
+/// rounding error.
 const SHORTEST_CHORD: f64 = 1e-6;
 
 /// A chord whose angle to the other has a smaller sine than this is of no use either.
@@ -47,8 +49,8 @@ pub(crate) struct Passage {
 }
 
 impl OrientedBox {
-    /// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows, origins
-    /// and directions to f32 over the distances a ray has inside the scene.
+    /// Boxes are grown by this length in scaled coordinates: it covers the rounding of rows,
+    /// origins and directions to f32 over the distances a ray has inside the scene.
     pub(crate) const GROWTH: f64 = 4e-6;
 
     /// A box around control points.
@@ -96,16 +98,16 @@ impl OrientedBox {
         [b.cross(n).normalize(), n.cross(a).normalize(), n.normalize()]
     }
 
-    /// The largest distance from a point, in scene units, of rays that are found in f32 to meet the box; NaN where
-    /// the box has no size.
+    /// The largest distance from a point, in scene units, of rays that are found in f32 to meet the
+    /// box; NaN where the box has no size.
     pub(super) fn farthest_from(&self, point: DVec3, frame: &ScaledFrame) -> f64 {
         let [a, b, c] = self.directions();
         let volume = a.dot(b.cross(c));
         let mut half = [b.cross(c) / volume, c.cross(a) / volume, a.cross(b) / volume];
         let middle: DVec3 = (0..3).map(|k| f64::from(self.rows[k][3]) * half[k]).sum();
         let from_middle = (frame.scaled(point) - middle).length();
-        // The test of each pair of planes has a tolerance for the rounding of f32, and so have the ray's ends: each
-        // is no more than the box was grown by.
+        // The test of each pair of planes has a tolerance for the rounding of f32, and so have the
+        // ray's ends: each is no more than the box was grown by.
         for (half, row) in half.iter_mut().zip([a, b, c]) {
             *half *= 1.0 + 2.0 * OrientedBox::GROWTH * row.length();
         }
@@ -237,8 +239,8 @@ mod tests {
         );
     }
 
-    /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is no farther from
-    /// its middle than `farthest_from` says, and not much nearer.
+    /// Rays that f32 finds to meet a small box between planes that nearly coincide: the farthest is
+    /// no farther from its middle than `farthest_from` says, and not much nearer.
     #[test]
     fn rays_that_meet_a_slanted_box_are_near() {
         let frame = ScaledFrame { center: DVec3::ZERO, scale: 1.0 };

@@ -8,21 +8,24 @@ use super::{BezierNet, CollapsedSide, DyadicRect, LEAF_SLACK, Piece, WIDENING};
 use crate::geometry::trim::{Coverage, Trims};
 use crate::math::{Aabb, bernstein};
 
-/// A trim curve that stays this near to the border of a part, as a fraction of its sides, is not worth halving for:
-/// the parts on that side would all be as mixed as before.
+/// A trim curve that stays this near to the border of a part, as a fraction of its sides, is not
+/// worth halving for: the parts on that side would all be as mixed as before.
 const RIM: f64 = 1.0 / 16.0;
 
-/// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes better
-/// and are certified for more rays; but there are more of them, each met by fewer rays of a packet.
-/// Measured against 0.06, which takes about twice the memory: a sphere is traced 0.97 to 1.08 times as
-/// fast, a sheet of hills 0.98 to 1.07, a trimmed one 0.98 to 1.12, a surface of degree 5 × 5 0.88 to 1.
+/// Leaves flatter than this gain little. Flat leaves need fewer Newton steps, fit their boxes
+/// better and are certified for more rays; but there are more of them, each met by fewer rays of a
+/// packet. Measured against 0.06, which takes about twice the memory: a sphere is traced 0.97 to
+/// 1.08 times as fast, a sheet of hills 0.98 to 1.07, a trimmed one 0.98 to 1.12, a surface of
+/// degree 5 × 5 0.88 to 1.
 const FLATTEST: f64 = 0.09;
 
-/// The bend that a part with a trim curve through it is treated as having, for the first halving made for the sake of
-/// the curve, the second, and so on: hits on halves that the curve misses then need no test.
+/// The bend that a part with a trim curve through it is treated as having, for the first halving
+/// made for the sake of the curve, the second, and so on: hits on halves that the curve misses then
+/// need no test.
 ///
-/// Measured on a trimmed sheet: with four such halvings instead of two there are 1436 leaves instead of 1055, single
-/// rays are traced 1.1 times as fast, shadow rays 0.94 times. On another sheet six and eight gained nothing more.
+/// Measured on a trimmed sheet: with four such halvings instead of two there are 1436 leaves
+/// instead of 1055, single rays are traced 1.1 times as fast, shadow rays 0.94 times. On another
+/// sheet six and eight gained nothing more.
 const AT_TRIMS: [f64; 4] = [0.15, 0.15, 0.12, 0.12];
 const _: () = assert!(AT_TRIMS[3] > FLATTEST, "the last is worth something");
 
@@ -48,7 +51,8 @@ pub(super) struct PartNet {
     cuts: u32,
     /// Whether trims are known to have cut off nothing of it; determined before it is handed over.
     inside: bool,
-    /// How much it bends, set before it is handed over; `None` where only rounding error is left to measure.
+    /// How much it bends, set before it is handed over; `None` where only rounding error is left to
+    /// measure.
     bend: Option<Bend>,
 }
 
@@ -59,10 +63,11 @@ pub(super) struct Cut {
     direction: usize,
     /// Whether it is for the sake of a trim curve.
     at_trims: bool,
-    /// What the cut is worth: the angle the part bends by, or its equivalent, times the square root of its size,
-    /// which is the geometric mean of its sides. Large parts are seen by more rays; but a small part may be what a
-    /// picture is about, so the factor is not the area. Measured: a body with the wires of its net is traced 1.2 to 2
-    /// times as fast as with the angle alone; teapot, goblet and a flange with bolts are 0.97 to 1.06 times as fast.
+    /// What the cut is worth: the angle the part bends by, or its equivalent, times the square root
+    /// of its size, which is the geometric mean of its sides. Large parts are seen by more rays;
+    /// but a small part may be what a picture is about, so the factor is not the area. Measured: a
+    /// body with the wires of its net is traced 1.2 to 2 times as fast as with the angle alone;
+    /// teapot, goblet and a flange with bolts are 0.97 to 1.06 times as fast.
     pub(super) worth: f64,
 }
 
@@ -143,8 +148,8 @@ impl PartNet {
         })
     }
 
-    /// The direction in which to halve a part that a trim curve passes through, if that is worthwhile: that of
-    /// the longer side.
+    /// The direction in which to halve a part that a trim curve passes through, if that is
+    /// worthwhile: that of the longer side.
     fn direction_to_cut(&self, piece: &Piece) -> Option<usize> {
         let trims = self.trims_of(piece)?;
         let middle = piece.uv_box(self.on_piece(-RIM));
@@ -167,8 +172,8 @@ impl PartNet {
         [half(0), half(1)]
     }
 
-    /// What is kept of the part: its place, and an axis-parallel box around every point its leaf answers for, grown by
-    /// the error bound of points.
+    /// What is kept of the part: its place, and an axis-parallel box around every point its leaf
+    /// answers for, grown by the error bound of points.
     pub(super) fn part(&self, index: u32, piece: &Piece) -> Part {
         let whole = self.rect == DyadicRect::UNIT;
         let bounds = if whole {
@@ -191,7 +196,8 @@ impl PartNet {
         self.grown(piece, s, t)
     }
 
-    /// The control points over the rectangle that the certificate speaks of, which ends at a collapsed side.
+    /// The control points over the rectangle that the certificate speaks of, which ends at a
+    /// collapsed side.
     pub(super) fn widened(&self, piece: &Piece, collapsed: Option<CollapsedSide>) -> BezierNet {
         let mut ranges = [[-WIDENING, 1.0 + WIDENING]; 2];
         if let Some(side) = collapsed {

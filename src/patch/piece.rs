@@ -12,26 +12,29 @@ use crate::geometry::trim::{Side, Trims, UvBox};
 use crate::geometry::{ChartMap, SurfaceDerivatives};
 use crate::math::bits::has;
 
-/// The smallest sine of the angle between tangents that is used to tell how far a side is; it replaces smaller ones. So
-/// a side counts as no nearer than a thousandth of the way to it along the parameter.
+/// The smallest sine of the angle between tangents that is used to tell how far a side is; it
+/// replaces smaller ones. So a side counts as no nearer than a thousandth of the way to it along
+/// the parameter.
 const LEAST_SINE: f64 = 1e-3;
 
-/// Places count as beside a collapsed side within this fraction of the piece, at most: where a surface hardly moves
-/// with a parameter, places that are far in the parameter are near in space.
+/// Places count as beside a collapsed side within this fraction of the piece, at most: where a
+/// surface hardly moves with a parameter, places that are far in the parameter are near in space.
 pub(crate) const BESIDE_COLLAPSED: f64 = 1e-3;
 
-/// Within this fraction of the piece from a collapsed side, the pole there determines the normal; farther off, the
-/// tangents themselves give all but one or two of its digits.
+/// Within this fraction of the piece from a collapsed side, the pole there determines the normal;
+/// farther off, the tangents themselves give all but one or two of its digits.
 const BESIDE_POLE: f64 = 0.1;
 
-/// A tangent at a side stands for places beside it if it changes by less than one over this on the way.
+/// A tangent at a side stands for places beside it if it changes by less than one over this on the
+/// way.
 const STEADY: f64 = 16.0;
 
-/// The largest angle, in radians, by which rounding of the tangents may turn the normal beside a collapsed side.
+/// The largest angle, in radians, by which rounding of the tangents may turn the normal beside a
+/// collapsed side.
 const TURNED_BY_TANGENTS: f64 = 1e-6;
 
-/// The relative precision of an f64 that has lost half of its digits: sines and angles below it may be rounding error
-/// of what second derivatives decide.
+/// The relative precision of an f64 that has lost half of its digits: sines and angles below it may
+/// be rounding error of what second derivatives decide.
 pub(super) const HALF_THE_DIGITS: f64 = 1e-8;
 
 /// A Bézier piece with its place in the surface it was cut from.
@@ -46,8 +49,8 @@ pub struct Piece {
     collapsed: u8,
     /// Which of the collapsed ones are tips, such as that of a cone (see [`tips`](super::tips)).
     tips: u8,
-    /// Whether another piece that differs there begins at the end of this one, in `u` and in `v`, for example where
-    /// the surface jumps. The knot itself then belongs to that piece.
+    /// Whether another piece that differs there begins at the end of this one, in `u` and in `v`,
+    /// for example where the surface jumps. The knot itself then belongs to that piece.
     open_end: u8,
 }
 
@@ -76,8 +79,8 @@ impl Piece {
         has(self.border, side)
     }
 
-    /// The surface parameters of a point of the unit square; exact at its corners, except at an open end, where they
-    /// are the last number before the knot.
+    /// The surface parameters of a point of the unit square; exact at its corners, except at an
+    /// open end, where they are the last number before the knot.
     #[inline]
     pub fn uv(&self, st: DVec2) -> DVec2 {
         self.patch.net.map.uv(self.chart_uv(st))
@@ -100,8 +103,9 @@ impl Piece {
         self.patch.net.trims.as_deref()
     }
 
-    /// Whether a point of the unit square is kept by the trims, if it is known to `reach` in each parameter; an edge
-    /// wherever the answer may depend on `reach`, or on the rounding of [`Self::uv`].
+    /// Whether a point of the unit square is kept by the trims, if it is known to `reach` in each
+    /// parameter; an edge wherever the answer may depend on `reach`, or on the rounding of
+    /// [`Self::uv`].
     pub fn side(&self, st: DVec2, reach: DVec2) -> Side {
         let Some(trims) = self.trims() else { return Side::Inside };
         let lengths = DVec2::from_array(self.domain().map(|[from, to]| to - from));
@@ -111,14 +115,15 @@ impl Piece {
         trims.contains_within(self.chart_uv(st), reach)
     }
 
-    /// The box of the chart's parameters over a part of the unit square, grown by their rounding error.
+    /// The box of the chart's parameters over a part of the unit square, grown by their rounding
+    /// error.
     pub(super) fn uv_box(&self, rect: [[f64; 2]; 2]) -> UvBox {
         let at = |k: usize| self.chart_uv(DVec2::new(rect[0][k], rect[1][k]));
         UvBox { min: at(0), max: at(1) }.grown(self.uv_rounding())
     }
 
-    /// The error bound of computed parameters: the roundings of a product, two sums and the length of the domain; at
-    /// an open end one number more.
+    /// The error bound of computed parameters: the roundings of a product, two sums and the length
+    /// of the domain; at an open end one number more.
     fn uv_rounding(&self) -> DVec2 {
         let largest = self.domain().map(|[from, to]| from.abs().max(to.abs()));
         4.0 * f64::EPSILON * DVec2::from_array(largest)
@@ -155,9 +160,9 @@ impl Piece {
         Some(euclidean(self.patch.control_point(i, j)))
     }
 
-    /// The distances of a point, to first order, from the four sides: along one parameter, times the sine of the
-    /// angle to the other. Where the tangents are parallel, as in a cusp, every side would be near; there the sine is
-    /// taken to be at least `LEAST_SINE`.
+    /// The distances of a point, to first order, from the four sides: along one parameter, times
+    /// the sine of the angle to the other. Where the tangents are parallel, as in a cusp, every
+    /// side would be near; there the sine is taken to be at least `LEAST_SINE`.
     pub(crate) fn side_distances(&self, st: DVec2, jet: &Jet) -> [f64; 4] {
         let (ds, dt) = (jet.ds.length(), jet.dt.length());
         let sine = jet.ds.cross(jet.dt).length() / (ds * dt);
@@ -166,15 +171,16 @@ impl Piece {
         [st.x * ds, (1.0 - st.x) * ds, st.y * dt, (1.0 - st.y) * dt]
     }
 
-    /// The unit normal at a point of the unit square; near collapsed sides its limit from
-    /// inside the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit along the other
-    /// parameter: not the surface's normal, but a bound of how flat a ray may be.)
+    /// The unit normal at a point of the unit square; near collapsed sides its limit from inside
+    /// the piece. `None` where there is none. (At a [tip](Self::is_tip) it is the limit along the
+    /// other parameter: not the surface's normal, but a bound of how flat a ray may be.)
     ///
-    /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal (`pole_normal`).
-    /// Where it does not, for example where two such sides meet, the tangent is known to `error / ρ` at a distance
-    /// `ρ`, while the limit at the side itself differs from the truth by up to `ρ / size`. The limit is taken where
-    /// it is the nearer of the two, so that half of the digits are right. Where second derivatives give no limit, and
-    /// the tangents are only rounding error, nothing is known.
+    /// Beside a collapsed side the tangent along it vanishes; there the pole determines the normal
+    /// (`pole_normal`). Where it does not, for example where two such sides meet, the tangent is
+    /// known to `error / ρ` at a distance `ρ`, while the limit at the side itself differs from the
+    /// truth by up to `ρ / size`. The limit is taken where it is the nearer of the two, so that
+    /// half of the digits are right. Where second derivatives give no limit, and the tangents are
+    /// only rounding error, nothing is known.
     pub fn normal(&self, st: DVec2, jet: &Jet) -> Option<DVec3> {
         if let Some(normal) = self.normal_by_pole(st) {
             return Some(normal);
@@ -187,8 +193,8 @@ impl Piece {
             let reaches = distances[side] <= clear && parameters[side] <= BESIDE_COLLAPSED;
             self.is_collapsed(side) && reaches
         };
-        // All along a collapsed side, the collapsed sides that it meets are near, too: only the side that is nearest
-        // in its parameter counts.
+        // All along a collapsed side, the collapsed sides that it meets are near, too: only the
+        // side that is nearest in its parameter counts.
         let nearest = (0..4)
             .filter(|&side| self.is_collapsed(side))
             .min_by(|&a, &b| parameters[a].total_cmp(&parameters[b]))
@@ -221,8 +227,8 @@ impl Piece {
         }
     }
 
-    /// The unit normal from the pole of the only collapsed side that is near; `None` if there is no such side, or its
-    /// pole tells too little.
+    /// The unit normal from the pole of the only collapsed side that is near; `None` if there is no
+    /// such side, or its pole tells too little.
     fn normal_by_pole(&self, st: DVec2) -> Option<DVec3> {
         let parameters = [st.x, 1.0 - st.x, st.y, 1.0 - st.y];
         let mut near =
@@ -233,7 +239,8 @@ impl Piece {
         }
     }
 
-    /// The limit of the normal at a place, for another one beside it; `None` where the tangents turn on the way.
+    /// The limit of the normal at a place, for another one beside it; `None` where the tangents
+    /// turn on the way.
     fn limit_beside(&self, place: DVec2, st: DVec2) -> Option<DVec3> {
         let known = self.known_derivatives(place);
         let way = (place - st).abs();
@@ -246,8 +253,8 @@ impl Piece {
         known.unit_normal(inward(place))
     }
 
-    /// Whether a point is a tip, such as that of a cone, to within rounding: the point of a collapsed side at which
-    /// normals have different limits, so that the surface has no normal.
+    /// Whether a point is a tip, such as that of a cone, to within rounding: the point of a
+    /// collapsed side at which normals have different limits, so that the surface has no normal.
     pub fn is_tip(&self, point: DVec3) -> bool {
         let rounding = 4.0 * self.patch.noise();
         let is_at = |tip: DVec3| point.distance(tip) <= rounding;

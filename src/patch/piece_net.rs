@@ -1,8 +1,8 @@
 //! The control net of a piece: kept, or made on demand.
 //!
-//! A dense B-spline surface has up to nine times as many Bézier points as control points. So its control points are
-//! kept, and a piece's net is made from them when the piece is searched ([`SplineNet`]): always by the same
-//! operations, so that every caller gets the same numbers.
+//! A dense B-spline surface has up to nine times as many Bézier points as control points. So its
+//! control points are kept, and a piece's net is made from them when the piece is searched
+//! ([`SplineNet`]): always by the same operations, so that every caller gets the same numbers.
 
 use glam::{DVec3, DVec4};
 
@@ -44,9 +44,9 @@ impl<'a> PieceNet<'a> {
         Self { numbers, stride, length, weight }
     }
 
-    /// The numbers of a row, which in a Bézier net is that of the `i`-th Bernstein function of `s`: four for
-    /// each point, or three where all weights are the same, and one more, so that four can be read at
-    /// every point.
+    /// The numbers of a row, which in a Bézier net is that of the `i`-th Bernstein function of `s`:
+    /// four for each point, or three where all weights are the same, and one more, so that four can
+    /// be read at every point.
     #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> &'a [f64] {
         &self.numbers[i * self.stride..=i * self.stride + self.length]
@@ -85,8 +85,8 @@ pub(crate) enum NetSource<'a> {
     Spline(SplineNet<'a>),
 }
 
-/// The control points of a B-spline that govern a piece, of degree 7 or less in both directions, and how nets are
-/// made from them.
+/// The control points of a B-spline that govern a piece, of degree 7 or less in both directions,
+/// and how nets are made from them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SplineNet<'a> {
     chart: &'a ChartNet,
@@ -158,7 +158,8 @@ impl<'a> SplineNet<'a> {
         self.points
     }
 
-    /// What makes a power net from these points, along `s` and `t`; `None` where sums are in Bernstein form.
+    /// What makes a power net from these points, along `s` and `t`; `None` where sums are in
+    /// Bernstein form.
     #[inline(always)]
     pub(crate) fn by_powers(&self) -> Option<[ToPowers<'a>; 2]> {
         self.chart.to_powers(self.first)
@@ -190,7 +191,8 @@ impl<'a> SplineNet<'a> {
         PieceNet::new(&room.0, self.row_room(), self.points.length, self.points.weight)
     }
 
-    /// The Bézier points, row by row. Every other way to make them must agree with these, bit for bit.
+    /// The Bézier points, row by row. Every other way to make them must agree with these, bit for
+    /// bit.
     pub(super) fn bezier_net(&self) -> BezierNet {
         let mut net = if self.is_cubic() { self.cubic_net() } else { self.long_net() };
         if let Some(weight) = self.points.weight {
@@ -247,8 +249,8 @@ impl<'a> SplineNet<'a> {
         [along_s.at(self.first[0] as usize), along_t.at(self.first[1] as usize)]
     }
 
-    /// The Bézier points for degree 3 or less, with room for those of degree 3. Where points have three numbers, the
-    /// fourth is arbitrary.
+    /// The Bézier points for degree 3 or less, with room for those of degree 3. Where points have
+    /// three numbers, the fourth is arbitrary.
     #[inline(always)]
     fn bezier_points_of(&self, [p, q]: [usize; 2]) -> [[DVec4; 4]; 4] {
         let size = self.size();

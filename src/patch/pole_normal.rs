@@ -1,10 +1,10 @@
 //! Normals beside a collapsed side, as exact as the control points.
 //!
-//! Where the side `t = 0` is collapsed to a point `P`, the tangent along it vanishes. At a distance `ρ` from there
-//! that tangent, and so the normal, is known only to `error / ρ`. But `X − P W` has a first column of zeros. So it is
-//! `t A`, and `A`, of one degree less, is as exact as the control points. With `Q = A / W` the surface is `P + t Q`
-//! and has the tangents `t Q_s` and `Q + t Q_t`: the normal has the direction of `Q_s × (Q + t Q_t)`, in which
-//! nothing vanishes.
+//! Where the side `t = 0` is collapsed to a point `P`, the tangent along it vanishes. At a distance
+//! `ρ` from there that tangent, and so the normal, is known only to `error / ρ`. But `X − P W` has
+//! a first column of zeros. So it is `t A`, and `A`, of one degree less, is as exact as the control
+//! points. With `Q = A / W` the surface is `P + t Q` and has the tangents `t Q_s` and `Q + t Q_t`:
+//! the normal has the direction of `Q_s × (Q + t Q_t)`, in which nothing vanishes.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
@@ -12,11 +12,13 @@ use super::field::{Field, Net};
 use super::tensor::derivative_table;
 use super::{CollapsedSide, TensorPatch};
 
-/// The largest angle, in radians, by which the rounding of tangents may turn a normal that counts as known.
+/// The largest angle, in radians, by which the rounding of tangents may turn a normal that counts
+/// as known.
 const TURNED_AT_POLE: f64 = 1e-9;
 
-/// The unit normal of a patch at a place, from the pole at one of its sides; `None` where the pole tells too little
-/// about it, for example where the tangents away from the pole do not turn along the side.
+/// The unit normal of a patch at a place, from the pole at one of its sides; `None` where the pole
+/// tells too little about it, for example where the tangents away from the pole do not turn along
+/// the side.
 pub(super) fn normal_by_pole(
     patch: &TensorPatch,
     (side, pole): (CollapsedSide, DVec3),
@@ -46,7 +48,8 @@ pub(super) fn normal_by_pole(
 
     let across = here + t * by_t;
     let cross = by_s.cross(across);
-    // The error of coefficients is `q` times that of points, the error of derivatives `2 p` times as much again.
+    // The error of coefficients is `q` times that of points, the error of derivatives `2 p` times
+    // as much again.
     let off = 2.0 * q as f64 * noise;
     let turned = off * (by_s.length() + 2.0 * p as f64 * across.length()) / cross.length();
     let normal = cross.try_normalize().filter(|_| turned <= TURNED_AT_POLE)?;

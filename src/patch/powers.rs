@@ -1,16 +1,19 @@
-//! Pieces in power form about their middle: `Σ Bᵢ(s) Bⱼ(t) Pᵢⱼ = Σ cᵢⱼ xⁱ yʲ`, `x = 2 s − 1`, `y = 2 t − 1`.
+//! Pieces in power form about their middle: `Σ Bᵢ(s) Bⱼ(t) Pᵢⱼ = Σ cᵢⱼ xⁱ yʲ`, `x = 2 s − 1`,
+//! `y = 2 t − 1`.
 //!
-//! Horner's scheme takes half the operations of sums of Bernstein functions. It loses few digits for low degrees,
-//! because powers are taken about the middle of a piece and no farther from it than one: the rounding error of the
-//! sums is a few units of `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight there (Farouki and Rajan 1987, "On the numerical
-//! condition of polynomials in Bernstein form"). Where that is many times the coordinates of the piece, as on zigzag
-//! nets, which reach 8 times in degree three and more than 100 times in degree seven, or where weights differ much,
-//! sums stay in Bernstein form, whose terms are never larger than their sum may be.
+//! Horner's scheme takes half the operations of sums of Bernstein functions. It loses few digits
+//! for low degrees, because powers are taken about the middle of a piece and no farther from it
+//! than one: the rounding error of the sums is a few units of `Σ |cᵢⱼ| |x|ⁱ |y|ʲ`, over the weight
+//! there (Farouki and Rajan 1987, "On the numerical condition of polynomials in Bernstein form").
+//! Where that is many times the coordinates of the piece, as on zigzag nets, which reach 8 times in
+//! degree three and more than 100 times in degree seven, or where weights differ much, sums stay in
+//! Bernstein form, whose terms are never larger than their sum may be.
 //!
-//! The coefficients are made of differences of points from one in the middle, as far from both ends as can be: so
-//! they are zero where points are equal. The first or last of the spline control points that govern a piece may be
-//! far larger than anything on the piece, because its share there is small (`1 / p!` where knots are evenly spaced);
-//! the rounding error of differences from such a point would exceed the promised error bound.
+//! The coefficients are made of differences of points from one in the middle, as far from both ends
+//! as can be: so they are zero where points are equal. The first or last of the spline control
+//! points that govern a piece may be far larger than anything on the piece, because its share there
+//! is small (`1 / p!` where knots are evenly spaced); the rounding error of differences from such a
+//! point would exceed the promised error bound.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -21,23 +24,23 @@ use super::BezierNet;
 use crate::geometry::{Extraction, Extractions, KnotVector};
 use crate::math::bernstein::binomials;
 
-/// The highest degree that is written in power form. Few pieces of higher degree would be well conditioned, and eight
-/// of their nets are not held side by side.
+/// The highest degree that is written in power form. Few pieces of higher degree would be well
+/// conditioned, and eight of their nets are not held side by side.
 pub(crate) const MOST_DEGREE: usize = 7;
 
 const _: () =
     assert!(Extractions::MOST_DEGREE <= MOST_DEGREE, "nets of splines are made by powers");
 
-/// The largest sum of the sizes of a piece's terms, those of the weight included, in units of its coordinates. One
-/// bound for the whole piece is tried first; only if it fails are the terms checked at 25 places: an estimate of how
-/// many digits are lost, not a proof.
+/// The largest sum of the sizes of a piece's terms, those of the weight included, in units of its
+/// coordinates. One bound for the whole piece is tried first; only if it fails are the terms
+/// checked at 25 places: an estimate of how many digits are lost, not a proof.
 const MOST_CONDITION: f64 = 8.0;
 
 /// The largest ratio of two weights of a gentle spline.
 const GENTLE_WEIGHTS: f64 = 2.0;
 
-/// The largest ratio of two knot spans of a gentle spline: beyond it, a control point may have so small a share in a
-/// piece that differences from it are all rounding error.
+/// The largest ratio of two knot spans of a gentle spline: beyond it, a control point may have so
+/// small a share in a piece that differences from it are all rounding error.
 const MOST_UNEVEN: f64 = 4.0;
 
 /// Whether pieces of these degrees can be written in power form.
@@ -45,14 +48,15 @@ pub(super) fn suit([p, q]: [usize; 2]) -> bool {
     p.max(q) <= MOST_DEGREE
 }
 
-/// The fraction of the promised error bound by which a power net made from a spline's control points may move points.
+/// The fraction of the promised error bound by which a power net made from a spline's control
+/// points may move points.
 const MOST_OFF: f64 = 0.5;
 
 /// Pieces are checked where `x` and `y` are any of these.
 const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
-/// Whether the knot spans and the weights of a spline differ so little that [`is_made_well`] need not be called: it
-/// holds for all pieces of such splines that a test has made.
+/// Whether the knot spans and the weights of a spline differ so little that [`is_made_well`] need
+/// not be called: it holds for all pieces of such splines that a test has made.
 pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     let range = |(least, most): (f64, f64), value: f64| (least.min(value), most.max(value));
     let none = (f64::INFINITY, 0f64);
@@ -64,15 +68,16 @@ pub(super) fn are_gentle(knots: [&KnotVector; 2], control: &[DVec4]) -> bool {
     knots.into_iter().all(are_even) && most <= GENTLE_WEIGHTS * least
 }
 
-/// Whether all pieces of a gentle spline are assumed to be well conditioned: for degree three or less, checking them
-/// takes a tenth of the time to build them. Such splines are dense, and most of their knots are simple: their nets
-/// zigzag less than their control points.
+/// Whether all pieces of a gentle spline are assumed to be well conditioned: for degree three or
+/// less, checking them takes a tenth of the time to build them. Such splines are dense, and most of
+/// their knots are simple: their nets zigzag less than their control points.
 pub(super) fn suit_all(degree: [usize; 2]) -> bool {
     degree.into_iter().all(|degree| degree <= 3)
 }
 
-/// Whether the power net [made](ToPowers) from the control points that govern a piece equals, to rounding, that of
-/// its Bézier points. The error bound of points is `factor` times the largest coordinate.
+/// Whether the power net [made](ToPowers) from the control points that govern a piece equals, to
+/// rounding, that of its Bézier points. The error bound of points is `factor` times the largest
+/// coordinate.
 pub(super) fn is_made_well(
     degree: [usize; 2],
     (net, bezier): (&[DVec4], &[DVec4]),
@@ -114,7 +119,8 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> 
     let columns = degree[1] + 1;
     let net = in_both_directions(degree, bezier, |k, line, step| to_powers(degree[k], line, step));
     let magnitude = magnitude(bezier);
-    // Tests all places with `x` and `y` no larger than these, if the weight there is at least `weight`.
+    // Tests all places with `x` and `y` no larger than these, if the weight there is at least
+    // `weight`.
     let suits = |x: f64, y: f64, weight: f64| {
         let sizes = sum(&net, columns, [x.abs(), y.abs()], DVec4::abs);
         sizes.truncate().max_element() + sizes.w * magnitude <= MOST_CONDITION * magnitude * weight
@@ -124,8 +130,8 @@ pub(super) fn net_of(degree: [usize; 2], bezier: &[DVec4]) -> Option<BezierNet> 
     suits_all.then_some(net)
 }
 
-/// Converts Bernstein coefficients of degree up to three on `[−1, 1]` to power coefficients; entries beyond the
-/// degree stay as they are.
+/// Converts Bernstein coefficients of degree up to three on `[−1, 1]` to power coefficients;
+/// entries beyond the degree stay as they are.
 #[inline]
 pub(super) fn powers<V>(degree: usize, [a, b, c, d]: [V; 4]) -> [V; 4]
 where
@@ -147,7 +153,8 @@ where
     }
 }
 
-/// The same for degrees up to [`MOST_DEGREE`], in place, for every `step`-th coefficient from the first on.
+/// The same for degrees up to [`MOST_DEGREE`], in place, for every `step`-th coefficient from the
+/// first on.
 fn to_powers<V>(degree: usize, coefficients: &mut [V], step: usize)
 where
     V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
@@ -208,9 +215,9 @@ const BERNSTEIN_TO_POWERS: [[[f64; MOST_DEGREE + 1]; MOST_DEGREE + 1]; MOST_DEGR
     shares
 };
 
-/// How the power coefficients of a span are made from the control points that govern it: each sums shares of the
-/// differences of the other points from the [middle](Self::middle) one, and the first includes the middle point
-/// itself.
+/// How the power coefficients of a span are made from the control points that govern it: each sums
+/// shares of the differences of the other points from the [middle](Self::middle) one, and the first
+/// includes the middle point itself.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToPowers<'a> {
     /// For each coefficient, the shares of these differences.
@@ -229,7 +236,8 @@ impl<'a> ToPowers<'a> {
         degree / 2
     }
 
-    /// Converts control points to coefficients, in place, for every `step`-th point from the first on.
+    /// Converts control points to coefficients, in place, for every `step`-th point from the first
+    /// on.
     fn apply(&self, degree: usize, points: &mut [DVec4], step: usize) {
         let at = Self::middle(degree);
         let middle = points[at * step];
@@ -242,8 +250,8 @@ impl<'a> ToPowers<'a> {
         }
     }
 
-    /// For each coefficient, the shares of the differences from the middle point, in the order of the other points:
-    /// as many as the degree.
+    /// For each coefficient, the shares of the differences from the middle point, in the order of
+    /// the other points: as many as the degree.
     #[inline(always)]
     pub(crate) fn shares(&self) -> &'a [f64] {
         self.shares
@@ -262,8 +270,8 @@ pub(super) fn shares_of_points(extraction: Extraction<'_>, degree: usize, shares
     }
 }
 
-/// The power net of a net of points. `make` converts one line: it is given the direction, the points from the first
-/// of the line on, and their stride.
+/// The power net of a net of points. `make` converts one line: it is given the direction, the
+/// points from the first of the line on, and their stride.
 fn in_both_directions(
     [_, q]: [usize; 2],
     points: &[DVec4],
@@ -312,7 +320,8 @@ mod tests {
         }
     }
 
-    /// Spans up to four times as long as others, weights up to twice as large, and points in any order.
+    /// Spans up to four times as long as others, weights up to twice as large, and points in any
+    /// order.
     #[test]
     fn nets_of_gentle_splines_are_made_well() {
         let mut state = 0.37;

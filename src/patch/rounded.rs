@@ -38,7 +38,8 @@ impl Near16 {
     }
 }
 
-/// A number not below zero, rounded up to four digits: zero, or from 1.125 · 2⁻²¹ to 1.75 · 2¹⁰, or infinity.
+/// A number not below zero, rounded up to four digits: zero, or from 1.125 · 2⁻²¹ to 1.75 · 2¹⁰, or
+/// infinity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Up8(u8);
 
@@ -49,7 +50,8 @@ impl Up8 {
     /// The least such number that is not below `x`; infinity for NaN.
     pub(super) fn above(x: f64) -> Self {
         let bits = u32::from(Up16::above(x).0);
-        // The upper twelve bits, rounded up, are eight of exponent and three of mantissa, after the sign.
+        // The upper twelve bits, rounded up, are eight of exponent and three of mantissa, after the
+        // sign.
         let code = ((bits + 0xf) >> 4).saturating_sub(Self::BIAS);
         Self(if x == 0.0 { 0 } else { code.clamp(1, 0xff) as u8 })
     }
@@ -64,7 +66,8 @@ impl Up8 {
     }
 }
 
-/// A number not below zero, rounded up: the upper half of an f64, which keeps its range in less room.
+/// A number not below zero, rounded up: the upper half of an f64, which keeps its range in less
+/// room.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Up32(u32);
 

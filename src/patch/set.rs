@@ -34,9 +34,9 @@ pub enum BuildError {
 /// The most that 32-bit indices can count: two of their bits say what is counted.
 const MOST_COUNTED: usize = u32::MAX as usize / 4;
 
-/// The most Bézier points of all surfaces together: 2²⁷, or 4 GiB of them. Splines of degrees too high for their own
-/// control points to be kept have up to `p q` times as many, so a file of a few megabytes may ask for more memory
-/// than there is; the program would then end without a message.
+/// The most Bézier points of all surfaces together: 2²⁷, or 4 GiB of them. Splines of degrees too
+/// high for their own control points to be kept have up to `p q` times as many, so a file of a few
+/// megabytes may ask for more memory than there is; the program would then end without a message.
 const MOST_BEZIER_POINTS: usize = 1 << 27;
 
 /// Surfaces cut into Bézier pieces, in the order of the surfaces, whatever the number of
@@ -64,11 +64,12 @@ impl fmt::Debug for PatchSet {
 }
 
 impl PatchSet {
-    /// Cuts surfaces into pieces; also returns the parts of pieces that become leaves, group by group.
+    /// Cuts surfaces into pieces; also returns the parts of pieces that become leaves, group by
+    /// group.
     ///
     /// # Errors
-    /// If there are more surfaces, pieces, Bézier points or leaves than are possible; except for leaves, that is
-    /// known before anything is made.
+    /// If there are more surfaces, pieces, Bézier points or leaves than are possible; except for
+    /// leaves, that is known before anything is made.
     pub(crate) fn new<S: Charts + Sync>(
         surfaces: &[S],
     ) -> Result<(Self, GroupedParts), BuildError> {
@@ -138,8 +139,8 @@ impl PatchSet {
             + size_of_val(&self.net_bytes[..])
     }
 
-    /// The memory that one surface takes, in bytes: its control points, trims and pieces; nothing if there is no such
-    /// surface.
+    /// The memory that one surface takes, in bytes: its control points, trims and pieces; nothing
+    /// if there is no such surface.
     pub fn bytes_of(&self, surface: usize) -> usize {
         self.net_bytes.get(surface).unwrap_or(&0)
             + size_of_val(&self.pieces[self.pieces_of(surface)])

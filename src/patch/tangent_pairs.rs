@@ -1,11 +1,12 @@
-//! How both tangents of a leaf turn together. That says more than how far each turns: their values at one place
-//! belong together, and so do their means over one set.
+//! How both tangents of a leaf turn together. That says more than how far each turns: their values
+//! at one place belong together, and so do their means over one set.
 
 use glam::{DVec3, DVec4};
 
 use crate::math::Interval;
 
-/// Nets of more points use only the bounds of each tangent: a bicubic net has 136 pairs, one of degree 5 × 5 has 666.
+/// Nets of more points use only the bounds of each tangent: a bicubic net has 136 pairs, one of
+/// degree 5 × 5 has 666.
 const MOST_POINTS: usize = 36;
 
 /// More than the relative rounding error of a sum of four products, with room to spare.
@@ -24,14 +25,14 @@ const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 ///
 /// `N_ij = m (a₀ × b₀) + g (a₀ × n) + h (b₀ × n)`,
 ///
-/// where `m` is the sum of `α₁β₂ − α₂β₁` for `(i, j)` and for `(j, i)`, and `g` and `h` are the same sums of
-/// `α₁β₃ − α₃β₁` and of `α₂β₃ − α₃β₂`. Where all `m` are positive, the quotients `g/m` and `h/m` of a sum are means
-/// of those of its terms: they lie between the least and the largest. And the multiple of `a₀ × b₀` in `ā × b̄` is at
-/// least half the least `m`.
+/// where `m` is the sum of `α₁β₂ − α₂β₁` for `(i, j)` and for `(j, i)`, and `g` and `h` are the
+/// same sums of `α₁β₃ − α₃β₁` and of `α₂β₃ − α₃β₂`. Where all `m` are positive, the quotients `g/m`
+/// and `h/m` of a sum are means of those of its terms: they lie between the least and the largest.
+/// And the multiple of `a₀ × b₀` in `ā × b̄` is at least half the least `m`.
 ///
-/// Measured on a rough height field, on the leaves that a camera sees: 69 % are certified by the turns of each
-/// tangent from the chords' frame, 76 % by the turns of the pairs, 80 % by the turns of the pairs from their middle;
-/// 88 % have at most one root.
+/// Measured on a rough height field, on the leaves that a camera sees: 69 % are certified by the
+/// turns of each tangent from the chords' frame, 76 % by the turns of the pairs, 80 % by the turns
+/// of the pairs from their middle; 88 % have at most one root.
 pub(super) struct PairTurns {
     /// The ranges of `g/m` and `h/m`.
     pub(super) across: [Interval; 2],
@@ -47,9 +48,9 @@ struct Coefficients {
 }
 
 impl PairTurns {
-    /// The bounds for a polynomial net, each of whose coordinates has the error bound `noise`. The products of the
-    /// `dual` directions with a vector are its components in the frame `(a₀, b₀, n)`. `None` where a normal may turn
-    /// away from `n`, or the net is large.
+    /// The bounds for a polynomial net, each of whose coordinates has the error bound `noise`. The
+    /// products of the `dual` directions with a vector are its components in the frame
+    /// `(a₀, b₀, n)`. `None` where a normal may turn away from `n`, or the net is large.
     pub(super) fn new(
         ([p, q], points): ([usize; 2], &[DVec4]),
         noise: f64,
@@ -85,7 +86,8 @@ impl PairTurns {
                 let g = (a1 * y3 - a3 * y1) + (x1 * b3 - x3 * b1);
                 let h = (a2 * y3 - a3 * y2) + (x2 * b3 - x3 * b2);
                 let per_m = 1.0 / m;
-                // `m` is the least possible; with the largest, quotients are smaller by this fraction.
+                // `m` is the least possible; with the largest, quotients are smaller by this
+                // fraction.
                 let part = 2.0 * off_m * per_m;
                 for (across, (x, off)) in across.iter_mut().zip([(g, off_g), (h, off_h)]) {
                     let more = off + (x.abs() + off) * part;
@@ -157,8 +159,8 @@ mod tests {
         [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
     ];
 
-    /// The bounds hold for means along segments between any two places, which a quadrature rule that is exact for
-    /// them finds; and the nearest mean comes close to its bound.
+    /// The bounds hold for means along segments between any two places, which a quadrature rule
+    /// that is exact for them finds; and the nearest mean comes close to its bound.
     #[test]
     fn means_turn_no_farther() {
         let net = (1usize..=3, 1usize..=3).prop_flat_map(|(p, q)| {

@@ -12,7 +12,8 @@ use crate::math::bernstein::MAX_DEGREE;
 
 /// What is proved about a leaf, in the notation of [`Certificate`](super::Certificate).
 pub(super) struct TangentBounds {
-    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole, symmetric about zero.
+    /// The ranges of `g |a₀| / |a₀ × b₀|` and `h |b₀| / |a₀ × b₀|`; at a pole, symmetric about
+    /// zero.
     pub(super) turning: [Interval; 2],
     /// See [`Certificate::bend`](super::Certificate::bend).
     pub(super) bend: [[f64; 2]; 2],
@@ -26,16 +27,17 @@ pub(super) struct TangentBounds {
 /// The factor by which bounds of the turning of tangents are enlarged.
 pub(super) const MARGIN: f64 = 1.02;
 
-/// The most that the largest sizes of `turning` may add up to: a leaf that turns farther is as good as uncertified,
-/// and the rounding error of slopes grows with it.
+/// The most that the largest sizes of `turning` may add up to: a leaf that turns farther is as good
+/// as uncertified, and the rounding error of slopes grows with it.
 const MOST_TURNING: f64 = 4.0;
 
-/// Both tangents of a polynomial net are bounded together if the radii of their turning add up to more than this.
-/// That takes twice as long as the rest of a certificate; for flatter leaves it would certify few more rays.
+/// Both tangents of a polynomial net are bounded together if the radii of their turning add up to
+/// more than this. That takes twice as long as the rest of a certificate; for flatter leaves it
+/// would certify few more rays.
 const FAR: f64 = 0.4;
 
-/// Nets of more points are not multiplied out with their weights: the number of products is the square of the number
-/// of points.
+/// Nets of more points are not multiplied out with their weights: the number of products is the
+/// square of the number of points.
 const MOST_MULTIPLIED: usize = 36;
 const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 needs binomials of 34");
 
@@ -43,8 +45,8 @@ const _: () = assert!(MOST_MULTIPLIED - 2 <= MAX_DEGREE + 3, "degree 1 × 17 nee
 const MOST_BEND: f64 = 1e3;
 
 impl TangentBounds {
-    /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None` where
-    /// the tangents turn too far, or nothing can be said.
+    /// The proof for the net over the widened rectangle, in the frame of the leaf's axes; `None`
+    /// where the tangents turn too far, or nothing can be said.
     pub(super) fn new(
         net: &Net<'_>,
         collapsed: Option<CollapsedSide>,
@@ -78,12 +80,13 @@ impl TangentBounds {
     }
 }
 
-/// The parts of `X_s − Y W_s` and `X_t − Z W_t`, which the boxes of `a` and `b` are made of; or both times `W` and
-/// multiplied out, if there are no factors though weights differ.
+/// The parts of `X_s − Y W_s` and `X_t − Z W_t`, which the boxes of `a` and `b` are made of; or
+/// both times `W` and multiplied out, if there are no factors though weights differ.
 struct Tangents<'a> {
     /// `X_s`, and `X_t`.
     along: [&'a Field; 2],
-    /// `Y` and `Z`, the factors of `W_s` and `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where `W` is constant.
+    /// `Y` and `Z`, the factors of `W_s` and `W_t`: `S − c`, or `X̃ / W` at a pole; nothing where
+    /// `W` is constant.
     factors: [Option<&'a Field>; 2],
     /// The range of the tangents' divisors: the weights, or their squares.
     weights: Interval,
@@ -126,8 +129,8 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
         factors = [Some(&scaled), Some(&offsets)];
     }
     let mut tangents = Tangents::new(net, &field, [&along_s, &along_t], factors)?;
-    // X̃_s takes the place of X_s, while the weights' slopes stay those of W. Dividing by t multiplies coefficients,
-    // and their errors, by up to q.
+    // X̃_s takes the place of X_s, while the weights' slopes stay those of W. Dividing by t
+    // multiplies coefficients, and their errors, by up to q.
     let scaled_along_s = over_t.derivative_s();
     tangents.along[0] = &scaled_along_s;
     tangents.noise *= net.degree[1] as f64;
@@ -135,7 +138,8 @@ fn pole_proof(net: &Net<'_>, axes: [DVec3; 2]) -> Option<TangentBounds> {
 }
 
 impl<'a> Tangents<'a> {
-    /// The tangents of a field with these derivatives; `None` where weights are not known to be positive.
+    /// The tangents of a field with these derivatives; `None` where weights are not known to be
+    /// positive.
     fn new(
         net: &Net<'_>,
         field: &Field,
@@ -167,15 +171,16 @@ impl<'a> Tangents<'a> {
     ) -> Option<Self> {
         let mut tangents = Self::new(net, field, [along_s, along_t], [None; 2])?;
         tangents.weight_slopes = [Interval::point(0.0); 2];
-        // Both factors of each product may be off, and each is multiplied with a weight; sums of the products are
-        // their means, times the degree at most.
+        // Both factors of each product may be off, and each is multiplied with a weight; sums of
+        // the products are their means, times the degree at most.
         tangents.noise *= 4.0 * tangents.weights.hi;
         tangents.weights = tangents.weights * tangents.weights;
         Some(tangents)
     }
 
-    /// How tangent `which` turns: the least component along the direction of that number, and the ranges of the
-    /// quotients of the other two components by it. `None` if that component may vanish.
+    /// How tangent `which` turns: the least component along the direction of that number, and the
+    /// ranges of the quotients of the other two components by it. `None` if that component may
+    /// vanish.
     #[inline(always)]
     fn turns(&self, which: usize, directions: &[DVec3; 3]) -> Option<Turns> {
         let (along, factor) = (self.along[which], self.factors[which]);
@@ -206,15 +211,16 @@ impl<'a> Tangents<'a> {
             turns.other = turns.other.union(over_speed(1 - which));
             turns.normal = turns.normal.union(over_speed(2));
         }
-        // Three roundings, of both differences and of the quotient: wider by more than one each time.
+        // Three roundings, of both differences and of the quotient: wider by more than one each
+        // time.
         let thrice = |interval: Interval| interval.outward().outward().outward();
         turns.least = Interval::point(turns.least).outward().lo;
         (turns.other, turns.normal) = (thrice(turns.other), thrice(turns.normal));
         (turns.least > 0.0).then_some(turns)
     }
 
-    /// What the ranges of both tangents prove, each by itself; how they turn together may stay unknown. `dual` is as
-    /// in [`PairTurns::new`], `lengths` are those of `a₀` and `b₀`.
+    /// What the ranges of both tangents prove, each by itself; how they turn together may stay
+    /// unknown. `dual` is as in [`PairTurns::new`], `lengths` are those of `a₀` and `b₀`.
     fn separately(&self, dual: &[DVec3; 3], lengths: [f64; 2]) -> Option<Turning> {
         let (a, b) = (self.turns(0, dual)?, self.turns(1, dual)?);
         // A step in `s` is judged by the turns of `b`, one in `t` by those of `a`.
@@ -236,8 +242,8 @@ impl<'a> Tangents<'a> {
         Some(Turning { across: [g, h], least: m.lo * a.least * b.least, bend })
     }
 
-    /// What is proved about `field`, whose derivatives these are, in the frame of `a₀` and `b₀`; `at_pole` says
-    /// whether the field ends in a pole.
+    /// What is proved about `field`, whose derivatives these are, in the frame of `a₀` and `b₀`;
+    /// `at_pole` says whether the field ends in a pole.
     fn proof(&self, field: &Field, at_pole: bool, [a0, b0]: [DVec3; 2]) -> Option<TangentBounds> {
         let cross = a0.cross(b0);
         let area = cross.length();
@@ -283,8 +289,9 @@ impl<'a> Tangents<'a> {
         }
         let (spread, pole_spread) = if at_pole {
             let ratio = self.weights.hi / self.weights.lo;
-            // The points of the collapsed side agree only to a few roundings. The error that this adds to the tangent
-            // along the side, the degree times as much, grows towards the pole as the quotient by `t` does.
+            // The points of the collapsed side agree only to a few roundings. The error that this
+            // adds to the tangent along the side, the degree times as much, grows towards the pole
+            // as the quotient by `t` does.
             let along_side = field.degree[0] as f64 * longest_t * longest_t * ratio / determinant;
             (longest_s * self.weights.hi / determinant, along_side)
         } else {
@@ -414,8 +421,8 @@ mod tests {
         assert!(said > 100 && exact > 10, "{said} tangents, {exact} of bilinear patches");
     }
 
-    /// No line through two points of a piece is certified to meet it at most once, whatever the frame; and some
-    /// nearly are.
+    /// No line through two points of a piece is certified to meet it at most once, whatever the
+    /// frame; and some nearly are.
     #[test]
     fn chords_are_flat() {
         let place = || (0.0..=1.0f64, 0.0..=1.0f64).prop_map(|(s, t)| DVec2::new(s, t));

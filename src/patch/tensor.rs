@@ -45,8 +45,9 @@ pub struct Jet {
 }
 
 impl TensorPatch {
-    /// A piece of a surface, from the row and the column of its first point. The caller has checked the invariants:
-    /// only surfaces that satisfy them can be built. Also returns its Euclidean control points.
+    /// A piece of a surface, from the row and the column of its first point. The caller has checked
+    /// the invariants: only surfaces that satisfy them can be built. Also returns its Euclidean
+    /// control points.
     pub(super) fn new(net: &Arc<ChartNet>, first: [u32; 2]) -> (Self, Points) {
         let zero = Up32::above(0.0);
         let mut patch = Self { net: Arc::clone(net), first, magnitude: zero, size: zero };
@@ -115,8 +116,8 @@ impl TensorPatch {
         self.net.by_powers(self.first)
     }
 
-    /// The control net, to be read row by row. If it is not kept, it is made in `room`, unless it is there already;
-    /// so a room is for one piece.
+    /// The control net, to be read row by row. If it is not kept, it is made in `room`, unless it
+    /// is there already; so a room is for one piece.
     #[inline(always)]
     pub(crate) fn net<'n>(&'n self, room: &'n mut Option<NetRoom>) -> PieceNet<'n> {
         match self.net_source() {
@@ -129,7 +130,8 @@ impl TensorPatch {
         }
     }
 
-    /// Prefetches the rows of the points that are kept, for use soon. Short rows take two cache lines, as a rule.
+    /// Prefetches the rows of the points that are kept, for use soon. Short rows take two cache
+    /// lines, as a rule.
     #[inline(always)]
     pub(crate) fn prefetch_net(&self) {
         let net = match self.sums_source() {
@@ -158,8 +160,8 @@ impl TensorPatch {
         self.weight().is_none()
     }
 
-    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). This is so if the degrees are three
-    /// at most, and weights differ.
+    /// Whether leaves are approximated by quotients: see [`Leaf`](super::Leaf). This is so if the
+    /// degrees are three at most, and weights differ.
     #[inline(always)]
     pub(crate) fn has_quotient_leaves(&self) -> bool {
         let [p, q] = self.degree();

@@ -1,9 +1,10 @@
 //! Neighbouring pieces whose leaves lie side by side.
 //!
-//! Where there are so many pieces that most of them are one leaf, a tree would put the leaves of a few rows and
-//! columns of a chart together anyway. If it is given these groups, it has a sixteenth of the boxes to sort, and its
-//! blocks are full. Measured: a sheet of a million pieces is ready in 0.7 of the time; on sheets of 256 × 256 and
-//! more pieces rays are traced 1.0 to 1.2 times as fast.
+//! Where there are so many pieces that most of them are one leaf, a tree would put the leaves of a
+//! few rows and columns of a chart together anyway. If it is given these groups, it has a sixteenth
+//! of the boxes to sort, and its blocks are full. Measured: a sheet of a million pieces is ready in
+//! 0.7 of the time; on sheets of 256 × 256 and more pieces rays are traced 1.0 to 1.2 times as
+//! fast.
 
 use std::ops::Range;
 
@@ -13,8 +14,8 @@ use rayon::prelude::*;
 use super::{Part, Piece};
 use crate::math::Aabb;
 
-/// The parts of pieces that become leaves, and which of them are kept together: consecutive groups of neighbours on a
-/// surface, each of at least one part and no more than sixteen.
+/// The parts of pieces that become leaves, and which of them are kept together: consecutive groups
+/// of neighbours on a surface, each of at least one part and no more than sixteen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroupedParts {
     parts: Vec<Part>,
@@ -25,7 +26,8 @@ pub(crate) struct GroupedParts {
 pub(crate) const MOST_TOGETHER: usize = 16;
 const _: () = assert!(MOST_TOGETHER.is_power_of_two());
 
-/// The pieces of a chart, row by row: the index of the first among all pieces, and the numbers of rows and columns.
+/// The pieces of a chart, row by row: the index of the first among all pieces, and the numbers of
+/// rows and columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) first: usize,
@@ -62,8 +64,8 @@ impl GroupedParts {
         Self { parts, groups }
     }
 
-    /// The parts of all pieces of the grids, tile by tile, in the order of the grids, whatever the number of threads.
-    /// `add_parts` adds those of one piece.
+    /// The parts of all pieces of the grids, tile by tile, in the order of the grids, whatever the
+    /// number of threads. `add_parts` adds those of one piece.
     pub(super) fn of(
         pieces: &[Piece],
         grids: &[Grid],
@@ -122,8 +124,9 @@ impl Grid {
         self.first..self.first + self.count()
     }
 
-    /// Tiles of [`MOST_TOGETHER`] pieces, fewer at the ends, about as long as they are wide. Squares of that many
-    /// rows and columns are each cut into tiles of one shape, chosen by the sides of their own pieces.
+    /// Tiles of [`MOST_TOGETHER`] pieces, fewer at the ends, about as long as they are wide.
+    /// Squares of that many rows and columns are each cut into tiles of one shape, chosen by the
+    /// sides of their own pieces.
     fn tiles(self, pieces: &[Piece]) -> impl Iterator<Item = Tile> {
         let whole = Tile { grid: self, rows: 0..self.rows, columns: 0..self.columns };
         whole.cut([MOST_TOGETHER; 2]).flat_map(|square| {
@@ -154,7 +157,8 @@ impl Tile {
 
     /// The number of rows that its tiles get: a power of two, from the side lengths of some pieces.
     fn rows_of_a_tile(&self, pieces: &[Piece]) -> usize {
-        // A prime larger than a square's number of columns, so that the pieces looked at are in all columns.
+        // A prime larger than a square's number of columns, so that the pieces looked at are in all
+        // columns.
         const LOOKED_AT: usize = 17;
         let mut lengths = [0.0; 2];
         for k in self.pieces().step_by(LOOKED_AT) {

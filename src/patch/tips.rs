@@ -1,7 +1,8 @@
-//! Tips: points to which sides of a surface are collapsed, such as the tip of a cone or of a pyramid.
+//! Tips: points to which sides of a surface are collapsed, such as the tip of a cone or of a
+//! pyramid.
 //!
-//! At a pole, such as that of a sphere, the normals from all sides have one limit. At a tip they have several,
-//! perhaps on several pieces, and the surface has no normal there.
+//! At a pole, such as that of a sphere, the normals from all sides have one limit. At a tip they
+//! have several, perhaps on several pieces, and the surface has no normal there.
 
 use glam::DVec3;
 
@@ -13,7 +14,8 @@ use super::tiles::Grid;
 pub(super) fn mark(pieces: &mut [Piece], grid: &Grid) {
     let Grid { first, rows, columns } = *grid;
     for side in 0..4 {
-        // Sides of constant `s` follow each other from column to column, the others from row to row.
+        // Sides of constant `s` follow each other from column to column, the others from row to
+        // row.
         let (lines, length) = if side < 2 { (rows, columns) } else { (columns, rows) };
         for line in 0..lines {
             let place =

@@ -35,7 +35,8 @@ fn both_worlds() -> [World; 2] {
     worlds
 }
 
-/// Seen from within the bounding box of all surfaces, whose nearest point says nothing about how far away they are.
+/// Seen from within the bounding box of all surfaces, whose nearest point says nothing about how
+/// far away they are.
 #[test]
 fn how_far_apart_rays_are_is_told_by_what_they_meet() {
     let mut world = sphere_over_tiles();

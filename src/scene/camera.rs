@@ -101,7 +101,8 @@ pub enum CameraError {
 pub struct Camera {
     view: View,
     projection: Projection,
-    /// Half the length that the projection spans: at distance 1 in front of the eye, or in scene units.
+    /// Half the length that the projection spans: at distance 1 in front of the eye, or in scene
+    /// units.
     half: f64,
     right: DVec3,
     up: DVec3,
@@ -113,8 +114,8 @@ impl Camera {
     /// A camera from its view and projection; the field of view spans the picture's height.
     ///
     /// # Errors
-    /// When the view has no direction to within rounding, `up` runs along it, the field of view is not in
-    /// [10⁻⁶, 180) degrees, the height is not positive, or a number is not finite or beyond
+    /// When the view has no direction to within rounding, `up` runs along it, the field of view is
+    /// not in [10⁻⁶, 180) degrees, the height is not positive, or a number is not finite or beyond
     /// 10¹⁰⁰.
     pub fn new(view: View, projection: Projection) -> Result<Self, CameraError> {
         // Checked first: if the eye was placed for the projection, the eye is not to blame.

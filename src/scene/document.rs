@@ -148,12 +148,14 @@ impl From<Shape> for Part {
     }
 }
 
-/// A camera as far as the author describes it; the rest is chosen so that everything is in the picture.
+/// A camera as far as the author describes it; the rest is chosen so that everything is in the
+/// picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraSpec {
     /// Where it was written.
     pub place: Place,
-    /// Where the eye is; if not given, in front, to the right and above, far enough to see everything.
+    /// Where the eye is; if not given, in front, to the right and above, far enough to see
+    /// everything.
     pub look_from: Option<Written<DVec3>>,
     /// The middle of the picture; the middle of the scene if not given.
     pub look_at: Option<Written<DVec3>>,

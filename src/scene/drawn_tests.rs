@@ -1,4 +1,5 @@
-//! Drawings of surfaces: nothing is drawn twice, so that no ray is doubtful; errors name the line at fault.
+//! Drawings of surfaces: nothing is drawn twice, so that no ray is doubtful; errors name the line
+//! at fault.
 
 use glam::{DVec2, DVec3};
 
@@ -22,8 +23,8 @@ fn lines(surfaces: &[Surface], values: [&[f64]; 3], radius: f64) -> Vec<Componen
     iso_curves(surfaces, &iso_lines(values), &thin(radius), ENOUGH).unwrap()
 }
 
-/// Of 20000 rays from around some surfaces through the box around them: how many are doubtful, and how
-/// many hit something.
+/// Of 20000 rays from around some surfaces through the box around them: how many are doubtful, and
+/// how many hit something.
 fn doubtful(surfaces: &[NurbsSurface]) -> (usize, usize) {
     let bvh = SurfaceBvh::build(surfaces).unwrap();
     let (low, high) = bvh.bounds().unwrap();

@@ -68,7 +68,8 @@ fn appended(lists: impl Iterator<Item = Vec<DVec3>>) -> Vec<DVec3> {
     all
 }
 
-/// Points on a chart: the points of a grid through every knot, as far as the chart's trims keep them.
+/// Points on a chart: the points of a grid through every knot, as far as the chart's trims keep
+/// them.
 fn samples(chart: &Chart<'_>, across: usize) -> Vec<DVec3> {
     let surface = &chart.surface;
     let (us, vs) = (surface.knots_u(), surface.knots_v());
@@ -120,8 +121,8 @@ impl CameraSpec {
         part.unwrap_or(&self.place)
     }
 
-    /// The camera as written, with the rest chosen to show the sphere in pictures of this aspect, width over
-    /// height.
+    /// The camera as written, with the rest chosen to show the sphere in pictures of this aspect,
+    /// width over height.
     pub(super) fn camera(
         &self,
         sphere: BoundingSphere,

@@ -43,7 +43,8 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Refuses numbers that are not colours, and widths of lines that are not a share of their cells.
+    /// Refuses numbers that are not colours, and widths of lines that are not a share of their
+    /// cells.
     ///
     /// # Errors
     /// When a number of a colour is negative or not finite, or a width is not from 0 to 1.

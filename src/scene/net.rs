@@ -19,10 +19,11 @@ pub enum Knots {
     Multiplicities(Vec<(f64, usize)>),
     /// Evenly spaced, without repeated ends: `0, 1, 2, …`.
     Uniform,
-    /// The knots `0, 1, 2, …` of a closed spline: each control point is written once, and the first ones follow
-    /// again after the last.
+    /// The knots `0, 1, 2, …` of a closed spline: each control point is written once, and the first
+    /// ones follow again after the last.
     PeriodicUniform,
-    /// As [`Knots::PeriodicUniform`], with the knots of one period listed: one more than there are control points.
+    /// As [`Knots::PeriodicUniform`], with the knots of one period listed: one more than there are
+    /// control points.
     Periodic(Vec<f64>),
 }
 
@@ -117,7 +118,8 @@ impl Net {
 }
 
 impl Knots {
-    /// Whether these are the knots of a closed spline, for which the first control points are repeated.
+    /// Whether these are the knots of a closed spline, for which the first control points are
+    /// repeated.
     pub(super) fn are_closed(&self) -> bool {
         matches!(self, Self::PeriodicUniform | Self::Periodic(_))
     }
@@ -128,10 +130,12 @@ pub(super) fn evenly_spaced(spans: usize) -> Vec<f64> {
     (0..=spans).map(|knot| knot as f64).collect()
 }
 
-/// The entries of a grid of `size` (second direction fastest), with the first rows and columns repeated after the last
-/// until the grid has the size `wanted`, which the knots of closed directions need.
+/// The entries of a grid of `size` (second direction fastest), with the first rows and columns
+/// repeated after the last until the grid has the size `wanted`, which the knots of closed
+/// directions need.
 ///
-/// Entries that do not fill `size` are returned as they are: the surface or curve then refuses them.
+/// Entries that do not fill `size` are returned as they are: the surface or curve then refuses
+/// them.
 pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 2]) -> Vec<T> {
     if wanted == size || entries.len() != size[0] * size[1] {
         return entries.to_vec();
@@ -140,8 +144,8 @@ pub(super) fn wrapped<T: Copy>(entries: &[T], size: [usize; 2], wanted: [usize; 
     (0..wanted[0]).flat_map(row).collect()
 }
 
-/// The knot vector for this many control points, as written. That of a closed spline has more points: the first ones
-/// again, as [`wrapped`] repeats them.
+/// The knot vector for this many control points, as written. That of a closed spline has more
+/// points: the first ones again, as [`wrapped`] repeats them.
 pub(super) fn knot_vector(
     degree: usize,
     knots: &Knots,

@@ -107,8 +107,8 @@ impl Placer<'_> {
         Ok(made.into_iter().map(|(_, made)| made.surface).collect())
     }
 
-    /// The control nets of the object of this name, in their places. Limit surfaces are not made for
-    /// that, as their nets are their cages.
+    /// The control nets of the object of this name, in their places. Limit surfaces are not made
+    /// for that, as their nets are their cages.
     pub(super) fn nets_of(
         &self,
         drawn: &str,

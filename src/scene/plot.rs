@@ -216,7 +216,8 @@ pub(super) const MAX_ROUNDS: usize = 10;
 /// The most teeth a span's comb may have: more would be closer together than any screen shows.
 pub(super) const MAX_TEETH: usize = 1000;
 
-/// The most curves of a surface in one direction: more would be closer together than any screen shows.
+/// The most curves of a surface in one direction: more would be closer together than any screen
+/// shows.
 pub(super) const MAX_LINES: usize = 1000;
 
 type Surfaces = Vec<PlottedSurface>;

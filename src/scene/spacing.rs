@@ -12,8 +12,9 @@ impl World {
     /// How the camera's rays, and the rays that leave their hits, are best traced in a picture of
     /// this size.
     ///
-    /// It is judged by the distance between neighbouring rays at the median depth of the hits of a coarse
-    /// grid of rays: the same for all of the picture, whichever part of it is made, with whichever kernel.
+    /// It is judged by the distance between neighbouring rays at the median depth of the hits of a
+    /// coarse grid of rays: the same for all of the picture, whichever part of it is made, with
+    /// whichever kernel.
     pub fn neighbours(&self, size: [u32; 2]) -> Neighbours {
         self.bvh.neighbours(self.camera.pixel_width(size, self.depth(size)))
     }

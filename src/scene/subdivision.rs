@@ -45,8 +45,8 @@ impl Subdivision {
     /// The cage after this many steps of the scheme.
     ///
     /// # Errors
-    /// When there are more steps than any cage that grows can take, or a cage on the way has more vertices than
-    /// can be drawn: after the first few, each step makes about four times as many.
+    /// When there are more steps than any cage that grows can take, or a cage on the way has more
+    /// vertices than can be drawn: after the first few, each step makes about four times as many.
     pub(super) fn cage_after(&self, steps: usize) -> Result<Cow<'_, Cage>, ConstructError> {
         if steps > MOST_STEPS {
             return Err(ConstructError::Steps { steps, most: MOST_STEPS });

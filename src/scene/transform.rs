@@ -53,7 +53,8 @@ const SINGULAR: f64 = 16.0 * f64::EPSILON;
 /// All steps of a transform, the first one first, as one map.
 ///
 /// # Errors
-/// When a step is not a transform of space; the error is that of the first such step, with its place.
+/// When a step is not a transform of space; the error is that of the first such step, with its
+/// place.
 pub(crate) fn placed(steps: &[Written<Transform>]) -> Result<DAffine3, (&Place, TransformError)> {
     steps.iter().try_fold(DAffine3::IDENTITY, |before, step| {
         Ok(step.value.affine().map_err(|error| (&step.place, error))? * before)

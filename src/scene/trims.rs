@@ -83,7 +83,8 @@ pub enum TrimCurveFault {
     Trim(#[from] TrimCurveError),
 }
 
-/// The width of the strip along a domain's border in which kept parts do not count, as a share of the domain's sides.
+/// The width of the strip along a domain's border in which kept parts do not count, as a share of
+/// the domain's sides.
 const BORDER: f64 = 1e-9;
 
 impl TrimSpec {
@@ -118,8 +119,8 @@ impl TrimSpec {
             SceneError::new(place, SceneFault::Trims { surface: name.to_owned(), error })
         })?;
         self.check_senses(name, domain, &loops)?;
-        // Where a surface is cut off up to a border, the border itself counts as kept, as it is an edge; but it shows
-        // nothing.
+        // Where a surface is cut off up to a border, the border itself counts as kept, as it is an
+        // edge; but it shows nothing.
         let bounds = domain.bounds();
         let inner = bounds.grown(-BORDER * (bounds.max - bounds.min));
         if trims.classify(&inner) == Coverage::Outside {

@@ -32,8 +32,8 @@ pub(super) fn joined(part: &str, made: &str) -> String {
 /// The names that are taken.
 pub(super) struct Naming {
     taken: HashSet<String>,
-    /// The last number tried after each name: the numbers before it are taken, and a model may call thousands of
-    /// its surfaces alike.
+    /// The last number tried after each name: the numbers before it are taken, and a model may call
+    /// thousands of its surfaces alike.
     tried: HashMap<String, usize>,
 }
 
@@ -43,7 +43,8 @@ impl Naming {
         Self { taken: taken.collect(), tried: HashMap::new() }
     }
 
-    /// Returns the name itself if it is free, else the first of `name 2`, `name 3`, … that is, and takes it.
+    /// Returns the name itself if it is free, else the first of `name 2`, `name 3`, … that is, and
+    /// takes it.
     pub(super) fn free(&mut self, name: &str) -> String {
         if self.taken.insert(name.to_owned()) {
             return name.to_owned();

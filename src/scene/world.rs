@@ -49,14 +49,15 @@ pub struct Instance {
 const DEFAULT_BACKGROUND: Rgb = [0.32, 0.38, 0.45];
 
 impl World {
-    /// Checks a scene and makes it ready to trace. A camera without a given place shows the whole scene in pictures
-    /// of the shape that its settings ask for.
+    /// Checks a scene and makes it ready to trace. A camera without a given place shows the whole
+    /// scene in pictures of the shape that its settings ask for.
     ///
     /// As [`SurfaceBvh::build`], it works with the threads of the rayon pool in which it is called.
     ///
     /// # Errors
-    /// When a surface, a transform, a light, a colour or the camera is not valid, a name is unknown or taken,
-    /// or there is nothing to show, or too much; the error says where the fault was written.
+    /// When a surface, a transform, a light, a colour or the camera is not valid, a name is unknown
+    /// or taken, or there is nothing to show, or too much; the error says where the fault was
+    /// written.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         Placed::new(scene)?.build()
     }
@@ -249,8 +250,9 @@ fn check_point_count(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The surfaces in their places and the materials. Surfaces made from curves or drawn from other objects may have many
-/// times the control points that are written: they are counted as they are made, up to `most_points`.
+/// The surfaces in their places and the materials. Surfaces made from curves or drawn from other
+/// objects may have many times the control points that are written: they are counted as they are
+/// made, up to `most_points`.
 fn place_objects(
     scene: &Scene,
     most_points: usize,

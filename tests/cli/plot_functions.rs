@@ -62,8 +62,8 @@ fn one_function_is_drawn_on_its_support() {
     }
 }
 
-/// The deck's formula, N′ᵢ,₃ = 3 N ᵢ,₂ / (tᵢ₊₃ − tᵢ) − 3 Nᵢ₊₁,₂ / (tᵢ₊₄ − tᵢ₊₁): N′₀,₃ is −3 (1 − t)²,
-/// and Bernstein's B′₁,₃ is 3 (1 − t)² − 6 t (1 − t).
+/// The deck's formula, N′ᵢ,₃ = 3 N ᵢ,₂ / (tᵢ₊₃ − tᵢ) − 3 Nᵢ₊₁,₂ / (tᵢ₊₄ − tᵢ₊₁): N′₀,₃ is −3 (1 −
+/// t)², and Bernstein's B′₁,₃ is 3 (1 − t)² − 6 t (1 − t).
 #[test]
 fn derivatives_of_basis_functions_are_the_deck_s() {
     let text = "[[plot]]\n[plot.show.basis]\ndegree = 3\ncount = 4\nderivative = 1\n";

@@ -214,8 +214,8 @@ mod tests {
     use super::*;
     use crate::models;
 
-    /// For a ray that meets a sphere at t = 2 and t = 4: compares hits on the model `of_whom` with a
-    /// library's hits at the places `their`, or at both crossings if there are none.
+    /// For a ray that meets a sphere at t = 2 and t = 4: compares hits on the model `of_whom` with
+    /// a library's hits at the places `their`, or at both crossings if there are none.
     fn tally(of_whom: &Model, their: &[DVec2]) -> Tally {
         let truth = models::sphere();
         let direction = DVec3::new(-0.6, -0.48, -0.64);

@@ -279,7 +279,8 @@ fn limit_surfaces_pass_through_the_limit_points_of_vertices() {
     assert!(seen > 8 * 40, "{seen}");
 }
 
-/// Sheets that cross each other may do so on knot lines of both: those are not adjoining pieces of one crossing.
+/// Sheets that cross each other may do so on knot lines of both: those are not adjoining pieces of
+/// one crossing.
 #[test]
 fn sheets_that_cross_on_knot_lines_are_both_met() {
     let knots = |points| KnotVector::clamped_uniform(1, points).unwrap();

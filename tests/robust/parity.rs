@@ -14,8 +14,8 @@ fn crossings(tracer: &mut Tracer<'_>, ray: Ray) -> (usize, bool) {
     (hits.len(), doubtful)
 }
 
-/// On a body that was stretched so far that its tangents are nearly parallel, parameters of one root differ by more,
-/// from leaf to leaf, than rounding moves its point.
+/// On a body that was stretched so far that its tangents are nearly parallel, parameters of one
+/// root differ by more, from leaf to leaf, than rounding moves its point.
 #[test]
 fn a_root_of_a_needle_is_one_crossing() {
     for (k, stretch) in [1e3, 1e4, 1e5, 1e6].into_iter().enumerate() {
@@ -38,8 +38,8 @@ fn a_root_of_a_needle_is_one_crossing() {
     }
 }
 
-/// Two faces meet along a straight edge. A ray nearly along it is within rounding of both over a long way: the place
-/// where it meets either is uncertain by that length.
+/// Two faces meet along a straight edge. A ray nearly along it is within rounding of both over a
+/// long way: the place where it meets either is uncertain by that length.
 #[test]
 fn a_ray_nearly_along_an_edge_passes_it_once() {
     let knots = || KnotVector::bezier(1).unwrap();

@@ -74,7 +74,8 @@ fn chunk(
     let mut tracer = what.bvh.tracer_with(what.kernel);
     let mut hits = Vec::new();
     let mut tally = Tally::default();
-    // Each third of the rays is traced in its own way, by index: rays that cannot be made leave gaps.
+    // Each third of the rays is traced in its own way, by index: rays that cannot be made leave
+    // gaps.
     let mut thirds = [const { Vec::new() }; 3];
     for index in indices {
         if let Some(shot) = source.shot(class, index, &mut tracer) {

@@ -54,8 +54,8 @@ impl Source<'_> {
         }
     }
 
-    /// Whether the surface ends at this curve's point at `t`. Where a trim edge runs along a border,
-    /// it ends at the trim edge, and not at the border unless `bare`.
+    /// Whether the surface ends at this curve's point at `t`. Where a trim edge runs along a
+    /// border, it ends at the trim edge, and not at the border unless `bare`.
     fn keeps(&self, t: f64) -> bool {
         let Self::Border { trims: Some(trims), border, bare, .. } = self else { return true };
         let (u, v) = border.uv(t);

@@ -11,13 +11,14 @@ const TOGETHER: usize = 4;
 pub(super) struct Chain {
     /// The number of intervals.
     count: usize,
-    /// Box k of the lowest level, the first, is around intervals `4 k … 4 k + 3`; box k of another level is
-    /// around boxes `4 k … 4 k + 3` of the one below. The last level has one box.
+    /// Box k of the lowest level, the first, is around intervals `4 k … 4 k + 3`; box k of another
+    /// level is around boxes `4 k … 4 k + 3` of the one below. The last level has one box.
     levels: Vec<Vec<Aabb>>,
 }
 
 impl Chain {
-    /// The hierarchy of a polyline of two points at least, with boxes that are `margin` larger than its own.
+    /// The hierarchy of a polyline of two points at least, with boxes that are `margin` larger than
+    /// its own.
     pub(super) fn new(points: &[DVec3], margin: f64) -> Self {
         let count = points.len() - 1;
         let around = |k: usize| {
@@ -32,8 +33,8 @@ impl Chain {
         Self { count, levels }
     }
 
-    /// The interval nearest to a point, the first of equally near ones, if one is within `reach` of it; `distance`
-    /// is that from an interval.
+    /// The interval nearest to a point, the first of equally near ones, if one is within `reach` of
+    /// it; `distance` is that from an interval.
     pub(super) fn nearest(
         &self,
         point: DVec3,
@@ -61,8 +62,8 @@ impl Chain {
         best.1
     }
 
-    /// The intervals in boxes of the lowest level that meet one of another chain, grown by `reach`: all that may be
-    /// within `reach` of it.
+    /// The intervals in boxes of the lowest level that meet one of another chain, grown by `reach`:
+    /// all that may be within `reach` of it.
     pub(super) fn beside(&self, other: &Self, reach: f64) -> Vec<usize> {
         let mut found = Vec::new();
         let mut waiting = vec![(self.levels.len() - 1, 0)];

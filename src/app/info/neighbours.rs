@@ -67,7 +67,8 @@ impl Neighbours {
     /// do not run side by side.
     fn beside(&self, edges: &Edges<'_>, joints: &[Vec<bool>]) -> Option<Beside> {
         let (mut all, mut open): (Option<Widest>, Option<Widest>) = (None, None);
-        // One may run along only a part of the other: then not all points of the longer one are near.
+        // One may run along only a part of the other: then not all points of the longer one are
+        // near.
         for (curve, distances) in self.pair.into_iter().zip(&self.distances) {
             let samples = edges.curves[curve].1.samples();
             let near: f64 = distances.iter().map(|&(k, _)| samples[k].length).sum();
@@ -140,11 +141,13 @@ pub(super) struct Beside {
     pub(super) open: Option<Widest>,
 }
 
-/// All pairs of boxes that have a point in common, by sweeping along the axis on which they overlap least.
+/// All pairs of boxes that have a point in common, by sweeping along the axis on which they overlap
+/// least.
 fn overlapping(boxes: &[Aabb]) -> Vec<[usize; 2]> {
     let whole = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union).size();
     let sizes = boxes.iter().map(|b| b.size()).sum::<DVec3>() / whole;
-    // An axis on which all boxes are points at one place divides zero by zero: it tells nothing apart.
+    // An axis on which all boxes are points at one place divides zero by zero: it tells nothing
+    // apart.
     let overlap = |axis: &usize| if sizes[*axis].is_nan() { f64::INFINITY } else { sizes[*axis] };
     let axis = (0..3).min_by(|a, b| overlap(a).total_cmp(&overlap(b))).unwrap_or(0);
     let mut order: Vec<usize> = (0..boxes.len()).collect();

@@ -77,8 +77,8 @@ fn area(ring: &[DVec2]) -> f64 {
 /// The most edges of a polygon that are looked at to see whether another one lies around it.
 const MOST_VOTES: usize = 64;
 
-/// Whether a polygon lies around another one, which does not cross it but may touch it: most of
-/// the points just inside the other one's edges lie within it. Of very many edges only some are asked.
+/// Whether a polygon lies around another one, which does not cross it but may touch it: most of the
+/// points just inside the other one's edges lie within it. Of very many edges only some are asked.
 fn surrounds(outer: &[DVec2], inner: &[DVec2]) -> bool {
     let side = area(inner).signum();
     let pairs = inner.iter().zip(inner.iter().cycle().skip(1));

@@ -53,8 +53,8 @@ pub(super) fn plots(scene: &Scene) -> Result<Vec<Plot>, Failure> {
     Ok(plots)
 }
 
-/// The basis functions over the knots of surfaces, each kind once. Where there are more of them than can be drawn,
-/// a warning says so.
+/// The basis functions over the knots of surfaces, each kind once. Where there are more of them
+/// than can be drawn, a warning says so.
 fn bases(scene: &Scene, surfaces: &[Instance]) -> Vec<Plot> {
     let mut bases: Vec<(&KnotVector, Vec<String>)> = Vec::new();
     let mut known: HashMap<(usize, Vec<u64>), usize> = HashMap::new();

@@ -1,4 +1,5 @@
-//! Constructions step by step: de Casteljau, knot insertion, elevation, corner cutting, curvature combs.
+//! Constructions step by step: de Casteljau, knot insertion, elevation, corner cutting, curvature
+//! combs.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 use nurbray::geometry::{CornerCutting, CurveError, NurbsCurve, PolygonEnds};

@@ -163,8 +163,8 @@ fn step_at(line: &[DVec2], mut along: f64) -> Option<[DVec2; 2]> {
     None
 }
 
-/// Marks where each loop begins, with the number that errors give the loop, unless there are more than
-/// [`MOST_NUMBERS`] of them.
+/// Marks where each loop begins, with the number that errors give the loop, unless there are more
+/// than [`MOST_NUMBERS`] of them.
 fn numbers(loops: &[Vec<LoopCurve>]) -> Vec<Item> {
     let starts = loops.iter().enumerate().filter_map(|(number, curves)| {
         let curve = &curves.first()?.curve;

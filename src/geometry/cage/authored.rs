@@ -170,9 +170,10 @@ impl Cage {
         Aabb::around(self.positions().iter().copied()).size().max_element()
     }
 
-    /// The smallest tolerance that may be requested for the limit surface: 1e-9 of half the cage's largest side or,
-    /// where the cage lies more than 500 of its sides from the origin, what rounding requires, 1e-12 of the largest
-    /// coordinate. (Around vertices of many faces this tolerance may not be reached; that is an error.)
+    /// The smallest tolerance that may be requested for the limit surface: 1e-9 of half the cage's
+    /// largest side or, where the cage lies more than 500 of its sides from the origin, what
+    /// rounding requires, 1e-12 of the largest coordinate. (Around vertices of many faces this
+    /// tolerance may not be reached; that is an error.)
     pub fn smallest_tolerance(&self) -> f64 {
         let by_steps = SMALLEST_OF_SIZE * 0.5 * self.largest_side();
         by_steps.max(SMALLEST_OF_MAGNITUDE * self.magnitude())
@@ -182,8 +183,8 @@ impl Cage {
 /// About what the available halving steps reach: the worst vertices shrink by 0.6545 a step.
 const SMALLEST_OF_SIZE: f64 = 1e-9;
 
-/// Patches must be within a fraction of the tolerance, 0.0064 of it at least: 50 rounding errors of the largest
-/// coordinate. A refinement step computes averages, with a few rounding errors.
+/// Patches must be within a fraction of the tolerance, 0.0064 of it at least: 50 rounding errors of
+/// the largest coordinate. A refinement step computes averages, with a few rounding errors.
 const SMALLEST_OF_MAGNITUDE: f64 = 1e-12;
 
 fn check_sizes(parts: &CageParts) -> Result<(), CageError> {

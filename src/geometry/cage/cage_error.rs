@@ -159,8 +159,9 @@ pub enum CageError {
 }
 
 impl CageError {
-    /// The same error in the numbers of a larger cage, of whose vertices and faces only some were kept. `kept` and
-    /// `kept_faces` give the original number of each; `count` is the number of vertices.
+    /// The same error in the numbers of a larger cage, of whose vertices and faces only some were
+    /// kept. `kept` and `kept_faces` give the original number of each; `count` is the number of
+    /// vertices.
     #[must_use]
     pub(crate) fn of_kept(
         mut self,

@@ -1,8 +1,8 @@
 //! Profiles cut where they meet the axis that they are turned about.
 //!
-//! A surface of revolution has a singular point wherever its profile meets the axis. Inside a patch,
-//! rays near that point keep the solver busy, and their hits are never certain; on a side that is
-//! collapsed to a point it is a pole like any other.
+//! A surface of revolution has a singular point wherever its profile meets the axis. Inside a
+//! patch, rays near that point keep the solver busy, and their hits are never certain; on a side
+//! that is collapsed to a point it is a pole like any other.
 
 use glam::{DVec3, DVec4};
 
@@ -15,8 +15,8 @@ use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::math::unit;
 
 /// The distance from the axis up to which a point of a curve counts as on it, in rounding errors of
-/// the largest coordinate per control point of a piece: the point is a sum of that many products, with
-/// half a dozen operations each.
+/// the largest coordinate per control point of a piece: the point is a sum of that many products,
+/// with half a dozen operations each.
 const ROUNDINGS: f64 = 8.0;
 
 /// The same curve with knots inserted where it meets the axis inside its domain, so many that these
@@ -52,8 +52,8 @@ pub(super) fn cut_at_axis(profile: &NurbsCurve, axis: &Axis) -> Result<NurbsCurv
 }
 
 /// The distance from the axis up to which a curve counts as meeting it at a parameter: the rounding
-/// error of its coordinates, plus the distance that the curve runs while the parameter stays the same
-/// number.
+/// error of its coordinates, plus the distance that the curve runs while the parameter stays the
+/// same number.
 struct Tolerance<'a> {
     profile: &'a NurbsCurve,
     /// The rounding error.

@@ -57,13 +57,14 @@ struct Line {
     range: [f64; 2],
 }
 
-/// The factors of a line's six coordinates in its number: no integers or roots of integers, so that the
-/// lines of usual figures have different numbers.
+/// The factors of a line's six coordinates in its number: no integers or roots of integers, so that
+/// the lines of usual figures have different numbers.
 const MIXED: [DVec3; 2] =
     [DVec3::new(0.7390851, 0.4142879, 0.5671433), DVec3::new(0.2614972, 0.9159656, 0.3275823)];
 
 /// A segment whose line is known less accurately than this, in direction and relative to the box,
-/// is left alone: it is no longer than 8 / `VAGUE` tolerances, and many would be compared with many.
+/// is left alone: it is no longer than 8 / `VAGUE` tolerances, and many would be compared with
+/// many.
 const VAGUE: f64 = 1e-4;
 
 impl Line {

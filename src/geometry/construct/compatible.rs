@@ -21,8 +21,8 @@ const SAME_WEIGHT: f64 = 16.0 * f64::EPSILON;
 /// curve changes its shape or its speed.
 ///
 /// # Errors
-/// When a curve has two knots too close together (`which` gives the curve's name), or when the curves together
-/// would have more control points than a constructed surface may have.
+/// When a curve has two knots too close together (`which` gives the curve's name), or when the
+/// curves together would have more control points than a constructed surface may have.
 pub(crate) fn compatible(
     curves: &[NurbsCurve],
     which: &dyn Fn(usize) -> String,
@@ -35,8 +35,8 @@ pub(crate) fn compatible(
         let curve = curve.clamped().on_domain(domain.0, domain.1)?;
         curve.elevated(degree - curve.knots().degree())
     };
-    // A short curve of high degree makes long curves of low degree many times as long, and each curve gets the
-    // knots of all. So the size of the result is computed before the result is made.
+    // A short curve of high degree makes long curves of low degree many times as long, and each
+    // curve gets the knots of all. So the size of the result is computed before the result is made.
     let elevated = |curve: &NurbsCurve| {
         let raised = degree - curve.knots().degree();
         curve.control().len().saturating_add(raised.saturating_mul(curve.knots().spans().count()))

@@ -1,8 +1,8 @@
 //! Tubes, lines and balls drawn together: parts that several of them share are drawn once.
 //!
-//! Surfaces that coincide make speckled pictures and doubtful rays. Patches share borders and rows of
-//! control points, and lines end where others do. So parts that are equal up to rounding become one,
-//! whatever their direction.
+//! Surfaces that coincide make speckled pictures and doubtful rays. Patches share borders and rows
+//! of control points, and lines end where others do. So parts that are equal up to rounding become
+//! one, whatever their direction.
 
 use std::collections::HashMap;
 

@@ -104,9 +104,9 @@ pub(crate) fn check_turned(
     Err(ConstructError::CoversItself { t, point, twice, degrees, between })
 }
 
-/// The distance from the axis within which a fold counts as on it, relative to the profile's largest
-/// distance: the squared distance is known to the rounding error of 1, and the place to the root of that
-/// again.
+/// The distance from the axis within which a fold counts as on it, relative to the profile's
+/// largest distance: the squared distance is known to the rounding error of 1, and the place to the
+/// root of that again.
 const ON_AXIS: f64 = 1e-3;
 
 /// Fails if a profile, moved along a vector, passes over places that another part of it has passed,

@@ -116,8 +116,8 @@ impl MovingFrames {
     /// backwards. Ends of pieces, where a path may stand still, are sampled slightly inside.
     ///
     /// The error names the place where the profile reaches farthest relative to the radius of
-    /// curvature. Between the samples, that place is searched for around those that are the farthest
-    /// among their neighbours.
+    /// curvature. Between the samples, that place is searched for around those that are the
+    /// farthest among their neighbours.
     pub(crate) fn check_folds(&self, profile: &NurbsCurve) -> Result<(), ConstructError> {
         let (start, end) = profile.domain();
         let at = |k: usize| start + (end - start) * k as f64 / FOLD_SAMPLES as f64;
@@ -220,8 +220,8 @@ impl Bend {
 }
 
 /// If the worst sampled bend reaches this fraction of the way to the centre, the worst of all is
-/// searched for around those samples that reach this fraction of the worst. Except where a path almost
-/// has a corner, no bend doubles between two samples.
+/// searched for around those samples that reach this fraction of the worst. Except where a path
+/// almost has a corner, no bend doubles between two samples.
 const NEAR_WORST: f64 = 0.5;
 
 /// The golden ratio less 1.
@@ -235,9 +235,9 @@ const SECTIONS: usize = 29;
 /// stands still at an end, the first derivative there is only rounding error.
 const INSIDE: f64 = 1.0 / 1024.0;
 
-/// The most cubic pieces along a path, in addition to the pieces it has. Each halving divides the error by
-/// sixteen: for a path of sixteen pieces, eight halvings reduce it from the size of the objects to rounding
-/// error.
+/// The most cubic pieces along a path, in addition to the pieces it has. Each halving divides the
+/// error by sixteen: for a path of sixteen pieces, eight halvings reduce it from the size of the
+/// objects to rounding error.
 const MAX_PIECES: usize = 4096;
 
 /// The number of places inside each piece at which the deviation is measured.

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// Points are the same if they are no farther apart than this fraction of the largest coordinate. A point of
-/// a curve on a surface results from about a hundred operations, each with an error of half an ulp of the
-/// weighted coordinates; and two things this near to each other look like one.
+/// Points are the same if they are no farther apart than this fraction of the largest coordinate. A
+/// point of a curve on a surface results from about a hundred operations, each with an error of
+/// half an ulp of the weighted coordinates; and two things this near to each other look like one.
 pub(super) const SAME: f64 = 4096.0 * f64::EPSILON;
 
 /// Assigns numbers to places: one number to all points that are the same up to rounding.

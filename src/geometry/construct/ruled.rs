@@ -61,9 +61,9 @@ fn check_between(from: &NurbsCurve, to: &NurbsCurve) -> Result<(), ConstructErro
 /// end of a tube does.
 ///
 /// # Errors
-/// When the curves are the same; when one is the other, moved along a direction as seen in which it runs
-/// back over itself (as in [`extrude`]); when they have knots too close together; or when both run back over
-/// themselves.
+/// When the curves are the same; when one is the other, moved along a direction as seen in which it
+/// runs back over itself (as in [`extrude`]); when they have knots too close together; or when both
+/// run back over themselves.
 pub fn ruled(from: &NurbsCurve, to: &NurbsCurve) -> Result<NurbsSurface, ConstructError> {
     let which = |index| if index == 0 { "curve `from`" } else { "curve `to`" }.to_owned();
     check_fold(from, &which(0)).or_else(|error| check_fold(to, &which(1)).map_err(|_| error))?;

@@ -23,12 +23,14 @@ pub struct SweepOptions {
     /// The angle in degrees by which the profile turns about the path, evenly in the path's
     /// parameter.
     pub twist: f64,
-    /// The profile's size along the path: the coefficients of a Bézier polynomial over the path's domain, at
-    /// most [`MAX_SCALES`] of them. `[1]` keeps the size, `[1, 0]` shrinks the profile to a point at the end.
+    /// The profile's size along the path: the coefficients of a Bézier polynomial over the path's
+    /// domain, at most [`MAX_SCALES`] of them. `[1]` keeps the size, `[1, 0]` shrinks the profile
+    /// to a point at the end.
     pub scale: Vec<f64>,
-    /// The largest allowed distance of the surface from the true sweep where that is not rational, in scene
-    /// units. The default is a millionth of [`sweep_size`] or, where that is less, a thousandth of the
-    /// profile's size, but no finer than rounding allows: 1e-11 of the path's size and coordinates.
+    /// The largest allowed distance of the surface from the true sweep where that is not rational,
+    /// in scene units. The default is a millionth of [`sweep_size`] or, where that is less, a
+    /// thousandth of the profile's size, but no finer than rounding allows: 1e-11 of the path's
+    /// size and coordinates.
     pub tolerance: Option<f64>,
 }
 
@@ -56,12 +58,12 @@ pub const MAX_SCALES: usize = MAX_DEGREE + 1;
 /// The default tolerance as a fraction of [`sweep_size`]: far below what is visible.
 const TOLERANCE: f64 = 1e-6;
 
-/// The default tolerance as a fraction of the profile's size: the radius of a thin tube along a long path must
-/// be accurate, too.
+/// The default tolerance as a fraction of the profile's size: the radius of a thin tube along a
+/// long path must be accurate, too.
 const OF_PROFILE: f64 = 1e-3;
 
-/// The smallest default tolerance, as a fraction of [`sweep_size`] or of the path's largest coordinate: rounding
-/// does not allow less.
+/// The smallest default tolerance, as a fraction of [`sweep_size`] or of the path's largest
+/// coordinate: rounding does not allow less.
 const FINEST: f64 = 1e-11;
 
 /// The surface that a profile passes over when it is carried along a path by a frame that
@@ -75,8 +77,9 @@ const FINEST: f64 = 1e-11;
 ///
 /// The surface is an exact rational one for straight paths without twist (a scale that varies needs
 /// a polynomial path), and for circles and arcs, of any degree, without twist and with constant
-/// scale. All other sweeps are approximated: the frame's coordinates by cubic pieces that interpolate its
-/// derivatives, halved until the distance to the true sweep is within the tolerance.
+/// scale. All other sweeps are approximated: the frame's coordinates by cubic pieces that
+/// interpolate its derivatives, halved until the distance to the true sweep is within the
+/// tolerance.
 ///
 /// # Errors
 /// When the profile or the path runs back over itself; when the path has a kink, a gap or a cusp,

@@ -2,8 +2,8 @@
 
 use super::ConstructError;
 
-/// The tightest of the bends for which tubes are too thick. Reporting only the first bend found would
-/// mean that a tube made thin enough for it fails at the next one.
+/// The tightest of the bends for which tubes are too thick. Reporting only the first bend found
+/// would mean that a tube made thin enough for it fails at the next one.
 #[derive(Debug, Default)]
 pub struct Tightest(Option<ConstructError>);
 

@@ -39,11 +39,11 @@ pub struct TubeStyle {
 
 /// The surfaces of a tube around a curve, facing outward.
 ///
-/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept ([`sweep`]). Where
-/// the curve has a kink, a sphere joins the parts. Where it pauses, as at a control point that is
-/// repeated more often than its degree, the tube goes on. A curve that ends where it begins has no
-/// caps. Parts that would be there twice, as where the curve passes a corner again, are made once;
-/// [`Drawing`] does the same for several curves.
+/// Straight parts are exact cylinders, arcs of circles exact tori; the rest is swept ([`sweep`]).
+/// Where the curve has a kink, a sphere joins the parts. Where it pauses, as at a control point
+/// that is repeated more often than its degree, the tube goes on. A curve that ends where it begins
+/// has no caps. Parts that would be there twice, as where the curve passes a corner again, are made
+/// once; [`Drawing`] does the same for several curves.
 ///
 /// # Errors
 /// When the radius is not a positive length, or the curve has a gap, is only a point, runs back
@@ -177,10 +177,10 @@ pub struct RibbonStyle {
     pub tolerance: Option<f64>,
 }
 
-/// The flat band along a curve, one surface for each of the curve's smooth parts: straight
-/// lines across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends
-/// square: the parts overlap on the inside of the corner and leave a notch on its outside. Around a
-/// corner in the ribbon's own plane, the overlapping parts coincide: rounding decides which of them is
+/// The flat band along a curve, one surface for each of the curve's smooth parts: straight lines
+/// across the curve, carried along as by [`sweep`]. At a corner of the curve each part ends square:
+/// the parts overlap on the inside of the corner and leave a notch on its outside. Around a corner
+/// in the ribbon's own plane, the overlapping parts coincide: rounding decides which of them is
 /// seen and whether one shades the other. Pictures are speckled there, and the rays doubtful.
 ///
 /// # Errors
@@ -358,7 +358,8 @@ mod tests {
         assert_eq!(ribbon(&curve, &style).unwrap().len(), 2);
     }
 
-    /// A tube made slightly thinner than the radius that the message shows does not fail at another bend.
+    /// A tube made slightly thinner than the radius that the message shows does not fail at another
+    /// bend.
     #[test]
     fn a_tube_thinner_than_the_tightest_bend_is_made() {
         let bezier = |points: &[[f64; 3]]| {

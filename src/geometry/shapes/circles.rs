@@ -23,9 +23,9 @@ pub enum QuadraticArc {
 
 /// Which of the two families of symmetric quarter circles of degree 4 in the first quadrant.
 ///
-/// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`,
-/// its denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic:
-/// both leave one constant free, which `w₁` determines. (The source note prints "2 possibilities" for
+/// Written as a complex number, a circle's numerator is a square `f²` times a real factor `g`, its
+/// denominator `|f|² g`. Degree 4 leaves `f` linear and `g` quadratic, or `f` quadratic: both leave
+/// one constant free, which `w₁` determines. (The source note prints "2 possibilities" for
 /// `w₁ = 1`; its equations have two more solutions, `(y₁, x₂, w₂) = (−√2/4, 1 + √2/8, −2√2/3)` and
 /// `(−1 − √2, −(44√2 + 1)/79, (16 + 7√2)/6)`, which leave the quadrant.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -215,9 +215,9 @@ pub fn circle_cubic() -> NurbsCurve {
     plane_curve(KnotVector::derived(3, values), &points)
 }
 
-/// The arc of degree 2, on `[0, 1]`, of the circle of this radius around the origin. It starts at the
-/// angle `from` and turns by `degrees` (both in degrees, counterclockwise from the x axis). Each
-/// quarter turn or less takes one piece; all pieces have the same angle.
+/// The arc of degree 2, on `[0, 1]`, of the circle of this radius around the origin. It starts at
+/// the angle `from` and turns by `degrees` (both in degrees, counterclockwise from the x axis).
+/// Each quarter turn or less takes one piece; all pieces have the same angle.
 ///
 /// [`TrimCurve::arc`](crate::geometry::trim::TrimCurve::arc) is different: it takes radians, and
 /// the angle at which the arc ends instead of the turn.

@@ -56,9 +56,9 @@ pub fn lecture_patch_3() -> NurbsSurface {
 /// The course deck's OpenGL net: a graph over the square `[−1.5, 1.5]²`, as
 /// `x = 3v − 1.5` and `y = 3u − 1.5`. Its normals point down.
 ///
-/// The deck prints the program with a scan's letters (`glMapI`, `GL_MAPI_VERTEX_3`: a 1 is meant, as
-/// in `glMap1f`) and without the inner braces of the `4 × 4 × 3` array. Called as printed, OpenGL's
-/// u runs along the inner index and its v over the rows: the transpose of the deck's own
+/// The deck prints the program with a scan's letters (`glMapI`, `GL_MAPI_VERTEX_3`: a 1 is meant,
+/// as in `glMap1f`) and without the inner braces of the `4 × 4 × 3` array. Called as printed,
+/// OpenGL's u runs along the inner index and its v over the rows: the transpose of the deck's own
 /// `S(u, v) = Σ P_ij B_i(u) B_j(v)`, which is used here.
 pub fn deck_patch() -> NurbsSurface {
     let heights = [

@@ -16,8 +16,8 @@ use crate::math::bernstein::binomial;
 /// `(1, a₀, 0)`, `(a₁, a₁, 0)`, `(1, a₂, a₂)`; the others follow by symmetry.
 ///
 /// # Invariant, checked once on construction
-/// All constants are positive. The polynomial `x² + y² + z² − w²` of the homogeneous coordinates, of
-/// degree 8, is zero to rounding. All `b` may have a common factor.
+/// All constants are positive. The polynomial `x² + y² + z² − w²` of the homogeneous coordinates,
+/// of degree 8, is zero to rounding. All `b` may have a common factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OctantConstants {
     a: [f64; 3],
@@ -84,8 +84,8 @@ impl OctantConstants {
 
     /// The control points `(w x, w y, w z, w)` on the unit sphere.
     ///
-    /// The weight depends on the largest exponent and on whether the point is inside the triangle; a
-    /// coordinate depends on these and on its own exponent.
+    /// The weight depends on the largest exponent and on whether the point is inside the triangle;
+    /// a coordinate depends on these and on its own exponent.
     fn control(&self) -> impl Iterator<Item = DVec4> {
         let Self { a: [a0, a1, a2], b: [b0, b1, b2, b3] } = *self;
         exponents().map(move |[i, j, k]| {
@@ -109,8 +109,8 @@ impl OctantConstants {
         })
     }
 
-    /// The exponents of the Bernstein coefficient of `x² + y² + z² − w²` that is the largest share of
-    /// its terms, and that share.
+    /// The exponents of the Bernstein coefficient of `x² + y² + z² − w²` that is the largest share
+    /// of its terms, and that share.
     fn residual(&self) -> ([usize; 3], f64) {
         let control: Vec<([usize; 3], DVec4)> = exponents().zip(self.control()).collect();
         let mut sums = [[(0.0, 0.0); 9]; 9];
@@ -177,7 +177,8 @@ mod tests {
         }
     }
 
-    /// Each constant matters, and the residual of refused constants is about as large as the change.
+    /// Each constant matters, and the residual of refused constants is about as large as the
+    /// change.
     #[test]
     fn constants_that_make_no_sphere_are_refused() {
         let note = OctantConstants::of_the_note();

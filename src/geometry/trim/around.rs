@@ -15,8 +15,9 @@ const LEAST_ANGLE: f64 = 1e-13;
 /// The sectors into which trim curves cut the directions around a point.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sectors {
-    /// The angles at which curves leave the point, from the direction of growing `u` towards that of growing
-    /// `v`: from 0 to a full turn, in order. The answers on the two sides of each angle differ.
+    /// The angles at which curves leave the point, from the direction of growing `u` towards that
+    /// of growing `v`: from 0 to a full turn, in order. The answers on the two sides of each angle
+    /// differ.
     edges: Vec<f64>,
     /// Whether the sector just after the angle 0 is kept.
     first: bool,
@@ -28,8 +29,9 @@ impl Sectors {
         &self.edges
     }
 
-    /// Whether directions are kept that do not lead beyond the sides marked: of smaller u, of larger u, of smaller
-    /// v, of larger v. A cusp between two curves counts, though it has no width.
+    /// Whether directions are kept that do not lead beyond the sides marked: of smaller u, of
+    /// larger u, of smaller v, of larger v. A cusp between two curves counts, though it has no
+    /// width.
     fn keeps_some(&self, [u0, u1, v0, v1]: [bool; 4]) -> bool {
         let Some(&start) = self.edges.first() else { return self.first };
         let next = self.edges.iter().copied().skip(1).chain([start + TAU]);
@@ -57,9 +59,9 @@ impl Sectors {
 }
 
 impl Trims {
-    /// Whether nothing is kept around a point known only to within `reach`, though trim curves pass through it: it
-    /// lies on a side that two holes share, or on the side of a hole along the domain's border. `false` where this
-    /// is not known.
+    /// Whether nothing is kept around a point known only to within `reach`, though trim curves pass
+    /// through it: it lies on a side that two holes share, or on the side of a hole along the
+    /// domain's border. `false` where this is not known.
     pub(super) fn is_bare(&self, uv: DVec2, reach: DVec2) -> bool {
         let UvBox { min, max } = self.domain().bounds();
         let [low, high] = [(uv - min).cmple(reach), (max - uv).cmple(reach)];
@@ -71,14 +73,14 @@ impl Trims {
         self.around(uv, reach).is_some_and(|sectors| !sectors.keeps_some([u0, u1, v0, v1]))
     }
 
-    /// The sectors that are kept around a point known only to within `reach`: curves within `reach` count as
-    /// passing through the point.
+    /// The sectors that are kept around a point known only to within `reach`: curves within `reach`
+    /// count as passing through the point.
     ///
-    /// Returns `None` where this does not determine the sectors: both ends of a curve lie within `reach`, or
-    /// different ends of several curves do.
+    /// Returns `None` where this does not determine the sectors: both ends of a curve lie within
+    /// `reach`, or different ends of several curves do.
     ///
-    /// The direction of a curve is that of its tangent; at its end, the direction to the first control point
-    /// away from it.
+    /// The direction of a curve is that of its tangent; at its end, the direction to the first
+    /// control point away from it.
     pub(crate) fn around(&self, uv: DVec2, reach: DVec2) -> Option<Sectors> {
         let mut met = Vec::new();
         let target = UvBox::about(uv, reach);
@@ -116,8 +118,9 @@ impl Trims {
         }
         let edges = self.without_pairs(edges);
 
-        // The half-open rule counts the crossings of a ray towards larger `u` that starts just above the point. If it
-        // starts in the sector just after the angle 0, it crosses none of the curves through the point.
+        // The half-open rule counts the crossings of a ray towards larger `u` that starts just
+        // above the point. If it starts in the sector just after the angle 0, it crosses none of
+        // the curves through the point.
         let point = vertex.unwrap_or(uv);
         let crossings = self.tree.crossings(point, &target, |index| {
             if met.contains(&index) {
@@ -130,8 +133,9 @@ impl Trims {
         Some(Sectors { edges, first: odd == (self.kept == Kept::Odd) })
     }
 
-    /// The angles at which segments leave a point, in order, without pairs of segments that run along each other:
-    /// between these there is nothing. (Between two curves that touch there may be a cusp.)
+    /// The angles at which segments leave a point, in order, without pairs of segments that run
+    /// along each other: between these there is nothing. (Between two curves that touch there may
+    /// be a cusp.)
     fn without_pairs(&self, mut edges: Vec<(f64, usize)>) -> Vec<f64> {
         edges.sort_by(|a, b| a.0.total_cmp(&b.0));
         let coincide = |a: &(f64, usize), b: &(f64, usize)| {
@@ -152,8 +156,8 @@ impl Trims {
     }
 }
 
-/// The angle of a direction, from 0 to a full turn. A direction towards larger `u` along which the curve does not rise
-/// counts as a full turn, not as 0.
+/// The angle of a direction, from 0 to a full turn. A direction towards larger `u` along which the
+/// curve does not rise counts as a full turn, not as 0.
 fn angle(direction: DVec2, rises: bool) -> f64 {
     let angle = direction.to_angle();
     if angle < 0.0 || angle == 0.0 && !rises { angle + TAU } else { angle }
@@ -166,8 +170,8 @@ impl Segment {
         from.y < to.y
     }
 
-    /// The direction in which it leaves one of its ends, 0 or 1: towards the first control point that is away from
-    /// it by more than rounding.
+    /// The direction in which it leaves one of its ends, 0 or 1: towards the first control point
+    /// that is away from it by more than rounding.
     fn direction_from(&self, end: usize) -> DVec2 {
         let from = self.ends()[end];
         let control: Vec<DVec2> = self.homogeneous().into_iter().map(euclidean).collect();
@@ -177,8 +181,8 @@ impl Segment {
         first.map_or(self.ends()[1 - end] - from, |point| *point - from)
     }
 
-    /// The tangent direction where the segment is level with a point, in the coordinate in which the segment
-    /// is longer.
+    /// The tangent direction where the segment is level with a point, in the coordinate in which
+    /// the segment is longer.
     fn direction_near(&self, uv: DVec2) -> DVec2 {
         let [from, to] = self.ends();
         let size = (to - from).abs();
@@ -205,8 +209,8 @@ mod tests {
 
     const REACH: DVec2 = DVec2::splat(1e-14);
 
-    /// At each corner of polygons run in both directions, the sectors give the same answer for a direction as
-    /// [`Trims::contains`] for a point a little way off in that direction.
+    /// At each corner of polygons run in both directions, the sectors give the same answer for a
+    /// direction as [`Trims::contains`] for a point a little way off in that direction.
     #[test]
     fn sectors_say_what_points_nearby_do() {
         let star: Vec<(f64, f64)> = (0..14)

@@ -99,10 +99,11 @@ impl Parts {
         UvBox::around(self.ends[k])
     }
 
-    /// Whether one part clearly lies on one side of the line through the ends of the other, of which
-    /// both stray by no more than their second derivatives, bounded by `bends`, allow.
+    /// Whether one part clearly lies on one side of the line through the ends of the other, of
+    /// which both stray by no more than their second derivatives, bounded by `bends`, allow.
     fn are_beside(&self, bends: [DVec2; 2], reach: DVec2) -> bool {
-        // A curve over a stretch of length h is within h²/8 times its second derivative of its chord.
+        // A curve over a stretch of length h is within h²/8 times its second derivative of its
+        // chord.
         let stray = |k: usize| {
             let [from, to] = self.stretches[k];
             (to - from) * (to - from) / 8.0 * bends[k]
@@ -133,9 +134,9 @@ impl Parts {
 
 /// The stretches of two segments that may meet; connected stretches are merged into one.
 ///
-/// Both segments are halved repeatedly, and pairs of parts that are clearly apart are dropped: their
-/// rectangles are apart, which for a monotone part is that of its ends, or one part lies beside the
-/// line through the ends of the other.
+/// Both segments are halved repeatedly, and pairs of parts that are clearly apart are dropped:
+/// their rectangles are apart, which for a monotone part is that of its ends, or one part lies
+/// beside the line through the ends of the other.
 fn stretches_near(pair: [&Segment; 2], work: &mut usize) -> Vec<[[f64; 2]; 2]> {
     let reach = pair[0].reach() + pair[1].reach();
     let bends = pair.map(Segment::bend);

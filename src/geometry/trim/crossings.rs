@@ -25,8 +25,8 @@ const MOST_HALVINGS: usize = 100;
 const WORK_PER_SEGMENT: usize = 1 << 11;
 
 /// The part of the budget that does not depend on the number of segments (see
-/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other, and a thousand circles lie
-/// inside each other, as in a zone plate.
+/// [`WORK_PER_SEGMENT`]): a hundred curves may well all touch each other, and a thousand circles
+/// lie inside each other, as in a zone plate.
 const WORK_FOR_A_START: usize = 1 << 27;
 
 /// A loop that is run through twice encloses its area twice; one that runs there and back encloses
@@ -243,9 +243,10 @@ impl Strand<'_> {
         if !self.itself {
             return Some(crossings.rem_euclid(2));
         }
-        // The ray leaves a rising strand on its right, where the winding number is the smaller one, and a falling
-        // strand on its left. From the upper end of a strand, to within rounding, or from a horizontal one, the ray
-        // runs just above it: on its left if the strand goes towards larger u.
+        // The ray leaves a rising strand on its right, where the winding number is the smaller one,
+        // and a falling strand on its left. From the upper end of a strand, to within rounding, or
+        // from a horizontal one, the ray runs just above it: on its left if the strand goes towards
+        // larger u.
         let [from, to] = own.directed_ends();
         let on_the_left = if point.y < from.y.max(to.y) { to.y < from.y } else { from.x < to.x };
         Some(crossings - i32::from(on_the_left))

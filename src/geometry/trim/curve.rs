@@ -18,8 +18,9 @@ const SMALLEST_WEIGHT: f64 = 1e-9;
 
 /// A curve in the (u, v) plane: a chain of rational Bézier pieces.
 ///
-/// Polylines, circular arcs, Bézier curves and NURBS of any degree up to [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) are
-/// all held in this one form, with homogeneous control points `(w u, w v, w)`.
+/// Polylines, circular arcs, Bézier curves and NURBS of any degree up to
+/// [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) are all held in this one form, with homogeneous
+/// control points `(w u, w v, w)`.
 ///
 /// # Invariants, checked once on construction
 /// - there is at least one piece, and each has between 2 and `MAX_DEGREE + 1` points;
@@ -67,8 +68,8 @@ impl TrimCurve {
     /// The Bézier curve of these control points; without weights it is polynomial.
     ///
     /// # Errors
-    /// When there are fewer than 2 points, more than [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) + 1, one is not
-    /// finite, or a weight is not usable.
+    /// When there are fewer than 2 points, more than [`MAX_DEGREE`](crate::geometry::MAX_DEGREE) +
+    /// 1, one is not finite, or a weight is not usable.
     pub fn bezier(points: &[DVec2], weights: Option<&[f64]>) -> Result<Self, TrimCurveError> {
         check_points(points)?;
         KnotVector::bezier(points.len() - 1)?;

@@ -1,8 +1,8 @@
 //! Trim loops: closed curves in a surface's (u, v) domain that say which part of it is kept.
 //!
-//! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end to end.
-//! [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings. They answer
-//! queries about points ([`Trims::contains`], [`Trims::contains_within`]) and rectangles
+//! A [`TrimLoop`] is made of [`TrimCurve`]s (lines, arcs, Bézier curves, NURBS) that join end to
+//! end. [`Trims`] are the loops of one surface on its [`TrimDomain`], checked for crossings. They
+//! answer queries about points ([`Trims::contains`], [`Trims::contains_within`]) and rectangles
 //! ([`Trims::classify`]), and give polylines to plot ([`Trims::outlines`]).
 //!
 //! ```

@@ -12,11 +12,12 @@ use crate::math::bernstein::restrict;
 /// The most halvings of a monotone stretch: a cusp never becomes flat.
 const MOST_HALVINGS: u32 = 6;
 
-/// Appends the segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order. Neighbours
-/// share their ends bit for bit, and the outer ends are the piece's own.
+/// Appends the segments of a piece of a loop, monotone and flat ([`Segment::is_flat`]), in order.
+/// Neighbours share their ends bit for bit, and the outer ends are the piece's own.
 ///
-/// A stretch whose derivative does not exceed rounding error counts as monotone: between the cuts the piece
-/// leaves the rectangle of its ends by no more than that error, and [`Segment::at`] clamps to this rectangle.
+/// A stretch whose derivative does not exceed rounding error counts as monotone: between the cuts
+/// the piece leaves the rectangle of its ends by no more than that error, and [`Segment::at`]
+/// clamps to this rectangle.
 pub(super) fn segments(piece: &LoopPiece, found: &mut Vec<Segment>) {
     // A piece of two control points is the line between its ends, whatever the weights.
     if piece.control.len() == 2 {

@@ -142,8 +142,8 @@ impl Segment {
     /// An upper bound of the absolute values of its second derivative by the parameter, which runs
     /// from 0 to 1, in u and in v; infinite if it is too large to be told.
     ///
-    /// Derivatives of the homogeneous curve `(A, w)` lie in the hull of the differences of its control
-    /// points, and with `C = A / w` relative to an end, `C″ = (A″ − 2 w′ C′ − w″ C) / w`.
+    /// Derivatives of the homogeneous curve `(A, w)` lie in the hull of the differences of its
+    /// control points, and with `C = A / w` relative to an end, `C″ = (A″ − 2 w′ C′ − w″ C) / w`.
     pub(super) fn bend(&self) -> DVec2 {
         if self.is_straight() {
             return DVec2::ZERO;
@@ -220,8 +220,8 @@ impl Segment {
         sum.xy() / sum.z
     }
 
-    /// The parameter at which a coordinate reaches `value`, which lies between the coordinates of the ends. The
-    /// segment is monotone, so bisection down to neighbouring numbers finds it.
+    /// The parameter at which a coordinate reaches `value`, which lies between the coordinates of
+    /// the ends. The segment is monotone, so bisection down to neighbouring numbers finds it.
     pub(super) fn reaching(&self, axis: usize, value: f64) -> f64 {
         let rises = self.ends[0][axis] < self.ends[1][axis];
         let (mut low, mut high) = (0.0, 1.0);
@@ -242,7 +242,8 @@ impl Segment {
         }
     }
 
-    /// The direction of the tangent at `t`: that between the last two points of de Casteljau's scheme.
+    /// The direction of the tangent at `t`: that between the last two points of de Casteljau's
+    /// scheme.
     pub(super) fn tangent(&self, t: f64) -> DVec2 {
         let mut control = self.homogeneous();
         for last in (2..control.len()).rev() {

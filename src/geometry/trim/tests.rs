@@ -165,7 +165,8 @@ fn in_letter(p: DVec2) -> bool {
 #[test]
 fn a_letter_with_counters_and_an_island() {
     let letter = trims(&letter());
-    // On a grid that holds every height of a corner, and points of horizontal edges, but of no others.
+    // On a grid that holds every height of a corner, and points of horizontal edges, but of no
+    // others.
     for j in -1..=17 {
         for i in -2..=26 {
             let point = DVec2::new(0.25 * f64::from(i) + 0.0625, 0.5 * f64::from(j));
@@ -457,8 +458,8 @@ fn nearness_of_a_circle_is_its_distance() {
     assert_eq!(circle.contains(DVec2::new(3.0, f64::NAN)), Side::Outside);
 }
 
-/// Curves as CAD files have them, whose ends are slightly off: gaps and overlaps are closed up to the
-/// tolerance, wider ones are not.
+/// Curves as CAD files have them, whose ends are slightly off: gaps and overlaps are closed up to
+/// the tolerance, wider ones are not.
 #[test]
 fn gaps_are_closed_up_to_the_tolerance() {
     let arc = |from, via, to| TrimCurve::bezier(&[from, via, to], None).unwrap();
@@ -487,8 +488,8 @@ fn gaps_are_closed_up_to_the_tolerance() {
     assert!(matches!(lens(2.1e-4), Err(TrimLoopError::Open { curve: 0, next: 1, .. })));
 }
 
-/// Lines that overshoot a corner or fall short of it are not tilted: they end where they meet. The end
-/// of a curve is moved to the end of a line.
+/// Lines that overshoot a corner or fall short of it are not tilted: they end where they meet. The
+/// end of a curve is moved to the end of a line.
 #[test]
 fn lines_stay_where_they_are() {
     let line = |a: (f64, f64), b: (f64, f64)| TrimCurve::line(a.into(), b.into()).unwrap();
@@ -530,8 +531,8 @@ fn outlines_keep_their_tolerance() {
             assert!(2.0 - middle.length() <= tolerance, "{middle}");
             assert!(middle.perp_dot(ends[1] - DVec2::new(1.0, -1.0)) > 0.0, "it runs as given");
         }
-        // Control points are farther off than the curve, and parts are halved: fewer than four times
-        // as many chords as are needed, and a few.
+        // Control points are farther off than the curve, and parts are halved: fewer than four
+        // times as many chords as are needed, and a few.
         let needed = PI / (tolerance / 2.0).sqrt() / 2f64.sqrt();
         assert!((outline.len() as f64) < 4.0 * needed + 8.0, "{} points", outline.len());
     }

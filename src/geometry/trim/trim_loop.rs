@@ -9,21 +9,22 @@ use crate::geometry::construct::Course;
 
 /// Ends of curves this close, relative to the loop's extent in u and in v, count as one point.
 ///
-/// CAD files are only as accurate as their authors' tolerances in space: of 2299 trimmed faces of 75
-/// models, 14 have gaps beyond 10⁻⁶, the widest of 6·10⁻⁵. For a loop drawn a thousand pixels wide,
-/// 10⁻⁴ is a tenth of a pixel; a visible gap is an error.
+/// CAD files are only as accurate as their authors' tolerances in space: of 2299 trimmed faces of
+/// 75 models, 14 have gaps beyond 10⁻⁶, the widest of 6·10⁻⁵. For a loop drawn a thousand pixels
+/// wide, 10⁻⁴ is a tenth of a pixel; a visible gap is an error.
 pub const JOINT_TOLERANCE: f64 = 1e-4;
 
-/// Sides of loops along the seam of a periodic domain are taken to lie on the seam if they are this close to it,
-/// relative to the period, and within [`JOINT_TOLERANCE`] of it, relative to the loop's extent.
+/// Sides of loops along the seam of a periodic domain are taken to lie on the seam if they are this
+/// close to it, relative to the period, and within [`JOINT_TOLERANCE`] of it, relative to the
+/// loop's extent.
 ///
-/// A loop that runs once around a cylinder and back again has two sides on the seam, which CAD files fit separately:
-/// those of a face of a ball were seen to be 3·10⁻¹⁰ off, to both sides. As written, they would cross or leave a
-/// slit.
+/// A loop that runs once around a cylinder and back again has two sides on the seam, which CAD
+/// files fit separately: those of a face of a ball were seen to be 3·10⁻¹⁰ off, to both sides. As
+/// written, they would cross or leave a slit.
 pub const SEAM_TOLERANCE: f64 = 1e-8;
 
-/// A side runs along a seam if it strays by no more than this fraction of its length, each relative to the
-/// loop's extent.
+/// A side runs along a seam if it strays by no more than this fraction of its length, each relative
+/// to the loop's extent.
 const ALONG: f64 = 1e-3;
 
 /// A closed loop in the (u, v) plane: a chain of curves, each beginning where the previous one
@@ -161,8 +162,8 @@ impl TrimLoop {
         Self { pieces: self.pieces.iter().map(moved).collect(), ..*self }
     }
 
-    /// The loop with those pieces that run along a seam within [`SEAM_TOLERANCE`] straightened and put on the seam. The
-    /// distance by which they move counts as a gap.
+    /// The loop with those pieces that run along a seam within [`SEAM_TOLERANCE`] straightened and
+    /// put on the seam. The distance by which they move counts as a gap.
     pub(super) fn straight_along_seams(&self, domain: &TrimDomain) -> Self {
         let (mut straight, size) = (self.clone(), self.bounds().size());
         for (axis, direction) in [Direction::U, Direction::V].into_iter().enumerate() {
@@ -194,8 +195,8 @@ impl TrimLoop {
         straight
     }
 
-    /// The widest gap between curves as written, as a fraction of the loop's extent, in u or in v. It is
-    /// at most [`JOINT_TOLERANCE`], except for rounding of tiny loops, and has been closed.
+    /// The widest gap between curves as written, as a fraction of the loop's extent, in u or in v.
+    /// It is at most [`JOINT_TOLERANCE`], except for rounding of tiny loops, and has been closed.
     pub fn widest_gap(&self) -> f64 {
         self.widest_gap
     }
@@ -225,8 +226,8 @@ impl TrimLoop {
     }
 }
 
-/// The intersection of two lines; NaN or far away if they are parallel. A coordinate that is constant
-/// along one of them is kept.
+/// The intersection of two lines; NaN or far away if they are parallel. A coordinate that is
+/// constant along one of them is kept.
 fn corner([a0, a1]: [DVec2; 2], [b0, b1]: [DVec2; 2]) -> DVec2 {
     let (a, b) = (a1 - a0, b1 - b0);
     let along = (b0 - a1).perp_dot(b) / a.perp_dot(b);

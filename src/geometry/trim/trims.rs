@@ -40,8 +40,8 @@ pub enum Side {
     Inside,
     /// In the part that is cut off.
     Outside,
-    /// On a trim curve, as far as rounding errors allow to tell. (A point of a curve on both sides of
-    /// which nothing is kept is [outside](Self::Outside).)
+    /// On a trim curve, as far as rounding errors allow to tell. (A point of a curve on both sides
+    /// of which nothing is kept is [outside](Self::Outside).)
     Edge {
         /// The side on which the half-open rule puts the point. It is right for the curve as
         /// searched, but the point may lie on the other side of the curve as written.
@@ -171,9 +171,9 @@ impl Trims {
         self.contains_within(uv, DVec2::ZERO)
     }
 
-    /// Where a point of the domain lies that is known only to within `reach.x` in u and `reach.y` in
-    /// v: an [`Side::Edge`] if a trim curve meets the rectangle `uv ± reach`, grown by the curve's
-    /// rounding error.
+    /// Where a point of the domain lies that is known only to within `reach.x` in u and `reach.y`
+    /// in v: an [`Side::Edge`] if a trim curve meets the rectangle `uv ± reach`, grown by the
+    /// curve's rounding error.
     ///
     /// For a hit whose point is known to within `r` in space and whose tangents meet at the angle
     /// `θ`, `reach = (r / (|S_u| sin θ), r / (|S_v| sin θ))` covers all parameters that the hit may
@@ -220,8 +220,8 @@ impl Trims {
         }
     }
 
-    /// Whether a trim curve passes through a rectangle, grown by the curve's rounding error; false for
-    /// NaN.
+    /// Whether a trim curve passes through a rectangle, grown by the curve's rounding error; false
+    /// for NaN.
     pub(super) fn meets(&self, target: &UvBox) -> bool {
         self.tree.any(target, |index| {
             let segment = &self.segments[index];

@@ -40,7 +40,8 @@ impl Contact {
         self.ends.map(|rect| DVec2::from_array(rect.map(|[from, to]| 0.5 * (from + to))))
     }
 
-    /// Whether the rectangles touch, each widened by its own size and some roundings of parameters up to one.
+    /// Whether the rectangles touch, each widened by its own size and some roundings of parameters
+    /// up to one.
     fn touches(&self, other: &Self) -> bool {
         (0..2).all(|k| {
             let ([a, b], [c, d]) = (self.rect[k], other.rect[k]);

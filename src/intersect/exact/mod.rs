@@ -1,22 +1,22 @@
 //! The exact solver: all roots of a ray on a leaf, by subdivision and proof.
 //!
 //! # The problem
-//! Over a leaf's rectangle the surface, seen in ray coordinates, is a net of homogeneous
-//! points `(w x, w y, w z, w)`. The ray meets it where the polynomials `f = (w x, w y)`
-//! vanish together. These are taken to be known to within `ε`: half the error bound of a point, times the
-//! largest weight. (Like the promise for points, this does not bound the worst case of all roundings: the most
-//! pessimistic count for cutting alone, `12 (p + q)` units of the largest coefficient, is more where the leaf's
-//! piece is as large as its coordinates. Errors of random sign stay well below.) The solver keeps a list of
-//! parameter boxes that may hold roots, and asks of each:
+//! Over a leaf's rectangle the surface, seen in ray coordinates, is a net of homogeneous points
+//! `(w x, w y, w z, w)`. The ray meets it where the polynomials `f = (w x, w y)` vanish together.
+//! These are taken to be known to within `ε`: half the error bound of a point, times the largest
+//! weight. (Like the promise for points, this does not bound the worst case of all roundings: the
+//! most pessimistic count for cutting alone, `12 (p + q)` units of the largest coefficient, is more
+//! where the leaf's piece is as large as its coordinates. Errors of random sign stay well below.)
+//! The solver keeps a list of parameter boxes that may hold roots, and asks of each:
 //!
 //! 1. *Can it be discarded?* A polynomial lies between the smallest and the largest of its
 //!    Bernstein coefficients. Where `w x`, `w y`, or a component of `g = A f` (with `A` the
 //!    inverse of the mean Jacobian) keeps its sign by more than `ε`, or
 //!    `z` stays out of range, there is no root.
 //! 2. *Is a root proved?* Let `κ` bound the row sums of `|I − g'|` over the box. Where `κ`, plus
-//!    what rounding of the coefficients adds to derivatives (`2 (p + q)` times the error of `g`), is
-//!    below 1, the box holds at most one root, and it lies in `m − g(m) ± κ/2` (Krawczyk 1969; `m`
-//!    is the middle, sides are 1). Where that range lies inside the box, the root exists. It is
+//!    what rounding of the coefficients adds to derivatives (`2 (p + q)` times the error of `g`),
+//!    is below 1, the box holds at most one root, and it lies in `m − g(m) ± κ/2` (Krawczyk 1969;
+//!    `m` is the middle, sides are 1). Where that range lies inside the box, the root exists. It is
 //!    then refined on the surface itself, and must stay in the box.
 //! 3. *Can it shrink?* The box is cut down to where the hulls of the coefficients meet
 //!    zero (Bézier clipping: Sederberg & Nishita 1990; Efremov, Havran & Seidel 2005),

@@ -19,16 +19,18 @@ const BUDGET: u32 = 2048;
 /// How many boxes each end of a stretch may cost.
 const END_BUDGET: u32 = 1024;
 
-/// Halves reach over the dividing line by this part of the box, so that roots on the line are inside.
-/// A place within reach of the line is searched in both halves, and again in both halves of
-/// those: a tangency, forty halvings deep, 1.4 times on average. (With a twentieth it would be
-/// 45 times, and the budget would be used up.)
+/// Halves reach over the dividing line by this part of the box, so that roots on the line are
+/// inside. A place within reach of the line is searched in both halves, and again in both halves of
+/// those: a tangency, forty halvings deep, 1.4 times on average. (With a twentieth it would be 45
+/// times, and the budget would be used up.)
 const OVERLAP: f64 = 1.0 / 256.0;
 
-/// A box cut down to a part keeps this fraction of the part's sides around it, so that a root at its end is inside.
+/// A box cut down to a part keeps this fraction of the part's sides around it, so that a root at
+/// its end is inside.
 const MARGIN: f64 = 0.05;
 
-/// A clip is kept if it leaves less than this part of a side that can still be halved; else the box is halved.
+/// A clip is kept if it leaves less than this part of a side that can still be halved; else the box
+/// is halved.
 const WORTHWHILE: f64 = 0.7;
 
 /// A box is not clipped to an image thinner than this many errors along one parameter while its
@@ -36,15 +38,16 @@ const WORTHWHILE: f64 = 0.7;
 /// less than a twentieth of the image: this is several times that.
 const THIN: f64 = 256.0;
 
-/// A box whose image is within this many errors along both parameters may get arbitrarily thin: it is
-/// soon within rounding.
+/// A box whose image is within this many errors along both parameters may get arbitrarily thin: it
+/// is soon within rounding.
 const WIDE: f64 = 4096.0;
 
-/// The inverse of a Jacobian is of use where it amplifies the rounding error to no more than this part of
-/// the box's side: what it then cuts off, or proves, is worth its cost.
+/// The inverse of a Jacobian is of use where it amplifies the rounding error to no more than this
+/// part of the box's side: what it then cuts off, or proves, is worth its cost.
 const MOST_AMPLIFIED: f64 = 0.05;
 
-/// Krawczyk's test is made where the map's contraction factor is below this: nearer to one, it cuts off little.
+/// Krawczyk's test is made where the map's contraction factor is below this: nearer to one, it cuts
+/// off little.
 const MOST_CONTRACTION: f64 = 0.9;
 
 /// A box is not divided below this side: parameters near 1 have no finer digits.
@@ -88,14 +91,16 @@ pub(crate) enum Proof {
     Isolated(Rect),
     /// The ray passes through the point a side is collapsed to.
     Collapsed,
-    /// The ray passes the surface within rounding: a tangency, or a near miss; somewhere from `z` to `z`.
+    /// The ray passes the surface within rounding: a tangency, or a near miss; somewhere from `z`
+    /// to `z`.
     Contact([f64; 2]),
     /// An end of a stretch along which the ray runs inside the surface, from `z` to `z`.
     Stretch([f64; 2]),
 }
 
 impl Proof {
-    /// The range along the ray in which the solution lies, if rounding allows no more precise answer.
+    /// The range along the ray in which the solution lies, if rounding allows no more precise
+    /// answer.
     pub(crate) fn stretch(self) -> Option<[f64; 2]> {
         match self {
             Self::Isolated(_) | Self::Collapsed => None,
@@ -126,13 +131,13 @@ pub(crate) struct ExactSolver {
     queue: Vec<EndBox>,
     /// The largest extent of the leaf.
     size: f64,
-    /// Error bound of `w x` and `w y`: half of the promise for a point, times the largest weight. The
-    /// other half is kept for the error of a contact's own point.
+    /// Error bound of `w x` and `w y`: half of the promise for a point, times the largest weight.
+    /// The other half is kept for the error of a contact's own point.
     ///
-    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)), it holds for errors of random
-    /// sign. If all had one sign, cutting the net down twice could cost `12 (p + q) u`, more than the
-    /// `2 (p + q + 4) u` taken here; of random nets of degree 1 to 12, compared with exact fractions, none was off by
-    /// half of that.
+    /// Like that promise ([`residual_factor`](crate::math::rounding::residual_factor)), it holds
+    /// for errors of random sign. If all had one sign, cutting the net down twice could cost
+    /// `12 (p + q) u`, more than the `2 (p + q + 4) u` taken here; of random nets of degree 1 to
+    /// 12, compared with exact fractions, none was off by half of that.
     error: f64,
     /// Boxes looked at since the solver was made.
     pub(crate) boxes: u64,
@@ -201,8 +206,8 @@ impl ExactSolver {
         );
         let degree = self.whole.degree;
         restrict_net(&mut self.whole.control, degree, problem.rect[0], problem.rect[1]);
-        // Bounds of NaNs would be empty, and prove a miss. Limits on coordinates and weights keep all of this far from
-        // overflow.
+        // Bounds of NaNs would be empty, and prove a miss. Limits on coordinates and weights keep
+        // all of this far from overflow.
         debug_assert!(self.whole.control.iter().all(|c| c.is_finite()), "{:?}", self.whole);
         let bounds = self.whole.bounds();
         let extents = [bounds.x, bounds.y, bounds.z].map(|range| range.hi - range.lo);
@@ -256,7 +261,8 @@ impl ExactSolver {
             if low.max_element() > 1.0 || high.min_element() < 0.0 {
                 return Verdict::Empty;
             }
-            // Coefficients may each be off by `amplified`, and derivatives are made of their differences.
+            // Coefficients may each be off by `amplified`, and derivatives are made of their
+            // differences.
             let [p, q] = self.net.degree;
             let unique = kappa.max_element() + 2.0 * (p + q) as f64 * amplified < 1.0;
             let inside = low.min_element() > 0.0 && high.max_element() < 1.0;
@@ -313,10 +319,11 @@ impl ExactSolver {
         next_box(rect, part, exhausted, usize::from(spread.y > spread.x))
     }
 
-    /// The part of the box, widened where it is as thin as rounding along one parameter and wide along
-    /// the other: otherwise the Jacobian would be singular to working precision however small the
-    /// box, and no root could be proved. This happens where the ray is at right angles to the straight
-    /// lines of a surface: one clip then determines which line the ray meets, to the last digit.
+    /// The part of the box, widened where it is as thin as rounding along one parameter and wide
+    /// along the other: otherwise the Jacobian would be singular to working precision however small
+    /// the box, and no root could be proved. This happens where the ray is at right angles to the
+    /// straight lines of a surface: one clip then determines which line the ray meets, to the last
+    /// digit.
     fn not_too_thin(&self, mut part: Rect, error: f64) -> Rect {
         let spread = self.net.spread().to_array();
         let image = [0, 1].map(|k| spread[k] * (part[k][1] - part[k][0]));
@@ -451,8 +458,8 @@ mod tests {
     use crate::math::Ray;
 
     /// Rays that leave a long, thin cylinder at right angles to its axis, nearly along its surface
-    /// (within about 3°): one clip tells where along the axis they are, to the last digit. All of these
-    /// were doubtful when no root could be proved in what was left of a box.
+    /// (within about 3°): one clip tells where along the axis they are, to the last digit. All of
+    /// these were doubtful when no root could be proved in what was left of a box.
     #[test]
     fn rays_at_right_angles_to_straight_lines_are_decided() {
         let line = [[5.0, 2.0], [6.0, 5.0]].map(|[x, y]| DVec3::new(x, y, 0.0));

@@ -1,10 +1,11 @@
 //! Separates the rays of a packet where they are too different to be treated as one.
 //!
-//! Bounds shared by all rays of the packet are enough as long as the rays are close together and point alike.
-//! Rays that leave several bodies, some behind others, have bounds that contain everything in between: of the
-//! leaves that these bounds meet, ninety in a hundred and more are met by no ray. The bounds of rays that point
-//! anywhere meet everything around them. So such rays are tested one by one at every node, sixteen at a time;
-//! also at a block of leaves, if that is less work than testing each leaf.
+//! Bounds shared by all rays of the packet are enough as long as the rays are close together and
+//! point alike. Rays that leave several bodies, some behind others, have bounds that contain
+//! everything in between: of the leaves that these bounds meet, ninety in a hundred and more are
+//! met by no ray. The bounds of rays that point anywhere meet everything around them. So such rays
+//! are tested one by one at every node, sixteen at a time; also at a block of leaves, if that is
+//! less work than testing each leaf.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use fearless_simd_macros::simd;
@@ -21,13 +22,15 @@ use crate::math::bits::set_bits;
 /// All rays.
 pub(super) const ALL: u64 = u64::MAX;
 
-/// Rays that start this many leaf widths apart are tested one by one; the points that neighbouring rays of a
-/// picture see on one body lie closer together. Measured against 8: shadow rays are 0.99 to 1.1 times as fast,
-/// of a body with many small leaves 1.2 times; 2 gains on such bodies, and loses on a sheet of hills.
+/// Rays that start this many leaf widths apart are tested one by one; the points that neighbouring
+/// rays of a picture see on one body lie closer together. Measured against 8: shadow rays are 0.99
+/// to 1.1 times as fast, of a body with many small leaves 1.2 times; 2 gains on such bodies, and
+/// loses on a sheet of hills.
 const FAR_APART: f32 = 4.0;
 
-/// If more leaves of a block than this are met, each sixteen rays of a packet are tested by themselves: the
-/// leaves are then small compared with the packet, and most would be tested for nothing by other sixteens.
+/// If more leaves of a block than this are met, each sixteen rays of a packet are tested by
+/// themselves: the leaves are then small compared with the packet, and most would be tested for
+/// nothing by other sixteens.
 const FEW: u32 = 4;
 
 /// What is known of a packet's rays beyond their shared bounds.
@@ -41,7 +44,8 @@ pub(super) struct Apart {
 }
 
 impl Apart {
-    /// Prepares for a packet's rays, in the scaled coordinates in which leaves are `leaf_width` wide.
+    /// Prepares for a packet's rays, in the scaled coordinates in which leaves are `leaf_width`
+    /// wide.
     #[simd]
     pub(super) fn set<S: Simd>(&mut self, simd: S, packet: &Packet, leaf_width: f32) {
         self.groups = None;
@@ -63,8 +67,9 @@ impl Apart {
         }
     }
 
-    /// Returns, for each child of the node whose bit is set in the second of `children`, which of `rays` meet
-    /// its box, one bit a ray; all of `rays` for every child if the packet's rays are alike.
+    /// Returns, for each child of the node whose bit is set in the second of `children`, which of
+    /// `rays` meet its box, one bit a ray; all of `rays` for every child if the packet's rays are
+    /// alike.
     #[inline(always)]
     pub(super) fn meeting<S: Simd>(
         &self,

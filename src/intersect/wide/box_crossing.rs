@@ -82,8 +82,8 @@ pub(super) fn certify<S: Simd>(
     steep.simd_gt(turned) & steep.simd_gt(needed)
 }
 
-/// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays, the sign
-/// is that of the determinant of the tangents in the rays' planes.
+/// How steep sixteen rays are, by the leaf's certificate. Where the certificate holds for the rays,
+/// the sign is that of the determinant of the tangents in the rays' planes.
 #[inline(always)]
 pub(super) fn upright<S: Simd>(simd: S, leaf: &Leaf, [a, b, c]: [f32x16<S>; 3]) -> f32x16<S> {
     let [lean_a, lean_b] = leaf.certificate.lean();

@@ -7,9 +7,10 @@ use crate::intersect::tree::{ChildCode, LANES, LeafBlock, Node};
 use crate::math::bits::set_bits;
 use crate::patch::OrientedBox;
 
-/// Error bound, in scaled coordinates, of the f32 ray where it meets the scene (or the small part of the
-/// scene whose coordinates these are) and of box entries along it, apart from what boxes were grown by when
-/// they were made: coordinates of up to 5 and distances of up to 8, and four roundings of each.
+/// Error bound, in scaled coordinates, of the f32 ray where it meets the scene (or the small part
+/// of the scene whose coordinates these are) and of box entries along it, apart from what boxes
+/// were grown by when they were made: coordinates of up to 5 and distances of up to 8, and four
+/// roundings of each.
 pub(in crate::intersect) const BLUR: f32 = 4e-6;
 
 /// Components of directions are taken to be at least this large: this moves the ray by far less
@@ -24,7 +25,8 @@ pub(super) const LEAST_SLOPE: f32 = 1e-12;
 /// the distances a ray has inside the scene.
 pub(super) const BOX_SPARE: f32 = 4e-6;
 
-// `OrientedBox::farthest_from`, which bounds how far rays that meet a box pass, allows for no more slack.
+// `OrientedBox::farthest_from`, which bounds how far rays that meet a box pass, allows for no more
+// slack.
 const _: () = assert!(BOX_SPARE as f64 <= OrientedBox::GROWTH);
 
 /// Boxes still to be entered, and where the ray enters them.
@@ -36,8 +38,8 @@ pub(super) struct BoxRay {
     /// The origin, moved along the ray to be near the scene, and the unit direction.
     pub(super) origin: [f32; 3],
     pub(super) axis: [f32; 3],
-    /// One over the direction; whether the upper plane of a box comes first; and the origin moved by
-    /// [`BLUR`] for the nearer and the farther plane.
+    /// One over the direction; whether the upper plane of a box comes first; and the origin moved
+    /// by [`BLUR`] for the nearer and the farther plane.
     inverse: [f32; 3],
     upper_first: [bool; 3],
     origin_for_near: [f32; 3],
@@ -98,7 +100,8 @@ impl BoxRay {
         (near, near.simd_le(far).to_bitmask() as u32)
     }
 
-    /// Returns the nearest child whose box the ray meets; pushes the others onto the stack, the nearest last.
+    /// Returns the nearest child whose box the ray meets; pushes the others onto the stack, the
+    /// nearest last.
     #[inline(always)]
     pub(super) fn enter<S: Simd>(
         &self,
@@ -200,8 +203,8 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// Returns the nearest child of those that are met, of which there is at least one, and pushes the others
-/// onto the stack, the nearer ones later: quick where one ray is much like the one before.
+/// Returns the nearest child of those that are met, of which there is at least one, and pushes the
+/// others onto the stack, the nearer ones later: quick where one ray is much like the one before.
 #[inline(always)]
 fn push_others(stack: &mut Stack, entries: &[f32; LANES], mut met: u32, node: &Node) -> ChildCode {
     let bottom = stack.len();
@@ -239,8 +242,8 @@ impl BoxEntries {
     const NONE: Self = Self([0.0; LANES]);
 }
 
-/// Pushes all children that are met onto the stack, the nearest last: quick where a ray has nothing in
-/// common with the one before.
+/// Pushes all children that are met onto the stack, the nearest last: quick where a ray has nothing
+/// in common with the one before.
 #[inline(always)]
 pub(super) fn push_unforeseen<S: Simd>(
     simd: S,
@@ -254,9 +257,9 @@ pub(super) fn push_unforeseen<S: Simd>(
 
 /// Pushes `made(k)` onto a stack for each box `k` that is met, that of the nearest box last.
 ///
-/// For each box, the boxes that come before it are counted, in all lanes at once: no branch depends on which
-/// box is nearer, since that could not be predicted, and nothing is moved once it is written. The entries
-/// must not be NaN: else two boxes would have one place.
+/// For each box, the boxes that come before it are counted, in all lanes at once: no branch depends
+/// on which box is nearer, since that could not be predicted, and nothing is moved once it is
+/// written. The entries must not be NaN: else two boxes would have one place.
 #[inline(always)]
 pub(super) fn push_in_order<S: Simd, T: Copy + Default>(
     simd: S,

@@ -7,43 +7,48 @@
 //!
 //! # Proof
 //! Let the ray leave the root `y₁`, on the leaf or not far beside it on the same piece, and let `y`
-//! be another root, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any unit
-//! vector `N` with `N · d > 0`, the height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and
+//! be another root, in the leaf, farther along the ray by `z > 0`: `S(y) − S(y₁) = z d`. For any
+//! unit vector `N` with `N · d > 0`, the height `h = N · (S(y) − S(y₁))` is `z (N · d)`, and
 //! `z = |S(y) − S(y₁)|`. So there is no such root where `h` stays below `(N · d) |S(y) − S(y₁)|` on
 //! the leaf.
 //!
 //! `N` is the approximation's normal at the start. With `Δ = y − y₁`, each coordinate times the
 //! length of the leaf's half side in its direction:
 //!
-//! - The points are at least `|Δ| / stretch` apart ([`Leaf::stretch`](crate::patch::Leaf::stretch)).
-//! - The approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of its second
-//!   derivatives, from the sums of their terms' absolute values: below zero where the leaf bends away from the
-//!   ray. `ε` bounds how far `N` is from being perpendicular to the tangents at `y₁`. At the stated start `N`
-//!   is perpendicular to them, except for rounding; from there to `y₁` they change by at most the norm of the
-//!   second derivatives times the distance of the two places. This distance is at most `stretch` times that of
-//!   their points, which is the distance of the ray's origin from the point of the stated start, over the
-//!   cosine. (All of these bounds hold a little outside the leaf, so this distance must not be large.)
-//! - Or `Λ` is the second derivative in the one direction that `Δ` can have, up to a small angle. Let
-//!   `m` be the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero. The
-//!   approximation's value differs from `g · Δ` by at most the sum of what its own second derivatives
-//!   contribute, `ε |Δ|` with these in place of the height's, and the slopes' error times `|Δ|`. So the
-//!   sine of the angle between `Δ` and the line `g · Δ = 0` is at most `τ`, this sum over `|g| |Δ|`;
-//!   and a quadratic form over `|Δ|²` differs from its value on the line by at most `2 τ + 2 τ²` of its
-//!   norm. (Of `Δx²`, `Δx Δy` and `Δy²`, over `|Δ|`, the first is at most the largest `|Δx|`, the last
-//!   the largest `|Δy|`, and the middle one the smaller of the two.)
-//! - The true height differs from the approximation's by no more than the bound of the slopes' error times the
-//!   sum of the parameters' differences.
+//! - The points are at least `|Δ| / stretch` apart
+//!   ([`Leaf::stretch`](crate::patch::Leaf::stretch)).
+//! - The approximation's own height is at most `½ Λ |Δ|² + ε |Δ|`. `Λ` is the largest eigenvalue of
+//!   its second derivatives, from the sums of their terms' absolute values: below zero where the
+//!   leaf bends away from the ray. `ε` bounds how far `N` is from being perpendicular to the
+//!   tangents at `y₁`. At the stated start `N` is perpendicular to them, except for rounding; from
+//!   there to `y₁` they change by at most the norm of the second derivatives times the distance of
+//!   the two places. This distance is at most `stretch` times that of their points, which is the
+//!   distance of the ray's origin from the point of the stated start, over the cosine. (All of
+//!   these bounds hold a little outside the leaf, so this distance must not be large.)
+//! - Or `Λ` is the second derivative in the one direction that `Δ` can have, up to a small angle.
+//!   Let `m` be the unit vector across the ray in the tangent plane: `m · (S(y) − S(y₁))` is zero.
+//!   The approximation's value differs from `g · Δ` by at most the sum of what its own second
+//!   derivatives contribute, `ε |Δ|` with these in place of the height's, and the slopes' error
+//!   times `|Δ|`. So the sine of the angle between `Δ` and the line `g · Δ = 0` is at most `τ`,
+//!   this sum over `|g| |Δ|`; and a quadratic form over `|Δ|²` differs from its value on the line
+//!   by at most `2 τ + 2 τ²` of its norm. (Of `Δx²`, `Δx Δy` and `Δy²`, over `|Δ|`, the first is at
+//!   most the largest `|Δx|`, the last the largest `|Δy|`, and the middle one the smaller of the
+//!   two.)
+//! - The true height differs from the approximation's by no more than the bound of the slopes'
+//!   error times the sum of the parameters' differences.
 //!
-//! Where there is a weight `W` (see [`Leaf`](crate::patch::Leaf)), all this is said of `N · X̂ − (N · p) Ŵ`
-//! instead, where `p` is the approximation's point at the stated start: there its slopes are those of the
-//! height, times the weight. Between the two places the true function changes by `N · (X − S(y₁) W)`, which
-//! is the height times the weight, and by `N · (S(y₁) − p)` times the change of the weight. The latter is
-//! at most the distance of `p` from `S(y₁)`, times the weight's slopes, times `|Δ|`. (At the stated start,
-//! `p` is off `S` by the bound of the distances' error, over the weight; as `p` lies where the bounds hold,
-//! they are good for its heights, too.) So the height stays below its limit where all this stays below the
-//! least weight times that limit; and it is the same across the ray.
+//! Where there is a weight `W` (see [`Leaf`](crate::patch::Leaf)), all this is said of
+//! `N · X̂ − (N · p) Ŵ` instead, where `p` is the approximation's point at the stated start: there
+//! its slopes are those of the height, times the weight. Between the two places the true function
+//! changes by `N · (X − S(y₁) W)`, which is the height times the weight, and by `N · (S(y₁) − p)`
+//! times the change of the weight. The latter is at most the distance of `p` from `S(y₁)`, times
+//! the weight's slopes, times `|Δ|`. (At the stated start, `p` is off `S` by the bound of the
+//! distances' error, over the weight; as `p` lies where the bounds hold, they are good for its
+//! heights, too.) So the height stays below its limit where all this stays below the least weight
+//! times that limit; and it is the same across the ray.
 //!
-//! All terms are divided by `|Δ|`, which is at most its value from the start to the farthest corner.
+//! All terms are divided by `|Δ|`, which is at most its value from the start to the farthest
+//! corner.
 //!
 //! How far the origin is from the surface's point at the start is first taken from the
 //! approximation, and from the surface itself only where the approximation's error matters.
@@ -59,15 +64,16 @@ use super::vectors::{lane_bits, splat};
 use super::view::Fitted;
 use crate::patch::FIT_DOMAIN;
 
-/// Rounding error in f32 of places, as a part of the sides' lengths, and of all that does not depend on the
-/// normal: 30 units of 2⁻²⁴. Where the stretch is finite, terms add up to at most twice the sides; each takes
-/// 12 roundings by Horner's scheme; the origin, the axis and the start take few. (Quotients have more terms
-/// and larger ones: see [`Weights::terms`].)
+/// Rounding error in f32 of places, as a part of the sides' lengths, and of all that does not
+/// depend on the normal: 30 units of 2⁻²⁴. Where the stretch is finite, terms add up to at most
+/// twice the sides; each takes 12 roundings by Horner's scheme; the origin, the axis and the start
+/// take few. (Quotients have more terms and larger ones: see [`Weights::terms`].)
 const PLACE_ROUNDING: f32 = 2e-6;
 
-/// Rounding error in f32 of slopes measured along the normal, over the ratio of the tangents' cross product to
-/// that of the sides: 280 units. Each tangent errs by seven units of its terms, so the normal by 64 at most;
-/// the normal is multiplied with the ray's direction, with both tangents, and with half the second derivatives.
+/// Rounding error in f32 of slopes measured along the normal, over the ratio of the tangents' cross
+/// product to that of the sides: 280 units. Each tangent errs by seven units of its terms, so the
+/// normal by 64 at most; the normal is multiplied with the ray's direction, with both tangents, and
+/// with half the second derivatives.
 const NORMAL_ROUNDING: f32 = 1.8e-5;
 
 /// How far from the middle the ray may start, in box coordinates; the approximation's bounds hold a
@@ -82,13 +88,16 @@ const _: () = assert!(FARTHEST < FIT_DOMAIN as f32);
 /// How far from the middle the bounds must hold, in box coordinates.
 const FARTHEST: f32 = MAY_START + ROOT_APART;
 
-/// Half side lengths of leaves of which anything is proved: the squares of others might leave the range of f32.
+/// Half side lengths of leaves of which anything is proved: the squares of others might leave the
+/// range of f32.
 const LENGTHS: std::ops::Range<f32> = 1e-15..1e15;
 
-/// Rays whose angle to the normal has at most this sine are too steep for their direction to be used.
+/// Rays whose angle to the normal has at most this sine are too steep for their direction to be
+/// used.
 const STEEPEST: f32 = 0.1;
 
-/// The part of the cosine that is used, a little less than all: for rounding of the sums that are compared.
+/// The part of the cosine that is used, a little less than all: for rounding of the sums that are
+/// compared.
 const ALMOST: f32 = 0.99;
 
 /// Sixteen rays that start on a leaf.
@@ -128,8 +137,8 @@ impl<S: Simd> Departure<S> {
         let errors = Errors::new(simd, fitted, &weights, &plane);
         let most = splat(simd, ALMOST * weights.least / stretch) * plane.cosine - errors.slopes;
 
-        // How much slopes may differ from those at the stated start, per unit of the origin's distance
-        // from there.
+        // How much slopes may differ from those at the stated start, per unit of the origin's
+        // distance from there.
         let moved = splat(simd, stretch) / plane.cosine;
         let weight_turned = splat(simd, weights.slope) / plane.cosine;
         let turned = moved.mul_add(bends.norm(), weight_turned);
@@ -157,7 +166,8 @@ impl<S: Simd> Departure<S> {
         let bends_less = known.simd_lt(left[0]) | flat & known.simd_lt(left[1]);
         let inside = inside & (self.reach * moved).simd_lt(apart);
         let if_near = inside & known.simd_lt(most) & bends_less;
-        // In no coordinate is the origin off by more than that, so in space by less than twice that.
+        // In no coordinate is the origin off by more than that, so in space by less than twice
+        // that.
         let seen = self.reach + self.reach + splat(simd, 3.0 * errors.point);
         let near = plane.off.simd_le(self.reach + splat(simd, errors.point));
         let surely = if_near & near & (seen * moved).simd_lt(apart);
@@ -166,8 +176,8 @@ impl<S: Simd> Departure<S> {
         Final { surely: lane_bits(surely), if_near: lane_bits(if_near) }
     }
 
-    /// How far the leaf's sides may be from the start, and a little more: a distance in each parameter,
-    /// times the length of the half side.
+    /// How far the leaf's sides may be from the start, and a little more: a distance in each
+    /// parameter, times the length of the half side.
     #[inline(always)]
     fn farthest(&self, simd: S, [length_x, length_y]: [f32; 2]) -> [f32x16<S>; 2] {
         let [x, y] = self.place;
@@ -182,7 +192,8 @@ struct Errors<S: Simd> {
     point: f32,
     /// Error bound of slopes, both of the height and across the ray.
     slopes: f32x16<S>,
-    /// What the normal's rounding adds to slopes and, relative to their norm, to second derivatives.
+    /// What the normal's rounding adds to slopes and, relative to their norm, to second
+    /// derivatives.
     flattened: f32x16<S>,
 }
 
@@ -193,8 +204,8 @@ impl<S: Simd> Errors<S> {
         let [length_x, length_y] = leaf.half_side_lengths();
         let per_side = (1.0 / length_x).hypot(1.0 / length_y);
         let rounding = PLACE_ROUNDING * weights.terms * (length_x + length_y);
-        // Tangents, which may be far shorter than the leaf is long, contain the point times the weight's
-        // slopes.
+        // Tangents, which may be far shorter than the leaf is long, contain the point times the
+        // weight's slopes.
         let [x, y, z] = plane.point;
         let size = x.abs() + y.abs() + z.abs();
         let by_weight = (size + splat(simd, length_x + length_y)) * splat(simd, weights.slope);
@@ -278,9 +289,9 @@ mod tests {
         Leaving { said, meets_again }
     }
 
-    /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere. None that meets its leaf again is
-    /// proved final; all that leave the sphere outwards are, except at a cosine below 1e-2 or on a leaf with a
-    /// stretch above 2.
+    /// Rays leave a sphere, a stout and a thin torus, and hills, anywhere. None that meets its leaf
+    /// again is proved final; all that leave the sphere outwards are, except at a cosine below 1e-2
+    /// or on a leaf with a stretch above 2.
     #[test]
     fn only_what_is_not_met_again_is_final() {
         let sphere = SurfaceBvh::build(&[shapes::sphere(1.0).unwrap()]).unwrap();
@@ -319,7 +330,8 @@ mod tests {
         assert!(proved[2].get() > 4_000 && proved[3].get() > 3_000, "{proved:?}");
     }
 
-    /// A ray that starts beside the surface, though it is said to start on it, is left to other searches.
+    /// A ray that starts beside the surface, though it is said to start on it, is left to other
+    /// searches.
     #[test]
     fn origins_elsewhere_are_noticed() {
         let sphere = shapes::sphere(1.0).unwrap();

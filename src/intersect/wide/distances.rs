@@ -11,12 +11,13 @@ use super::vectors::{dot_d, load3, load3d};
 use super::view::Fitted;
 use crate::patch::{Leaf, WeightFit};
 
-/// The shortest and the longest last step, in box coordinates, after which the place found is refined.
+/// The shortest and the longest last step, in box coordinates, after which the place found is
+/// refined.
 const LEAST_REFINED: f32 = 1.0 / 256.0;
 const MOST_REFINED: f32 = 0.25;
 
-/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays, times its weight (see
-/// [`Leaf`]): coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
+/// The distances `f₁`, `f₂` of a leaf's approximation from the planes of sixteen rays, times its
+/// weight (see [`Leaf`]): coefficients of `xⁱ yʲ`, at `4 i + j`, lane by lane.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct LaneDistances {
@@ -96,8 +97,9 @@ impl LaneDistances {
         }
     }
 
-    /// The sum of the absolute values of all terms that the coefficients were added up from, for the larger of
-    /// the two distances: the measure of their rounding error. `sizes` are those of the leaf.
+    /// The sum of the absolute values of all terms that the coefficients were added up from, for
+    /// the larger of the two distances: the measure of their rounding error. `sizes` are those of
+    /// the leaf.
     #[simd]
     pub(super) fn terms<S: Simd>(
         &self,
@@ -168,8 +170,8 @@ impl LaneDistances {
     }
 }
 
-/// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate, and
-/// of its weight.
+/// The sums of the absolute values of the coefficients of a leaf's approximation, by coordinate,
+/// and of its weight.
 #[inline(always)]
 pub(super) fn sizes<S: Simd>(simd: S, Fitted { leaf, weight }: Fitted<'_>) -> [f32; 4] {
     let sum = |row: &[f32; 16]| f32x16::from_slice(simd, row).abs().reduce_sum();

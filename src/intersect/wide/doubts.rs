@@ -1,5 +1,5 @@
-//! Rays and leaves whose certificates do not hold for them: put aside until there are sixteen pairs to
-//! be examined side by side.
+//! Rays and leaves whose certificates do not hold for them: put aside until there are sixteen pairs
+//! to be examined side by side.
 //!
 //! A leaf has few such rays at a time: at a silhouette, or among rays that leave a surface at all
 //! angles. The cost of examining their proofs does not depend on how many lanes are filled. So the
@@ -161,7 +161,8 @@ fn first<S: Simd>(simd: S, numbers: &mut [f32; ROOM]) -> f32x16<S> {
     first
 }
 
-/// Examines the pairs that were put aside, sixteen at a time, as long as there are at least `least` of them.
+/// Examines the pairs that were put aside, sixteen at a time, as long as there are at least `least`
+/// of them.
 #[simd]
 pub(super) fn settle<S: Simd>(
     simd: S,

@@ -16,8 +16,9 @@ use crate::geometry::trim::Side;
 use crate::math::bits::{has, set_bits};
 use crate::patch::Piece;
 
-/// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross product is
-/// less than this part of the square of the sum of their lengths: there the product loses digits accordingly.
+/// In a leaf that ends in a pole, normals get a closer look where the length of the tangents' cross
+/// product is less than this part of the square of the sum of their lengths: there the product
+/// loses digits accordingly.
 const LEAST_SINE: f64 = 1e-2;
 
 /// The outcome for some rays, a lane each.
@@ -33,12 +34,13 @@ pub(super) struct Done {
     pub(super) steps: u32,
 }
 
-/// Takes Newton's steps in f64 for those of rays `base … base + 7` that are `wanted`, from the places `near`
-/// that the search in f32 has found; hits nearer than those known are put into the packet.
+/// Takes Newton's steps in f64 for those of rays `base … base + 7` that are `wanted`, from the
+/// places `near` that the search in f32 has found; hits nearer than those known are put into the
+/// packet.
 ///
-/// Each of these rays has at most one root in the domain that `ground` gives. Also returns the lanes that did
-/// not converge, and those that the scalar search must judge: whose hit lies outside the piece, or too near an
-/// end of the ray or the root it starts on.
+/// Each of these rays has at most one root in the domain that `ground` gives. Also returns the
+/// lanes that did not converge, and those that the scalar search must judge: whose hit lies outside
+/// the piece, or too near an end of the ray or the root it starts on.
 #[simd]
 pub(super) fn finish<S: Simd>(
     simd: S,
@@ -67,8 +69,8 @@ pub(super) fn finish<S: Simd>(
         return Done { unconverged, undecided: 0, found: false, steps };
     }
     if target.pole.is_some() {
-        // Tangents vanish at a pole, and the determinant before the last step says nothing of the one at
-        // the hit.
+        // Tangents vanish at a pole, and the determinant before the last step says nothing of the
+        // one at the hit.
         root.inverse_det = f64x8::splat(simd, 1.0) / dot_d(root.cross, rays.axis(simd));
     }
     let Converged { st: [root_s, root_t], z, speed, .. } = root;
@@ -102,8 +104,9 @@ pub(super) fn finish<S: Simd>(
     Done { unconverged, undecided: undecided.to_bitmask() as u32, found, steps }
 }
 
-/// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's nearest so far,
-/// with the lengths of the tangents' cross products and the error bounds along the rays.
+/// Puts the hits of eight rays into a packet: the roots of the lanes in `hit`, each its ray's
+/// nearest so far, with the lengths of the tangents' cross products and the error bounds along the
+/// rays.
 #[inline(always)] // what goes in are dozens of vectors
 fn put_hits<S: Simd>(
     simd: S,
@@ -121,8 +124,8 @@ fn put_hits<S: Simd>(
     let infinity = f64x8::splat(simd, f64::INFINITY);
     let mut close = !(inverse.simd_lt(infinity) & ray_t.simd_lt(infinity));
     if target.pole.is_some() {
-        // It is also due where both tangents have nearly one direction, or where no certificate says
-        // how well they are known.
+        // It is also due where both tangents have nearly one direction, or where no certificate
+        // says how well they are known.
         let least = f64x8::splat(simd, LEAST_SINE) * speed * speed;
         close |= !size.simd_gt(least) | simd.splat_mask64x8(!certified);
     }
@@ -153,8 +156,8 @@ fn put_hits<S: Simd>(
     packet.shorten(simd, base, hits);
 }
 
-/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough away for the
-/// leaf's certificate to hold.
+/// One bit for each of the sixteen rays from `base` on that passes the leaf's pole far enough away
+/// for the leaf's certificate to hold.
 #[cold]
 #[simd]
 pub(super) fn away_from_pole<S: Simd>(
@@ -183,8 +186,8 @@ struct PacketRays<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> PacketRays<'a, S> {
-    /// The rays from `base` on, for points whose error bound is `factor` times the larger of two magnitudes:
-    /// the patch's, and that of the ray's origin.
+    /// The rays from `base` on, for points whose error bound is `factor` times the larger of two
+    /// magnitudes: the patch's, and that of the ray's origin.
     #[inline(always)]
     fn new(simd: S, packet: &'a Packet, base: usize, (factor, magnitude): (f64, f64)) -> Self {
         let largest = eight(simd, &packet.magnitude, base).max(f64x8::splat(simd, magnitude));

@@ -1,11 +1,12 @@
-//! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions they are.
+//! The form of a piece's sums: their degrees, how many numbers a point has, and of which functions
+//! they are.
 
 use super::lane_net::MOST_DEGREE;
 use crate::math::bernstein;
 use crate::patch::TensorPatch;
 
-/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers. Pieces
-/// of one form can be searched side by side.
+/// The degrees of a piece, whether its weights differ, and whether its sums are made by powers.
+/// Pieces of one form can be searched side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Form {
     degree: [u8; 2],

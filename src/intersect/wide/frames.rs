@@ -16,9 +16,10 @@ const NEAR: f64 = 3.0;
 /// few scene sizes.
 pub(super) const END_SPARE: f32 = 1e-5;
 
-/// By how much an origin is moved along its ray for the work in f32, from the square of its distance from
-/// the middle of the scene and the component of its position along the ray, all in scaled coordinates: to
-/// beside the scene, and backwards where the scene lies behind, as some ranges begin before the origin.
+/// By how much an origin is moved along its ray for the work in f32, from the square of its
+/// distance from the middle of the scene and the component of its position along the ray, all in
+/// scaled coordinates: to beside the scene, and backwards where the scene lies behind, as some
+/// ranges begin before the origin.
 #[inline(always)]
 pub(super) fn shift_to_scene(square: f64, along: f64) -> f64 {
     if square > NEAR * NEAR { (square.sqrt() - NEAR + 1.0).copysign(-along) } else { 0.0 }

@@ -1,5 +1,6 @@
-//! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight patches of one
-//! form; by powers ([`power_sums`]), or by Bernstein functions like [`TensorPatch::jet`].
+//! Evaluates the true surface at eight places, in f64, lane by lane: of one patch, or of eight
+//! patches of one form; by powers ([`power_sums`]), or by Bernstein functions like
+//! [`TensorPatch::jet`].
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
@@ -19,7 +20,8 @@ pub(super) trait Net<S: Simd> {
     /// The weight of all control points, where these have three numbers; `None` if the weight is 1.
     fn weight(&self, simd: S) -> Option<f64x8<S>>;
 
-    /// The first `length` numbers of the row of the `i`-th Bernstein function of `s`, or the `i`-th power.
+    /// The first `length` numbers of the row of the `i`-th Bernstein function of `s`, or the `i`-th
+    /// power.
     fn row(&self, i: usize, length: usize) -> Self::Row<'_>;
 
     /// A control point of the row, of `C` numbers.
@@ -82,8 +84,8 @@ pub(super) struct Sums<S: Simd, const C: usize> {
     pub(super) second: [[f64x8<S>; C]; 3],
 }
 
-/// Evaluates the true surface and its first derivatives at eight places, and with `SECOND` the second ones,
-/// from a net.
+/// Evaluates the true surface and its first derivatives at eight places, and with `SECOND` the
+/// second ones, from a net.
 #[inline(always)]
 pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     simd: S,
@@ -99,8 +101,8 @@ pub(super) fn jets<S: Simd, T: Net<S>, const SECOND: bool>(
     }
 }
 
-/// The same by Bernstein functions of degrees below `N`. Each is a function of its own: they need much stack,
-/// which takes time even where it is not used.
+/// The same by Bernstein functions of degrees below `N`. Each is a function of its own: they need
+/// much stack, which takes time even where it is not used.
 #[inline(never)]
 #[simd]
 fn by_bernstein<S: Simd, T: Net<S>, const SECOND: bool, const N: usize>(
@@ -211,8 +213,8 @@ struct Basis<S: Simd, const N: usize> {
     bends: [f64x8<S>; N],
 }
 
-/// Bernstein functions of a degree and their derivatives, by the recurrence from the functions of one degree
-/// less and two less.
+/// Bernstein functions of a degree and their derivatives, by the recurrence from the functions of
+/// one degree less and two less.
 #[simd]
 fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f64x8<S>) -> Basis<S, N> {
     let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));

@@ -42,8 +42,8 @@ impl Default for LaneNet {
 }
 
 impl LaneNet {
-    /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which there is at
-    /// least one; all other lanes repeat one of these.
+    /// Takes in the nets of pieces `first … first + 7` in the lanes that are `wanted`, of which
+    /// there is at least one; all other lanes repeat one of these.
     #[simd]
     pub(super) fn take<S: Simd>(
         &mut self,
@@ -165,7 +165,8 @@ fn make_all<S: Simd>(simd: S, form: Form, along: &[[ToPowers<'_>; 8]; 2], number
     }
 }
 
-/// The same for these degrees, up to three, and this many numbers in a row: all columns, then all rows.
+/// The same for these degrees, up to three, and this many numbers in a row: all columns, then all
+/// rows.
 #[inline(always)]
 fn make_all_of<S: Simd>(
     simd: S,

@@ -38,7 +38,8 @@ impl<S: Simd> Sixteen<S> {
         [[x - reach_x, x + reach_x], [y - reach_y, y + reach_y]]
     }
 
-    /// The two halves of each part, cut across the longer side, for the lengths of the leaves' half sides.
+    /// The two halves of each part, cut across the longer side, for the lengths of the leaves' half
+    /// sides.
     #[inline(always)]
     pub(super) fn halved(&self, simd: S, lengths: [f32x16<S>; 2]) -> [Self; 2] {
         let [x, y] = self.half;
@@ -119,7 +120,8 @@ impl LaneParts {
         }
     }
 
-    /// Takes out the last sixteen parts, or as many as there are; also returns a bit for each of them.
+    /// Takes out the last sixteen parts, or as many as there are; also returns a bit for each of
+    /// them.
     #[inline(always)]
     pub(super) fn pop<S: Simd>(&mut self, simd: S) -> Option<(Sixteen<S>, u32)> {
         if self.count == 0 {

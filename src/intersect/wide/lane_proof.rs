@@ -2,8 +2,8 @@
 //! [`single_proof`](super::single_proof).
 //!
 //! Some rays need many parts. So the lanes hold parts of any of the rays, sixteen at a time
-//! ([`LaneParts`]). Which parts of a ray are examined, and what is proved of them, depends on the ray and
-//! the leaf alone.
+//! ([`LaneParts`]). Which parts of a ray are examined, and what is proved of them, depends on the
+//! ray and the leaf alone.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u8x64};
 use fearless_simd_macros::simd;
@@ -47,7 +47,8 @@ pub(super) struct LaneProof<'a, S: Simd> {
 pub(super) struct Errors<S: Simd> {
     /// Error bound of a point's distance from the ray, times the weight.
     pub(super) error: f32x16<S>,
-    /// A ray that passes within the error of a border meets it: what is closer than this is not missed.
+    /// A ray that passes within the error of a border meets it: what is closer than this is not
+    /// missed.
     pub(super) off_ray: f32x16<S>,
     pub(super) slope_noise: f32x16<S>,
 }
@@ -277,7 +278,8 @@ impl Local {
             turning[k] = slope;
             unique &= lane_bits((reach * error).simd_le(f32x16::splat(simd, MOST_NOISE)));
         }
-        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are
+        // false for NaN.
         let two = one + one;
         let [[xx, xy], [yx, yy]] = turning;
         let (left_x, left_y) = (two - xx, two - yy);
@@ -379,7 +381,8 @@ mod tests {
         of
     }
 
-    /// What is proved of the whole of a leaf, each time by sixteen lanes and by the search of one ray.
+    /// What is proved of the whole of a leaf, each time by sixteen lanes and by the search of one
+    /// ray.
     struct Said {
         /// That there is one root at most.
         unique: [bool; 2],

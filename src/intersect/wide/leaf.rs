@@ -81,8 +81,8 @@ fn next_group<S: Simd>(
     None
 }
 
-/// Searches one leaf for the sixteen rays from `base` on, whose ways through its box are in `crossing`;
-/// returns whether some ray's nearest hit is new.
+/// Searches one leaf for the sixteen rays from `base` on, whose ways through its box are in
+/// `crossing`; returns whether some ray's nearest hit is new.
 #[inline(always)]
 fn search_group<S: Simd, Q>(
     simd: S,
@@ -183,7 +183,8 @@ fn search_certified<S: Simd, Q>(
     Done { found: found | finished.found, ..finished }
 }
 
-/// Of sixteen rays for which the leaf's certificate holds, those whose one root in it is the one they start on.
+/// Of sixteen rays for which the leaf's certificate holds, those whose one root in it is the one
+/// they start on.
 #[inline(always)]
 fn start_here<S: Simd>(
     simd: S,

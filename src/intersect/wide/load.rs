@@ -87,8 +87,8 @@ fn beyond<S: Simd>(simd: S, packet: &Packet, reach_of_f32: f64) -> u64 {
     far_off
 }
 
-/// Leaves out the rays that come from too far away. In their lanes, and in idle ones that repeat such a
-/// ray, numbers may overflow f32, which would spoil what is computed for all lanes.
+/// Leaves out the rays that come from too far away. In their lanes, and in idle ones that repeat
+/// such a ray, numbers may overflow f32, which would spoil what is computed for all lanes.
 fn leave_out(packet: &mut Packet, far_off: u64) {
     let other = (!far_off).trailing_zeros() as usize % PACKET;
     for k in set_bits(far_off) {

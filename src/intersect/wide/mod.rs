@@ -8,11 +8,12 @@
 //! surface, in f64, reaches the promised accuracy (`finish`). Often it is enough to prove that the
 //! root is not on the leaf or, if any hit will do, that it is (`screen`).
 //!
-//! Screening is one of three proofs added here: it concerns the one root that the certificate leaves. The
-//! other two concern a ray and a leaf for which the certificate does not hold: what the leaf's approximation
-//! says of that ray's roots (`single_proof`; `lane_proof` does this for sixteen rays and leaves at a time,
-//! which packets collect in `doubts`), and that a ray which leaves a leaf does not come back to it
-//! (`departure`, used in `start` and `packet`). What is not proved is left to the scalar search.
+//! Screening is one of three proofs added here: it concerns the one root that the certificate
+//! leaves. The other two concern a ray and a leaf for which the certificate does not hold: what the
+//! leaf's approximation says of that ray's roots (`single_proof`; `lane_proof` does this for
+//! sixteen rays and leaves at a time, which packets collect in `doubts`), and that a ray which
+//! leaves a leaf does not come back to it (`departure`, used in `start` and `packet`). What is not
+//! proved is left to the scalar search.
 //!
 //! Parts that are small compared with the scene are searched in coordinates of their own (see
 //! [`regions`](super::regions)); all three ways take rays into these coordinates and back.
@@ -23,9 +24,9 @@
 //! A single ray (`single`) traverses the same tree, sixteen boxes at a time, down to blocks of
 //! sixteen leaves; there the lanes hold the coefficients of the one leaf that is searched.
 //!
-//! Many rays that have nothing in common (`stream`) each traverse the boxes in this way; then sixteen
-//! pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the packets
-//! (`newton`).
+//! Many rays that have nothing in common (`stream`) each traverse the boxes in this way; then
+//! sixteen pairs of a ray and a leaf are searched side by side (`pairs`), in the steps of the
+//! packets (`newton`).
 //!
 //! The files, in reading order:
 //!
@@ -40,10 +41,11 @@
 //!
 //! All of them use vectors in lanes (`vectors`); the reach of leaves and the rounding errors
 //! (`proof`); the steps that searches take, and their ends (`convergence`); the surface in lanes
-//! (`jets`, or `power_sums` where the piece is well conditioned, as its `form` says; `target` serves
-//! leaves of one patch, `lane_net` those of many; nets that are not kept are made in `lane_net` or
-//! `spline_net`, both by `power_lines`); bicubic polynomials (`cubic`); the treatment of a ray that
-//! leaves a root (`start`, `departure`); and the decision of the trims on a hit (`trimmed`).
+//! (`jets`, or `power_sums` where the piece is well conditioned, as its `form` says; `target`
+//! serves leaves of one patch, `lane_net` those of many; nets that are not kept are made in
+//! `lane_net` or `spline_net`, both by `power_lines`); bicubic polynomials (`cubic`); the treatment
+//! of a ray that leaves a root (`start`, `departure`); and the decision of the trims on a hit
+//! (`trimmed`).
 
 mod apart;
 mod box_crossing;

@@ -9,8 +9,8 @@ use super::jets::Jets;
 use super::proof::WITH_SLACK;
 use super::vectors::{cross_d, dot_d, sum_of_sizes};
 
-/// The largest accepted bound, in radians, of the normal's error after a last step; above it the normal is
-/// evaluated where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
+/// The largest accepted bound, in radians, of the normal's error after a last step; above it the
+/// normal is evaluated where the step led. With 1e-10 normals were seen to be off by 1.2e-11.
 const MOST_TURN: f64 = 5e-12;
 
 /// The longest step, in half sides, of which anything is claimed: in longer ones rounding of second
@@ -40,8 +40,8 @@ pub(super) trait Leaves<S: Simd> {
     /// Whether normals are asked for; otherwise the normals found only serve error bounds.
     fn asks_normals(&self) -> bool;
 
-    /// How far beyond a side of the piece, in box coordinates, a root must lie for all of the piece in the
-    /// domain to be missed; infinite where nothing is known.
+    /// How far beyond a side of the piece, in box coordinates, a root must lie for all of the piece
+    /// in the domain to be missed; infinite where nothing is known.
     fn clearance<R: Rays<S>>(&self, simd: S, rays: &R) -> f64x8<S>;
 
     /// The lanes whose next step surely leads away from the leaf, so that the leaf is missed; none
@@ -121,14 +121,16 @@ struct Landed<S: Simd> {
 
 /// Takes Newton's steps for the `wanted` lanes, from what the search in f32 has found.
 ///
-/// Each of these rays has at most one root in the domain. So a lane that converges has found its one root. It
-/// is `found` if the root lies in the leaf or its slack; else that part of the leaf is proved to be missed.
-/// That part is also missed where the root lies so far beyond a side of the piece that no point of the piece
-/// is within the error (`clearance`), and where a step surely leads away (`surely_away`).
+/// Each of these rays has at most one root in the domain. So a lane that converges has found its
+/// one root. It is `found` if the root lies in the leaf or its slack; else that part of the leaf is
+/// proved to be missed. That part is also missed where the root lies so far beyond a side of the
+/// piece that no point of the piece is within the error (`clearance`), and where a step surely
+/// leads away (`surely_away`).
 ///
-/// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their length, and as
-/// the search in f32 ends within about 1e-5 half sides, as a rule the first step is the last. (One step with
-/// first derivatives alone, and another from where it leads, take longer than one with both.)
+/// Steps use second derivatives, too (Chebyshev's method): they leave the third power of their
+/// length, and as the search in f32 ends within about 1e-5 half sides, as a rule the first step is
+/// the last. (One step with first derivatives alone, and another from where it leads, take longer
+/// than one with both.)
 #[inline(always)] // what goes in and out are dozens of vectors
 pub(super) fn newton<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -219,13 +221,14 @@ fn within<S: Simd>([s, t]: [f64x8<S>; 2], domain: [f64x8<S>; 4]) -> [f64x8<S>; 2
 
 /// Takes a step from a place.
 ///
-/// With the distances `f` there, their first derivatives `J` and second ones `H`, the step leads back by
-/// `h + e`, where `J h = f` and `J e = ½ H[h, h]`. Let `d` be no less than the sizes of both together. What
-/// is left of the distances is then `H[h, e] + ½ H[e, e]` (at most `2 M d |e|`), what second derivatives
-/// leave of the surface (at most `T d³`), and the rounding error of the step ([`MOST_ROUNDED`]). Of
-/// both tangents together, as they are taken along the step, `2 M |e| + 3 T d²` is left.
-/// ([`FitError`](crate::patch::FitError) defines `M` and `T`.) What is left of one tangent turns the normal
-/// by its part along the normal, times the length of the other tangent, over their cross product.
+/// With the distances `f` there, their first derivatives `J` and second ones `H`, the step leads
+/// back by `h + e`, where `J h = f` and `J e = ½ H[h, h]`. Let `d` be no less than the sizes of
+/// both together. What is left of the distances is then `H[h, e] + ½ H[e, e]` (at most
+/// `2 M d |e|`), what second derivatives leave of the surface (at most `T d³`), and the rounding
+/// error of the step ([`MOST_ROUNDED`]). Of both tangents together, as they are taken along the
+/// step, `2 M |e| + 3 T d²` is left. ([`FitError`](crate::patch::FitError) defines `M` and `T`.)
+/// What is left of one tangent turns the normal by its part along the normal, times the length of
+/// the other tangent, over their cross product.
 #[inline(always)]
 fn land<S: Simd, T: Leaves<S>, R: Rays<S>>(
     simd: S,
@@ -322,7 +325,8 @@ struct Trusted<S: Simd> {
     known: mask64x8<S>,
 }
 
-/// Judges a step by first derivatives, what second ones add to it, and the tangents where both lead.
+/// Judges a step by first derivatives, what second ones add to it, and the tangents where both
+/// lead.
 #[inline(always)]
 fn trusted<S: Simd, T: Leaves<S>>(
     simd: S,
@@ -431,8 +435,8 @@ impl<S: Simd> Converged<S> {
         (self.point, self.cross) = (point, cross_d(ds, dt));
     }
 
-    /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to the scalar
-    /// search.
+    /// Judges the roots. Those just outside the piece, or too near the ray's ends, are left to the
+    /// scalar search.
     #[inline(always)]
     pub(super) fn verdict(
         &self,
@@ -457,7 +461,8 @@ impl<S: Simd> Converged<S> {
             & (z.simd_le(z_max - near_end) | z.simd_ge(z_max + near_end));
         let mut undecided = found & (!on_piece(simd, self.st) | !clear);
         if !certified {
-            // Rounding of a parameter must be small compared with the error; no certificate has checked that.
+            // Rounding of a parameter must be small compared with the error; no certificate has
+            // checked that.
             undecided |= found & !(f64x8::splat(simd, COARSEST) * self.speed).simd_le(error);
         }
         let acceptable = found & !undecided & z.simd_gt(z_min);

@@ -1,5 +1,6 @@
-//! Bounds shared by the rays of a packet, computed from the rays as they are given: enough to see that most
-//! packets of a picture's background meet nothing, before anything else is computed for them.
+//! Bounds shared by the rays of a packet, computed from the rays as they are given: enough to see
+//! that most packets of a picture's background meet nothing, before anything else is computed for
+//! them.
 
 use fearless_simd::{Simd, SimdBase, f64x8};
 use fearless_simd_macros::simd;
@@ -19,8 +20,9 @@ const FARTHEST_MOVED: f32 = 4.0;
 /// after one more operation, it is at most four times that.
 const ROUNDED: f32 = f32::EPSILON;
 
-/// No point of a scene is as far as this from its middle, in scaled coordinates, all of which are at most one
-/// ([`ScaledFrame`](crate::patch::ScaledFrame)), nor is any point within rounding of the scene.
+/// No point of a scene is as far as this from its middle, in scaled coordinates, all of which are
+/// at most one ([`ScaledFrame`](crate::patch::ScaledFrame)), nor is any point within rounding of
+/// the scene.
 const BESIDE: f64 = 1.75;
 
 /// What is known of some rays.
@@ -92,8 +94,8 @@ pub(super) fn outline<S: Simd, Q: Shot>(simd: S, shots: &[Q], view: &BvhView<'_>
     Outline::Bounds(bounds, (to * scaled.scale - shift) as f32 + END_SPARE)
 }
 
-/// The range of a component of unit vectors, from the ranges of that component of the vectors as given and of one
-/// over their lengths.
+/// The range of a component of unit vectors, from the ranges of that component of the vectors as
+/// given and of one over their lengths.
 fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f64; 2] {
     [
         from * if from < 0.0 { per_shortest } else { per_longest },
@@ -101,8 +103,8 @@ fn unit_range([from, to]: [f64; 2], [per_shortest, per_longest]: [f64; 2]) -> [f
     ]
 }
 
-/// How near to 0 lines may come that pass through points of a box, given by its middle and half sides, with
-/// unit directions of these ranges.
+/// How near to 0 lines may come that pass through points of a box, given by its middle and half
+/// sides, with unit directions of these ranges.
 ///
 /// With the middles `m` and `d`, and all else no farther from them than `r` and `e`, this is
 /// `|(m + δ) × (d + ε)| ≥ |m × d| − |m| e − r`, since `d + ε` is a unit vector.

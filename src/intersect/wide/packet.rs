@@ -64,8 +64,8 @@ pub(in crate::intersect) struct Packet {
     pub(super) leaf: [u32; PACKET],
     pub(super) piece: [u32; PACKET],
     pub(super) surface: [u32; PACKET],
-    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal needs a
-    /// closer look.
+    /// One bit a ray: whether its nearest hit may be within rounding of a border, or its normal
+    /// needs a closer look.
     pub(super) needs_look: u64,
     /// The ray parameter.
     pub(super) ray_t: [f64; PACKET],
@@ -118,7 +118,8 @@ pub(in crate::intersect) struct LaneHit {
     pub(in crate::intersect) point: DVec3,
     /// NaN where there is none.
     pub(in crate::intersect) normal: DVec3,
-    /// Whether it may be within rounding of a border of its surface, or its normal needs a closer look.
+    /// Whether it may be within rounding of a border of its surface, or its normal needs a closer
+    /// look.
     pub(in crate::intersect) needs_look: bool,
 }
 
@@ -192,8 +193,9 @@ impl Packet {
         mask32x8::from_bitmask(simd, hits).select(far, old).store_slice(lanes);
     }
 
-    /// One bit for each of sixteen rays whose crossing of a box lies in the range in which hits count, and
-    /// ahead of the root it starts on. The box was grown by more than the errors of its leaf or of the ray.
+    /// One bit for each of sixteen rays whose crossing of a box lies in the range in which hits
+    /// count, and ahead of the root it starts on. The box was grown by more than the errors of its
+    /// leaf or of the ray.
     #[simd]
     pub(super) fn within_range<S: Simd>(
         &self,
@@ -413,8 +415,8 @@ fn pair(lanes: &[[f64; PACKET]; 2], k: usize) -> DVec2 {
     DVec2::new(lanes[0][k], lanes[1][k])
 }
 
-/// Direction components this near to zero decide nothing: their inverses, times distances, must not overflow
-/// f32.
+/// Direction components this near to zero decide nothing: their inverses, times distances, must not
+/// overflow f32.
 const TINY: f32 = 1e-20;
 
 impl PacketBounds {

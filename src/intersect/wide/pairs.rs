@@ -257,7 +257,8 @@ impl PairLanes {
         self.fit_error[lane] = leaf.fit_error();
     }
 
-    /// Sets the distances of the approximations from the rays' planes, as in [`LaneDistances::take`].
+    /// Sets the distances of the approximations from the rays' planes, as in
+    /// [`LaneDistances::take`].
     #[simd]
     fn take_distances<S: Simd>(
         &mut self,
@@ -283,7 +284,8 @@ impl PairLanes {
                 let both = simd.narrow_f64x8(normals[0][k][i], normals[1][k][i]);
                 both.store_slice(&mut normal[i]);
             }
-            // Each lane's sixteen coefficients come first: so two matrices are transposed, not three.
+            // Each lane's sixteen coefficients come first: so two matrices are transposed, not
+            // three.
             let mut rows = [f32x16::splat(simd, 0.0); LANES];
             for lane in 0..LANES {
                 let [x, y, z] = leaves[lane].leaf.fit();

@@ -1,5 +1,5 @@
-//! Converts control points to coefficients of powers, line by line of a net: of eight nets side by side, or
-//! of eight numbers of one net.
+//! Converts control points to coefficients of powers, line by line of a net: of eight nets side by
+//! side, or of eight numbers of one net.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
@@ -35,7 +35,8 @@ pub(super) fn coefficients<S: Simd>(
 /// Where lines of points lie in an array of groups of eight numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Lines {
-    /// Lines that lie side by side form a block: how many blocks there are, and how far apart they begin.
+    /// Lines that lie side by side form a block: how many blocks there are, and how far apart they
+    /// begin.
     pub(super) blocks: usize,
     pub(super) apart: usize,
     /// How many lines a block has, and how far apart the points of a line are.
@@ -62,8 +63,8 @@ pub(super) fn make_lines<S: Simd>(
     }
 }
 
-/// The same for lines of `N` points, with the operations of [`coefficients`]; unrolled, so that sums stay in
-/// registers.
+/// The same for lines of `N` points, with the operations of [`coefficients`]; unrolled, so that
+/// sums stay in registers.
 #[simd]
 fn make_lines_of<S: Simd, const N: usize>(
     simd: S,

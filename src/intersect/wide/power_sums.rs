@@ -1,5 +1,6 @@
-//! Evaluates the true surface at eight places, in f64, by powers about the middle of its pieces (Horner):
-//! the jets of [`jets`](super::jets) in less than half as many operations, for degrees up to seven.
+//! Evaluates the true surface at eight places, in f64, by powers about the middle of its pieces
+//! (Horner): the jets of [`jets`](super::jets) in less than half as many operations, for degrees up
+//! to seven.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use fearless_simd_macros::simd;
@@ -81,8 +82,8 @@ fn jets_of<
     )
 }
 
-/// The next sum of a derivative in Horner's scheme, after `step` steps, from `lower`, the sum of one order
-/// less. At first the sum is zero, so nothing is multiplied.
+/// The next sum of a derivative in Horner's scheme, after `step` steps, from `lower`, the sum of
+/// one order less. At first the sum is zero, so nothing is multiplied.
 #[inline(always)]
 fn next<S: Simd>(
     sum: f64x8<S>,
@@ -116,8 +117,8 @@ mod tests {
     use crate::math::testing::same_cases;
     use crate::patch::{PatchSet, TensorPatch};
 
-    /// A net of some degrees, more or less wild: its points are within one of the origin, its weights within
-    /// a factor.
+    /// A net of some degrees, more or less wild: its points are within one of the origin, its
+    /// weights within a factor.
     fn nets() -> impl Strategy<Value = NurbsSurface> {
         let weights = prop_oneof![Just(1.0), 1.0..15.9f64];
         let degrees = (1usize..=8, 1usize..=8, weights, prop_oneof![Just(1.0), 0.0..0.3f64]);
@@ -139,8 +140,8 @@ mod tests {
         })
     }
 
-    /// The largest differences from the scalar code: of points, of first derivatives, and of second ones
-    /// relative to their size.
+    /// The largest differences from the scalar code: of points, of first derivatives, and of second
+    /// ones relative to their size.
     fn off(patch: &TensorPatch, places: &[DVec2; 8]) -> [f64; 3] {
         let mut most = [0f64; 3];
         for level in Kernel::ALL.iter().filter_map(|kernel| kernel.level()) {

@@ -1,11 +1,13 @@
-//! Shared by the proofs about one ray and a leaf: how far leaves reach, parts of leaves, and rounding errors.
+//! Shared by the proofs about one ray and a leaf: how far leaves reach, parts of leaves, and
+//! rounding errors.
 
 use crate::patch::{LEAF_SLACK, WIDENING};
 
 /// How far from its middle a leaf's certificate holds, in half sides.
 pub(super) const WIDENED: f64 = 1.0 + 2.0 * WIDENING;
 
-/// How far from a leaf's middle roots count as the leaf's, in half sides: in its rectangle and its slack.
+/// How far from a leaf's middle roots count as the leaf's, in half sides: in its rectangle and its
+/// slack.
 pub(super) const WITH_SLACK: f64 = 1.0 + 2.0 * LEAF_SLACK;
 
 /// Rounding error in f32 of distances whose terms add up to one: 33 units of 2⁻²⁴. A coefficient
@@ -28,10 +30,12 @@ pub(super) const LEAF: f32 = 1.0 + 2.1 * LEAF_SLACK as f32;
 /// Roots are unique in a box widened by this factor, so that one on its side is not lost.
 pub(super) const GROWN: f32 = 1.1;
 
-/// How far Newton's step from the middle of a box may lead, in its half sides, if the box is to hold a root.
+/// How far Newton's step from the middle of a box may lead, in its half sides, if the box is to
+/// hold a root.
 pub(super) const MAY_STEP: f32 = 1.05;
 
-/// Boxes smaller than this, in half sides of the leaf, are not halved merely because such a step leads away.
+/// Boxes smaller than this, in half sides of the leaf, are not halved merely because such a step
+/// leads away.
 pub(super) const SMALLEST: f32 = 0.1;
 
 /// The box in which a ray's start is looked for is widened by this factor: by less than [`GROWN`].

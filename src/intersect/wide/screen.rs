@@ -1,25 +1,27 @@
-//! Proofs from the search in f32 about a leaf's one root, before anything is done in f64: that it is
-//! not there, or that it surely is.
+//! Proofs from the search in f32 about a leaf's one root, before anything is done in f64: that it
+//! is not there, or that it surely is.
 //!
 //! Most rays that meet the box of a leaf beside the one they hit have a root just outside of that
 //! leaf; and for a ray that asks for any hit, it only matters that there is one.
 //!
 //! # Proof
-//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and their
-//! derivatives at `x₁`, in box coordinates; let `A` be the matrix meant to be the inverse of `J = (a b)`, and
-//! `x₂ = x₁ + h`. With the bounds `E`, `σ` and `M` of [`FitError`](crate::patch::FitError), the true
-//! distances are, at any `x` with `|x − x₁| ≤ r` (the larger component),
+//! Let `f`, `a`, `b` be the approximation's distances from the ray's planes, times its weight, and
+//! their derivatives at `x₁`, in box coordinates; let `A` be the matrix meant to be the inverse of
+//! `J = (a b)`, and `x₂ = x₁ + h`. With the bounds `E`, `σ` and `M` of
+//! [`FitError`](crate::patch::FitError), the true distances are, at any `x` with `|x − x₁| ≤ r`
+//! (the larger component),
 //!
 //! `F(x) = f + J (x − x₁) + e = q + J (x − x₂) + e`, `q = f + J h`, `|e| ≤ E + 2σ r + M r²`,
 //!
 //! except for the error that a point may have anyway, times the weight, and for rounding: both are
 //! added to `E`.
 //!
-//! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of `|A J − I|`.
-//! Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`. If this is less than
-//! `ρ` wherever `|x − x₂| = ρ`, the two components of `A F` have the signs of those of `x − x₂` on the
-//! sides of the square of half side `ρ` about `x₂`, so there is a root in it (Miranda 1940). Where the
-//! leaf's certificate holds for the ray, that root is the only one in the widened leaf.
+//! *There is a root near `x₂`.* Let `α` be the largest row sum of `|A|`, and `ν` that of
+//! `|A J − I|`. Then `A F(x)` differs from `x − x₂` by no more than `α (|q| + |e|) + ν |x − x₂|`.
+//! If this is less than `ρ` wherever `|x − x₂| = ρ`, the two components of `A F` have the signs of
+//! those of `x − x₂` on the sides of the square of half side `ρ` about `x₂`, so there is a root in
+//! it (Miranda 1940). Where the leaf's certificate holds for the ray, that root is the only one in
+//! the widened leaf.
 //!
 //! *There is none.* Where `x₁` lies beyond the leaf, the certificate shows from `F(x₁)` alone that
 //! the leaf is missed: see [`Certificate`](crate::patch::Certificate). `F(x₁)` differs from `f` by
@@ -62,9 +64,9 @@ pub(super) struct Screened {
     pub(super) met: u32,
 }
 
-/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet, for
-/// those that are `asked` for; the leaf's certificate holds for them. `error` is the error bound of a
-/// point's distance from the ray.
+/// Returns what the last step of the search in f32 proves of rays `base … base + 15` of the packet,
+/// for those that are `asked` for; the leaf's certificate holds for them. `error` is the error
+/// bound of a point's distance from the ray.
 #[simd]
 pub(super) fn screen<S: Simd>(
     simd: S,
@@ -101,7 +103,8 @@ struct Screen<'a, S: Simd> {
     target: &'a Target<'a>,
     /// The normals of the rays' planes.
     normals: [[f32x16<S>; 3]; 2],
-    /// How steep the rays are. The sign is that of the determinant, which is the same on all of the leaf.
+    /// How steep the rays are. The sign is that of the determinant, which is the same on all of the
+    /// leaf.
     upright: f32x16<S>,
     /// The measure of the rounding error of the distances.
     terms: f32x16<S>,
@@ -118,8 +121,8 @@ impl<S: Simd> Screen<'_, S> {
         let leaf = self.target.leaf;
 
         // Distances take twelve roundings of coefficients and sums; derivatives, of three times the
-        // size, take as many. The roundings of the step and of what it leaves are small compared with
-        // the slack given to it (`per_move`, `MOST_OFF`).
+        // size, take as many. The roundings of the step and of what it leaves are small compared
+        // with the slack given to it (`per_move`, `MOST_OFF`).
         let noise = self.terms * splat(simd, DISTANCE_ROUNDING);
         let off = noise + splat(simd, leaf.fit_error()) + self.error;
         let per_move = splat(simd, 2.0 * leaf.slope_error()) + noise * splat(simd, 4.0);
@@ -154,8 +157,8 @@ impl<S: Simd> Screen<'_, S> {
         Screened { missed, met: lane_bits(known & within) }
     }
 
-    /// The lanes that are beyond the leaf on some side, and for which the certificate shows that the
-    /// leaf is missed.
+    /// The lanes that are beyond the leaf on some side, and for which the certificate shows that
+    /// the leaf is missed.
     #[inline(always)]
     fn away(
         &self,
@@ -251,7 +254,8 @@ mod tests {
         hits.iter().any(|hit| hit.root.piece == leaf.piece && inside(hit.root.st))
     }
 
-    /// Lines through places of a leaf and just outside of it, at any angle for which its certificate holds.
+    /// Lines through places of a leaf and just outside of it, at any angle for which its
+    /// certificate holds.
     #[test]
     fn what_is_said_of_a_leaf_is_so() {
         let bodies = [shapes::sphere(1.0), shapes::torus(1.0, 0.4), Ok(weighted_hills())]

@@ -1,18 +1,19 @@
-//! Traces one ray through the boxes: the nearest certain hit, and the leaves that are left undecided.
+//! Traces one ray through the boxes: the nearest certain hit, and the leaves that are left
+//! undecided.
 //!
 //! # Why it is right
-//! - No box is entered too late or left too early: the planes of axis-parallel boxes are moved outwards by
-//!   more than the rounding errors, and oriented boxes were grown when they were made. So every leaf that is
-//!   met before the nearest hit is searched, in whatever order, and the nearest of the hits counts: the
-//!   answer does not depend on the tree.
+//! - No box is entered too late or left too early: the planes of axis-parallel boxes are moved
+//!   outwards by more than the rounding errors, and oriented boxes were grown when they were made.
+//!   So every leaf that is met before the nearest hit is searched, in whatever order, and the
+//!   nearest of the hits counts: the answer does not depend on the tree.
 //! - In small parts of the scene the same holds in other coordinates (see
-//!   [`regions`](crate::intersect::regions)), to which the ray is converted anew from f64. A ray that passes
-//!   far beside such a part has inaccurate coordinates there, but nothing to meet.
-//! - A leaf is left as missed where the certificate, or the ray's own proof, leaves at most one root in the
-//!   widened leaf or a part of it, and Newton's iteration on the true surface finds that root outside the
-//!   leaf, beyond a side of the piece by more than any error, outside the ray's range, or to be the one the
-//!   ray starts on; where the proof leaves no root; or where the ray leaves the leaf and cannot come back
-//!   (`departure`).
+//!   [`regions`](crate::intersect::regions)), to which the ray is converted anew from f64. A ray
+//!   that passes far beside such a part has inaccurate coordinates there, but nothing to meet.
+//! - A leaf is left as missed where the certificate, or the ray's own proof, leaves at most one
+//!   root in the widened leaf or a part of it, and Newton's iteration on the true surface finds
+//!   that root outside the leaf, beyond a side of the piece by more than any error, outside the
+//!   ray's range, or to be the one the ray starts on; where the proof leaves no root; or where the
+//!   ray leaves the leaf and cannot come back (`departure`).
 //! - A hit is a root on the true surface, clear of the ends of the ray and of its start.
 //! - Everything else is listed in [`SingleWork::undecided`] for the scalar search, which handles
 //!   borders, poles, tangency and the ends of rays.
@@ -143,8 +144,9 @@ fn search_leaf<S: Simd>(
     }
 }
 
-/// Searches one leaf for one ray that does not start on its one root there: from a start in box coordinates, if
-/// the leaf is certified for the ray; `error` is the error bound of a point's distance from the ray.
+/// Searches one leaf for one ray that does not start on its one root there: from a start in box
+/// coordinates, if the leaf is certified for the ray; `error` is the error bound of a point's
+/// distance from the ray.
 #[inline(always)]
 pub(super) fn search_ahead<S: Simd>(
     simd: S,

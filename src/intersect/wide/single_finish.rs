@@ -1,11 +1,11 @@
 //! One ray against one leaf, in f64 on the true surface.
 //!
-//! In the domain that the caller gives there is at most one root: in the widened leaf, where the certificate
-//! holds for the ray, or in a part of it, where the ray's own proof does. So where Newton's iteration
-//! converges, it has found this one root: a hit if the root lies in the leaf or its slack; else the domain is
-//! proved to hold none. A root outside the piece by more than `clearance` is a miss. Other roots outside the
-//! piece, or too near an end of the ray or the root it starts on, are left to the scalar search, as is a ray
-//! whose iteration does not converge.
+//! In the domain that the caller gives there is at most one root: in the widened leaf, where the
+//! certificate holds for the ray, or in a part of it, where the ray's own proof does. So where
+//! Newton's iteration converges, it has found this one root: a hit if the root lies in the leaf or
+//! its slack; else the domain is proved to hold none. A root outside the piece by more than
+//! `clearance` is a miss. Other roots outside the piece, or too near an end of the ray or the root
+//! it starts on, are left to the scalar search, as is a ray whose iteration does not converge.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 use fearless_simd_macros::simd;
@@ -47,8 +47,8 @@ pub(super) enum Outcome {
     NotFound,
 }
 
-/// Takes Newton's steps in f64 in a domain with at most one root. A hit is put into `found`, all but
-/// its leaf: a returned hit would be copied, which stalls. Also returns the number of steps.
+/// Takes Newton's steps in f64 in a domain with at most one root. A hit is put into `found`, all
+/// but its leaf: a returned hit would be copied, which stalls. Also returns the number of steps.
 ///
 /// Everything is computed in homogeneous coordinates relative to the origin, `Y = X − o W`: where
 /// `n · Y / W` is zero, so is `n · Y`, and no division by the weight is needed on the way.
@@ -248,7 +248,8 @@ fn judge(
         return Outcome::Missed;
     }
     let clear = (z - z_min).abs() > reach && (z - z_max).abs() > reach && z.abs() > reach;
-    // Rounding of a parameter must be small compared with the error; without a certificate, nothing has checked that.
+    // Rounding of a parameter must be small compared with the error; without a certificate, nothing
+    // has checked that.
     let speed = sum_of_sizes(*along_x) * half[1] + sum_of_sizes(*along_y) * half[0];
     let fine = COARSEST * speed <= error * half[0] * half[1];
     if !(on_piece && clear && fine) {

@@ -10,11 +10,11 @@
 //! `g₂ = a × f`. If all Bernstein coefficients of one of them are farther from zero than the errors
 //! reach, on the same side, so is that function everywhere in the box.
 //!
-//! *One root at most*: divided by `a × b` they become `g₁ = x + …`, `g₂ = y + …`. Between two roots the
-//! mean of `g'` would be singular. With `|I − g'| ≤ R` everywhere, entry by entry, it is not singular
-//! where `I − R` has an inverse `P` without negative entries; the entries of the mean's inverse are
-//! then no larger than those of `P` (Ostrowski 1937). The slopes of the true distances differ from the
-//! approximation's by their known error bounds.
+//! *One root at most*: divided by `a × b` they become `g₁ = x + …`, `g₂ = y + …`. Between two roots
+//! the mean of `g'` would be singular. With `|I − g'| ≤ R` everywhere, entry by entry, it is not
+//! singular where `I − R` has an inverse `P` without negative entries; the entries of the mean's
+//! inverse are then no larger than those of `P` (Ostrowski 1937). The slopes of the true distances
+//! differ from the approximation's by their known error bounds.
 
 use fearless_simd::{Simd, SimdBase, SimdCombine, SimdFloat, SimdSplit, f32x4, f32x8};
 use fearless_simd_macros::simd;
@@ -29,8 +29,8 @@ use super::single_search::{Distances, transposed_rows};
 use super::view::Fitted;
 use crate::math::rounding;
 
-/// The largest number of boxes to examine before the scalar search is called, which takes as long as about
-/// thirty.
+/// The largest number of boxes to examine before the scalar search is called, which takes as long
+/// as about thirty.
 const MOST_BOXES: usize = 24;
 
 /// The largest number of boxes with a root each: a ray that needs more is rare.
@@ -73,7 +73,8 @@ pub(super) fn isolate<S: Simd>(
         return None;
     }
     let noise = DISTANCE_ROUNDING * terms;
-    // A ray that passes within the error of a border meets it: what is closer than this is not missed.
+    // A ray that passes within the error of a border meets it: what is closer than this is not
+    // missed.
     let off_ray = leaf.fit_error() + noise + rounding::f32_above(weighted);
     // The whole leaf shows little more than its certificate says.
     let mut waiting = [LeafPart::default(); MOST_BOXES];
@@ -196,7 +197,8 @@ impl<S: Simd> Local<S> {
         let slope_error = slope_error + 2.0 * DISTANCE_ROUNDING * self.size;
         let reach = [b1.abs() + b2.abs(), a1.abs() + a2.abs()];
         let off = [reach[0] * slope_error, reach[1] * slope_error];
-        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are false for NaN.
+        // The sums contain the 1 that is wanted on the diagonal of `g'`, hence the two. All are
+        // false for NaN.
         let (left_x, left_y) = (2.0 - xx - off[0], 2.0 - yy - off[1]);
         let (xy, yx) = (xy + off[0], yx + off[1]);
         let sure = (left_x * left_y - xy * yx) * MOST_INVERSE;
@@ -218,7 +220,8 @@ impl<S: Simd> Local<S> {
     }
 }
 
-/// `i GROWNⁱ⁺ʲ⁻¹` by `x`, and `j GROWNⁱ⁺ʲ⁻¹` by `y`, for both distances: `j` by vector, `i` by lane.
+/// `i GROWNⁱ⁺ʲ⁻¹` by `x`, and `j GROWNⁱ⁺ʲ⁻¹` by `y`, for both distances: `j` by vector, `i` by
+/// lane.
 const SLOPE_WEIGHTS: [[[f32; 8]; 4]; 2] = {
     let mut weights = [[[0.0; 8]; 4]; 2];
     let mut k = 1;

@@ -15,18 +15,20 @@ use crate::patch::{Leaf, ScaledFrame};
 pub(super) struct Guess {
     /// The start, in box coordinates.
     pub(super) start: [f32; 2],
-    /// If the root lies farther than this beyond a side of the piece, in box coordinates, the piece is
-    /// missed there.
+    /// If the root lies farther than this beyond a side of the piece, in box coordinates, the piece
+    /// is missed there.
     pub(super) clearance: f64,
 }
 
 impl Guess {
     /// Makes a guess from the slopes of the direction by the box's rows, and the error bound of a
-    /// point's distance from the ray; `None` where the leaf's certificate does not hold for the ray.
+    /// point's distance from the ray; `None` where the leaf's certificate does not hold for the
+    /// ray.
     #[inline(always)]
     pub(super) fn of(leaf: &Leaf, start: [f32; 2], slopes: [f32; 3], error: f64) -> Option<Self> {
         let certificate = &leaf.certificate;
-        // How far rays pass from a pole is not examined here, only by the scalar search and the packets.
+        // How far rays pass from a pole is not examined here, only by the scalar search and the
+        // packets.
         if leaf.has_pole() {
             return None;
         }
@@ -46,8 +48,8 @@ pub(super) struct HitPlace {
 
 /// A hit that is certain.
 ///
-/// The fields are in this order, with the leaf between the two vectors: else both would be written as one
-/// long and one short vector, and read across the two, which has to wait for them.
+/// The fields are in this order, with the leaf between the two vectors: else both would be written
+/// as one long and one short vector, and read across the two, which has to wait for them.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(in crate::intersect) struct SingleHit {

@@ -12,7 +12,8 @@ use super::view::Fitted;
 pub(super) const FIT_DOMAIN: f32 = crate::patch::FIT_DOMAIN as f32;
 
 /// The distances `f₁`, `f₂` of a leaf's approximation from a ray's planes, times its weight (see
-/// [`Leaf`](crate::patch::Leaf)): coefficients of `xⁱ yʲ`, `i` by vector, `j` by lane, first those of `f₁`, then those of `f₂`.
+/// [`Leaf`](crate::patch::Leaf)): coefficients of `xⁱ yʲ`, `i` by vector, `j` by lane, first those
+/// of `f₁`, then those of `f₂`.
 #[derive(Clone, Copy)]
 pub(super) struct Distances<S: Simd> {
     pub(super) rows: [f32x8<S>; 4],
@@ -76,10 +77,10 @@ impl<S: Simd> Distances<S> {
 
     /// Runs Newton's iteration in box coordinates, from a start there.
     ///
-    /// Sums of powers of `x` are computed on all lanes at once; they are then transposed into four powers of
-    /// `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one before, so sums are
-    /// made by halves (Estrin 1960): of a cubic two operations wait for each other, not three as in Horner's
-    /// scheme.
+    /// Sums of powers of `x` are computed on all lanes at once; they are then transposed into four
+    /// powers of `y` of `f₁`, `f₂` and their derivatives by `x`. Each operation waits for the one
+    /// before, so sums are made by halves (Estrin 1960): of a cubic two operations wait for each
+    /// other, not three as in Horner's scheme.
     #[simd]
     pub(super) fn newton(self, simd: S, start: [f32; 2]) -> [f32; 2] {
         let rows = &self.rows;

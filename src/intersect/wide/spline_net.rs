@@ -8,12 +8,12 @@ use crate::patch::{
     LONGEST, LONGEST_OF_CUBIC, NetRoom, NetSource, PieceNet, SplineNet, TensorPatch, ToPowers,
 };
 
-/// How many nets are kept. As a rule, more than the pieces that one packet meets: the packets beside it meet
-/// some of them, too.
+/// How many nets are kept. As a rule, more than the pieces that one packet meets: the packets
+/// beside it meet some of them, too.
 const KEPT: usize = 16;
 
-/// Nets made for the last searches, of a scene's pieces: neighbouring rays often meet the same pieces. Room
-/// for the nets is allocated once one is made.
+/// Nets made for the last searches, of a scene's pieces: neighbouring rays often meet the same
+/// pieces. Room for the nets is allocated once one is made.
 #[derive(Debug, Default)]
 pub(super) struct RecentNets(Option<Box<[RecentNet; KEPT]>>);
 
@@ -115,7 +115,8 @@ fn make_long<S: Simd>(
     }
 }
 
-/// [`make`] by powers, for these degrees and numbers a point: two columns, then two rows, at a time.
+/// [`make`] by powers, for these degrees and numbers a point: two columns, then two rows, at a
+/// time.
 #[inline(always)]
 fn make_of<S: Simd>(
     simd: S,
@@ -315,9 +316,9 @@ mod tests {
         }
     }
 
-    /// A control point at either end of those that govern a piece has so small a share in the piece that it
-    /// may be hundreds of times as heavy as all points on the piece, which is well conditioned all the same:
-    /// what is made of such points is as exact as what is made of others.
+    /// A control point at either end of those that govern a piece has so small a share in the piece
+    /// that it may be hundreds of times as heavy as all points on the piece, which is well
+    /// conditioned all the same: what is made of such points is as exact as what is made of others.
     #[test]
     fn heavy_points_at_the_ends_take_no_digits() {
         for (degree, times) in

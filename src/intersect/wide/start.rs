@@ -29,9 +29,9 @@ impl Start<'_> {
         Some([place(s, root.st.x) as f32, place(t, root.st.y) as f32])
     }
 
-    /// Whether the ray starts on a leaf and is known not to meet it again. `certified` says whether the
-    /// leaf's certificate holds for the ray from `origin` along the unit vector `axis`, `error` is the error
-    /// bound of a point's distance from the ray.
+    /// Whether the ray starts on a leaf and is known not to meet it again. `certified` says whether
+    /// the leaf's certificate holds for the ray from `origin` along the unit vector `axis`, `error`
+    /// is the error bound of a point's distance from the ray.
     #[inline(always)]
     pub(super) fn is_done_with<S: Simd>(
         &self,

@@ -51,8 +51,8 @@ struct Flight {
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Stream {
     flights: Vec<Flight>,
-    /// The rays on their way through the boxes, with what each comes to next, and the rays that wait for
-    /// their pairs.
+    /// The rays on their way through the boxes, with what each comes to next, and the rays that
+    /// wait for their pairs.
     walking: Vec<(u32, ChildCode)>,
     waiting: Vec<u32>,
     nodes: Visits,
@@ -403,8 +403,8 @@ impl Flight {
         }
     }
 
-    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded differently
-    /// from those of [`start`], but in the same way for every such ray.)
+    /// Goes on in other scaled coordinates. (Back in the first ones, they may be rounded
+    /// differently from those of [`start`], but in the same way for every such ray.)
     #[cold]
     fn change_to(&mut self, scaled: &ScaledFrame, ray: &Ray) {
         let frame = RayFrame::new(ray);

@@ -255,7 +255,8 @@ impl<S: Simd> Leaves<S> for Ground8<'_, S> {
             .mul_add(f64x8::splat(simd, other_s), normal.mul_add(f64x8::splat(simd, out_s), rest));
         let turned_t = (across_b + rest)
             .mul_add(f64x8::splat(simd, other_t), normal.mul_add(f64x8::splat(simd, out_t), rest));
-        // The step goes back by `step_s` and `step_t`: it leads away where it has the sign of the place's side.
+        // The step goes back by `step_s` and `step_t`: it leads away where it has the sign of the
+        // place's side.
         let away_s = beyond_s & (from_middle_s * step_s).simd_lt(zero);
         let away_t = beyond_t & (from_middle_t * step_t).simd_lt(zero);
         let (sure_s, sure_t) = (across_b.simd_gt(turned_s), across_a.simd_gt(turned_t));

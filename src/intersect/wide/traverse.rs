@@ -28,8 +28,8 @@ type Visit = (f32, ChildCode, u64);
 /// Slack for the f32 rounding of slabs at the distances a ray has inside the scene.
 const SLAB_SPARE: f32 = 1e-5;
 
-/// A box's row decides only where the least slope of a packet's rays is more than this part of the largest:
-/// else the slope may vanish, as far as rounding can tell, and the row would say little.
+/// A box's row decides only where the least slope of a packet's rays is more than this part of the
+/// largest: else the slope may vanish, as far as rounding can tell, and the row would say little.
 const LEAST_DECIDED: f32 = 1e-3;
 
 /// Scratch memory and results of tracing packets.
@@ -74,8 +74,8 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     work.undecided.clear();
     work.doubts.clear();
     work.undecided_rays = 0;
-    // If the packet before has met something, this one probably does, too; rays that leave a hit meet
-    // the box of its leaf.
+    // If the packet before has met something, this one probably does, too; rays that leave a hit
+    // meet the box of its leaf.
     let leaves_hits = shots.first().is_some_and(|shot| shot.start_root().is_some());
     if packet.met() == 0 && !leaves_hits && meets_nothing(simd, view, shots, work) {
         return packet.clear(shots.len());
@@ -115,7 +115,8 @@ pub(in crate::intersect) fn trace<S: Simd, Q: Shot>(
     }
 }
 
-/// Goes on in the coordinates of another region; the pairs put aside, in those of the last, are settled first.
+/// Goes on in the coordinates of another region; the pairs put aside, in those of the last, are
+/// settled first.
 #[cold]
 #[simd]
 fn change_region<S: Simd>(

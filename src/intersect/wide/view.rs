@@ -25,8 +25,8 @@ pub(super) struct Fitted<'a> {
 }
 
 impl Fitted<'_> {
-    /// An upper bound of the weight. Where a point may be off a ray by some error, its distances times the
-    /// weight may be off by this many times that error.
+    /// An upper bound of the weight. Where a point may be off a ray by some error, its distances
+    /// times the weight may be off by this many times that error.
     #[inline(always)]
     pub(super) fn heaviest(self) -> f32 {
         if self.weight.is_some() { MOST_WEIGHT } else { 1.0 }
@@ -43,8 +43,8 @@ impl<'a> BvhView<'a> {
         magnitude > self.reach_of_f32
     }
 
-    /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and the
-    /// control points of these.
+    /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and
+    /// the control points of these.
     #[inline(always)]
     pub(super) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR

@@ -106,7 +106,8 @@ impl<'a> Reader<'a> {
             }
             None => {
                 let mut curve = self.trim_curve(entry, (index, place.clone()), &keys, unused)?;
-                // Free-form points alone are a closed polygon, whether the last repeats the first or not.
+                // Free-form points alone are a closed polygon, whether the last repeats the first
+                // or not.
                 if let CurveKind::Polyline(points) = &mut curve.kind {
                     let first = points.first().copied();
                     points.extend(first.filter(|first| points.last() != Some(first)));

@@ -157,7 +157,8 @@ fn free_form_surfaces_are_named_where_they_begin() {
 
 #[test]
 fn what_other_programs_leave_behind_is_noted() {
-    // Vertices of no face before, between and after the others: faces and tags still name the same vertices.
+    // Vertices of no face before, between and after the others: faces and tags still name the same
+    // vertices.
     let loose =
         "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 8 8 8\nv 1 1 0\nv 0 1 0\nv 7 7 7 0.5\nv 2 0 0\nv 2 1 0\n";
     let tags = "t crease 2/1/0 2 4 2\nt corner 1/1/0 7 3\n";

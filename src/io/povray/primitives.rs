@@ -10,7 +10,8 @@ use crate::scene::{NamedShape, Shape, Transform, Written, placed};
 /// A primitive in its place, in the coordinates of a frame; `None` for a shape POV-Ray does not
 /// know.
 ///
-/// The primitive itself, too, has a size of about 1, as POV-Ray intersects it in its own coordinates.
+/// The primitive itself, too, has a size of about 1, as POV-Ray intersects it in its own
+/// coordinates.
 pub(super) fn primitive(
     shape: &Shape,
     steps: &[Written<Transform>],

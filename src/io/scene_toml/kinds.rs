@@ -12,7 +12,8 @@ use serde::de::{
 
 /// Things of several kinds, each of which is an enum's variant with one value.
 pub(super) trait Kinds {
-    /// The thing, with one of its kinds as an example: `a shape, as in { sphere = { radius = 1 } }`.
+    /// The thing, with one of its kinds as an example:
+    /// `a shape, as in { sphere = { radius = 1 } }`.
     const EXAMPLE: &'static str;
     /// How two such things are written.
     const APART: &'static str;

@@ -10,7 +10,8 @@ use super::values::{Loose, Number, loosely};
 use crate::math::Shown;
 use crate::scene::Knots;
 
-/// `[0, 0, 1, 1]`; `[[0, 2], [1, 2]]` as value and multiplicity; a name; or `{ periodic = [0, 1, 2, 3] }`.
+/// `[0, 0, 1, 1]`; `[[0, 2], [1, 2]]` as value and multiplicity; a name; or
+/// `{ periodic = [0, 1, 2, 3] }`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct KnotList(pub(super) Knots);
 

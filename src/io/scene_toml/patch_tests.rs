@@ -220,8 +220,9 @@ fn nets_and_iso_curves_of_cages_and_triangles_lie_on_them() {
     let corner = world.surfaces.iter().find(|one| one.name == "net/point 1").unwrap();
     let middle = 0.5 * (corner.surface.point_at(DVec2::ZERO) + corner.surface.point_at(DVec2::Y));
     assert!(middle.distance(DVec3::splat(2.0)) < 1e-14, "moved with the box: {middle}");
-    // After a Doo–Sabin step there are three points for each triangle, which moves halfway to its middle. Each
-    // triangle has three edges of its own, and six that lead to its neighbours, which share them.
+    // After a Doo–Sabin step there are three points for each triangle, which moves halfway to its
+    // middle. Each triangle has three edges of its own, and six that lead to its neighbours, which
+    // share them.
     let refined = net.replace("'box'", "'box', steps = 1");
     let world = World::new(&scene(&format!("{cage}{refined}"))).unwrap();
     assert_eq!(world.surfaces.len(), 1 + 24 + 12);

@@ -1,7 +1,7 @@
 //! Better messages than the parser's for slips of the pen that are not TOML.
 //!
-//! What the parser expected is rarely what was meant. For the commonest slips, the text at the place
-//! of its complaint says more; where that is not certain, the parser's message stays.
+//! What the parser expected is rarely what was meant. For the commonest slips, the text at the
+//! place of its complaint says more; where that is not certain, the parser's message stays.
 
 use crate::math::Shown;
 
@@ -16,7 +16,8 @@ const LINE_GOES_ON: &str = "unexpected key or value, expected newline, `#`";
 /// Longer text is not repeated in messages.
 const LONGEST: usize = 40;
 
-/// Returns what is wrong at an offset of the text, where the parser says `message`, if that is plain.
+/// Returns what is wrong at an offset of the text, where the parser says `message`, if that is
+/// plain.
 pub(super) fn slip(message: &str, text: &str, offset: usize) -> Option<String> {
     let (before, after) = text.split_at_checked(offset)?;
     let before = before.rsplit('\n').next()?;
@@ -40,8 +41,8 @@ fn is_number(word: &str) -> bool {
     word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
 }
 
-/// Whether a word may be a group of digits of a longer number, as in `1,000,000`: three digits, the first a zero,
-/// which are no number of their own in TOML.
+/// Whether a word may be a group of digits of a longer number, as in `1,000,000`: three digits, the
+/// first a zero, which are no number of their own in TOML.
 fn is_group(word: &str) -> bool {
     word.len() == 3 && word.starts_with('0') && word.bytes().all(|byte| byte.is_ascii_digit())
 }

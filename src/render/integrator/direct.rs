@@ -37,8 +37,8 @@ struct Shaded {
 }
 
 impl Direct {
-    /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow rays are traced with
-    /// the coherence given with the tracer.
+    /// Finds the radiance of each camera ray from its first hit; returns what was traced. Shadow
+    /// rays are traced with the coherence given with the tracer.
     pub(super) fn light(
         &mut self,
         world: &World,

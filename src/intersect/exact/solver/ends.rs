@@ -10,8 +10,8 @@ use crate::intersect::exact::Rect;
 use crate::intersect::exact::contact::{self, Contact};
 
 impl ExactSolver {
-    /// Adds one contact that stands for all the spare boxes: from the first to the last place in them
-    /// where the ray may meet the leaf.
+    /// Adds one contact that stands for all the spare boxes: from the first to the last place in
+    /// them where the ray may meet the leaf.
     pub(super) fn search_ends(&mut self, problem: &Problem<'_>) {
         let (first, last) = (self.search_end(problem, 1.0), self.search_end(problem, -1.0));
         if let (Some(first), Some(last)) = (first, last) {
@@ -62,8 +62,8 @@ impl ExactSolver {
     }
 
     /// The direction across which to halve the box just looked at in the search for an end. At a
-    /// collapsed side it is the one that leads away from the side: halves across the other direction
-    /// would both contain the pole.
+    /// collapsed side it is the one that leads away from the side: halves across the other
+    /// direction would both contain the pole.
     fn end_axis(&self, problem: &Problem<'_>, rect: Rect, exhausted: [bool; 2]) -> usize {
         let spread = self.net.spread();
         let wanted = match problem.collapsed.filter(|_| self.at_collapsed_side(problem, rect)) {
@@ -95,8 +95,8 @@ impl ExactSolver {
         let first = solutions.len();
         for &solution in &self.isolated {
             let Proof::Isolated(rect) = solution.proof else { continue };
-            // One root found twice lies in both boxes. Of two roots near each other, rounding may put one into
-            // the other's box.
+            // One root found twice lies in both boxes. Of two roots near each other, rounding may
+            // put one into the other's box.
             let known = solutions[first..].iter().any(|other| match other.proof {
                 Proof::Isolated(its) => holds(rect, other.st) && holds(its, solution.st),
                 _ => false,
@@ -122,8 +122,8 @@ impl ExactSolver {
                 continue;
             }
             let middle = 0.5 * (ends[0] + ends[1]);
-            // Boxes at a pole may hold, to within rounding, only a line through it: the ray may pass
-            // that line away from the pole.
+            // Boxes at a pole may hold, to within rounding, only a line through it: the ray may
+            // pass that line away from the pole.
             let side = problem.collapsed.filter(|_| contact.collapsed);
             let pole = side.map(|side| side.beside(middle));
             let pole =
@@ -137,8 +137,8 @@ impl ExactSolver {
     }
 }
 
-/// This part of their trace is added to the diagonal of the normal equations: a direction counts where it moves the
-/// point by more than the root of this, 1e-5, of what the other direction does.
+/// This part of their trace is added to the diagonal of the normal equations: a direction counts
+/// where it moves the point by more than the root of this, 1e-5, of what the other direction does.
 const DAMPING: f64 = 1e-10;
 
 /// A place near `st`, within the problem's rectangle, where the surface is closest to the ray

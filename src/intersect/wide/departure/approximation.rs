@@ -151,8 +151,8 @@ impl Weights {
             by_y += size * j as f32;
         }
         let least = (1.0 - others).max(1.0 / fitted.heaviest());
-        // Numerators may be larger than the surface, and take as many roundings each; the weight takes as many
-        // again, and is multiplied with points; everything is divided by it.
+        // Numerators may be larger than the surface, and take as many roundings each; the weight
+        // takes as many again, and is multiplied with points; everything is divided by it.
         let [x, y, z, _] = sizes(simd, fitted);
         let numerators = (x + y + z) * reach_to(6) / (length_x + length_y);
         let terms = (numerators + 2.0 * (1.0 + others)) / (least * least);
@@ -160,8 +160,8 @@ impl Weights {
     }
 }
 
-/// Second derivatives of an approximation, by box coordinates times the lengths of the half sides: twice
-/// by the first, by both, twice by the second.
+/// Second derivatives of an approximation, by box coordinates times the lengths of the half sides:
+/// twice by the first, by both, twice by the second.
 pub(super) struct Bends<S: Simd> {
     /// Those of the height, in the middle of the leaf.
     height: [f32x16<S>; 3],
@@ -172,8 +172,8 @@ pub(super) struct Bends<S: Simd> {
 }
 
 impl<S: Simd> Bends<S> {
-    /// From the approximation's terms along the normal and across the ray: those of the numerators minus the point at
-    /// the start times the weight.
+    /// From the approximation's terms along the normal and across the ray: those of the numerators
+    /// minus the point at the start times the weight.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -241,8 +241,8 @@ impl<S: Simd> Bends<S> {
         splat(simd, 0.5) * (xx + yy + apart.mul_add(apart, twice * twice).sqrt())
     }
 
-    /// How fast the distance across the ray grows, times the weight; and an upper bound of the height's second
-    /// derivative in the one direction in which that distance does not grow.
+    /// How fast the distance across the ray grows, times the weight; and an upper bound of the
+    /// height's second derivative in the one direction in which that distance does not grow.
     #[inline(always)]
     pub(super) fn ahead(&self, simd: S, plane: &Plane<S>) -> (f32x16<S>, f32x16<S>) {
         let ([xx, xy, yy], more) = (self.height, self.more);
@@ -254,8 +254,8 @@ impl<S: Simd> Bends<S> {
         (speed * plane.weight, at + off)
     }
 
-    /// A bound of what second derivatives add to the distance across the ray, over the distance of two places, which
-    /// are at most this far apart.
+    /// A bound of what second derivatives add to the distance across the ray, over the distance of
+    /// two places, which are at most this far apart.
     #[inline(always)]
     pub(super) fn bent_aside(&self, simd: S, [far_x, far_y]: [f32x16<S>; 2]) -> f32x16<S> {
         let bent = splat(simd, 0.5) * self.aside[0].mul_add(far_x, self.aside[2] * far_y);
