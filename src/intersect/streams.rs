@@ -1,11 +1,11 @@
-//! First hits of many incoherent rays.
+//! First hits of many incoherent rays, and whether anything lies on them.
 
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 
 use super::singles::Certain;
-use super::wide::{FLIGHTS, trace_stream};
-use super::{Answer, Shot, Tracer};
+use super::wide::{FLIGHTS, Wanted, trace_stream};
+use super::{Answer, Occlusion, Shot, Tracer};
 
 impl Tracer<'_> {
     /// First hits of many rays, appended to `answers`.
@@ -17,7 +17,7 @@ impl Tracer<'_> {
     ) {
         answers.reserve(shots.len());
         for shots in shots.chunks(FLIGHTS) {
-            dispatch!(level, simd => trace(simd, self, shots));
+            dispatch!(level, simd => trace(simd, self, shots, Wanted::First));
             let first = answers.len();
             answers.extend(shots.iter().map(|_| Answer::default()));
             // Which rays have hits is unpredictable, so their indices are collected without a
@@ -41,10 +41,32 @@ impl Tracer<'_> {
             }
         }
     }
+
+    /// Whether anything lies on each of many rays, appended to `answers`.
+    pub(super) fn occlusions_in_streams<Q: Shot>(
+        &mut self,
+        level: Level,
+        shots: &[Q],
+        answers: &mut Vec<Occlusion>,
+    ) {
+        answers.reserve(shots.len());
+        for shots in shots.chunks(FLIGHTS) {
+            dispatch!(level, simd => trace(simd, self, shots, Wanted::Any));
+            for (k, shot) in shots.iter().enumerate() {
+                let occluded = self.stream.is_met(k);
+                answers.push(if self.stream.is_alone(k) && !occluded {
+                    self.findings.statistics.uncount();
+                    self.single_any(level, shot)
+                } else {
+                    Occlusion { occluded, doubtful: false }
+                });
+            }
+        }
+    }
 }
 
 #[simd]
-fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q]) {
+fn trace<S: Simd, Q: Shot>(simd: S, tracer: &mut Tracer<'_>, shots: &[Q], wanted: Wanted) {
     tracer.findings.statistics.rays += shots.len() as u64;
-    trace_stream(simd, &tracer.bvh.view(), shots, &mut tracer.stream);
+    trace_stream(simd, &tracer.bvh.view(), shots, wanted, &mut tracer.stream);
 }

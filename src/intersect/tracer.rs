@@ -183,7 +183,8 @@ impl<'a> Tracer<'a> {
 
     /// Occlusion of many rays; `answers` is cleared and filled in the same order.
     ///
-    /// Coherent rays are traced in packets, if the kernel supports it; incoherent rays one by one.
+    /// If the kernel supports it, coherent rays are traced in packets. Incoherent rays are traced one
+    /// by one or, in scenes too large for the processor's caches, side by side in streams.
     pub fn occlusions<Q: Shot>(
         &mut self,
         shots: &[Q],
@@ -194,6 +195,9 @@ impl<'a> Tracer<'a> {
         match self.level {
             Some(level) if coherence == Coherence::Coherent => {
                 self.occlusions_in_packets(level, shots, answers);
+            }
+            Some(level) if self.bvh.view().is_far() => {
+                self.occlusions_in_streams(level, shots, answers);
             }
             Some(level) => self.single_anys(level, shots, answers),
             None => answers.extend(shots.iter().map(|shot| self.occluded(shot))),

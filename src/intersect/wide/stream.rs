@@ -61,6 +61,8 @@ pub(in crate::intersect) struct Stream {
     pairs: Vec<Pair>,
     lanes: Box<PairLanes>,
     single: SingleWork,
+    /// What is asked for now.
+    wanted: Wanted,
     /// Of boxes and pairs.
     statistics: Statistics,
 }
@@ -93,14 +95,16 @@ impl Stream {
     }
 }
 
-/// Finds the nearest certified hit of each of up to [`FLIGHTS`] rays.
+/// Finds the nearest certified hit of each of up to [`FLIGHTS`] rays, or any of each.
 #[simd]
 pub(in crate::intersect) fn trace_stream<S: Simd, Q: Shot>(
     simd: S,
     view: &BvhView<'_>,
     shots: &[Q],
+    wanted: Wanted,
     stream: &mut Stream,
 ) {
+    stream.wanted = wanted;
     start(simd, view, shots, stream);
     while !stream.waiting.is_empty() {
         stream.pairs.clear();
@@ -228,7 +232,7 @@ fn look_at_blocks<S: Simd, Q: Shot>(
     stream: &mut Stream,
     seen: &mut Seen,
 ) {
-    let Stream { flights, walking, waiting, blocks, pairs, single, .. } = stream;
+    let Stream { flights, walking, waiting, blocks, pairs, single, wanted, .. } = stream;
     for visits in blocks.all().chunks(AT_ONCE) {
         for (&(k, index), crossings) in visits.iter().zip(&mut seen.crossings) {
             let block = &view.tree.blocks[index as usize];
@@ -239,10 +243,10 @@ fn look_at_blocks<S: Simd, Q: Shot>(
         }
         for (&(k, index), crossings) in visits.iter().zip(&seen.crossings) {
             let (shot, flight) = (&shots[k as usize], &mut flights[k as usize]);
-            let asked = StreamRay { view, ray: shot.ray(), start: start_of(shot), index: k };
+            let asked = StreamRay::new(view, shot, *wanted, k);
             let before = pairs.len();
             asked.look_at(simd, (index, crossings), flight, pairs, single);
-            if flight.alone {
+            if flight.alone || flight.is_done() {
                 pairs.truncate(before);
             } else if pairs.len() > before {
                 waiting.push(k);
@@ -320,11 +324,17 @@ struct StreamRay<'a> {
     view: &'a BvhView<'a>,
     ray: &'a Ray,
     start: Start<'a>,
+    wanted: Wanted,
     /// Which ray of the batch.
     index: u32,
 }
 
-impl StreamRay<'_> {
+impl<'a> StreamRay<'a> {
+    #[inline(always)]
+    fn new<Q: Shot>(view: &'a BvhView<'a>, shot: &'a Q, wanted: Wanted, index: u32) -> Self {
+        Self { view, ray: shot.ray(), start: start_of(shot), wanted, index }
+    }
+
     /// Examines the leaves of a block whose boxes the ray meets.
     #[simd]
     fn look_at<S: Simd>(
@@ -378,13 +388,12 @@ impl StreamRay<'_> {
         single: &mut SingleWork,
     ) {
         let frame = RayFrame::new(self.ray);
-        let mut ray =
-            SingleRay::new(&frame, self.start.from, Wanted::First, self.view.tree.frame());
+        let mut ray = SingleRay::new(&frame, self.start.from, self.wanted, self.view.tree.frame());
         single.clear();
         search_ahead(simd, self.view, leaf, (guess, error), (&mut ray, &mut *single));
         flight.alone |= !single.undecided.is_empty();
         if let Some(hit) = single.hit()
-            && flight.takes(self.view, &hit.place())
+            && flight.takes(self.view, &hit.place(), self.wanted)
         {
             flight.hit = *hit;
         }
@@ -413,14 +422,23 @@ impl Flight {
         self.scale = scaled.scale;
     }
 
-    /// Whether a hit is the nearest so far; if so, ends the ray there.
+    /// Whether nothing more is asked for.
     #[inline(always)]
-    fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace) -> bool {
+    fn is_done(&self) -> bool {
+        self.boxes.far == f32::NEG_INFINITY
+    }
+
+    /// Whether a hit is the nearest so far; if so, ends the ray there or, if any will do, at once.
+    #[inline(always)]
+    fn takes(&mut self, view: &BvhView<'_>, hit: &HitPlace, wanted: Wanted) -> bool {
         let known = self.hit.place();
         match keep(hit, view, self.met.then_some(&known)) {
             Kept::Nearer => {
-                self.boxes.far = Wanted::First.far(hit.z, self.shift, self.scale);
+                self.boxes.far = wanted.far(hit.z, self.shift, self.scale);
                 self.met = true;
+                if self.is_done() {
+                    self.stack.clear();
+                }
                 return true;
             }
             Kept::Not => {}
@@ -433,7 +451,7 @@ impl Flight {
 /// Searches all pairs added so far, those of one form together.
 #[simd]
 fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stream: &mut Stream) {
-    let Stream { flights, pairs, lanes, single, statistics, .. } = stream;
+    let Stream { flights, pairs, lanes, single, statistics, wanted, .. } = stream;
     if pairs.windows(2).any(|pair| pair[0].form != pair[1].form) {
         pairs.sort_by_key(|pair| pair.form);
     }
@@ -448,13 +466,12 @@ fn search_pairs<S: Simd, Q: Shot>(simd: S, view: &BvhView<'_>, shots: &[Q], stre
             let flight = &mut flights[pair.ray as usize];
             flight.alone |= has(outcomes.undecided, lane);
             if has(outcomes.met, lane) {
-                if flight.takes(view, &lanes.place(lane, pair.leaf)) {
+                if flight.takes(view, &lanes.place(lane, pair.leaf), *wanted) {
                     lanes.put(lane, pair.leaf, &mut flight.hit);
                 }
             } else if has(outcomes.unconverged, lane) {
                 let shot = &shots[pair.ray as usize];
-                let ray = shot.ray();
-                let asked = StreamRay { view, ray, start: start_of(shot), index: pair.ray };
+                let asked = StreamRay::new(view, shot, *wanted, pair.ray);
                 let patch = &view.piece_of(pair.leaf).patch;
                 let error = patch.error_bound(flight.magnitude);
                 asked.search(simd, pair.leaf, (None, error), flight, single);

@@ -46,7 +46,7 @@ impl<'a> BvhView<'a> {
     /// Whether data needed soon are worth prefetching, stage by stage: leaves, their pieces, and
     /// the control points of these.
     #[inline(always)]
-    pub(super) fn is_far(&self) -> bool {
+    pub(in crate::intersect) fn is_far(&self) -> bool {
         self.leaves.len() >= FAR
     }
 

@@ -3,8 +3,9 @@
 use super::frames::END_SPARE;
 
 /// What a ray asks for: its first hit, or any hit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::intersect) enum Wanted {
+    #[default]
     First,
     Any,
 }
